@@ -1,0 +1,66 @@
+"""Every physical number of the simulator, with its unit. Defaults are the paper's (section III-A)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class SimConfig:
+    """The world's rules. Impossible values raise ValueError, naming the field."""
+
+    dt: float = 0.1
+    """Duration of a step [s]."""
+    horizon: int = 500
+    """Steps until an episode times out."""
+    pedestrians: int = 12
+    """People in an episode."""
+    jaywalk_multiplier: float = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this (equation 1)."""
+    slowest_walk: float = 1.0
+    """Walking speed of the slowest pedestrian [m/s]."""
+    fastest_walk: float = 2.0
+    """Walking speed of the fastest pedestrian [m/s]."""
+    wheelbase: float = 2.5
+    """Distance between the car's axles [m]."""
+    max_speed: float = 8.33
+    """The car's top speed [m/s]."""
+    max_steering: float = 0.52
+    """Largest steering angle [rad]."""
+    max_acceleration: float = 3.0
+    """Largest acceleration and braking of the car [m/s2]; the paper is silent."""
+    offroad_margin: float = 0.5
+    """A car off the road is put back this far inside it [m]."""
+    offroad_speed: float = 0.3
+    """Share of its speed that a car put back on the road keeps."""
+    collision_distance: float = 1.5
+    """Centres of car and pedestrian closer than this collide [m]."""
+    goal_distance: float = 3.0
+    """The car has arrived within this distance of its goal [m]."""
+    moving_speed: float = 0.5
+    """A car at this speed or more is moving when a collision happens [m/s]."""
+    start_clearance: float = 10.0
+    """No pedestrian starts closer to the car than this [m]."""
+    goal_spacing: float = 20.0
+    """Each goal of a pedestrian is at least this much walking away from the last [m]."""
+    kerb_distance: float = 1.5
+    """A pedestrian whose path enters a roadway within this distance is at the kerb [m]."""
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be simulated."""
+        positive = (
+            "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
+            "collision_distance", "goal_distance", "kerb_distance",
+        )  # fmt: skip
+        for name in positive:
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} must be above 0, not {getattr(self, name)}")
+        for name in ("jaywalk_multiplier", "offroad_margin", "moving_speed", "start_clearance", "goal_spacing"):
+            if not getattr(self, name) >= 0:
+                raise ValueError(f"{name} must be 0 or more, not {getattr(self, name)}")
+        if not self.slowest_walk <= self.fastest_walk:
+            raise ValueError(f"fastest_walk must be at least slowest_walk ({self.slowest_walk} m/s)")
+        if not 0 <= self.offroad_speed <= 1:
+            raise ValueError(f"offroad_speed must lie in [0, 1], not {self.offroad_speed}")
+        if not 0 < self.max_steering < 1.5:
+            raise ValueError(f"max_steering must lie in (0, 1.5) rad, not {self.max_steering}")

@@ -1,0 +1,62 @@
+"""What leaves the simulator: episodes as plain arrays in the order time, episode, pedestrian."""
+
+from __future__ import annotations
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+NO_CROSSING, CROSSWALK, JAYWALK = 0, 1, 2
+"""How a pedestrian has decided to make its next (or current) crossing; NO_CROSSING: not decided yet."""
+
+
+class Trajectory(eqx.Module):
+    """Recorded episodes. Frame 0 is the start, frame k the world after k steps; frames after ``length`` are padding."""
+
+    dt: float = eqx.field(static=True)
+    """Duration of a step [s]."""
+    scenario: Int[np.ndarray, "episode"]
+    """Which scenario of the set each episode played."""
+    length: Int[np.ndarray, "episode"]
+    """Steps played; the last real frame."""
+    goal: Bool[np.ndarray, "episode"]
+    """The episode ended with the car at its goal."""
+    collision: Bool[np.ndarray, "episode"]
+    """The episode ended with a collision. Neither goal nor collision: a timeout."""
+    touched: Bool[np.ndarray, "episode ped"]
+    """Whom the car collided with, in the last frame."""
+
+    goal_x: Float[np.ndarray, "episode"]
+    """Where the car is to go [m]."""
+    goal_y: Float[np.ndarray, "episode"]
+    car_x: Float[np.ndarray, "frame episode"]
+    """Centre of the car [m]."""
+    car_y: Float[np.ndarray, "frame episode"]
+    car_cos: Float[np.ndarray, "frame episode"]
+    """Heading of the car, as its cosine and sine."""
+    car_sin: Float[np.ndarray, "frame episode"]
+    car_speed: Float[np.ndarray, "frame episode"]
+    """[m/s]"""
+    car_acceleration: Float[np.ndarray, "frame episode"]
+    """Acceleration commanded in the step that led to the frame [m/s2]; 0 in frame 0."""
+
+    jaywalking_tendency: Float[np.ndarray, "episode ped"]
+    """The trait tau in [0, 1]."""
+    ped_x: Float[np.ndarray, "frame episode ped"]
+    """[m]"""
+    ped_y: Float[np.ndarray, "frame episode ped"]
+    ped_vx: Float[np.ndarray, "frame episode ped"]
+    """Velocity in the step that led to the frame [m/s]."""
+    ped_vy: Float[np.ndarray, "frame episode ped"]
+    on_roadway: Bool[np.ndarray, "frame episode ped"]
+    """Between the kerbs, on a crosswalk or off it."""
+    on_crosswalk: Bool[np.ndarray, "frame episode ped"]
+    """Inside a crosswalk's rectangle."""
+    crossing: Int[np.ndarray, "frame episode ped"]
+    """NO_CROSSING, CROSSWALK or JAYWALK: the decision about the next or current crossing."""
+    decisions: Int[np.ndarray, "frame episode ped"]
+    """How many crossings the pedestrian has decided about so far."""
+    at_kerb: Bool[np.ndarray, "frame episode ped"]
+    """On a sidewalk, about to enter a roadway (within ``kerb_distance`` of walking)."""
+    going: Bool[np.ndarray, "frame episode ped"]
+    """The go (true) or wait output in the step that led to the frame; true in frame 0."""
