@@ -1,0 +1,8 @@
+"""The world as data: map files, the loader that refuses wrong ones, and the arrays the simulator sees."""
+
+from jaxwalk.maps.file import MapError
+from jaxwalk.maps.load import bundled_maps, load_map
+from jaxwalk.maps.road_map import ROUTE_SPACING, RoadMap
+from jaxwalk.maps.tables import stack_maps
+
+__all__ = ["ROUTE_SPACING", "MapError", "RoadMap", "bundled_maps", "load_map", "stack_maps"]

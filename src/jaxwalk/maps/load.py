@@ -1,0 +1,47 @@
+"""Reading a map by name or path."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from jaxwalk.maps.check import find_faults
+from jaxwalk.maps.file import MapError, parse
+from jaxwalk.maps.road_map import RoadMap
+from jaxwalk.maps.tables import build
+
+
+def bundled_maps() -> list[str]:
+    """Names of the maps that come with jaxwalk."""
+    folder = resources.files("jaxwalk.maps")
+    return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clearance: float = 10.0) -> RoadMap:
+    """The map of a bundled name, or of a path that ends in ``.toml``, as numpy arrays (float32, int32, bool).
+
+    ``goal_spacing`` and ``start_clearance`` [m] are those of SimConfig. Raises MapError, naming every fault, if the
+    map can't be read or is wrong.
+    """
+    file = parse(_read(name_or_path), str(name_or_path))
+    faults = find_faults(file, goal_spacing=goal_spacing, start_clearance=start_clearance)
+    if faults:
+        raise MapError(str(name_or_path), faults)
+    return build(file, goal_spacing=goal_spacing, start_clearance=start_clearance)
+
+
+def _read(name_or_path: str | Path) -> str:
+    """The text of a map. MapError if there is none."""
+    source = str(name_or_path)
+    names = bundled_maps()
+    if source in names:
+        return resources.files("jaxwalk.maps").joinpath(f"{source}.toml").read_text(encoding="utf-8")
+    if not source.endswith(".toml"):
+        known = ", ".join(names)
+        raise MapError(source, [f"no such map: use a bundled one ({known}) or the path of a file that ends in .toml"])
+    try:
+        return Path(source).read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise MapError(source, ["not UTF-8 text: save the file as UTF-8"]) from None
+    except OSError as error:
+        raise MapError(source, [f"cannot be read ({error.strerror}): check the path"]) from None

@@ -1,0 +1,46 @@
+"""The surfaces of a map as shapes, for the checks."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from jaxwalk.maps.file import MapFile
+from jaxwalk.maps.navigation import NEARLY
+
+
+class Scene(NamedTuple):
+    """Shapes by name, and their unions [m]."""
+
+    roads: dict[str, BaseGeometry]
+    sidewalks: dict[str, BaseGeometry]
+    crosswalks: dict[str, BaseGeometry]
+    roadway: BaseGeometry
+    """All roads."""
+    pavement: BaseGeometry
+    """All sidewalks."""
+
+    @classmethod
+    def of(cls, file: MapFile) -> Scene:
+        """The scene of a map file."""
+        roads = {name: shapely.box(*area) for name, area in file.roads.items()}
+        sidewalks = {name: shapely.box(*area) for name, area in file.sidewalks.items()}
+        crosswalks = {name: shapely.box(*crosswalk.area) for name, crosswalk in file.crosswalks.items()}
+        union = shapely.union_all
+        return cls(roads, sidewalks, crosswalks, union(list(roads.values())), union(list(sidewalks.values())))
+
+    def on_foot(self, shape: BaseGeometry, *, crosswalks: bool) -> bool:
+        """Whether a shape lies wholly on sidewalks, or on sidewalks and crosswalks."""
+        ground = self.pavement
+        if crosswalks:
+            ground = shapely.union_all([ground, *self.crosswalks.values()])
+        return bool(ground.buffer(NEARLY).covers(shape))
+
+    def room_on_road(self, points: np.ndarray) -> np.ndarray:
+        """Distance from each of float64 (point, 2) to the roads' outer edge [m]; negative off the road."""
+        shapes = shapely.points(points)
+        distance = shapely.distance(self.roadway.boundary, shapes)
+        return np.where(shapely.covers(self.roadway, shapes), distance, -distance)
