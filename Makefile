@@ -1,0 +1,71 @@
+# Needs python3 (3.11 or newer, with venv and pip) and make; `make` alone lists the targets.
+
+PYTHON ?= python3
+JOBS ?= $(shell $(PYTHON) -c 'import os; print(min(os.cpu_count() or 1, 8))')
+
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+UV := $(shell command -v uv 2>/dev/null || echo $(BIN)/uv)
+
+.DEFAULT_GOAL := help
+.PHONY: help install check lint types contracts test format reproduce bench wheel lock clean
+
+help:  ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+
+install: $(INSTALLED)  ## make .venv and install the pinned dependencies and jaxwalk itself (editable)
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "jaxwalk needs Python 3.11 or newer, and '$(PYTHON)' is not one: name one, as in 'make install PYTHON=python3.12'" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+$(BIN)/uv: | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+
+$(INSTALLED): pyproject.toml requirements/core.txt requirements/dev.txt | $(BIN)/python $(UV)
+	$(UV) pip install --quiet --python $(BIN)/python -r requirements/dev.txt
+	$(UV) pip install --quiet --python $(BIN)/python --no-deps --editable .
+	@touch $@
+
+check: lint types contracts  ## lint, types and contracts
+
+lint: install  ## ruff: mistakes, docstrings, layout
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+
+types: install  ## pyright
+	$(BIN)/pyright
+
+contracts: install  ## import-linter: which room may import which
+	$(BIN)/lint-imports --no-logo --no-cache
+
+test: install  ## pytest, in JOBS processes (default: one for each core, at most 8)
+	$(BIN)/pytest -n $(JOBS)
+
+format: install  ## let ruff tidy the code
+	$(BIN)/ruff check --fix-only
+	$(BIN)/ruff format
+
+reproduce: install  ## the paper's tables and figures again, into runs/reproduce
+	$(BIN)/jaxwalk reproduce --out runs/reproduce
+
+bench: install  ## how fast the environment is on this machine
+	$(BIN)/python -m benchmarks.environment
+
+wheel: install  ## build dist/*.whl
+	rm -rf dist
+	$(UV) build --quiet --wheel --out-dir dist
+
+# core is held to what dev chose, so that the two lists always agree. No list names a package index.
+COMPILE = $(UV) pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --no-emit-find-links \
+	--no-annotate --custom-compile-command 'make lock' pyproject.toml
+
+lock: | $(UV)  ## choose the newest versions anew and pin them in requirements/
+	$(COMPILE) --upgrade --extra dev -o requirements/dev.txt
+	$(COMPILE) --upgrade --constraint requirements/dev.txt -o requirements/core.txt
+
+clean:  ## remove what was built and cached; .venv and runs stay
+	rm -rf build dist site .pytest_cache .ruff_cache .hypothesis htmlcov .coverage*
+	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +

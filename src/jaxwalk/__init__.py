@@ -1,0 +1,54 @@
+"""jaxwalk: how does a self-driving car behave among people who may jaywalk?
+
+The public names, lazily: ``import jaxwalk`` loads no JAX; the first use of a name loads what that name needs.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jaxwalk.evaluation import evaluate as evaluate
+    from jaxwalk.interfaces import ByRole as ByRole
+    from jaxwalk.learning import train as train
+    from jaxwalk.maps import load_map as load_map
+    from jaxwalk.metrics import measure as measure
+    from jaxwalk.metrics import summarise as summarise
+    from jaxwalk.policies import load_policy as load_policy
+    from jaxwalk.sim.config import SimConfig as SimConfig
+    from jaxwalk.sim.environment import Street as Street
+    from jaxwalk.sim.trajectory import Trajectory as Trajectory
+
+    __version__: str
+
+# Public name -> the module that holds it. A new name goes here and, for type checkers, in the imports above.
+_HOMES = {
+    "ByRole": "jaxwalk.interfaces",
+    "SimConfig": "jaxwalk.sim.config",
+    "Street": "jaxwalk.sim.environment",
+    "Trajectory": "jaxwalk.sim.trajectory",
+    "evaluate": "jaxwalk.evaluation",
+    "load_map": "jaxwalk.maps",
+    "load_policy": "jaxwalk.policies",
+    "measure": "jaxwalk.metrics",
+    "summarise": "jaxwalk.metrics",
+    "train": "jaxwalk.learning",
+}
+
+__all__ = [*_HOMES, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll] (each import above re-exports itself)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        value = version("jaxwalk")
+    elif name in _HOMES:
+        value = getattr(import_module(_HOMES[name]), name)
+    else:
+        raise AttributeError(f"module 'jaxwalk' has no attribute {name!r}")
+    globals()[name] = value  # the next use is an ordinary look-up
+    return value
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

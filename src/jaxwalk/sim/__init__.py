@@ -1,0 +1,1 @@
+"""One episode's physics and rules: scenario in, states and events out. Start at `environment.py`."""
