@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.file import Crosswalk, MapFile, Side
 from jaxwalk.maps.navigation import NEARLY, Graph
@@ -24,7 +25,7 @@ def crossing_faults(file: MapFile, scene: Scene, graph: Graph) -> list[str]:
     for name, crosswalk in file.crosswalks.items():
         field = f"crosswalks.{name}"
         road = _spanned(crosswalk, file)
-        if road is None or crosswalk_leaves(scene, name, road):
+        if road is None or _in_junction(scene, name, road):
             faults.append(f"{field}.area: doesn't span one road from kerb to kerb, clear of junctions; "
                           "let it end exactly at both kerbs of one arm")  # fmt: skip
             continue
@@ -32,14 +33,14 @@ def crossing_faults(file: MapFile, scene: Scene, graph: Graph) -> list[str]:
             continue  # named among the unknown waypoints
         own = _landing_faults(field, crosswalk, road, file, scene)
         own += _side_faults(field, crosswalk, road, file, graph)
-        faults += own or _clear_faults(field, name, crosswalk, road, file, scene)
+        faults += own or _clear_faults(field, crosswalk, road, file, scene)
     return faults
 
 
-def crosswalk_leaves(scene: Scene, name: str, road: Road) -> bool:
+def _in_junction(scene: Scene, name: str, road: Road) -> bool:
     """Whether a crosswalk lies partly on another road than its own, that is, in a junction."""
     area = scene.crosswalks[name]
-    return any(area.intersection(shape).area > NEARLY for other, shape in scene.roads.items() if other != road.name)
+    return any(_overlap(area, shape) for other, shape in scene.roads.items() if other != road.name)
 
 
 def _shared_faults(file: MapFile, scene: Scene) -> list[str]:
@@ -47,7 +48,7 @@ def _shared_faults(file: MapFile, scene: Scene) -> list[str]:
     faults = [
         f"crosswalks.{a} and crosswalks.{b}: overlap; move them apart"
         for (a, area), (b, other) in combinations(scene.crosswalks.items(), 2)
-        if area.intersection(other).area > NEARLY
+        if _overlap(area, other)
     ]
     landings = [side.landing for crosswalk in file.crosswalks.values() for side in crosswalk.sides]
     faults += [
@@ -94,8 +95,8 @@ def _side_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, gr
     faults = []
     units = []
     for number, side in enumerate(crosswalk.sides):
-        if side.landing == side.outer:
-            faults.append(f"{field}.sides[{number}].outer: the landing itself; name its neighbour along the kerb")
+        if file.waypoints[side.landing] == file.waypoints[side.outer]:
+            faults.append(f"{field}.sides[{number}].outer: where the landing is; name its neighbour along the kerb")
             continue
         own, unit = _zone_faults(crosswalk, side, road, file, graph)
         faults += [f"{field}.sides[{number}].{fault}" for fault in own]
@@ -110,7 +111,7 @@ def _zone_faults(
 ) -> tuple[list[str], np.ndarray]:
     """Faults of one side, and the unit vector (2,) of its zone."""
     faults = []
-    unit, near, far = zone_from_landing(crosswalk, side, file.waypoints)
+    unit, _, far = zone_from_landing(crosswalk, side, file.waypoints)
     if abs(abs(unit[road.axis]) - 1) > NEARLY:
         faults.append("outer: not along the landing's kerb; name its neighbour on the same kerb")
     landing = np.array(file.waypoints[side.landing])
@@ -126,7 +127,8 @@ def _zone_faults(
         faults.append(f"zone: must be [from, to] with {ZONE[0]:g} <= from < to <= {ZONE[1]:g} m")
     length = float(np.linalg.norm(np.array(file.waypoints[side.outer]) - landing))
     if far >= length - NEARLY:
-        faults.append(f"zone: reaches past {side.outer}; end it before {length - (far - high):g}, or move that waypoint")
+        limit = length - (far - high)
+        faults.append(f"zone: reaches past {side.outer}; end it before {limit:g}, or move that waypoint")
     return faults, unit
 
 
@@ -137,9 +139,7 @@ def _neighbours(graph: Graph, landing: str) -> list[str]:
     return [graph.names[other] for other in joined if other < graph.waypoints]
 
 
-def _clear_faults(
-    field: str, name: str, crosswalk: Crosswalk, road: Road, file: MapFile, scene: Scene
-) -> list[str]:
+def _clear_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, scene: Scene) -> list[str]:
     """Every straight line between the two zones stays on sidewalks and this road, off crosswalks and other roads."""
     ends = []
     for side in crosswalk.sides:
@@ -155,6 +155,6 @@ def _clear_faults(
     return faults
 
 
-def _overlap(a: shapely.Geometry, b: shapely.Geometry) -> bool:
+def _overlap(a: BaseGeometry, b: BaseGeometry) -> bool:
     """Whether two shapes share an area."""
     return a.intersection(b).area > NEARLY

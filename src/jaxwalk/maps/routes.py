@@ -1,4 +1,4 @@
-"""Lane routes for the car: the shortest way over the road centre lines, moved into the right-hand lane, corners rounded.
+"""Lane routes for the car: the shortest way over the centre lines, moved into the right-hand lane, corners rounded.
 
 Roads are axis-aligned rectangles whose longer side is their direction. Two perpendicular roads that overlap or share a
 piece of edge form a junction where their (extended) centre lines meet.

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from jaxwalk.maps.file import MapFile
+from jaxwalk.maps.file import MapFile, Rectangle
 from jaxwalk.maps.navigation import NEARLY
 
 
@@ -26,9 +26,9 @@ class Scene(NamedTuple):
     @classmethod
     def of(cls, file: MapFile) -> Scene:
         """The scene of a map file."""
-        roads = {name: shapely.box(*area) for name, area in file.roads.items()}
-        sidewalks = {name: shapely.box(*area) for name, area in file.sidewalks.items()}
-        crosswalks = {name: shapely.box(*crosswalk.area) for name, crosswalk in file.crosswalks.items()}
+        roads = _boxes(file.roads)
+        sidewalks = _boxes(file.sidewalks)
+        crosswalks = _boxes({name: crosswalk.area for name, crosswalk in file.crosswalks.items()})
         union = shapely.union_all
         return cls(roads, sidewalks, crosswalks, union(list(roads.values())), union(list(sidewalks.values())))
 
@@ -44,3 +44,8 @@ class Scene(NamedTuple):
         shapes = shapely.points(points)
         distance = shapely.distance(self.roadway.boundary, shapes)
         return np.where(shapely.covers(self.roadway, shapes), distance, -distance)
+
+
+def _boxes(rectangles: dict[str, Rectangle]) -> dict[str, BaseGeometry]:
+    """Rectangles as shapes."""
+    return {name: shapely.box(*area) for name, area in rectangles.items()}

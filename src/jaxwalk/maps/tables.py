@@ -27,7 +27,7 @@ _PADDING: dict[str, Any] = {
 def build(file: MapFile, *, goal_spacing: float, start_clearance: float) -> RoadMap:
     """The arrays (numpy, float32 and int32) of a map file that has passed the checks."""
     graph = build_graph(file)
-    arrays = {
+    arrays: dict[str, Any] = {
         "width": file.size[0],
         "height": file.size[1],
         "roads": list(file.roads.values()),
@@ -37,7 +37,8 @@ def build(file: MapFile, *, goal_spacing: float, start_clearance: float) -> Road
         **_crossing(file, graph),
         **_driving(file, graph, start_clearance),
     }
-    return RoadMap(**{name: _compact(value) for name, value in arrays.items()})
+    compact: dict[str, Any] = {name: _compact(value) for name, value in arrays.items()}
+    return RoadMap(**compact)
 
 
 def stack_maps(maps: Sequence[RoadMap]) -> RoadMap:
