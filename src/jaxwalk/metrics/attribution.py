@@ -1,0 +1,108 @@
+"""Whether jaywalking has more than its share of the collisions, given its share of crossings and of time at risk."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int
+
+from jaxwalk.metrics.crossings import TYPES, Crossings, RoadSteps
+from jaxwalk.metrics.statistics import Estimate, interval, ratio
+from jaxwalk.sim import events
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """One row per episode: how much crossing there was, by type."""
+
+    crossings: Int[np.ndarray, "episode type"]
+    road_frames: Int[np.ndarray, "episode type"]
+    """Frames on a roadway, of all pedestrians together."""
+    near_frames: Int[np.ndarray, "episode type"]
+    """Those of them with the car within 20 m."""
+
+
+@dataclass(frozen=True)
+class Risk:
+    """Collisions with people on a roadway, set against one measure of exposure."""
+
+    exposure_crosswalk: float
+    """Exposure of crosswalk users, in the unit of the measure."""
+    exposure_jaywalk: float
+    share: Estimate
+    """Jaywalking's share of the exposure; the count is the exposure itself, rounded down."""
+    crosswalk: Estimate
+    """Collisions per unit of exposure; the count is of collisions."""
+    jaywalk: Estimate
+    ratio: Estimate
+    """Jaywalk rate over crosswalk rate: 1 if jaywalking is no more dangerous; the count is of collisions of both."""
+
+
+@dataclass(frozen=True)
+class Attribution:
+    """Jaywalking among the collisions with people on a roadway, and the same on four scales of exposure."""
+
+    share: Estimate
+    """Jaywalking's share of the collisions with people on a roadway; the count is of those collisions."""
+    per_crossing: Risk
+    per_encounter: Risk
+    per_second: Risk
+    """Per second that one pedestrian spends on a roadway."""
+    per_second_near: Risk
+    """Per second that one pedestrian spends on a roadway with the car within 20 m."""
+
+
+def measure_exposure(trajectory: Trajectory, crossings: Crossings, steps: RoadSteps) -> Exposure:
+    """Crossings, and frames on a roadway, of each episode."""
+    episodes = len(trajectory.length)
+    near = steps.distance <= events.ENCOUNTER_DISTANCE
+    return Exposure(
+        crossings=_by_type(crossings.episode, crossings.type, episodes),
+        road_frames=_by_type(steps.episode, steps.type, episodes),
+        near_frames=_by_type(steps.episode[near], steps.type[near], episodes),
+    )
+
+
+def _by_type(episode: np.ndarray, kind: np.ndarray, episodes: int) -> Int[np.ndarray, "episode type"]:
+    """How many rows each episode has of each type."""
+    count = np.bincount(episode.astype(np.int64) * len(TYPES) + kind - 1, minlength=episodes * len(TYPES))
+    return count.reshape(episodes, len(TYPES)).astype(np.int32)
+
+
+def exposure_columns(table: Exposure, *, dt: float) -> dict[str, np.ndarray]:
+    """The columns to be resampled, each (episode, type)."""
+    return {
+        "crossings": table.crossings,
+        "road_time": table.road_frames * dt,
+        "near_time": table.near_frames * dt,
+    }
+
+
+def summarise_attribution(sums: dict[str, np.ndarray]) -> Attribution:
+    """Attribution; ``sums`` are the resampled sums of ``exposure_columns``, outcome and encounter columns."""
+    hits = sums["contacts"][:, : len(TYPES)]
+    both = hits.sum(axis=1)
+    return Attribution(
+        share=interval(ratio(hits[:, JAYWALK - 1], both), both[0]),
+        per_crossing=_risk(hits, sums["crossings"]),
+        per_encounter=_risk(hits, sums["encounters"]),
+        per_second=_risk(hits, sums["road_time"]),
+        per_second_near=_risk(hits, sums["near_time"]),
+    )
+
+
+def _risk(hits: np.ndarray, exposure: np.ndarray) -> Risk:
+    """Rates and their ratio, of resampled sums (resample, type)."""
+    rate = ratio(hits, exposure)
+    crosswalk, jaywalk = rate[:, CROSSWALK - 1], rate[:, JAYWALK - 1]
+    whole = exposure.sum(axis=1)
+    return Risk(
+        exposure_crosswalk=float(exposure[0, CROSSWALK - 1]),
+        exposure_jaywalk=float(exposure[0, JAYWALK - 1]),
+        share=interval(ratio(exposure[:, JAYWALK - 1], whole), whole[0]),
+        crosswalk=interval(crosswalk, hits[0, CROSSWALK - 1]),
+        jaywalk=interval(jaywalk, hits[0, JAYWALK - 1]),
+        ratio=interval(ratio(jaywalk, crosswalk), hits[0].sum()),
+    )

@@ -1,0 +1,74 @@
+"""When the car begins to brake for somebody who has entered the road (spec: braking onset).
+
+A command belongs to the step that led to its frame: the command of frame k was given in view of frame k - 1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.metrics.crossings import real_frames
+from jaxwalk.sim import events
+from jaxwalk.sim.trajectory import Trajectory
+
+NEVER, ONSET, ALREADY, STANDING, UNSEEN = range(5)
+"""What an encounter says about braking: the car did not begin to brake while the pedestrian was on the road (censored);
+it did; it was braking when the pedestrian entered; it was too slow to brake then (1 m/s or less); the episode began
+with the pedestrian on the road. Only the first two have a time."""
+
+
+def braking_times(
+    trajectory: Trajectory,
+    *,
+    episode: Int[np.ndarray, "encounter"],
+    enter: Int[np.ndarray, "encounter"],
+    last: Int[np.ndarray, "encounter"],
+) -> tuple[Int[np.ndarray, "encounter"], Float[np.ndarray, "encounter"]]:
+    """What the car did after each road entry, and the time from entry to braking (or to the end of watching) [s].
+
+    Args:
+        trajectory: where to look.
+        episode: whose.
+        enter: first frame of the pedestrian on the roadway.
+        last: last frame of the pedestrian on the roadway; braking that begins later is not for this crossing.
+    """
+    onset, braking = _held_braking(trajectory)
+    after = _next(onset)[enter + 1, episode]  # the first command that can answer frame `enter` leads to the next frame
+    status = np.where(after <= last, ONSET, NEVER)
+    status[braking[enter, episode]] = ALREADY
+    status[trajectory.car_speed[enter, episode] <= events.BRAKING_MIN_SPEED] = STANDING
+    status[enter == 0] = UNSEEN
+    until = np.where(status == ONSET, after - 1, last)
+    seconds = np.where(status <= ONSET, (until - enter) * trajectory.dt, np.nan)
+    return status.astype(np.int8), seconds
+
+
+def _held_braking(
+    trajectory: Trajectory,
+) -> tuple[Bool[np.ndarray, "frame episode"], Bool[np.ndarray, "frame episode"]]:
+    """Frames whose command begins 0.3 s of braking of a car above 1 m/s; and frames that any held braking covers.
+
+    Braking that the end of the episode cuts short of 0.3 s is not held.
+    """
+    hold = max(1, int(np.ceil(events.BRAKING_HOLD / trajectory.dt - 1e-6)))
+    commanded = (trajectory.car_acceleration <= events.BRAKING) & real_frames(trajectory)
+    commanded[0] = False  # nothing was commanded before the start
+    held = np.asarray(_windows(np.pad(commanded, ((0, hold - 1), (0, 0))), hold).all(axis=-1))
+    braking = np.asarray(_windows(np.pad(held, ((hold - 1, 0), (0, 0))), hold).any(axis=-1))
+    fast = np.zeros_like(held)
+    fast[1:] = trajectory.car_speed[:-1] > events.BRAKING_MIN_SPEED
+    return held & fast, braking
+
+
+def _windows(frames: np.ndarray, size: int) -> np.ndarray:
+    """``size`` consecutive frames, beginning with each: (frame - size + 1, episode, size)."""
+    return np.lib.stride_tricks.sliding_window_view(frames, size, axis=0)
+
+
+def _next(event: Bool[np.ndarray, "frame episode"]) -> Int[np.ndarray, "frame+1 episode"]:
+    """For each frame, the first frame from it on with the event; a number beyond all frames if there is none."""
+    frames, episodes = event.shape
+    where = np.full((frames + 1, episodes), np.iinfo(np.int32).max, np.int32)
+    where[:-1] = np.where(event, np.arange(frames, dtype=np.int32)[:, None], where[:-1])
+    return np.minimum.accumulate(where[::-1], axis=0)[::-1]

@@ -1,0 +1,137 @@
+"""Who is on a roadway when: the crossings of a trajectory, and one row for every step that a pedestrian spends on one.
+
+People are on sidewalks most of the time, so everything about crossings is computed on those rows alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.sim import events
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, NO_CROSSING, Trajectory
+
+T = TypeVar("T")
+TYPES = (CROSSWALK, JAYWALK)
+"""The types of a crossing. Arrays with an axis ``type`` have them in this order: index = type - 1."""
+
+
+@dataclass(frozen=True)
+class ByType(Generic[T]):
+    """One value for each type of crossing."""
+
+    crosswalk: T
+    jaywalk: T
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """One row per crossing: an unbroken stay of a pedestrian on a roadway, ordered by episode, pedestrian, time."""
+
+    episode: Int[np.ndarray, "crossing"]
+    """Row of the episode."""
+    ped: Int[np.ndarray, "crossing"]
+    number: Int[np.ndarray, "crossing"]
+    """1 for the pedestrian's first crossing of the episode."""
+    type: Int[np.ndarray, "crossing"]
+    """CROSSWALK or JAYWALK."""
+    enter: Int[np.ndarray, "crossing"]
+    """First frame on the roadway."""
+    last: Int[np.ndarray, "crossing"]
+    """Last frame on the roadway."""
+    entry_seen: Bool[np.ndarray, "crossing"]
+    """The pedestrian entered after frame 0, not before the episode began."""
+    completed: Bool[np.ndarray, "crossing"]
+    """The pedestrian left the roadway before the episode ended."""
+
+
+@dataclass(frozen=True)
+class RoadSteps:
+    """One row per real frame and pedestrian on a roadway, ordered by episode, pedestrian, frame."""
+
+    episode: Int[np.ndarray, "step"]
+    ped: Int[np.ndarray, "step"]
+    frame: Int[np.ndarray, "step"]
+    crossing: Int[np.ndarray, "step"]
+    """Row of the crossing it belongs to."""
+    first: Int[np.ndarray, "crossing"]
+    """For each crossing, its first row here (for ``ufunc.reduceat``)."""
+    type: Int[np.ndarray, "step"]
+    distance: Float[np.ndarray, "step"]
+    """Between the centres of car and pedestrian [m]."""
+    closing: Bool[np.ndarray, "step"]
+    """``events.closes_in``: the car is within 20 m and closing."""
+    car_speed: Float[np.ndarray, "step"]
+    """[m/s]"""
+
+
+def real_frames(trajectory: Trajectory) -> Bool[np.ndarray, "frame episode"]:
+    """Which frames are not padding: frame 0 to frame ``length``."""
+    return np.arange(len(trajectory.car_x))[:, None] <= trajectory.length
+
+
+def crossing_type(decided: np.ndarray, on_crosswalk: np.ndarray) -> np.ndarray:
+    """CROSSWALK or JAYWALK, of somebody on a roadway: the decision, or the place if none was ever made."""
+    # (who begins the episode on a roadway, or comes from a foreign recording, may never have decided)
+    return np.where(decided == NO_CROSSING, np.where(on_crosswalk, CROSSWALK, JAYWALK), decided).astype(np.int8)
+
+
+def find_crossings(trajectory: Trajectory) -> tuple[Crossings, RoadSteps]:
+    """All crossings of a trajectory, and all steps of them."""
+    on_road = trajectory.on_roadway & real_frames(trajectory)[..., None]
+    episode, ped, frame = np.nonzero(np.ascontiguousarray(on_road.transpose(1, 2, 0)))
+    first, crossing = _runs(episode, ped, frame)
+    last = np.append(first[1:], len(frame))[: len(first)] - 1
+    begin = frame[first], episode[first], ped[first]
+    crossings = Crossings(
+        episode=episode[first].astype(np.int32),
+        ped=ped[first].astype(np.int16),
+        number=_numbers(episode[first], ped[first]),
+        type=crossing_type(trajectory.crossing[begin], trajectory.on_crosswalk[begin]),
+        enter=frame[first].astype(np.int32),
+        last=frame[last].astype(np.int32),
+        entry_seen=frame[first] > 0,
+        completed=frame[last] < trajectory.length[episode[first]],
+    )
+    distance, closing = _approach(trajectory, episode, ped, frame)
+    steps = RoadSteps(
+        episode=episode,
+        ped=ped,
+        frame=frame,
+        crossing=crossing,
+        first=first,
+        type=crossings.type[crossing],
+        distance=distance,
+        closing=closing,
+        car_speed=trajectory.car_speed[frame, episode].astype(np.float64),
+    )
+    return crossings, steps
+
+
+def _runs(episode: np.ndarray, ped: np.ndarray, frame: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where unbroken stays begin (rows), and which stay each row belongs to."""
+    begins = np.ones(len(frame), bool)
+    begins[1:] = (np.diff(frame) != 1) | (np.diff(ped) != 0) | (np.diff(episode) != 0)
+    return np.flatnonzero(begins), np.cumsum(begins) - 1
+
+
+def _numbers(episode: np.ndarray, ped: np.ndarray) -> np.ndarray:
+    """1, 2, ... within each (episode, pedestrian) of rows ordered by them."""
+    row = np.arange(len(ped))
+    new = np.ones(len(ped), bool)
+    new[1:] = (np.diff(ped) != 0) | (np.diff(episode) != 0)
+    return (row - np.maximum.accumulate(np.where(new, row, 0)) + 1).astype(np.int16)
+
+
+def _approach(trajectory, episode, ped, frame) -> tuple[np.ndarray, np.ndarray]:
+    """Distance between car and pedestrian [m] and ``events.closes_in``, for the given rows."""
+    car, person = (frame, episode), (frame, episode, ped)
+    speed = trajectory.car_speed[car].astype(np.float64)
+    dx = trajectory.ped_x[person].astype(np.float64) - trajectory.car_x[car]
+    dy = trajectory.ped_y[person].astype(np.float64) - trajectory.car_y[car]
+    dvx = trajectory.ped_vx[person] - speed * trajectory.car_cos[car]
+    dvy = trajectory.ped_vy[person] - speed * trajectory.car_sin[car]
+    return events.distance(dx, dy), events.closes_in(dx, dy, dvx, dvy)

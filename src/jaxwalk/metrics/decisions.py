@@ -1,0 +1,69 @@
+"""How often people decide to jaywalk, and whether the trait tau shows in it (paper, equation 1 and section IV-B)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from jaxwalk.metrics.crossings import real_frames
+from jaxwalk.metrics.statistics import Rate, wilson
+from jaxwalk.sim.trajectory import JAYWALK, NO_CROSSING, Trajectory
+
+QUARTERS = 4
+"""tau in [0, 0.25), [0.25, 0.5), [0.5, 0.75) and [0.75, 1]."""
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """One row per frame in which a pedestrian has decided how to cross, ordered by episode, pedestrian, frame."""
+
+    episode: Int[np.ndarray, "decision"]
+    """Row of the episode."""
+    ped: Int[np.ndarray, "decision"]
+    frame: Int[np.ndarray, "decision"]
+    type: Int[np.ndarray, "decision"]
+    """CROSSWALK or JAYWALK, of the last decision in the frame; NO_CROSSING if the frame does not tell."""
+    made: Int[np.ndarray, "decision"]
+    """Decisions in the frame: 1, unless a recording is coarse; of the others the type is lost."""
+    tau: Float[np.ndarray, "decision"]
+    """Jaywalking tendency of who decided."""
+
+
+@dataclass(frozen=True)
+class JaywalkRate:
+    """Jaywalk decisions over decisions."""
+
+    all: Rate
+    quarters: tuple[Rate, ...]
+    """By tau: [0, 0.25), [0.25, 0.5), [0.5, 0.75), [0.75, 1]."""
+    unknown: int
+    """Decisions whose type the recording does not tell: in no rate."""
+
+
+def find_decisions(trajectory: Trajectory) -> Decisions:
+    """All decisions, each seen as an increment of ``Trajectory.decisions`` (from 0 before frame 0)."""
+    made = np.diff(trajectory.decisions, axis=0, prepend=np.zeros_like(trajectory.decisions[:1]))
+    decided = (made > 0) & real_frames(trajectory)[..., None]
+    episode, ped, frame = np.nonzero(np.ascontiguousarray(decided.transpose(1, 2, 0)))
+    return Decisions(
+        episode=episode.astype(np.int32),
+        ped=ped.astype(np.int16),
+        frame=frame.astype(np.int32),
+        type=trajectory.crossing[frame, episode, ped].astype(np.int8),
+        made=made[frame, episode, ped].astype(np.int16),
+        tau=trajectory.jaywalking_tendency[episode, ped].astype(np.float32),
+    )
+
+
+def summarise_decisions(table: Decisions) -> JaywalkRate:
+    """Jaywalk rates over the decisions of known type."""
+    known = table.type != NO_CROSSING
+    jaywalk = table.type[known] == JAYWALK
+    quarter = np.clip(np.floor(table.tau[known] * QUARTERS), 0, QUARTERS - 1)
+    return JaywalkRate(
+        all=wilson(jaywalk.sum(), len(jaywalk)),
+        quarters=tuple(wilson(jaywalk[quarter == q].sum(), (quarter == q).sum()) for q in range(QUARTERS)),
+        unknown=int(table.made.sum()) - len(jaywalk),
+    )

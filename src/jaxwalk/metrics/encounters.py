@@ -1,0 +1,147 @@
+"""Encounters: crossings that the car comes close to. How near it came, when it braked, whether it hit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN, braking_times
+from jaxwalk.metrics.crossings import TYPES, ByType, Crossings, RoadSteps
+from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio, wilson
+from jaxwalk.sim.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class Encounters:
+    """One row per encounter (at most one per crossing), in the order of the crossings."""
+
+    episode: Int[np.ndarray, "encounter"]
+    """Row of the episode."""
+    scenario: Int[np.ndarray, "encounter"]
+    ped: Int[np.ndarray, "encounter"]
+    number: Int[np.ndarray, "encounter"]
+    """Which crossing of the pedestrian's in this episode, from 1."""
+    type: Int[np.ndarray, "encounter"]
+    """CROSSWALK or JAYWALK."""
+    enter: Int[np.ndarray, "encounter"]
+    """First frame of the crossing; the encounter may begin later."""
+    start: Int[np.ndarray, "encounter"]
+    """First frame of the crossing with the car within 20 m and closing."""
+    end: Int[np.ndarray, "encounter"]
+    """Last frame of the crossing."""
+    min_distance: Float[np.ndarray, "encounter"]
+    """Smallest distance between the centres from ``start`` to ``end`` [m]."""
+    entry_speed: Float[np.ndarray, "encounter"]
+    """Speed of the car in frame ``enter`` [m/s]."""
+    collided: Bool[np.ndarray, "encounter"]
+    """The encounter ended with the car touching this pedestrian."""
+    braking: Int[np.ndarray, "encounter"]
+    """NEVER, ONSET, ALREADY, STANDING or UNSEEN, of ``metrics.braking``."""
+    braking_time: Float[np.ndarray, "encounter"]
+    """Road entry to braking onset, or to ``end`` if never [s]; NaN for the other cases."""
+
+
+def encounter_starts(steps: RoadSteps) -> Int[np.ndarray, "crossing"]:
+    """For each crossing, the first frame with the car close and closing; beyond all frames if it has none."""
+    never = np.iinfo(np.int32).max
+    return np.minimum.reduceat(np.where(steps.closing, steps.frame, never), steps.first)
+
+
+def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSteps) -> Encounters:
+    """All encounters of a trajectory."""
+    start = encounter_starts(steps)
+    meeting = steps.frame >= start[steps.crossing]
+    nearest = np.minimum.reduceat(np.where(meeting, steps.distance, np.inf), steps.first)
+    met = start <= crossings.last
+    episode, ped, enter, end = (c[met] for c in (crossings.episode, crossings.ped, crossings.enter, crossings.last))
+    hit = trajectory.collision[episode] & trajectory.touched[episode, ped] & (end == trajectory.length[episode])
+    braking, braking_time = braking_times(trajectory, episode=episode, enter=enter, last=end)
+    return Encounters(
+        episode=episode,
+        scenario=trajectory.scenario[episode],
+        ped=ped,
+        number=crossings.number[met],
+        type=crossings.type[met],
+        enter=enter,
+        start=start[met].astype(np.int32),
+        end=end,
+        min_distance=nearest[met].astype(np.float32),
+        entry_speed=trajectory.car_speed[enter, episode].astype(np.float32),
+        collided=hit,
+        braking=braking,
+        braking_time=braking_time,
+    )
+
+
+@dataclass(frozen=True)
+class Braking:
+    """From a pedestrian's road entry to the car's braking onset."""
+
+    median: Estimate
+    """Kaplan-Meier median [s], over ``observed`` and ``censored``; None if fewer than half brake in time."""
+    mean_observed: Estimate
+    """Mean over the observed only [s]; it ignores those who never brake."""
+    observed: int
+    """Encounters with a braking onset."""
+    censored: int
+    """Encounters in which the car never begins to brake."""
+    already: int
+    """Encounters with the car braking at road entry."""
+    standing: int
+    """Encounters with the car at 1 m/s or less at road entry."""
+    unseen: int
+    """Encounters with a pedestrian who was on the road when the episode began."""
+
+
+@dataclass(frozen=True)
+class EncounterSummary:
+    """The encounters of one type."""
+
+    count: int
+    collided: Rate
+    """Share that ended with the car touching the pedestrian."""
+    minimum_approach: Estimate
+    """5th percentile of the smallest distance [m]."""
+    braking: Braking
+
+
+def encounter_columns(table: Encounters, *, episodes: int) -> dict[str, np.ndarray]:
+    """Per episode and type: encounters, braking onsets and the sum of their times [s]."""
+    cell = table.episode.astype(np.int64) * len(TYPES) + table.type - 1
+    braked = table.braking == ONSET
+    size = episodes * len(TYPES)
+    counts = np.bincount(cell, minlength=size)
+    onsets = np.bincount(cell[braked], minlength=size)
+    times = np.bincount(cell[braked], weights=table.braking_time[braked], minlength=size)
+    names = ("encounters", "onsets", "onset_time")
+    return {name: c.reshape(episodes, len(TYPES)) for name, c in zip(names, (counts, onsets, times), strict=True)}
+
+
+def summarise_encounters(table: Encounters, sums: dict[str, np.ndarray]) -> ByType[EncounterSummary]:
+    """Encounters by type; ``sums`` are the resampled sums of ``encounter_columns``."""
+    means = ratio(sums["onset_time"], sums["onsets"])
+    return ByType(*(_summarise_type(table, kind, means[:, kind - 1]) for kind in TYPES))
+
+
+def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> EncounterSummary:
+    """The encounters of one type; ``mean`` is the resampled mean time to an observed braking onset [s]."""
+    mine = table.type == kind
+    status = table.braking[mine]
+    watched = status <= ONSET
+    counts = {code: int((status == code).sum()) for code in (NEVER, ONSET, ALREADY, STANDING, UNSEEN)}
+    return EncounterSummary(
+        count=len(status),
+        collided=wilson(table.collided[mine].sum(), len(status)),
+        minimum_approach=quantile(table.min_distance[mine], 0.05),
+        braking=Braking(
+            median=kaplan_meier_median(table.braking_time[mine][watched], status[watched] == ONSET),
+            mean_observed=interval(mean, counts[ONSET]),
+            observed=counts[ONSET],
+            censored=counts[NEVER],
+            already=counts[ALREADY],
+            standing=counts[STANDING],
+            unseen=counts[UNSEEN],
+        ),
+    )

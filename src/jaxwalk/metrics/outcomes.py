@@ -1,0 +1,189 @@
+"""How episodes end, how far and long the car drove, and what every collision was."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.metrics.crossings import crossing_type, real_frames
+from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio, wilson
+from jaxwalk.sim import events
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+
+NO_CONTACT, SIDEWALK = 0, 3
+"""Contact types beside CROSSWALK (1) and JAYWALK (2): nobody was touched; somebody on no roadway was."""
+CONTACTS = (CROSSWALK, JAYWALK, SIDEWALK)
+"""Arrays with an axis ``contact`` have the contact types in this order: index = contact - 1."""
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """One row per episode."""
+
+    scenario: Int[np.ndarray, "episode"]
+    steps: Int[np.ndarray, "episode"]
+    """Steps played."""
+    goal: Bool[np.ndarray, "episode"]
+    collision: Bool[np.ndarray, "episode"]
+    driven: Float[np.ndarray, "episode"]
+    """Length of the car's path [m]."""
+    contact: Int[np.ndarray, "episode"]
+    """NO_CONTACT, CROSSWALK, JAYWALK or SIDEWALK: what the (nearest) pedestrian touched was doing."""
+    contact_ped: Int[np.ndarray, "episode"]
+    """That pedestrian; -1 without a collision."""
+    impact_speed: Float[np.ndarray, "episode"]
+    """Speed of the car in the last frame [m/s]; NaN without a collision."""
+    moving: Bool[np.ndarray, "episode"]
+    """A collision of a moving car (else, of two: somebody walked into a standing one)."""
+
+
+def measure_outcomes(trajectory: Trajectory, *, moving_speed: float) -> Episodes:
+    """One row per episode. A car at ``moving_speed`` [m/s] or more in the last frame is moving."""
+    collision = np.asarray(trajectory.collision, bool)
+    last_speed = trajectory.car_speed[trajectory.length, np.arange(len(collision))]
+    contact, ped = _contacts(trajectory)
+    return Episodes(
+        scenario=np.asarray(trajectory.scenario),
+        steps=trajectory.length.astype(np.int32),
+        goal=np.asarray(trajectory.goal, bool),
+        collision=collision,
+        driven=_driven(trajectory),
+        contact=contact,
+        contact_ped=ped,
+        impact_speed=np.where(collision, last_speed, np.nan).astype(np.float32),
+        moving=collision & (last_speed >= moving_speed),
+    )
+
+
+def _driven(trajectory: Trajectory) -> Float[np.ndarray, "episode"]:
+    """Path length of the car over the real frames [m]."""
+    dx, dy = np.diff(trajectory.car_x, axis=0), np.diff(trajectory.car_y, axis=0)
+    return np.where(real_frames(trajectory)[1:], events.distance(dx, dy), 0).sum(axis=0, dtype=np.float64)
+
+
+def _contacts(trajectory: Trajectory) -> tuple[Int[np.ndarray, "episode"], Int[np.ndarray, "episode"]]:
+    """Contact type and pedestrian of every collision: of several touched, the nearest."""
+    hit = np.flatnonzero(trajectory.collision)
+    last = trajectory.length[hit]
+    touched = trajectory.touched[hit]
+    if not touched.any(axis=1).all():
+        raise ValueError(f"episode {hit[~touched.any(axis=1)][0]} ends with a collision that touched nobody")
+    dx = trajectory.ped_x[last, hit] - trajectory.car_x[last, hit][:, None]
+    dy = trajectory.ped_y[last, hit] - trajectory.car_y[last, hit][:, None]
+    walking = crossing_type(trajectory.crossing[last, hit], trajectory.on_crosswalk[last, hit])
+    kind = np.where(trajectory.on_roadway[last, hit], walking, SIDEWALK)
+    far = np.where(touched, events.distance(dx, dy), np.inf)
+    # two may be equally near: the type must not depend on the order of the pedestrians, so the lowest code wins
+    first = np.lexsort((kind, far), axis=1)[:, 0]
+    contact, ped = np.zeros((2, len(trajectory.length)), np.int16)
+    ped -= 1
+    contact[hit], ped[hit] = kind[np.arange(len(hit)), first], first
+    return contact, ped
+
+
+@dataclass(frozen=True)
+class CollisionRates:
+    """How often, on three scales."""
+
+    per_episode: Rate
+    per_km: Estimate
+    """Per kilometre driven; the count is of collisions."""
+    per_encounter: Estimate
+    """Collisions over encounters (a collision on a sidewalk has no encounter); the count is of collisions."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The collisions with people of one contact type."""
+
+    share: Rate
+    """Of all collisions."""
+    moving: int
+    standing: int
+    """Walked into a car below 0.5 m/s."""
+    impact_speed: Estimate
+    """Mean speed of the car [m/s]; the count is of collisions."""
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """How episodes ended."""
+
+    goal: Rate
+    collision: Rate
+    timeout: Rate
+    time_to_goal: Estimate
+    """Mean over the episodes that reached the goal [s]; the count is of those."""
+    time_to_goal_error: float | None
+    """Its standard error [s]; None for fewer than two."""
+    kilometres: float
+    """Driven in all episodes together."""
+    encounters: int
+    all: CollisionRates
+    moving: CollisionRates
+    """Collisions of a moving car only."""
+    standing: CollisionRates
+    """Collisions with a standing car only."""
+    impact_speed: Estimate
+    """Mean speed of the car in a collision [m/s], of all collisions."""
+    crosswalk: Contact
+    jaywalk: Contact
+    sidewalk: Contact
+
+
+def outcome_columns(table: Episodes, *, dt: float) -> dict[str, np.ndarray]:
+    """The columns to be resampled: (episode,), by kind of collision (episode, 3), by contact type (episode, 3)."""
+    contacts = table.contact[:, None] == np.array(CONTACTS)
+    return {
+        "goals": table.goal,
+        "goal_time": np.where(table.goal, table.steps * dt, 0),
+        "km": table.driven / 1000,
+        "collisions": np.stack([table.collision, table.moving, table.collision & ~table.moving], axis=1),
+        "contacts": contacts,
+        "impact": np.where(contacts, np.nan_to_num(table.impact_speed)[:, None], 0),
+    }
+
+
+def summarise_outcomes(table: Episodes, sums: dict[str, np.ndarray], *, dt: float) -> Outcomes:
+    """Outcomes; ``sums`` are the resampled sums of ``outcome_columns`` and ``encounter_columns``."""
+    episodes, goals, collisions = len(table.goal), int(table.goal.sum()), int(table.collision.sum())
+    spread = table.steps[table.goal].std(ddof=1) * dt / np.sqrt(goals) if goals > 1 else None
+    kinds = [_collision_rates(sums, kind, episodes) for kind in range(3)]
+    impact = ratio(sums["impact"], sums["contacts"])
+    contacts = [_contact(table, kind, impact[:, kind - 1], collisions) for kind in CONTACTS]
+    return Outcomes(
+        goal=wilson(goals, episodes),
+        collision=wilson(collisions, episodes),
+        timeout=wilson((~table.goal & ~table.collision).sum(), episodes),
+        time_to_goal=interval(ratio(sums["goal_time"], sums["goals"]), goals),
+        time_to_goal_error=None if spread is None else float(spread),
+        kilometres=float(sums["km"][0]),
+        encounters=int(sums["encounters"][0].sum()),
+        all=kinds[0],
+        moving=kinds[1],
+        standing=kinds[2],
+        impact_speed=interval(ratio(sums["impact"].sum(axis=1), sums["contacts"].sum(axis=1)), collisions),
+        crosswalk=contacts[0],
+        jaywalk=contacts[1],
+        sidewalk=contacts[2],
+    )
+
+
+def _collision_rates(sums: dict[str, np.ndarray], kind: int, episodes: int) -> CollisionRates:
+    """Rates of one kind of collision (0 all, 1 moving, 2 standing)."""
+    hits = sums["collisions"][:, kind]
+    count = int(hits[0])
+    return CollisionRates(
+        per_episode=wilson(count, episodes),
+        per_km=interval(ratio(hits, sums["km"]), count),
+        per_encounter=interval(ratio(hits, sums["encounters"].sum(axis=1)), count),
+    )
+
+
+def _contact(table: Episodes, kind: int, impact: np.ndarray, collisions: int) -> Contact:
+    """Collisions of one contact type; ``impact`` is the resampled mean impact speed [m/s]."""
+    mine = table.contact == kind
+    count, moving = int(mine.sum()), int((mine & table.moving).sum())
+    return Contact(wilson(count, collisions), moving, count - moving, interval(impact, count))

@@ -1,0 +1,192 @@
+"""How sure a number is: intervals of rates, ratios, quantiles and waiting times, and the test of a paired comparison.
+
+A number that does not exist (nothing to divide by, a median never reached) is None, never NaN: JSON has null.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, Shaped
+from scipy import stats
+
+RESAMPLES = 1000
+"""Bootstrap resamples unless told otherwise."""
+CHUNK = 2**22
+"""Resampling counts held in memory at once (32 MiB)."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A share of trials, with its interval; all None without trials."""
+
+    value: float | None
+    low: float | None
+    high: float | None
+    successes: int
+    trials: int
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its interval."""
+
+    value: float | None
+    low: float | None
+    """None where the data are too few to say."""
+    high: float | None
+    count: int
+    """How many observations the number stands on; of what, its place in the summary says."""
+
+
+def wilson(successes: int, trials: int, confidence: float = 0.95) -> Rate:
+    """The share of successes with its Wilson score interval."""
+    successes, trials = int(successes), int(trials)
+    if trials == 0:
+        return Rate(None, None, None, 0, 0)
+    interval = stats.binomtest(successes, trials).proportion_ci(confidence, method="wilson")
+    return Rate(successes / trials, float(interval.low), float(interval.high), successes, trials)
+
+
+def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float:
+    """Exact two-sided p-value that two yes-no outcomes of the same trials are equally often yes (1 if always equal)."""
+    a, b = np.asarray(a, bool), np.asarray(b, bool)
+    if a.shape != b.shape:
+        raise ValueError(f"paired outcomes need equal lengths, not {a.shape} and {b.shape}")
+    only_a, only_b = int((a & ~b).sum()), int((b & ~a).sum())
+    if only_a + only_b == 0:
+        return 1.0
+    return float(stats.binomtest(only_a, only_a + only_b, 0.5).pvalue)
+
+
+def episode_sums(
+    columns: Mapping[str, Shaped[np.ndarray, "episode ..."]], *, resamples: int = RESAMPLES, seed: int = 0
+) -> dict[str, Float[np.ndarray, "1+resamples ..."]]:
+    """Every column summed over the episodes (row 0) and over episodes drawn with replacement (the other rows).
+
+    All columns see the same draws, so whatever is computed from the rows keeps its dependence on the others.
+    Episodes are the unit because steps, crossings and encounters of one episode are not independent. Memory is
+    bounded: the draws are made in chunks. With fewer than two episodes the resamples are NaN: nothing is known.
+    """
+    shapes = {name: np.shape(column)[1:] for name, column in columns.items()}
+    episodes = len(next(iter(columns.values())))
+    flat = {name: np.asarray(c, np.float64).reshape(episodes, math.prod(shapes[name])) for name, c in columns.items()}
+    table = np.concatenate(list(flat.values()), axis=1)
+    sums = np.full((1 + resamples, table.shape[1]), np.nan)
+    sums[0] = table.sum(axis=0)
+    if episodes > 1:
+        _resample(table, sums[1:], np.random.default_rng(seed))
+    edges = np.cumsum([part.shape[1] for part in flat.values()])[:-1]
+    parts = np.split(sums, edges, axis=1)
+    return {name: part.reshape(-1, *shapes[name]) for name, part in zip(columns, parts, strict=True)}
+
+
+def _resample(table: np.ndarray, out: np.ndarray, rng: np.random.Generator) -> None:
+    """Fill each row of ``out`` with the column sums of as many rows of ``table``, drawn with replacement."""
+    episodes = len(table)
+    rows = max(1, CHUNK // episodes)
+    for begin in range(0, len(out), rows):
+        here = out[begin : begin + rows]
+        drawn = rng.integers(0, episodes, (len(here), episodes))
+        drawn += episodes * np.arange(len(here))[:, None]
+        times = np.bincount(drawn.ravel(), minlength=here.shape[0] * episodes).reshape(len(here), episodes)
+        here[:] = times.astype(np.float64) @ table
+
+
+def ratio(numerator: np.ndarray, denominator: np.ndarray) -> np.ndarray:
+    """Elementwise quotient; NaN over zero (and over NaN), without a warning."""
+    numerator, denominator = np.broadcast_arrays(np.asarray(numerator, float), np.asarray(denominator, float))
+    return np.divide(numerator, denominator, out=np.full(numerator.shape, np.nan), where=denominator != 0)
+
+
+def interval(statistic: Float[np.ndarray, "1+resamples"], count: float, *, confidence: float = 0.95) -> Estimate:
+    """The statistic (element 0) with the percentile interval of its resamples (the rest); NaN means undefined.
+
+    Where more resamples are undefined than a tail of the interval holds, its ends are not determined: None.
+    """
+    value, resampled = float(statistic[0]), np.asarray(statistic[1:])
+    tail = (1 - confidence) / 2
+    if not math.isfinite(value):
+        return Estimate(None, None, None, int(count))
+    defined = resampled[np.isfinite(resampled)]
+    if len(defined) == 0 or len(defined) < (1 - tail) * len(resampled):
+        return Estimate(value, None, None, int(count))
+    low, high = np.quantile(defined, [tail, 1 - tail])
+    return Estimate(value, float(low), float(high), int(count))
+
+
+def bootstrap_by_episode(
+    numerator: Shaped[np.ndarray, "episode"],
+    denominator: Shaped[np.ndarray, "episode"],
+    *,
+    resamples: int = RESAMPLES,
+    confidence: float = 0.95,
+    seed: int = 0,
+) -> Estimate:
+    """Sum of numerators over sum of denominators, with its percentile interval over resampled episodes.
+
+    ``count`` is the number of episodes whose denominator is not zero.
+    """
+    sums = episode_sums({"over": numerator, "under": denominator}, resamples=resamples, seed=seed)
+    count = int(np.count_nonzero(denominator))
+    return interval(ratio(sums["over"], sums["under"]), count, confidence=confidence)
+
+
+def quantile(values: Shaped[np.ndarray, "observation"], p: float, *, confidence: float = 0.95) -> Estimate:
+    """A quantile (linear between order statistics) with the exact order-statistic interval for independent values."""
+    if len(values) == 0:
+        return Estimate(None, None, None, 0)
+    values = np.asarray(values, np.float64)
+    # quantile_test tests against q; any q gives the same interval
+    ends = stats.quantile_test(values, q=0, p=p).confidence_interval(confidence_level=confidence)
+    return Estimate(float(np.quantile(values, p)), _finite(ends.low), _finite(ends.high), len(values))
+
+
+def kaplan_meier_median(
+    times: Shaped[np.ndarray, "subject"], observed: Bool[np.ndarray, "subject"], *, confidence: float = 0.95
+) -> Estimate:
+    """The first time by which half of the subjects have had their event; None if the curve stays above one half.
+
+    Args:
+        times: when the event came, or when the subject was last seen without it.
+        observed: whether it came; else the time is right-censored.
+        confidence: of the interval: the times at which the log-log band of the curve comes down to one half
+            (Brookmeyer and Crowley, 1982); an end that is never reached is None.
+    """
+    times, observed = np.asarray(times, np.float64), np.asarray(observed, bool)
+    if not observed.any():
+        return Estimate(None, None, None, len(times))
+    curve: Any = stats.ecdf(stats.CensoredData.right_censored(times, ~observed)).sf
+    value = _comes_down(curve.quantiles, curve.probabilities)
+    low, high = _band(times, observed, curve.quantiles, curve.probabilities, confidence)
+    return Estimate(value, _comes_down(curve.quantiles, low), _comes_down(curve.quantiles, high), len(times))
+
+
+def _band(times, observed, at, survival, confidence) -> tuple[np.ndarray, np.ndarray]:
+    """Greenwood's log-log band of a survival curve at the sorted times ``at``; no upper edge (NaN) where it is 0 or 1."""
+    # the same as scipy's ecdf().sf.confidence_interval, which warns wherever the curve is 0 or 1
+    at_risk = len(times) - np.searchsorted(np.sort(times), at, side="left")
+    ordered = np.sort(times[observed])
+    events = np.searchsorted(ordered, at, side="right") - np.searchsorted(ordered, at, side="left")
+    inside = (survival > 0) & (survival < 1)
+    terms = np.nan_to_num(ratio(events, at_risk * (at_risk - events)))
+    log_survival = np.log(survival, out=np.full(len(at), -1.0), where=inside)
+    width = stats.norm.ppf((1 + confidence) / 2) * np.sqrt(np.cumsum(terms)) / -log_survival
+    low = np.where(inside, survival ** np.exp(width), survival)
+    high = np.where(inside, survival ** np.exp(-width), np.nan)
+    return low, high
+
+
+def _comes_down(times: np.ndarray, survival: np.ndarray) -> float | None:
+    """The first time at which a survival curve is at one half or below."""
+    below = np.flatnonzero(survival <= 0.5)
+    return float(times[below[0]]) if len(below) else None
+
+
+def _finite(number: float) -> float | None:
+    """The number, or None for an infinity or NaN."""
+    return float(number) if math.isfinite(number) else None
