@@ -142,9 +142,12 @@ def _reach_faults(graph: Graph, goal_spacing: float) -> list[str]:
         f"waypoints.{graph.names[node]}: cut off from the others; join it by a walkway"
         for node in np.flatnonzero(group[: graph.waypoints] != main)
     ]
-    for name, choices in zip(graph.names, goal_choices(graph, distance, goal_spacing)[: graph.waypoints], strict=False):
-        if not len(choices):
-            faults.append(f"waypoints.{name}: no waypoint is {goal_spacing:g} m of walking away; add one further off")
+    choices = goal_choices(graph, distance, goal_spacing)
+    faults += [
+        f"waypoints.{graph.names[node]}: no waypoint is {goal_spacing:g} m of walking away; add one further off"
+        for node in np.flatnonzero(group[: graph.waypoints] == main)
+        if not len(choices[node])
+    ]
     return faults
 
 

@@ -91,7 +91,7 @@ def _landing_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile,
 
 
 def _side_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, graph: Graph) -> list[str]:
-    """Zones lie within one sidewalk edge along the kerb, at the right distance, both in the same direction."""
+    """Zones lie within one sidewalk edge along the kerb, at the right distance, opposite each other."""
     faults = []
     units = []
     for number, side in enumerate(crosswalk.sides):
@@ -103,6 +103,8 @@ def _side_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, gr
         units.append(unit)
     if len(units) == 2 and np.abs(units[0] - units[1]).max() > NEARLY:
         faults.append(f"{field}.sides: the zones go in different directions; let both lead away from the junction")
+    if crosswalk.sides[0].zone != crosswalk.sides[1].zone:  # else walking straight across might miss the other zone
+        faults.append(f"{field}.sides: the zones differ; give both the same [from, to]")
     return faults
 
 
@@ -149,7 +151,7 @@ def _clear_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, s
     hit = [f"roads.{n}" for n, shape in scene.roads.items() if n != road.name and _overlap(swept, shape)]
     hit += [f"crosswalks.{n}" for n, shape in scene.crosswalks.items() if _overlap(swept, shape)]
     faults = [f"{field}.sides: the way between the zones meets {other}; end the zones before it" for other in hit]
-    ground = shapely.union_all([scene.pavement, scene.roads[road.name]]).buffer(NEARLY)
+    ground = shapely.union_all([scene.pavement, scene.roads[road.name]])
     if not hit and not ground.covers(swept):
         faults.append(f"{field}.sides: the way between the zones leaves road and sidewalks; shorten the zones")
     return faults

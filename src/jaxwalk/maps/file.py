@@ -95,7 +95,9 @@ def parse(text: str, source: str) -> MapFile:
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise MapError(source, [f"not valid TOML: {error}; correct the file there"]) from None
+        last = f"at line {len(text.splitlines())}, the end of the file"
+        reason = str(error).replace("at end of document", last)
+        raise MapError(source, [f"not valid TOML: {reason}; correct the file there"]) from None
     try:
         return _ADAPTER.validate_python(table)
     except ValidationError as error:

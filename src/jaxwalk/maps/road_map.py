@@ -76,7 +76,7 @@ class RoadMap(eqx.Module):
     route_sin: Float[Array, "*map route point"]
     route_length: Float[Array, "*map route"]
     """Metres from start to goal."""
-    start_choices: Int[Array, "*map route choice"]
+    start_choices: Int[Array, "*map route start"]
     """Waypoints where a pedestrian may start on a route: not close to the car; the first ``start_count``."""
     start_count: Int[Array, "*map route"]
 

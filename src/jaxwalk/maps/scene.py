@@ -21,7 +21,7 @@ class Scene(NamedTuple):
     roadway: BaseGeometry
     """All roads."""
     pavement: BaseGeometry
-    """All sidewalks."""
+    """All sidewalks, NEARLY wider."""
 
     @classmethod
     def of(cls, file: MapFile) -> Scene:
@@ -29,15 +29,18 @@ class Scene(NamedTuple):
         roads = _boxes(file.roads)
         sidewalks = _boxes(file.sidewalks)
         crosswalks = _boxes({name: crosswalk.area for name, crosswalk in file.crosswalks.items()})
-        union = shapely.union_all
-        return cls(roads, sidewalks, crosswalks, union(list(roads.values())), union(list(sidewalks.values())))
+        roadway = shapely.union_all(list(roads.values()))
+        # A little wider, so that what lies on the very edge lies inside in spite of rounding.
+        pavement = shapely.union_all(list(sidewalks.values())).buffer(NEARLY, join_style="mitre")
+        shapely.prepare([roadway, pavement])
+        return cls(roads, sidewalks, crosswalks, roadway, pavement)
 
     def on_foot(self, shape: BaseGeometry, *, crosswalks: bool) -> bool:
         """Whether a shape lies wholly on sidewalks, or on sidewalks and crosswalks."""
         ground = self.pavement
         if crosswalks:
             ground = shapely.union_all([ground, *self.crosswalks.values()])
-        return bool(ground.buffer(NEARLY).covers(shape))
+        return bool(ground.covers(shape))
 
     def room_on_road(self, points: np.ndarray) -> np.ndarray:
         """Distance from each of float64 (point, 2) to the roads' outer edge [m]; negative off the road."""
