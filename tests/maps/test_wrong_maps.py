@@ -196,13 +196,13 @@ def test_waypoints_need_goals_and_routes_need_starts(small, write):
     path = write(small)
     assert load_map(path).goal_count.min() > 0
     with pytest.raises(MapError, match=r"waypoints.s: no waypoint is 60 m of walking away"):
-        load_map(path, goal_spacing=60)
+        load_map(path, goal_spacing=60.0)
     with pytest.raises(MapError, match=r"route from \[5.0, 10.0\] to .*: no waypoint is 55 m from the car's start"):
-        load_map(path, start_clearance=55)
+        load_map(path, start_clearance=55.0)
 
 
 def test_the_distances_can_be_chosen(write, small):
-    nearer = load_map(write(small), goal_spacing=0, start_clearance=0)
+    nearer = load_map(write(small), goal_spacing=0.0, start_clearance=0.0)
     assert (nearer.goal_count == 6).all()
     assert (nearer.start_count == 6).all()
 

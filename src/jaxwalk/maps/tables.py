@@ -48,7 +48,7 @@ def stack_maps(maps: Sequence[RoadMap]) -> RoadMap:
     arrays: dict[str, Any] = {}
     for field in fields(RoadMap):
         each = [np.asarray(getattr(road_map, field.name)) for road_map in maps]
-        shape = tuple(np.max([array.shape for array in each], axis=0).astype(int))
+        shape = tuple(max(sizes) for sizes in zip(*(array.shape for array in each), strict=True))
         arrays[field.name] = np.stack([_pad(field.name, array, shape) for array in each])
     return RoadMap(**arrays)
 
