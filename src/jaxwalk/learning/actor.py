@@ -1,0 +1,48 @@
+"""A policy that can be trained: a network and the distribution that it parametrises."""
+
+from __future__ import annotations
+
+import math
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Key
+
+from jaxwalk.interfaces import Box, Discrete
+from jaxwalk.learning.config import RoleConfig
+from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distribution, TanhGaussian
+from jaxwalk.learning.networks import MLP, make_mlp
+
+DISCRETE = "discrete"
+"""The kind of a policy that chooses among n; the kinds of continuous policies are `RoleConfig.noise`."""
+
+
+class Actor(eqx.Module):
+    """All agents of a role share one."""
+
+    network: MLP
+    """From observation to logits or means."""
+    log_std: Float[Array, " size"] | None
+    """Log standard deviation of each number of a continuous action, the same everywhere."""
+    observes: str = eqx.field(static=True)
+    """The observation set it reads."""
+    kind: str = eqx.field(static=True)
+    """``discrete``, ``clipped`` or ``tanh``."""
+
+    def __call__(self, observation: Float[Array, "feature *rest"]) -> Distribution:
+        """The distribution of every agent's action."""
+        out = self.network(observation)
+        if self.log_std is None:
+            return Categorical(out)
+        if self.kind == "clipped":
+            return ClippedGaussian(jnp.tanh(out), self.log_std)
+        return TanhGaussian(out, self.log_std)
+
+
+def make_actor(key: Key[Array, ""], observation_size: int, action: Box | Discrete, config: RoleConfig) -> Actor:
+    """An untrained actor, whose actions hardly depend on what it sees."""
+    discrete = isinstance(action, Discrete)
+    outputs = action.n if isinstance(action, Discrete) else action.size
+    network = make_mlp(key, (observation_size, *config.actor_hidden, outputs), final_scale=0.01)
+    log_std = None if discrete else jnp.full(outputs, math.log(config.initial_std), jnp.float32)
+    return Actor(network, log_std, observes=config.observes, kind=DISCRETE if discrete else config.noise)

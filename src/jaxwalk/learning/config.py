@@ -1,0 +1,142 @@
+"""Everything the learner can be told, with the two recipes. No JAX import, so that a command line starts quickly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+ROLES = ("driver", "pedestrian")
+"""Names of the roles, in the order of `jaxwalk.interfaces.ByRole`."""
+GLOBAL = "global"
+"""The name by which a critic asks for the environment's global state."""
+
+
+@dataclass(frozen=True)
+class RoleConfig:
+    """How one role learns. Impossible values raise ValueError, naming the field."""
+
+    learns: bool = True
+    """Whether the role is trained; if not, a fixed policy plays it and it has no networks."""
+    observes: str = "paper"
+    """The observation set its actor reads."""
+    actor_hidden: tuple[int, ...] = (128, 128)
+    """Units of the actor's hidden layers (paper, section III-B: 128 pedestrian, 256 driver)."""
+    critic_hidden: tuple[int, ...] = (128, 128)
+    """Units of the role's own critic's hidden layers; unused with shared credit."""
+    critic_observes: tuple[str, ...] = ("paper",)
+    """What the role's own critic reads: observation sets of the role, and ``"global"``; unused with shared credit."""
+    entropy: float = 0.01
+    """Weight of the entropy bonus [1 / nat] (paper, Table II: 0.03 pedestrian, 0.01 driver)."""
+    epochs: int = 4
+    """Passes over each rollout (paper, Table II)."""
+    noise: Literal["clipped", "tanh"] = "clipped"
+    """Continuous actions only. ``clipped``: the mean is bounded by tanh, noise is added, the environment gets the
+    action clipped to [-1, 1]. ``tanh``: noise is added first, then everything is squashed. The paper is silent."""
+    initial_std: float = 0.6
+    """Continuous actions only: standard deviation of the noise at the start of training (the paper is silent)."""
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be trained."""
+        _require(self, self.entropy >= 0, "entropy", "must be 0 or more")
+        _require(self, self.epochs >= 1, "epochs", "must be at least 1")
+        _require(self, 0 < self.initial_std < math.inf, "initial_std", "must be above 0")
+        _require(self, self.noise in ("clipped", "tanh"), "noise", 'must be "clipped" or "tanh"')
+        _require(self, bool(self.observes) and self.observes != GLOBAL, "observes", "must name an observation set")
+        _require(self, len(self.critic_observes) > 0, "critic_observes", "must name at least one observation set")
+        for name in ("actor_hidden", "critic_hidden"):
+            _require(self, all(units > 0 for units in getattr(self, name)), name, "must all be above 0")
+
+
+@dataclass(frozen=True)
+class TrainConfig:
+    """How training goes. Impossible values raise ValueError, naming the field."""
+
+    driver: RoleConfig = field(default_factory=RoleConfig)
+    """How the car learns."""
+    pedestrian: RoleConfig = field(default_factory=RoleConfig)
+    """How the pedestrians learn."""
+    environments: int = 512
+    """Environments played side by side (paper, Table II)."""
+    steps: int = 256
+    """Steps of each environment in a rollout (paper, Table II)."""
+    minibatches: int = 8
+    """Parts into which an epoch divides the rollout's time steps (paper, Table II)."""
+    updates: int = 5000
+    """Rollouts in the whole training (paper, Table II); only the annealing depends on it."""
+    learning_rate: float = 3e-4
+    """Adam's step size (paper, Table II)."""
+    anneal: bool = False
+    """Whether the learning rate falls linearly to 0 over ``updates`` (paper: constant)."""
+    adam_epsilon: float = 1e-5
+    """Added to the root in Adam's denominator; the paper is silent, this is usual in PPO."""
+    max_grad_norm: float = 0.5
+    """Each network's gradient is shortened to this norm (paper, Table II)."""
+    discount: float = 0.995
+    """Worth now of a reward one step (0.1 s) later (paper, Table II)."""
+    gae_lambda: float = 0.95
+    """How far advantages look before they trust the critic (paper, Table II)."""
+    clip: float = 0.2
+    """Probability ratios beyond 1 +- this gain nothing more (paper, Table II)."""
+    value_coefficient: float = 0.5
+    """Weight of the squared value error. Each network has its own Adam, so this matters only to ``max_grad_norm``."""
+    reward_scale: float = 1.0
+    """The learner sees rewards times this (its metrics don't): critics learn values of size 1 soonest."""
+    credit: Literal["individual", "shared"] = "individual"
+    """``individual``: a critic for each role and a value for each agent. ``shared``: one critic on the global state,
+    one reward (the mean over learning roles of the mean over a role's agents), one advantage for everybody."""
+    shared_critic_hidden: tuple[int, ...] = (256, 256)
+    """Units of the shared critic's hidden layers (paper, section III-B); unused with individual credit."""
+    chunk_rows: int = 2048
+    """Rows (one agent in one step each) whose gradient is taken at once: speed only, never the result.
+    About 2,048 suits a CPU's cache; a GPU wants a whole minibatch."""
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be trained."""
+        for name in ("environments", "steps", "minibatches", "updates", "chunk_rows"):
+            _require(self, getattr(self, name) >= 1, name, "must be at least 1")
+        for name in ("learning_rate", "adam_epsilon", "max_grad_norm", "clip", "value_coefficient", "reward_scale"):
+            _require(self, 0 < getattr(self, name) < math.inf, name, "must be above 0")
+        for name in ("discount", "gae_lambda"):
+            _require(self, 0 <= getattr(self, name) <= 1, name, "must lie in [0, 1]")
+        divides = self.steps % self.minibatches == 0
+        _require(self, divides, "minibatches", f"must divide steps ({self.steps})")
+        _require(self, self.credit in ("individual", "shared"), "credit", 'must be "individual" or "shared"')
+        units = all(units > 0 for units in self.shared_critic_hidden)
+        _require(self, units, "shared_critic_hidden", "must all be above 0")
+        learns = any(getattr(self, role).learns for role in ROLES)
+        _require(self, learns, "learns", "must be true for at least one role", None)
+
+    @property
+    def learning_roles(self) -> tuple[str, ...]:
+        """Names of the roles that are trained."""
+        return tuple(role for role in ROLES if self.role(role).learns)
+
+    def role(self, name: str) -> RoleConfig:
+        """The configuration of the role of that name."""
+        return getattr(self, name)
+
+
+def _require(config: object, condition: bool, name: str, message: str, value: object = ...) -> None:
+    if not condition:
+        shown = getattr(config, name) if value is ... else value
+        raise ValueError(f"{name} {message}" + ("" if shown is None else f", not {shown!r}"))
+
+
+PAPER = TrainConfig(
+    driver=RoleConfig(actor_hidden=(256, 256), entropy=0.01, noise="tanh"),
+    pedestrian=RoleConfig(actor_hidden=(128, 128), entropy=0.03),
+    credit="shared",
+)
+"""The paper's section III-B and Table II: one critic on the global state, one blended reward, one advantage."""
+
+FAST = TrainConfig(
+    driver=RoleConfig(
+        observes="route", actor_hidden=(256, 256), critic_hidden=(256, 256), critic_observes=("route", GLOBAL), epochs=3
+    ),
+    pedestrian=RoleConfig(epochs=1),
+    steps=64,
+    anneal=True,
+    reward_scale=0.1,
+)
+"""What learns best on the same task: route frame, a critic per role, a value per pedestrian, short rollouts."""

@@ -1,0 +1,128 @@
+"""Descending a loss over a rollout: epochs of minibatches of time steps, each gradient summed over small chunks.
+
+Whole minibatches of a large rollout do not fit a processor's cache; the gradient of a sum is the sum of gradients, so
+chunks of about 2,048 rows give the same result sooner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import optax
+from jaxtyping import Array, Float, Int, Key
+
+from jaxwalk.learning.config import TrainConfig
+
+Network = TypeVar("Network")
+Loss = Callable[[Any, Any], tuple[Array, dict[str, Array]]]
+"""From network and chunk to the summed loss, and sums to report: ``weight`` (what to divide by) among them."""
+
+
+class Chunks(eqx.Module):
+    """How a minibatch is cut: into groups of ``steps`` time steps, or each time step into ``parts`` of its envs."""
+
+    steps: int = eqx.field(static=True)
+    parts: int = eqx.field(static=True)
+
+
+def plan_chunks(*, agents: int, environments: int, steps: int, rows: int) -> Chunks:
+    """Chunks of at most ``rows`` rows where that is possible, and as large as divides evenly."""
+    width = agents * environments
+    if width <= rows:
+        return Chunks(max(k for k in range(1, steps + 1) if steps % k == 0 and k * width <= rows), 1)
+    fits = (p for p in range(1, environments + 1) if environments % p == 0 and width <= rows * p)
+    return Chunks(1, next(fits, environments))
+
+
+def take_chunk(data: Any, times: Int[Array, " k"], part: Int[Array, ""], parts: int) -> Any:
+    """From arrays ``(time, ..., env)`` those times and that part of the envs: ``(..., k, env)``."""
+
+    def take(x: Array) -> Array:
+        chosen = x[times]
+        if parts > 1:
+            width = x.shape[-1] // parts
+            chosen = jax.lax.dynamic_slice_in_dim(chosen, part * width, width, axis=-1)
+        return jnp.moveaxis(chosen, 0, -2)
+
+    return jax.tree.map(take, data)
+
+
+def map_chunks(function: Callable[[Any], Array], data: Any, *, chunks: Chunks) -> Float[Array, "time ... env"]:
+    """Apply to all of the data ``(time, ..., env)`` in chunks; the function keeps the last two axes of its chunk."""
+    length = jax.tree.leaves(data)[0].shape[0]
+    groups, parts = _places(jnp.arange(length), chunks)
+    out = jax.lax.map(lambda at: function(take_chunk(data, *at, chunks.parts)), (groups, parts))
+    out = out.reshape(-1, chunks.parts, *out.shape[1:])  # (group, part, ..., k, env of the part)
+    out = jnp.moveaxis(jnp.moveaxis(out, -2, 1), 2, -2)  # (group, k, ..., part, env of the part)
+    return out.reshape(length, *out.shape[2:-2], -1)
+
+
+def _places(times: Int[Array, " step"], chunks: Chunks) -> tuple[Int[Array, "chunk k"], Int[Array, " chunk"]]:
+    """Of each chunk its times and the number of its part."""
+    groups = jnp.repeat(times.reshape(-1, chunks.steps), chunks.parts, axis=0)
+    return groups, jnp.tile(jnp.arange(chunks.parts), groups.shape[0] // chunks.parts)
+
+
+def mean_gradient(
+    loss: Loss, network: Network, data: Any, times: Int[Array, " step"], *, chunks: Chunks
+) -> tuple[Network, dict[str, Array]]:
+    """Gradient of the loss's weighted mean over these time steps, and the means of what it reports."""
+    groups, parts = _places(times, chunks)
+
+    def one(times: Array, part: Array) -> tuple[Network, dict[str, Array]]:
+        chunk = take_chunk(data, times, part, chunks.parts)
+        (_, sums), gradient = jax.value_and_grad(loss, has_aux=True)(network, chunk)
+        return gradient, sums
+
+    def add(total: Any, where: tuple[Array, Array]) -> tuple[Any, None]:
+        return jax.tree.map(jnp.add, total, one(*where)), None
+
+    nothing = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), jax.eval_shape(one, groups[0], parts[0]))
+    (gradient, sums), _ = jax.lax.scan(add, nothing, (groups, parts))
+    weight = jnp.maximum(sums["weight"], 1e-8)
+    return jax.tree.map(lambda g: g / weight, gradient), {name: total / weight for name, total in sums.items()}
+
+
+def optimiser(config: TrainConfig) -> optax.GradientTransformation:
+    """Adam on a gradient of bounded norm; `descend` brings the learning rate."""
+    return optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam(eps=config.adam_epsilon))
+
+
+def learning_rate(config: TrainConfig, updates: Int[Array, ""]) -> Float[Array, ""]:
+    """For the update that follows so many: constant, or falling linearly to 0 after the planned number."""
+    left = jnp.clip(1.0 - updates / config.updates, 0.0, 1.0) if config.anneal else jnp.ones(())
+    return config.learning_rate * left
+
+
+def descend(
+    network: Network, memory: optax.OptState, gradient: Network, *, rate: Array, config: TrainConfig
+) -> tuple[Network, optax.OptState]:
+    """One step against the gradient; returns the network and what the optimiser remembers."""
+    direction, memory = optimiser(config).update(gradient, memory)  # type: ignore[reportArgumentType]
+    return jax.tree.map(lambda x, d: x - rate * d, network, direction), memory
+
+
+def fit(
+    loss: Loss, network: Network, memory: optax.OptState, data: Any, *,
+    key: Key[Array, ""], rate: Float[Array, ""], epochs: int, agents: int, config: TrainConfig,
+) -> tuple[Network, optax.OptState, dict[str, Array]]:  # fmt: skip
+    """Epochs of minibatches over data ``(time, ..., env)``; returns what has changed and the reports' means.
+
+    Minibatches are sets of time steps: permuting every row instead costs more than the update itself.
+    """
+    length = config.steps // config.minibatches
+    chunks = plan_chunks(agents=agents, environments=config.environments, steps=length, rows=config.chunk_rows)
+    order = jax.vmap(jax.random.permutation, in_axes=(0, None))(jax.random.split(key, epochs), config.steps)
+
+    def minibatch(carry: tuple[Network, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
+        network, memory = carry
+        gradient, report = mean_gradient(loss, network, data, times, chunks=chunks)
+        report["gradient_norm"] = optax.global_norm(gradient)
+        return descend(network, memory, gradient, rate=rate, config=config), report
+
+    (network, memory), reports = jax.lax.scan(minibatch, (network, memory), order.reshape(-1, length))
+    return network, memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}

@@ -1,0 +1,51 @@
+"""Scalars that tell how training goes: reward terms and how episodes ended."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from jaxwalk.interfaces import ByRole, Outcome
+from jaxwalk.learning.config import ROLES
+from jaxwalk.learning.losses import weighted_mean
+
+ENDINGS = ("goal", "collision", "timeout")
+"""Events that are counted over the episodes that ended, if the environment's ``events`` have them."""
+
+
+def by_agent(x: Array, like: Array) -> Array:
+    """An array ``(time, env)`` with axes put between, so that it broadcasts against ``(time, *agents, env)``."""
+    return x.reshape(x.shape[0], *(1,) * (like.ndim - 2), x.shape[-1])
+
+
+def reward_metrics(rewards: ByRole[dict[str, Array]], valid: Array) -> dict[str, Float[Array, ""]]:
+    """Each named term's mean per agent and step, and their sum's, unscaled."""
+    metrics = {}
+    for role in ROLES:
+        terms = getattr(rewards, role)
+        means = {name: weighted_mean(term, by_agent(valid, term)) for name, term in terms.items()}
+        metrics |= {f"reward/{role}/{name}": mean for name, mean in means.items()}
+        metrics[f"reward/{role}"] = jnp.sum(jnp.stack(list(means.values()))) if means else jnp.zeros(())
+    return metrics
+
+
+def episode_metrics(outcome: Outcome, valid: Array) -> dict[str, Float[Array, ""]]:
+    """Episodes that ended in the rollout, their mean length (in a steady state) and the rate of each ending.
+
+    With no ended episode the rates are 0: look at ``episodes`` first.
+    """
+    ended = outcome.ended & (valid > 0)
+    episodes = jnp.sum(ended, dtype=jnp.float32)
+    metrics = {"episodes": episodes, "episode_steps": jnp.sum(valid) / jnp.maximum(episodes, 1.0)}
+    for name in ENDINGS:
+        happened = _event(outcome.events, name)
+        if happened is not None:
+            metrics[f"{name}_rate"] = jnp.sum(happened & ended) / jnp.maximum(episodes, 1.0)
+    return metrics
+
+
+def _event(events: Any, name: str) -> Array | None:
+    found = events.get(name) if isinstance(events, dict) else getattr(events, name, None)
+    return found if hasattr(found, "dtype") else None

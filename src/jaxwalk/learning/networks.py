@@ -1,0 +1,52 @@
+"""Multilayer perceptrons on arrays with features first: ``(feature, *rest) -> (out, *rest)``.
+
+With the rows innermost each layer is one matrix product ``W @ x`` with long contiguous rows, which a CPU runs several
+times faster than rows of features.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Key
+
+
+class MLP(eqx.Module):
+    """Fully connected layers with ReLU between them."""
+
+    weights: tuple[Float[Array, "out in"], ...]
+    """One matrix for each layer."""
+    biases: tuple[Float[Array, " out"], ...]
+    """One vector for each layer."""
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Features in, units of each hidden layer, outputs."""
+        return (self.weights[0].shape[1], *(weight.shape[0] for weight in self.weights))
+
+    def __call__(self, x: Float[Array, "feature *rest"]) -> Float[Array, "out *rest"]:
+        """Apply to every column: all axes after the first are carried along."""
+        rows = x.reshape(x.shape[0], -1)
+        for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
+            rows = jax.nn.relu(weight @ rows + bias[:, None])
+        rows = self.weights[-1] @ rows + self.biases[-1][:, None]
+        return rows.reshape(-1, *x.shape[1:])
+
+
+def make_mlp(key: Key[Array, ""], sizes: Sequence[int], *, final_scale: float) -> MLP:
+    """A network with orthogonal weights (scale sqrt 2, the last layer ``final_scale``) and zero biases.
+
+    The usual start of PPO: Saxe 2014 for the weights, Andrychowicz 2021 for a policy that starts nearly uniform.
+    """
+    shapes = list(zip(sizes[1:], sizes[:-1], strict=True))
+    scales = [math.sqrt(2.0)] * (len(shapes) - 1) + [final_scale]
+    keys = jax.random.split(key, len(shapes))
+    weights = tuple(
+        jax.nn.initializers.orthogonal(scale)(k, shape, jnp.float32)
+        for k, shape, scale in zip(keys, shapes, scales, strict=True)
+    )
+    return MLP(weights, tuple(jnp.zeros(shape[0], jnp.float32) for shape in shapes))
