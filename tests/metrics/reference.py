@@ -1,0 +1,94 @@
+"""Encounters, braking and near speeds once more, in plain Python loops written from the spec, to compare with."""
+
+from __future__ import annotations
+
+import math
+
+from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN
+
+
+def distance(t, k, e, p):
+    return math.hypot(t.ped_x[k, e, p] - t.car_x[k, e], t.ped_y[k, e, p] - t.car_y[k, e])
+
+
+def closes(t, k, e, p):
+    """Within 20 m, and nearer by more than 0.1 m/s, from the derivative of the distance."""
+    dx, dy = t.ped_x[k, e, p] - t.car_x[k, e], t.ped_y[k, e, p] - t.car_y[k, e]
+    vx = t.ped_vx[k, e, p] - t.car_speed[k, e] * t.car_cos[k, e]
+    vy = t.ped_vy[k, e, p] - t.car_speed[k, e] * t.car_sin[k, e]
+    far = math.hypot(dx, dy)
+    return far <= 20 and -(dx * vx + dy * vy) > 0.1 * far + 1e-12
+
+
+def crossings(t):
+    """All (episode, ped, number, type, enter, last)."""
+    found = []
+    for e in range(len(t.length)):
+        for p in range(t.ped_x.shape[2]):
+            number, enter = 0, None
+            for k in range(t.length[e] + 2):
+                on = k <= t.length[e] and t.on_roadway[k, e, p]
+                if on and enter is None:
+                    number, enter = number + 1, k
+                if not on and enter is not None:
+                    kind = t.crossing[enter, e, p] or (1 if t.on_crosswalk[enter, e, p] else 2)
+                    found.append((e, p, number, kind, enter, k - 1))
+                    enter = None
+    return found
+
+
+def encounters(t):
+    """All (episode, ped, number, type, enter, start, end, min distance, braking, time)."""
+    found = []
+    for e, p, number, kind, enter, last in crossings(t):
+        start = next((k for k in range(enter, last + 1) if closes(t, k, e, p)), None)
+        if start is None:
+            continue
+        near = min(distance(t, k, e, p) for k in range(start, last + 1))
+        found.append((e, p, number, kind, enter, start, last, near, *braking(t, e, enter, last)))
+    return found
+
+
+def braking(t, e, enter, last):
+    """What the car did after somebody entered in frame ``enter``; the hold is three steps of 0.1 s."""
+
+    def held_from(k):
+        return k >= 1 and k + 2 <= t.length[e] and all(t.car_acceleration[j, e] <= -1 for j in (k, k + 1, k + 2))
+
+    if enter == 0:
+        return UNSEEN, math.nan
+    if t.car_speed[enter, e] <= 1:
+        return STANDING, math.nan
+    if any(held_from(k) for k in (enter - 2, enter - 1, enter)):
+        return ALREADY, math.nan
+    for k in range(enter + 1, last + 1):
+        if held_from(k) and t.car_speed[k - 1, e] > 1:
+            return ONSET, (k - 1 - enter) * t.dt
+    return NEVER, (last - enter) * t.dt
+
+
+def near_speeds(t):
+    """{(episode, type, bin): speeds of frames}, and {(episode, type, bin): mean speeds of encounters}."""
+    on_road = {}
+    for e, p, number, kind, enter, last in crossings(t):
+        on_road |= {(e, p, k): (number, kind) for k in range(enter, last + 1)}
+    starts = {(row[0], row[1], row[2]): row[5] for row in encounters(t)}
+    pooled, within = {}, {}
+    for e in range(len(t.length)):
+        for k in range(t.length[e] + 1):
+            for kind in (1, 2):
+                here = [p for p in range(t.ped_x.shape[2]) if on_road.get((e, p, k), (0, 0))[1] == kind]
+                if not here:
+                    continue
+                near = min(distance(t, k, e, p) for p in here)
+                if near >= 12:
+                    continue
+                pooled.setdefault((e, kind, int(near // 3)), []).append(t.car_speed[k, e])
+                for p in here:
+                    key = (e, p, on_road[e, p, k][0])
+                    if distance(t, k, e, p) == near and key in starts and k >= starts[key]:
+                        within.setdefault((key, kind, int(near // 3)), []).append(t.car_speed[k, e])
+    by_encounter = {}
+    for (key, kind, place), speeds in within.items():
+        by_encounter.setdefault((key[0], kind, place), []).append(sum(speeds) / len(speeds))
+    return pooled, by_encounter

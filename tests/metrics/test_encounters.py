@@ -1,0 +1,151 @@
+"""Encounters and braking on scenes whose numbers are worked out by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from metrics.scenes import Scene, Walk, changed, trajectory
+
+
+def encountered(scene: Scene):
+    return measure(trajectory(scene)).encounters
+
+
+def test_head_on():
+    # 30 m apart, nearing at 5 + 1 m/s, 0.6 m per frame: 20 m is passed in frame 17, 1.5 m in frame 48 (30 - 28.8)
+    walk = Walk(30, 0, vx=-1, crossings=[(3, 48, JAYWALK)])
+    table = encountered(Scene(48, [walk], touched=[0]))
+    assert [c.tolist() for c in (table.enter, table.start, table.end)] == [[3], [17], [48]]
+    assert table.min_distance == pytest.approx(1.2)
+    assert (table.type[0], table.number[0], table.entry_speed[0], table.collided[0]) == (JAYWALK, 1, 5.0, True)
+
+
+def test_crossing_in_front():
+    # d^2 = 0.25 (40 - k)^2 + 0.04 (k - 20)^2: 20.4 m in frame 0, 19.9 m in frame 1, least in frame 37: 2.25 + 11.56
+    walk = Walk(20, -4, vy=2, crossings=[(1, 39, CROSSWALK)])
+    table = encountered(Scene(80, [walk]))
+    assert [c.tolist() for c in (table.enter, table.start, table.end)] == [[1], [1], [39]]
+    assert table.min_distance == pytest.approx(math.sqrt(13.81))
+    assert not table.collided[0]
+
+
+def test_the_smallest_distance_counts_only_on_the_roadway():
+    # as above, but the pedestrian is off the roadway after frame 30: 0.25 * 100 + 0.04 * 100
+    table = encountered(Scene(80, [Walk(20, -4, vy=2, crossings=[(1, 30, CROSSWALK)])]))
+    assert table.min_distance == pytest.approx(math.sqrt(29))
+
+
+def test_crossing_behind_the_car_is_a_crossing_but_no_encounter():
+    rows = measure(trajectory(Scene(40, [Walk(-5, -4, vy=2, crossings=[(1, 39, JAYWALK)])])))
+    assert len(rows.crossings.episode) == 1
+    assert len(rows.encounters.episode) == 0
+
+
+def test_a_car_beyond_20_m_is_no_encounter():
+    assert len(encountered(Scene(18, [Walk(30, 0, crossings=[(1, 18, JAYWALK)])])).episode) == 0  # 21 m at the end
+    assert encountered(Scene(20, [Walk(30, 0, crossings=[(1, 20, JAYWALK)])])).start == [20]  # 20 m at the end
+
+
+def test_a_standing_pair_is_no_encounter():
+    assert len(encountered(Scene(20, [Walk(10, 0, crossings=[(1, 20, CROSSWALK)])], speed=0)).episode) == 0
+
+
+def test_two_crossings_of_one_pedestrian_are_two_encounters():
+    walk = Walk(60, 0, crossings=[(85, 90, CROSSWALK), (100, 104, JAYWALK)])
+    table = encountered(Scene(150, [walk]))
+    assert [c.tolist() for c in (table.number, table.type)] == [[1, 2], [CROSSWALK, JAYWALK]]
+    assert [c.tolist() for c in (table.start, table.end)] == [[85, 100], [90, 104]]
+    assert table.min_distance == pytest.approx([15, 8])  # at 0.5 m per frame the car is at 45 and at 52 m
+
+
+def test_a_crossing_under_way_at_the_end():
+    rows = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 99, JAYWALK)])]), Scene(30, [Walk(99, 0)])))
+    assert (rows.crossings.last.tolist(), rows.crossings.completed.tolist()) == ([20], [False])
+    assert (rows.encounters.end.tolist(), rows.encounters.min_distance.tolist()) == ([20], [10.0])
+
+
+def test_a_crossing_that_ends_in_the_last_frame_but_one_is_complete():
+    crossings = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 19, JAYWALK)])]))).crossings
+    assert crossings.completed.tolist() == [True]
+
+
+def test_nobody_decided_the_place_tells_the_type():
+    recorded = trajectory(
+        Scene(9, [Walk(9, 0, crossings=[(0, 9, CROSSWALK)]), Walk(9, 3, crossings=[(0, 9, JAYWALK)])])
+    )
+    rows = measure(changed(recorded, crossing=recorded.crossing * 0, decisions=recorded.decisions * 0))
+    assert rows.crossings.type.tolist() == [CROSSWALK, JAYWALK]
+    assert rows.crossings.entry_seen.tolist() == [False, False]
+
+
+def scene(*, commands: dict[int, float], speed: float = 5.0, enter: int = 5, last: int = 25, length: int = 60) -> Scene:
+    """A car and somebody standing ahead on the roadway from frame ``enter`` to ``last``."""
+    return Scene(length, [Walk(30, 0, crossings=[(enter, last, CROSSWALK)])], speed=speed, acceleration=commands)
+
+
+@pytest.mark.parametrize(
+    ("case", "status", "seconds"),
+    [
+        # commands of frames 12, 13, 14 are given in view of frames 11, 12, 13: 6 frames after the entry
+        (scene(commands={12: -1, 13: -2, 14: -1}), ONSET, 0.6),
+        # the first command that can answer the entry: at once
+        (scene(commands={6: -3, 7: -3, 8: -3}), ONSET, 0.0),
+        # two frames are not 0.3 s, nor is -0.99 m/s2 braking; the next is
+        (scene(commands={8: -3, 9: -3, 10: -0.99, 20: -3, 21: -3, 22: -3}), ONSET, 1.4),
+        # held beyond the end of the crossing, begun within
+        (scene(commands={25: -3, 26: -3, 27: -3}), ONSET, 1.9),
+        # begun after it, or cut short by the end of the episode: never; watched from frame 5 to 25
+        (scene(commands={26: -3, 27: -3, 28: -3}), NEVER, 2.0),
+        (scene(commands={24: -3, 25: -3}, length=25), NEVER, 2.0),
+        (scene(commands={}), NEVER, 2.0),
+        # braking that covers the step of the entry
+        (scene(commands={3: -3, 4: -3, 5: -3}), ALREADY, math.nan),
+        (scene(commands={5: -3, 6: -3, 7: -3}), ALREADY, math.nan),
+        (scene(commands={2: -3, 3: -3, 4: -3}), NEVER, 2.0),
+        (scene(commands={12: -3, 13: -3, 14: -3}, speed=1.0), STANDING, math.nan),
+        (scene(commands={12: -3, 13: -3, 14: -3}, enter=0), UNSEEN, math.nan),
+    ],
+)
+def test_braking(case, status, seconds):
+    table = encountered(case)
+    assert table.braking.tolist() == [status]
+    assert table.braking_time == pytest.approx([seconds], nan_ok=True)
+
+
+def test_braking_of_a_car_that_has_become_slow_does_not_count():
+    speed = [5.0] * 10 + [0.8] * 51
+    case = Scene(
+        60, [Walk(14, 0, crossings=[(5, 25, CROSSWALK)])], speed=speed, acceleration={k: -3 for k in range(12, 18)}
+    )
+    assert encountered(case).braking.tolist() == [NEVER]
+
+
+def test_summary_of_braking_keeps_those_who_never_brake():
+    cases = [
+        scene(commands={k: -3 for k in (8, 9, 10)}),  # 0.2 s
+        scene(commands={k: -3 for k in (16, 17, 18)}),  # 1.0 s
+        scene(commands={}),
+        scene(commands={4: -3, 5: -3, 6: -3}),
+        scene(commands={}, speed=0.5, last=59),
+    ]
+    braking = summarise(measure(trajectory(*cases)), resamples=50).encounters.crosswalk.braking
+    counts = (braking.observed, braking.censored, braking.already, braking.standing, braking.unseen)
+    assert counts == (2, 1, 1, 0, 0)  # the slow car stays beyond 20 m
+    # survival 1 -> 2/3 at 0.2 s -> 1/3 at 1.0 s
+    assert (braking.median.value, braking.median.count) == (pytest.approx(1.0), 3)
+    assert braking.mean_observed.value == pytest.approx(0.6)
+    nobody = summarise(measure(trajectory(*cases)), resamples=50).encounters.jaywalk
+    assert (nobody.count, nobody.collided.value, nobody.minimum_approach.value) == (0, None, None)
+    assert (nobody.braking.median.value, nobody.braking.mean_observed.value) == (None, None)
+
+
+def test_minimum_approach_is_the_5th_percentile():
+    # people standing at the roadside 2, 3, 4, 5, 6 m off the path of a car that passes them: linear, 2 + 0.05 * 4
+    people = [Walk(10, y, crossings=[(1, 40, JAYWALK)]) for y in (2, 3, 4, 5, 6)]
+    approach = summarise(measure(trajectory(Scene(40, people))), resamples=0).encounters.jaywalk.minimum_approach
+    assert (approach.value, approach.count) == (pytest.approx(2.2), 5)

@@ -1,0 +1,103 @@
+"""What no metric may depend on: the order of people and episodes, batching, padding; and a plain reference."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jaxwalk.metrics import Rows, measure, summarise
+from metrics.reference import encounters, near_speeds
+from metrics.scenes import padded, pick, random_trajectory
+
+few = settings(max_examples=25, deadline=None)
+trajectories = st.builds(
+    random_trajectory,
+    st.integers(0, 2**32 - 1),
+    episodes=st.integers(1, 4),
+    frames=st.integers(2, 30),
+    people=st.integers(1, 4),
+)
+
+
+def assert_same(a, b):
+    """Nested dicts and tuples of numbers and None agree."""
+    assert type(a) is type(b)
+    if isinstance(a, dict):
+        assert a.keys() == b.keys()
+        for key in a:
+            assert_same(a[key], b[key])
+    elif isinstance(a, tuple):
+        assert len(a) == len(b)
+        for left, right in zip(a, b, strict=True):
+            assert_same(left, right)
+    else:
+        assert a == (b if b is None else pytest.approx(b, rel=1e-9))
+
+
+def assert_equal_rows(a: Rows, b: Rows):
+    for table in ("episodes", "exposure", "near_speeds", "crossings", "encounters", "decisions"):
+        left, right = getattr(a, table), getattr(b, table)
+        for column in fields(left):
+            # (sums may be grouped differently: hence a tolerance)
+            a_column, b_column = getattr(left, column.name), getattr(right, column.name)
+            np.testing.assert_allclose(a_column, b_column, rtol=1e-12, err_msg=column.name)
+            assert a_column.dtype == b_column.dtype
+
+
+@few
+@given(trajectories, st.randoms(use_true_random=False))
+def test_the_order_of_pedestrians_does_not_matter(recorded, random):
+    order = list(range(recorded.ped_x.shape[2]))
+    random.shuffle(order)
+    before, after = (summarise(measure(t), resamples=20) for t in (recorded, pick(recorded, people=order)))
+    assert_same(before.as_dict(), after.as_dict())
+
+
+@few
+@given(trajectories, st.randoms(use_true_random=False))
+def test_the_order_of_episodes_does_not_matter(recorded, random):
+    order = list(range(len(recorded.length)))
+    random.shuffle(order)
+    before, after = (summarise(measure(t), resamples=0) for t in (recorded, pick(recorded, episodes=order)))
+    assert_same(before.as_dict(), after.as_dict())
+
+
+@few
+@given(trajectories, st.integers(0, 4))
+def test_joined_rows_of_two_parts_are_the_rows_of_the_whole(recorded, cut):
+    parts = [pick(recorded, episodes=slice(0, cut)), pick(recorded, episodes=slice(cut, None))]
+    assert_equal_rows(Rows.join([measure(part) for part in parts]), measure(recorded))
+
+
+@few
+@given(trajectories, st.integers(1, 5))
+def test_padding_is_not_seen(recorded, frames):
+    assert_equal_rows(measure(padded(recorded, frames)), measure(recorded))
+
+
+@few
+@given(trajectories)
+def test_encounters_agree_with_the_reference(recorded):
+    table = measure(recorded).encounters
+    names = ("episode", "ped", "number", "type", "enter", "start", "end", "min_distance", "braking", "braking_time")
+    rows = list(zip(*(getattr(table, name) for name in names), strict=True))
+    expected = encounters(recorded)
+    assert len(rows) == len(expected)
+    for row, reference in zip(rows, expected, strict=True):
+        assert [float(v) for v in row] == pytest.approx([float(v) for v in reference], rel=1e-6, nan_ok=True)
+
+
+@few
+@given(trajectories)
+def test_near_speeds_agree_with_the_reference(recorded):
+    table = measure(recorded).near_speeds
+    pairs = ((table.frames, table.speed_sum), (table.encounters, table.encounter_speed_sum))
+    for (count, total), reference in zip(pairs, near_speeds(recorded), strict=True):
+        assert count.sum() == sum(len(v) for v in reference.values())
+        for (episode, kind, place), speeds in reference.items():
+            assert count[episode, kind - 1, place] == len(speeds)
+            assert total[episode, kind - 1, place] == pytest.approx(sum(speeds))

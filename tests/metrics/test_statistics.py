@@ -1,0 +1,117 @@
+"""Intervals against published or exact numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from jaxwalk.metrics import statistics
+from jaxwalk.metrics.statistics import (
+    bootstrap_by_episode,
+    episode_sums,
+    interval,
+    kaplan_meier_median,
+    mcnemar,
+    quantile,
+    ratio,
+    wilson,
+)
+
+
+def test_wilson_of_the_papers_14_percent():
+    rate = wilson(70, 500)
+    assert (rate.value, rate.low, rate.high) == (0.14, pytest.approx(0.112, abs=5e-4), pytest.approx(0.173, abs=5e-4))
+
+
+def test_wilson_at_the_edges():
+    assert wilson(0, 0).value is None
+    assert (wilson(0, 10).low, wilson(10, 10).high) == (0, pytest.approx(1))
+    # a single success: centre (1 + z^2 / 2) / (1 + z^2), half width z / 2 * |z| / (1 + z^2)
+    z2 = stats.norm.ppf(0.975) ** 2
+    assert wilson(1, 1).low == pytest.approx(1 / (1 + z2))
+
+
+def test_mcnemar():
+    # 9 against 1 of 10 discordant pairs: 2 * (1 + 10) / 2^10
+    a = np.array([True] * 9 + [False] + [True] * 5)
+    b = np.array([False] * 9 + [True] + [True] * 5)
+    assert mcnemar(a, b) == pytest.approx(22 / 1024)
+    assert mcnemar(a, a) == 1.0
+    with pytest.raises(ValueError, match="equal lengths"):
+        mcnemar(a, b[1:])
+
+
+def test_bootstrap_of_a_mean_is_near_the_normal_interval():
+    values = np.random.default_rng(1).normal(3, 1, 400)
+    estimate = bootstrap_by_episode(values, np.ones(400), resamples=4000)
+    half = 1.96 * values.std() / 20
+    assert estimate.value == pytest.approx(values.mean())
+    assert estimate.low == pytest.approx(values.mean() - half, abs=0.01)
+    assert estimate.high == pytest.approx(values.mean() + half, abs=0.01)
+
+
+def test_bootstrap_is_of_the_ratio_of_sums_not_the_mean_of_ratios():
+    assert bootstrap_by_episode(np.array([1, 9]), np.array([1, 3])).value == 2.5
+
+
+def test_bootstrap_where_little_is_known():
+    assert bootstrap_by_episode(np.ones(3), np.zeros(3)).value is None
+    assert bootstrap_by_episode(np.array([]), np.array([])).value is None
+    alone = bootstrap_by_episode(np.array([2.0]), np.array([1.0]))
+    assert (alone.value, alone.low, alone.high) == (2.0, None, None)
+    # one episode in ten contributes: 35 % of the resamples miss it
+    rare = bootstrap_by_episode(np.eye(10)[0], np.eye(10)[0])
+    assert (rare.value, rare.low, rare.count) == (1.0, None, 1)
+
+
+def test_resamples_draw_as_many_episodes_and_share_them():
+    sums = episode_sums({"one": np.ones(30), "more": np.arange(60.0).reshape(30, 2)}, resamples=50)
+    assert (sums["one"] == 30).all()
+    assert sums["more"].shape == (51, 2)
+    assert sums["more"][0].tolist() == [870, 900]
+    # the second column is the first plus one, episode by episode: so are the sums, but for 30
+    np.testing.assert_allclose(sums["more"][:, 1] - sums["more"][:, 0], 30)
+    assert len(np.unique(sums["more"][:, 0])) > 30
+
+
+def test_chunks_do_not_change_the_draws(monkeypatch):
+    columns = {"x": np.arange(50.0)}
+    whole = episode_sums(columns, resamples=20, seed=3)["x"]
+    monkeypatch.setattr(statistics, "CHUNK", 120)
+    np.testing.assert_array_equal(episode_sums(columns, resamples=20, seed=3)["x"], whole)
+    assert (episode_sums(columns, resamples=20, seed=4)["x"][1:] != whole[1:]).any()
+
+
+def test_ratio_and_interval_of_what_is_undefined():
+    assert np.isnan(ratio(np.array([1.0, 0.0]), 0)).all()
+    assert interval(np.array([np.nan, 1.0]), 3).value is None
+
+
+def test_quantile_interval_covers():
+    rng = np.random.default_rng(0)
+    found = [quantile(rng.random(200), 0.05) for _ in range(300)]
+    share = np.mean([e.low <= 0.05 <= e.high for e in found if e.low is not None and e.high is not None])
+    assert share > 0.93
+    assert quantile(np.array([]), 0.05).value is None
+    assert quantile(np.array([7.0]), 0.05).value == 7.0
+
+
+# Freireich et al. (1963), remission in weeks under 6-MP: median 23 in every textbook
+WEEKS = np.array([6, 6, 6, 6, 7, 9, 10, 10, 11, 13, 16, 17, 19, 20, 22, 23, 25, 32, 32, 34, 35])
+RELAPSED = np.array([1, 1, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0], bool)
+
+
+def test_kaplan_meier_median_of_a_textbook_sample():
+    estimate = kaplan_meier_median(WEEKS, RELAPSED)
+    assert (estimate.value, estimate.low, estimate.high, estimate.count) == (23, 13, None, 21)
+
+
+def test_kaplan_meier_median_without_censoring_is_the_median():
+    assert kaplan_meier_median(np.array([5, 1, 4, 2, 3]), np.ones(5, bool)).value == 3
+
+
+def test_kaplan_meier_median_never_reached():
+    assert kaplan_meier_median(np.array([1, 2, 3, 4, 5]), np.array([1, 0, 0, 0, 0], bool)).value is None
+    assert kaplan_meier_median(np.array([1, 2]), np.zeros(2, bool)).value is None
+    assert kaplan_meier_median(np.array([]), np.array([], bool)).value is None
