@@ -11,7 +11,7 @@ def temporal_difference(
     reward: Float[Array, "..."], value: Float[Array, "..."], next_value: Float[Array, "..."],
     terminated: Bool[Array, "..."], *, discount: float,
 ) -> Float[Array, "..."]:  # fmt: skip
-    """The residual ``r + discount V' - V``, where a terminated state's future is worth nothing (Schulman 2016, eq. 9)."""
+    """The residual ``r + discount V' - V``, 0 for V' after a terminating step (Schulman 2016, eq. 9)."""
     return reward + discount * jnp.where(terminated, 0.0, next_value) - value
 
 

@@ -55,7 +55,7 @@ def map_chunks(function: Callable[[Any], Array], data: Any, *, chunks: Chunks) -
     """Apply to all of the data ``(time, ..., env)`` in chunks; the function keeps the last two axes of its chunk."""
     length = jax.tree.leaves(data)[0].shape[0]
     groups, parts = _places(jnp.arange(length), chunks)
-    out = jax.lax.map(lambda at: function(take_chunk(data, *at, chunks.parts)), (groups, parts))
+    out = jax.lax.map(lambda at: function(take_chunk(data, at[0], at[1], chunks.parts)), (groups, parts))
     out = out.reshape(-1, chunks.parts, *out.shape[1:])  # (group, part, ..., k, env of the part)
     out = jnp.moveaxis(jnp.moveaxis(out, -2, 1), 2, -2)  # (group, k, ..., part, env of the part)
     return out.reshape(length, *out.shape[2:-2], -1)

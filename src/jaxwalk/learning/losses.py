@@ -100,7 +100,7 @@ def beyond_clip(log_ratio: Float[Array, "..."], *, clip: float) -> Float[Array, 
 
 
 def weighted_sum(x: Float[Array, "..."], weight: Float[Array, "..."]) -> Float[Array, ""]:
-    """Sum of ``x`` times ``weight``, which broadcasts; entries without weight don't count even if they aren't finite."""
+    """Sum of ``x`` times ``weight``, which broadcasts; weightless entries don't count even if they aren't finite."""
     weight = jnp.broadcast_to(weight, x.shape)
     return jnp.sum(jnp.where(weight > 0, x * weight, 0.0))
 

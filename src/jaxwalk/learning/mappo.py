@@ -27,7 +27,7 @@ from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, e
 from jaxwalk.learning.monitor import by_agent, episode_metrics, reward_metrics
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, start
 
-NOBODY = ByRole(driver=None, pedestrian=None)
+NOBODY: ByRole[Policy | None] = ByRole(driver=None, pedestrian=None)
 """No fixed policies: every role learns."""
 
 

@@ -1,0 +1,149 @@
+"""Trained networks as policies, and the files that they are shared in.
+
+A file is safetensors: named arrays and a text header, no code. It holds the actors of the roles that learned; the
+header's entry ``jaxwalk`` is JSON that says how to put them together and where they come from.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import safetensors
+import safetensors.numpy
+from jaxtyping import Array, Float, Key
+
+from jaxwalk.learning.actor import DISCRETE, Actor
+from jaxwalk.learning.mappo import Learner
+from jaxwalk.learning.networks import MLP
+
+FORMAT = 1
+"""Version of the file format."""
+HEADER = "jaxwalk"
+"""The entry of the file's header that is ours."""
+
+
+class PolicyError(ValueError):
+    """A policy file that can't be used; one line names the file, says what is wrong and what to do."""
+
+
+class LearnedPolicy(eqx.Module):
+    """An actor that decides for all agents of its role. It has no memory."""
+
+    actor: Actor
+    """The network and its distribution."""
+    sample: bool = eqx.field(static=True, default=False)
+    """Whether it draws its action at random, as in training; else it takes the likeliest one."""
+
+    @property
+    def observes(self) -> str:
+        """Name of the observation set it reads."""
+        return self.actor.observes
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
+        """It remembers nothing."""
+        return None
+
+    def act(
+        self, key: Key[Array, "*batch"], memory: None, observation: Float[Array, "feature ..."]
+    ) -> tuple[Array, None]:
+        """The action of every agent."""
+        choice = self.actor(observation)
+        return choice.action(choice.sample(key) if self.sample else choice.mode()), memory  # pyright: ignore
+
+
+def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadata: Mapping[str, Any]) -> None:
+    """Write the actors by role, and free JSON ``metadata`` (recipe, seed, commit, steps, results, ...).
+
+    The file appears whole or not at all.
+    """
+    actors = actors.actors if isinstance(actors, Learner) else actors
+    arrays = {f"{role}.{name}": x for role, actor in actors.items() for name, x in _arrays(actor).items()}
+    roles = {
+        role: {"observes": actor.observes, "kind": actor.kind, "sizes": list(actor.network.sizes)}
+        for role, actor in actors.items()
+    }
+    header = {"format": FORMAT, "roles": roles, "metadata": dict(metadata)}
+    content = safetensors.numpy.save(arrays, {HEADER: json.dumps(header, sort_keys=True)})
+    path = Path(path)
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    unfinished.write_bytes(content)
+    unfinished.replace(path)
+
+
+def load_policy(path: str | Path, role: str, *, sample: bool = False, expect_size: int | None = None) -> LearnedPolicy:
+    """The policy of that role in the file; with ``expect_size``, its observations must have so many numbers."""
+    header, arrays = _read(path)
+    if role not in header["roles"]:
+        held = ", ".join(sorted(header["roles"])) or "none"
+        raise PolicyError(f"{path}: holds no {role} policy (it has: {held}); choose a file in which the {role} learned")
+    described = header["roles"][role]
+    own = {name.removeprefix(f"{role}."): x for name, x in arrays.items() if name.startswith(f"{role}.")}
+    actor = _actor(path, described, own)
+    size = actor.network.sizes[0]
+    if expect_size is not None and size != expect_size:
+        raise PolicyError(
+            f"{path}: the {role} reads {size} numbers ({actor.observes!r}), but the environment gives {expect_size}; "
+            "use the environment configuration that it was trained with, or train anew"
+        )
+    return LearnedPolicy(actor, sample)
+
+
+def read_metadata(path: str | Path) -> dict[str, Any]:
+    """What was saved about the file's policies: ``metadata`` as given, and under ``roles`` each network."""
+    header, _ = _read(path)
+    return {**header["metadata"], "roles": header["roles"]}
+
+
+def _arrays(actor: Actor) -> dict[str, np.ndarray]:
+    layers = zip(actor.network.weights, actor.network.biases, strict=True)
+    named = {}
+    for i, (weight, bias) in enumerate(layers):
+        named |= {f"layer{i}.weight": weight, f"layer{i}.bias": bias}
+    if actor.log_std is not None:
+        named["log_std"] = actor.log_std
+    return {name: np.asarray(x) for name, x in named.items()}
+
+
+def _read(path: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """The header and all arrays, or an error that says what is the matter."""
+    if not Path(path).is_file():
+        raise PolicyError(f"{path}: no such file; check the name, or train and save a policy first")
+    try:
+        with safetensors.safe_open(str(path), framework="numpy") as file:
+            text = (file.metadata() or {}).get(HEADER)
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except (safetensors.SafetensorError, OSError) as error:
+        raise PolicyError(f"{path}: damaged or no safetensors file ({error}); copy or download it again") from error
+    try:
+        header = json.loads(text) if text else {}
+    except json.JSONDecodeError:
+        header = {}
+    if not isinstance(header, dict) or "format" not in header:
+        raise PolicyError(f"{path}: a safetensors file, but not of jaxwalk; give a file written by save_policy")
+    if header["format"] != FORMAT:
+        raise PolicyError(f"{path}: has format {header['format']}, this jaxwalk reads {FORMAT}; use a matching version")
+    return header, arrays
+
+
+def _actor(path: str | Path, described: dict[str, Any], arrays: dict[str, np.ndarray]) -> Actor:
+    """Put an actor together, after checking that every array is there and has its shape."""
+    sizes, kind = described["sizes"], described["kind"]
+    layers = range(len(sizes) - 1)
+    wanted = {f"layer{i}.weight": (sizes[i + 1], sizes[i]) for i in layers}
+    wanted |= {f"layer{i}.bias": (sizes[i + 1],) for i in layers}
+    if kind != DISCRETE:
+        wanted["log_std"] = (sizes[-1],)
+    found = {name: x.shape for name, x in arrays.items()}
+    if found != wanted:
+        wrong = ", ".join(sorted(n for n in wanted.keys() | found.keys() if wanted.get(n) != found.get(n)))
+        raise PolicyError(f"{path}: its arrays don't match its header ({wrong}); copy or download it again")
+    loaded = {name: jnp.asarray(x) for name, x in arrays.items()}
+    network = MLP(tuple(loaded[f"layer{i}.weight"] for i in layers), tuple(loaded[f"layer{i}.bias"] for i in layers))
+    return Actor(network, loaded.get("log_std"), observes=described["observes"], kind=kind)
