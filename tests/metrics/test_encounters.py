@@ -75,9 +75,8 @@ def test_a_crossing_that_ends_in_the_last_frame_but_one_is_complete():
 
 
 def test_nobody_decided_the_place_tells_the_type():
-    recorded = trajectory(
-        Scene(9, [Walk(9, 0, crossings=[(0, 9, CROSSWALK)]), Walk(9, 3, crossings=[(0, 9, JAYWALK)])])
-    )
+    people = [Walk(9, 0, crossings=[(0, 9, CROSSWALK)]), Walk(9, 3, crossings=[(0, 9, JAYWALK)])]
+    recorded = trajectory(Scene(9, people))
     rows = measure(changed(recorded, crossing=recorded.crossing * 0, decisions=recorded.decisions * 0))
     assert rows.crossings.type.tolist() == [CROSSWALK, JAYWALK]
     assert rows.crossings.entry_seen.tolist() == [False, False]
@@ -85,7 +84,8 @@ def test_nobody_decided_the_place_tells_the_type():
 
 def scene(*, commands: dict[int, float], speed: float = 5.0, enter: int = 5, last: int = 25, length: int = 60) -> Scene:
     """A car and somebody standing ahead on the roadway from frame ``enter`` to ``last``."""
-    return Scene(length, [Walk(30, 0, crossings=[(enter, last, CROSSWALK)])], speed=speed, acceleration=commands)
+    walk = Walk(30, 0, crossings=[(enter, last, CROSSWALK)])
+    return Scene(length, [walk], x=10.0, speed=speed, acceleration=commands)
 
 
 @pytest.mark.parametrize(
@@ -119,10 +119,8 @@ def test_braking(case, status, seconds):
 
 def test_braking_of_a_car_that_has_become_slow_does_not_count():
     speed = [5.0] * 10 + [0.8] * 51
-    case = Scene(
-        60, [Walk(14, 0, crossings=[(5, 25, CROSSWALK)])], speed=speed, acceleration={k: -3 for k in range(12, 18)}
-    )
-    assert encountered(case).braking.tolist() == [NEVER]
+    walk, commands = Walk(14, 0, crossings=[(5, 25, CROSSWALK)]), dict.fromkeys(range(12, 18), -3)
+    assert encountered(Scene(60, [walk], speed=speed, acceleration=commands)).braking.tolist() == [NEVER]
 
 
 def test_summary_of_braking_keeps_those_who_never_brake():
@@ -135,7 +133,7 @@ def test_summary_of_braking_keeps_those_who_never_brake():
     ]
     braking = summarise(measure(trajectory(*cases)), resamples=50).encounters.crosswalk.braking
     counts = (braking.observed, braking.censored, braking.already, braking.standing, braking.unseen)
-    assert counts == (2, 1, 1, 0, 0)  # the slow car stays beyond 20 m
+    assert counts == (2, 1, 1, 1, 0)
     # survival 1 -> 2/3 at 0.2 s -> 1/3 at 1.0 s
     assert (braking.median.value, braking.median.count) == (pytest.approx(1.0), 3)
     assert braking.mean_observed.value == pytest.approx(0.6)
