@@ -63,6 +63,11 @@ def test_two_crossings_of_one_pedestrian_are_two_encounters():
     assert table.min_distance == pytest.approx([15, 8])  # at 0.5 m per frame the car is at 45 and at 52 m
 
 
+def test_only_the_last_crossing_of_who_was_hit_collided():
+    walk = Walk(30, 0, vx=-1, crossings=[(20, 30, CROSSWALK), (40, 48, CROSSWALK)])
+    assert encountered(Scene(48, [walk, Walk(9, 9)], touched=[0])).collided.tolist() == [False, True]
+
+
 def test_a_crossing_under_way_at_the_end():
     rows = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 99, JAYWALK)])]), Scene(30, [Walk(99, 0)])))
     assert (rows.crossings.last.tolist(), rows.crossings.completed.tolist()) == ([20], [False])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import fields
 
 import numpy as np
@@ -55,6 +56,7 @@ def test_the_order_of_pedestrians_does_not_matter(recorded, random):
     random.shuffle(order)
     before, after = (summarise(measure(t), resamples=20) for t in (recorded, pick(recorded, people=order)))
     assert_same(before.as_dict(), after.as_dict())
+    json.dumps(after.as_dict(), allow_nan=False)
 
 
 @few

@@ -167,7 +167,7 @@ def kaplan_meier_median(
 
 
 def _band(times, observed, at, survival, confidence) -> tuple[np.ndarray, np.ndarray]:
-    """Greenwood's log-log band of a survival curve at the sorted times ``at``; no upper edge (NaN) where it is 0 or 1."""
+    """Greenwood's log-log band of a survival curve at sorted times ``at``; no upper edge (NaN) where it is 0 or 1."""
     # the same as scipy's ecdf().sf.confidence_interval, which warns wherever the curve is 0 or 1
     at_risk = len(times) - np.searchsorted(np.sort(times), at, side="left")
     ordered = np.sort(times[observed])
