@@ -66,7 +66,7 @@ def _windows(frames: np.ndarray, size: int) -> np.ndarray:
     return np.lib.stride_tricks.sliding_window_view(frames, size, axis=0)
 
 
-def _next(event: Bool[np.ndarray, "frame episode"]) -> Int[np.ndarray, "frame+1 episode"]:
+def _next(event: Bool[np.ndarray, "frame episode"]) -> Int[np.ndarray, "next episode"]:
     """For each frame, the first frame from it on with the event; a number beyond all frames if there is none."""
     frames, episodes = event.shape
     where = np.full((frames + 1, episodes), np.iinfo(np.int32).max, np.int32)

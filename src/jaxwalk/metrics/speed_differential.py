@@ -101,7 +101,8 @@ def _grouped(group: np.ndarray, values: np.ndarray, shape: tuple[int, ...]) -> t
     """How many rows each group has, and the sum of their values; groups number the cells of ``shape``."""
     size = int(np.prod(shape))
     count = np.bincount(group, minlength=size).astype(np.int32)
-    return count.reshape(shape), np.bincount(group, weights=values, minlength=size).reshape(shape)
+    total = np.bincount(group, weights=values, minlength=size).astype(np.float64)  # (NumPy sums no rows to integers)
+    return count.reshape(shape), total.reshape(shape)
 
 
 def speed_columns(table: NearSpeeds) -> dict[str, np.ndarray]:

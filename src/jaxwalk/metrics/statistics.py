@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, SupportsInt
 
 import numpy as np
 from jaxtyping import Bool, Float, Shaped
@@ -43,7 +43,7 @@ class Estimate:
     """How many observations the number stands on; of what, its place in the summary says."""
 
 
-def wilson(successes: int, trials: int, confidence: float = 0.95) -> Rate:
+def wilson(successes: SupportsInt, trials: SupportsInt, confidence: float = 0.95) -> Rate:
     """The share of successes with its Wilson score interval."""
     successes, trials = int(successes), int(trials)
     if trials == 0:
@@ -65,8 +65,8 @@ def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float
 
 def episode_sums(
     columns: Mapping[str, Shaped[np.ndarray, "episode ..."]], *, resamples: int = RESAMPLES, seed: int = 0
-) -> dict[str, Float[np.ndarray, "1+resamples ..."]]:
-    """Every column summed over the episodes (row 0) and over episodes drawn with replacement (the other rows).
+) -> dict[str, Float[np.ndarray, "draw ..."]]:
+    """Every column summed over the episodes (row 0), and over episodes drawn with replacement (the others).
 
     All columns see the same draws, so whatever is computed from the rows keeps its dependence on the others.
     Episodes are the unit because steps, crossings and encounters of one episode are not independent. Memory is
@@ -103,7 +103,7 @@ def ratio(numerator: np.ndarray, denominator: np.ndarray) -> np.ndarray:
     return np.divide(numerator, denominator, out=np.full(numerator.shape, np.nan), where=denominator != 0)
 
 
-def interval(statistic: Float[np.ndarray, "1+resamples"], count: float, *, confidence: float = 0.95) -> Estimate:
+def interval(statistic: Float[np.ndarray, "draw"], count: int | float, *, confidence: float = 0.95) -> Estimate:
     """The statistic (element 0) with the percentile interval of its resamples (the rest); NaN means undefined.
 
     Where more resamples are undefined than a tail of the interval holds, its ends are not determined: None.
