@@ -7,7 +7,7 @@ thousands, with the episodes innermost, where the processor's vectors are.
 
 from __future__ import annotations
 
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import equinox as eqx
 from jaxtyping import Array, Bool, Float, Key
@@ -62,6 +62,7 @@ class Outcome(eqx.Module):
         return self.terminated.driver | self.truncated.driver
 
 
+@runtime_checkable
 class Environment(Protocol):
     """A multi-agent world. All chance is in the scenario: ``reset`` and ``step`` are deterministic."""
 
@@ -94,6 +95,7 @@ class Environment(Protocol):
         ...
 
 
+@runtime_checkable
 class Policy(Protocol):
     """Decides for all agents of one role. Deterministic given its key."""
 

@@ -17,6 +17,8 @@ from jaxwalk.interfaces import ByRole, Environment, Outcome
 
 SCENARIO_KEYS, ACTION_KEYS = 0, 1
 """Domains split off an environment's key, so that what happens and what is tried never share a random number."""
+TRAINING, EVALUATION = 0, 1
+"""Domains split off a seed, so that no evaluation meets a scenario of the training."""
 
 
 class Act(Protocol):
@@ -55,6 +57,11 @@ class Step(eqx.Module):
     """What the step brought; meaningless where not ``valid``."""
     valid: Bool[Array, "env"]
     """False in the step that only restarts."""
+
+
+def seed_key(seed: int, domain: int) -> Key[Array, ""]:
+    """The key of a seed for TRAINING or EVALUATION."""
+    return jax.random.fold_in(jax.random.key(seed), domain)
 
 
 def environment_keys(key: Key[Array, ""], first: int, count: int) -> Key[Array, "env"]:

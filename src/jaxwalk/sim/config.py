@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+JAYWALK_MULTIPLIER = 0.25
+"""P(jaywalk | decision) = jaywalking tendency x this (equation 1). Not in `SimConfig`, which is fixed when a step is
+compiled: the ablation changes this number without compiling again."""
+
 
 @dataclass(frozen=True)
 class SimConfig:
@@ -15,8 +19,6 @@ class SimConfig:
     """Steps until an episode times out."""
     pedestrians: int = 12
     """People in an episode."""
-    jaywalk_multiplier: float = 0.25
-    """P(jaywalk | decision) = jaywalking tendency x this (equation 1)."""
     slowest_walk: float = 1.0
     """Walking speed of the slowest pedestrian [m/s]."""
     fastest_walk: float = 2.0
@@ -55,7 +57,7 @@ class SimConfig:
         for name in positive:
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be above 0, not {getattr(self, name)}")
-        for name in ("jaywalk_multiplier", "offroad_margin", "moving_speed", "start_clearance", "goal_spacing"):
+        for name in ("offroad_margin", "moving_speed", "start_clearance", "goal_spacing"):
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} must be 0 or more, not {getattr(self, name)}")
         if not self.slowest_walk <= self.fastest_walk:

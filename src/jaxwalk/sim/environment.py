@@ -1,0 +1,143 @@
+"""The street: draw a scenario, reset, observe, step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Key
+
+from jaxwalk.interfaces import Box, ByRole, Discrete, Outcome, RoleSpec
+from jaxwalk.maps import RoadMap, load_map, stack_maps
+from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
+from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.events import arrives, touches
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.state import State
+from jaxwalk.sim.tables import WalkTables, pack_walks
+
+
+class Events(eqx.Module):
+    """What ended an episode, if anything did. In one step: collision before goal before timeout."""
+
+    collision: Bool[Array, "*batch"]
+    goal: Bool[Array, "*batch"]
+    timeout: Bool[Array, "*batch"]
+    touched: Bool[Array, "ped *batch"]
+    """Whom the car collided with."""
+
+
+class Street(eqx.Module):
+    """Streets with a car and people who may jaywalk (an `Environment`). Make one with `Street.create`."""
+
+    maps: RoadMap
+    """Stacked maps; a scenario names one."""
+    tables: WalkTables
+    jaywalk_multiplier: Float[Array, ""]
+    weights: ByRole[dict[str, Float[Array, ""]]]
+    """Of the reward terms that are paid."""
+    config: SimConfig = eqx.field(static=True)
+    shortest_episode: int = eqx.field(static=True)
+
+    @classmethod
+    def create(
+        cls,
+        maps: Sequence[str | Path] = ("paper",),
+        config: SimConfig | None = None,
+        *,
+        jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
+        driver_weights: Mapping[str, float] | None = None,
+        pedestrian_weights: Mapping[str, float] | None = None,
+    ) -> Street:
+        """A street on the given maps (bundled names or files), paying the given reward terms (default: none).
+
+        Raises MapError for a wrong map, ValueError for a reward term that doesn't exist or a negative multiplier.
+        """
+        config = config or SimConfig()
+        spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
+        stacked = stack_maps([load_map(name, **spacing) for name in maps])
+        weights = ByRole(dict(driver_weights or {}), dict(pedestrian_weights or {}))
+        reward.check_weights(weights.driver, weights.pedestrian)
+        if not jaywalk_multiplier >= 0:
+            raise ValueError(f"jaywalk_multiplier must be 0 or more, not {jaywalk_multiplier}")
+        return cls(
+            maps=jax.tree.map(jnp.asarray, stacked),
+            tables=pack_walks(stacked),
+            jaywalk_multiplier=jnp.float32(jaywalk_multiplier),
+            weights=jax.tree.map(jnp.float32, weights),
+            config=config,
+            shortest_episode=_shortest_episode(config, float(stacked.route_length[stacked.route_length > 0].min())),
+        )
+
+    @property
+    def roles(self) -> ByRole[RoleSpec]:
+        """One car with acceleration and steering; people who wait (0) or go (1)."""
+        return ByRole(RoleSpec((), Box(2)), RoleSpec((self.config.pedestrians,), Discrete(2)))
+
+    def draw(self, key: Key[Array, ""]) -> Scenario:
+        """One scenario; for a batch, ``jax.vmap(street.draw, out_axes=-1)(keys)``."""
+        sizes = scenario.table_sizes(self.config, shortest_crossing=self.tables.shortest_crossing)
+        return scenario.draw(self.maps, self.config, sizes, key)
+
+    def reset(self, scenario: Scenario) -> State:
+        """Car and people at their starts, standing."""
+        people = pedestrian.on_surface(self.maps, scenario, pedestrian.place(self.maps, scenario))
+        return State(jnp.zeros_like(scenario.map), vehicle.place(self.maps, scenario), people)
+
+    def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
+        """A named observation set (`jaxwalk.sim.observation.OBSERVATIONS`)."""
+        return observation.observe(role, name, (self.maps, self.config, scenario, state))
+
+    def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
+        """What the paper's centralised critic sees."""
+        return observation.global_state(self.maps, self.config, scenario, state)
+
+    def step(self, scenario: Scenario, state: State, actions: ByRole[Array]) -> tuple[State, Outcome]:
+        """One step: everybody moves, then events, then rewards. Deterministic; never resets."""
+        car = vehicle.drive(self.maps, self.config, scenario, state.vehicle, actions.driver)
+        people = pedestrian.walk(
+            self.maps, self.tables, self.config, self.jaywalk_multiplier, scenario, state.pedestrian,
+            actions.pedestrian.astype(bool),
+        )  # fmt: skip
+        after = State(state.step + 1, car, people)
+        events = self._events(scenario, after)
+        transition = reward.Transition(self.maps, self.config, scenario, state, after, events)
+        over = events.collision | events.goal
+        ended = over | events.timeout
+        return after, Outcome(
+            rewards=ByRole(
+                reward.reward(reward.DRIVER_TERMS, self.weights.driver, transition),
+                reward.reward(reward.PEDESTRIAN_TERMS, self.weights.pedestrian, transition),
+            ),
+            terminated=ByRole(over, events.touched),
+            truncated=ByRole(events.timeout, ended[None] & ~events.touched),
+            events=events,
+        )
+
+    def _events(self, scenario: Scenario, state: State) -> Events:
+        car, people = state.vehicle, state.pedestrian
+        touched = touches(people.x - car.x[None], people.y - car.y[None], self.config.collision_distance)
+        goal_x, goal_y = vehicle.goal(self.maps, scenario)
+        collision = touched.any(axis=0)
+        goal = arrives(car.x - goal_x, car.y - goal_y, self.config.goal_distance) & ~collision
+        timeout = (state.step >= self.config.horizon) & ~collision & ~goal
+        return Events(collision=collision, goal=goal, timeout=timeout, touched=touched)
+
+
+def _shortest_episode(config: SimConfig, shortest_route: float) -> int:
+    """A lower bound on the steps of an episode.
+
+    From standstill at full throttle, toward the nearest goal or somebody who walks to meet the car. Half the distance
+    is left out of account, for what the projection onto the road may move the car.
+    """
+    gap = min(shortest_route - config.goal_distance, config.start_clearance - config.collision_distance) / 2
+    speed = covered = 0.0
+    steps = 0
+    while covered < gap and steps < config.horizon - 1:
+        speed = min(speed + config.max_acceleration * config.dt, config.max_speed)
+        covered += (speed + config.fastest_walk) * config.dt
+        steps += 1
+    return max(steps, 1)

@@ -1,0 +1,145 @@
+"""What agents see: named observation sets, each a list of parts. Lengths are scaled to about 1.
+
+The car sees positions and velocities of people only; never a trait, a decision, a route, a goal or the go/wait output.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from jaxwalk.maps import RoadMap
+from jaxwalk.sim import pedestrian, prediction, vehicle
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.events import distance
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.state import State
+from jaxwalk.sim.tables import of_map
+from jaxwalk.sim.vehicle import to_frame
+
+NEIGHBOURS = 6
+"""The car sees this many people, the nearest ones."""
+ABSENT = 60.0
+"""A neighbour that isn't there stands this far ahead [m]; distances are scaled by it."""
+SPEED = 8.33
+"""Speeds are scaled by this [m/s]."""
+
+Parts = list[Array]
+World = tuple[RoadMap, SimConfig, Scenario, State]
+
+
+def observe(role: str, name: str, world: World) -> Float[Array, "feature ..."]:
+    """The named set of a role, ``(feature, *agents, *batch)``; raises ValueError for an unknown name."""
+    sets = OBSERVATIONS[role]
+    if name not in sets:
+        raise ValueError(f"no observation set '{name}' for the {role}; there are: {', '.join(sets)}")
+    parts = sets[name](*world)
+    shape = jnp.broadcast_shapes(*(part.shape for part in parts))
+    return jnp.stack([jnp.broadcast_to(part, shape).astype(jnp.float32) for part in parts])
+
+
+def global_state(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
+    """What the paper's critic sees (section III-B), 4 numbers a pedestrian and 10: 58 for 12 people."""
+    car, people = state.vehicle, state.pedestrian
+    width, height = of_map(maps.width, scenario.map), of_map(maps.height, scenario.map)
+    vx, vy = pedestrian.velocity(config, scenario, people)
+    of_people = jnp.stack([people.x / width, people.y / height, distance(vx, vy) / 2, scenario.jaywalking_tendency])
+    goal_x, goal_y = vehicle.goal(maps, scenario)
+    of_car = jnp.stack([
+        car.x / width, car.y / height, car.cos, car.sin, car.speed / SPEED, car.steering / config.max_steering,
+        goal_x / width, goal_y / height, distance(goal_x - car.x, goal_y - car.y) / ABSENT,
+        1 - state.step / config.horizon,
+    ])  # fmt: skip
+    return jnp.concatenate([of_people.reshape(-1, *of_people.shape[2:]), of_car])
+
+
+def _driver_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+    """The paper's 34: own state and goal 8, lane 2, nearest 6 people x (relative position 2, velocity 2)."""
+    car = state.vehicle
+    goal_x, goal_y = vehicle.goal(maps, scenario)
+    ahead, left = to_frame(goal_x - car.x, goal_y - car.y, car.cos, car.sin)
+    lateral, heading_cos, heading_sin = vehicle.route_frame(maps, scenario, car)
+    return [
+        car.x / of_map(maps.width, scenario.map), car.y / of_map(maps.height, scenario.map), car.cos, car.sin,
+        car.speed / SPEED, ahead / ABSENT, left / ABSENT, distance(ahead, left) / ABSENT, lateral / 4,
+        jnp.arctan2(heading_sin, heading_cos) / jnp.pi, *_nearest_people(config, scenario, state),
+    ]  # fmt: skip
+
+
+def _driver_route(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+    """The car in the frame of its route: lane keeping 6, route ahead 16, predicted clearances 6, nearest people 24."""
+    car = state.vehicle
+    lateral, heading_cos, heading_sin = vehicle.route_frame(maps, scenario, car)
+    to_go = vehicle.route_length(maps, scenario) - car.along
+    x, y = prediction.route_ahead(maps, scenario, state)
+    shown = (1, 2, 3, 4, 5, 6, 8, 10)
+    route = [axis[k] / (k * prediction.POINT_SPACING) for k in shown for axis in (x, y)]
+    clearance, conflict = prediction.clearances(maps, config, scenario, state)
+    longest = prediction.INTERVALS * prediction.INTERVAL
+    return [
+        car.speed / SPEED, car.steering / config.max_steering, lateral / 2, heading_cos, heading_sin,
+        jnp.minimum(to_go / ABSENT, 2), *route, *(clearance / prediction.FAR), *(conflict / longest),
+        *_nearest_people(config, scenario, state),
+    ]  # fmt: skip
+
+
+def _nearest_people(config: SimConfig, scenario: Scenario, state: State) -> Parts:
+    """Relative position and velocity of the nearest people in the car's frame, 4 for each, nearest first.
+
+    A rank by counting who is nearer stands in for a sort, which is slow in this layout.
+    """
+    features = prediction.relative_people(config, scenario, state)
+    squared = features[0] ** 2 + features[1] ** 2
+    people = squared.shape[0]
+    order = jnp.arange(people).reshape((-1,) + (1,) * (squared.ndim - 1))
+    nearer = (squared[None] < squared[:, None]) | ((squared[None] == squared[:, None]) & (order[None] < order[:, None]))
+    rank = nearer.sum(axis=1)
+    scales = (ABSENT, ABSENT, SPEED, SPEED)
+    parts: Parts = []
+    for k in range(NEIGHBOURS):
+        absent = (1.0 if k >= people else 0.0, 0.0, 0.0, 0.0)
+        parts += [
+            jnp.where(rank == k, feature, 0).sum(axis=0) / scale + missing
+            for feature, scale, missing in zip(features, scales, absent, strict=True)
+        ]
+    return parts
+
+
+def _pedestrian_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+    """The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's
+    relative position 2 and velocity 2, nearest other pedestrian 2. Relative means in the map's axes, from oneself."""
+    car, people = state.vehicle, state.pedestrian
+    vx, vy = pedestrian.velocity(config, scenario, people)
+    other_x, other_y = _nearest_other(people.x, people.y)
+    return [
+        people.x / of_map(maps.width, scenario.map), people.y / of_map(maps.height, scenario.map), vx / 2, vy / 2,
+        *scenario.traits, (people.end_x - people.x) / ABSENT, (people.end_y - people.y) / ABSENT,
+        ~people.on_roadway, people.on_roadway & people.on_crosswalk, people.on_roadway & ~people.on_crosswalk,
+        people.leg == pedestrian.ACROSS,
+        (car.x[None] - people.x) / ABSENT, (car.y[None] - people.y) / ABSENT,
+        (car.speed * car.cos)[None] / SPEED, (car.speed * car.sin)[None] / SPEED,
+        other_x / ABSENT, other_y / ABSENT,
+    ]  # fmt: skip
+
+
+def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"]) -> tuple[Array, Array]:
+    """Vector from each pedestrian to the nearest other one [m]; 60 m ahead where there is none."""
+    dx, dy = x[None] - x[:, None], y[None] - y[:, None]
+    people = x.shape[0]
+    itself = jnp.eye(people, dtype=bool).reshape((people, people) + (1,) * (x.ndim - 1))
+    squared = jnp.where(itself, ABSENT**2, dx * dx + dy * dy)
+    nearest = squared.min(axis=1)
+    best = (squared == nearest[:, None]) & ~itself
+    count = jnp.maximum(best.sum(axis=1), 1)
+    alone = nearest >= ABSENT**2
+    near_x, near_y = (jnp.where(best, d, 0).sum(axis=1) / count for d in (dx, dy))
+    return jnp.where(alone, ABSENT, near_x), jnp.where(alone, 0, near_y)
+
+
+OBSERVATIONS: dict[str, dict[str, Callable[..., Parts]]] = {
+    "driver": {"paper": _driver_paper, "route": _driver_route},
+    "pedestrian": {"paper": _pedestrian_paper},
+}
+"""The named observation sets of each role."""

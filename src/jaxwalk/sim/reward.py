@@ -1,0 +1,135 @@
+"""What agents are paid for: tables of named terms. A recipe's reward is a weight for each of some of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from jaxwalk.maps import RoadMap
+from jaxwalk.sim import pedestrian, prediction, vehicle
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.events import closing_speed, distance
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.state import State
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+
+NEAR_WAIT = 8.0
+"""Waiting for the car is rewarded with it within this distance [m] ..."""
+FAST_CAR = 2.0
+"""... and faster than this [m/s], closing in."""
+CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
+"""The car should be slow with people on the roadway this far ahead and this far aside [m] ..."""
+CAUTIOUS_SPEED = 3.0
+"""... that is, not faster than this [m/s]."""
+COMFORTABLE = 3.0
+"""Predicted clearances below this cost something [m]."""
+
+
+class Transition(NamedTuple):
+    """A step, as rewards see it."""
+
+    maps: RoadMap
+    config: SimConfig
+    scenario: Scenario
+    before: State
+    after: State
+    events: Any
+    """`Events` of the step."""
+
+
+def reward(
+    table: Mapping[str, Callable[[Transition], Array]], weights: Mapping[str, Float[Array, ""]], transition: Transition
+) -> dict[str, Array]:
+    """The weighted terms of a role; an agent's reward is their sum."""
+    return {name: weight * table[name](transition) for name, weight in weights.items()}
+
+
+def _crow_progress(t: Transition) -> Array:
+    """Metres nearer to the goal, as the crow flies."""
+    goal_x, goal_y = vehicle.goal(t.maps, t.scenario)
+    before, after = t.before.vehicle, t.after.vehicle
+    return distance(goal_x - before.x, goal_y - before.y) - distance(goal_x - after.x, goal_y - after.y)
+
+
+def _speeding(kind: int) -> Callable[[Transition], Array]:
+    """Share of top speed above 3 m/s, with somebody who crosses in that way on the roadway ahead of the car."""
+
+    def term(t: Transition) -> Array:
+        ahead, left, _, _ = prediction.relative_people(t.config, t.scenario, t.after)
+        people = t.after.pedestrian
+        near = (ahead > 0) & (ahead < CAUTION_AHEAD) & (jnp.abs(left) < CAUTION_ASIDE)
+        somebody = (near & people.on_roadway & (people.crossing == kind)).any(axis=0)
+        return jnp.where(somebody, jnp.maximum(t.after.vehicle.speed - CAUTIOUS_SPEED, 0) / t.config.max_speed, 0)
+
+    return term
+
+
+def _off_lane(t: Transition) -> Array:
+    """Offset from the lane centre in metres, squared, at most 4."""
+    lateral, _, _ = vehicle.route_frame(t.maps, t.scenario, t.after.vehicle)
+    return jnp.minimum(lateral**2, 4)
+
+
+def _misaligned(t: Transition) -> Array:
+    """One minus the cosine of the heading error."""
+    _, cos, _ = vehicle.route_frame(t.maps, t.scenario, t.after.vehicle)
+    return 1 - cos
+
+
+def _closeness(t: Transition) -> Array:
+    """How far the predicted clearance falls below 3 m if the car holds its speed, in [0, 1], times its share of speed.
+
+    Predicted from the state before the step, where the observation needs the same prediction.
+    """
+    clearance, _ = prediction.clearances(t.maps, t.config, t.scenario, t.before)
+    shortfall = jnp.maximum(1 - clearance[prediction.HOLD] / COMFORTABLE, 0)
+    return shortfall * t.before.vehicle.speed / t.config.max_speed
+
+
+def _waiting(t: Transition) -> Array:
+    """Waiting at the kerb for a car within 8 m, faster than 2 m/s and closing in."""
+    car, people = t.before.vehicle, t.before.pedestrian
+    dx, dy = car.x[None] - people.x, car.y[None] - people.y
+    closing = closing_speed(dx, dy, (car.speed * car.cos)[None], (car.speed * car.sin)[None]) > 0
+    near = (distance(dx, dy) < NEAR_WAIT) & (car.speed > FAST_CAR)[None] & closing
+    return near & pedestrian.at_kerb(t.config, people) & ~t.after.pedestrian.going
+
+
+def _walked(t: Transition) -> Array:
+    """Metres walked along the committed path."""
+    return jnp.where(t.after.pedestrian.going, t.scenario.walking_speed(t.config) * t.config.dt, 0)
+
+
+DRIVER_TERMS: dict[str, Callable[[Transition], Array]] = {
+    "goal": lambda t: t.events.goal,
+    "collision": lambda t: t.events.collision,
+    "crow_progress": _crow_progress,
+    "progress": lambda t: t.after.vehicle.along - t.before.vehicle.along,
+    "crosswalk_speeding": _speeding(CROSSWALK),
+    "jaywalker_speeding": _speeding(JAYWALK),
+    "off_lane": _off_lane,
+    "misaligned": _misaligned,
+    "closeness": _closeness,
+    "time": lambda t: jnp.ones(t.events.goal.shape),
+}
+"""What a driver can be paid for, per step; ``progress`` is metres along the route."""
+
+PEDESTRIAN_TERMS: dict[str, Callable[[Transition], Array]] = {
+    "collision": lambda t: t.events.touched,
+    "walked": _walked,
+    "arrival": lambda t: t.after.pedestrian.arrivals > t.before.pedestrian.arrivals,
+    "waiting": _waiting,
+    "waited": lambda t: ~t.after.pedestrian.going,
+}
+"""What a pedestrian can be paid for, per step; ``waited`` is every step not walked."""
+
+
+def check_weights(driver: Mapping[str, float], people: Mapping[str, float]) -> None:
+    """Raise ValueError for a weight without a term."""
+    for role, weights, table in (("driver", driver, DRIVER_TERMS), ("pedestrian", people, PEDESTRIAN_TERMS)):
+        for name in weights:
+            if name not in table:
+                raise ValueError(f"rewards.{role}.{name} is no reward term; there are: {', '.join(table)}")

@@ -1,0 +1,90 @@
+"""A scenario holds all chance of an episode; the tables it draws from are in the map."""
+
+from __future__ import annotations
+
+import math
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int, Key
+
+from jaxwalk.maps import RoadMap
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.tables import look_up
+
+TRAITS = 4
+"""Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed and two without effect."""
+
+
+class Scenario(eqx.Module):
+    """Everything that chance decides about one episode (batches: arrays ``(..., *batch)``)."""
+
+    map: Int[Array, "*batch"]
+    """Index of the map."""
+    route: Int[Array, "*batch"]
+    """Index of the car's route, which gives its start and its goal."""
+    start: Int[Array, "ped *batch"]
+    """The waypoint where each pedestrian starts."""
+    traits: Float[Array, "trait ped *batch"]
+    """Uniform in [0, 1]; the first is the jaywalking tendency, the second sets the walking speed."""
+    goals: Int[Array, "goal ped *batch"]
+    """The waypoints to walk to, one after the other."""
+    jaywalk_draw: Float[Array, "crossing ped *batch"]
+    """For each crossing to come: below tendency x multiplier, it is a jaywalk."""
+    zone_draw: Float[Array, "crossing ped *batch"]
+    """For each crossing to come: where in the jaywalk zone it would begin."""
+
+    @property
+    def jaywalking_tendency(self) -> Float[Array, "ped *batch"]:
+        """The trait tau of equation 1."""
+        return self.traits[0]
+
+    def walking_speed(self, config: SimConfig) -> Float[Array, "ped *batch"]:
+        """Each pedestrian's own speed [m/s]."""
+        return config.slowest_walk + (config.fastest_walk - config.slowest_walk) * self.traits[1]
+
+
+def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:
+    """How many goals and how many crossings the fastest pedestrian could need: (goals, crossings).
+
+    It walks at most horizon x dt x top speed; goals are ``goal_spacing`` apart, and between two decisions lies at least
+    one crossing, ``shortest_crossing`` metres long.
+    """
+    reach = config.horizon * config.dt * config.fastest_walk
+    return 2 + math.floor(reach / config.goal_spacing), 2 + math.floor(reach / shortest_crossing)
+
+
+def draw(maps: RoadMap, config: SimConfig, sizes: tuple[int, int], key: Key[Array, ""]) -> Scenario:
+    """Draw one scenario (no batch axes); ``sizes`` as from `table_sizes`."""
+    map_key, route_key, start_key, goal_key, trait_key, crossing_key = jax.random.split(key, 6)
+    goals, crossings = sizes
+    people = config.pedestrians
+    map_index = jax.random.randint(map_key, (), 0, maps.roads.shape[0])
+    route = jax.random.randint(route_key, (), 0, look_up(maps.route_count, map_index))
+    start = _choose(
+        maps.start_choices, look_up(maps.start_count, map_index, route), (map_index, route),
+        jax.random.uniform(start_key, (people,)),
+    )  # fmt: skip
+
+    def next_goal(node, uniform):
+        goal = _choose(maps.goal_choices, look_up(maps.goal_count, map_index, node), (map_index, node), uniform)
+        return goal, goal
+
+    _, goal_table = jax.lax.scan(next_goal, start, jax.random.uniform(goal_key, (goals, people)))
+    jaywalk_draw, zone_draw = jax.random.uniform(crossing_key, (2, crossings, people))
+    return Scenario(
+        map=map_index,
+        route=route,
+        start=start,
+        traits=jax.random.uniform(trait_key, (TRAITS, people)),
+        goals=goal_table,
+        jaywalk_draw=jaywalk_draw,
+        zone_draw=zone_draw,
+    )
+
+
+def _choose(table: Array, count: Array, row: tuple[Array, ...], uniform: Array) -> Array:
+    """One of the first ``count`` entries of a row of a choice table, by a number in [0, 1)."""
+    column = jnp.minimum((uniform * count).astype(jnp.int32), count - 1)
+    return look_up(table, *row, column)

@@ -1,0 +1,128 @@
+"""Looking things up in maps from inside a step, and the tables that make it few look-ups."""
+
+from __future__ import annotations
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from jaxwalk.maps import RoadMap
+
+SIDE_BITS, NODE_BITS = 12, 12
+NO_SIDE = (1 << SIDE_BITS) - 1
+
+
+class WalkTables(eqx.Module):
+    """What a pedestrian needs to know at the end of a leg, packed so that it is one look-up each."""
+
+    hop: Int[Array, "map node goal"]
+    """Bits: next node; whether that node, and whether the node itself, is a crosswalk's midpoint; the crosswalk side
+    about which a pedestrian decides when it leaves the node (NO_SIDE: none)."""
+    side: dict[str, Float[Array, "map side"]]
+    """By the names in `SIDE_COLUMNS`."""
+    turn: Float[Array, "map side goal"]
+    """After a jaywalk that ends this far or less from the landing of a side [m], the shortest way to a goal leads by
+    that landing, else by the zone's outer node."""
+    shortest_crossing: float = eqx.field(static=True)
+    """Shortest distance between the two landings of a crosswalk [m]."""
+
+
+SIDE_COLUMNS = (
+    "x", "y", "ux", "uy", "near", "far", "across_x", "across_y", "kerb", "far_near", "far_far", "far_landing",
+    "far_outer",
+)  # fmt: skip
+"""Of a side: its landing [m], unit vector and zone along the kerb [m], vector to the opposite landing [m], distance
+from the landing to the kerb [m], zone of the opposite side [m], and that side's landing and outer node."""
+
+
+class Hop(eqx.Module):
+    """An unpacked entry of ``WalkTables.hop``."""
+
+    node: Array
+    to_midpoint: Array
+    from_midpoint: Array
+    side: Array
+    """-1 where there is nothing to decide."""
+
+
+def look_up(table: Array, *index: Array) -> Array:
+    """``table[index]`` for index arrays that broadcast against each other; one flat gather, without bounds checks."""
+    flat = jnp.zeros((), jnp.int32)
+    for size, i in zip(table.shape, index, strict=False):
+        flat = flat * size + i
+    rest = table.shape[len(index) :]
+    rows = jnp.reshape(table, (-1, *rest))
+    return rows.at[flat].get(mode="promise_in_bounds")
+
+
+def of_map(table: Array, map_index: Array) -> Array:
+    """Each episode's own entry of a small table: ``(map, ...)`` to ``(..., *batch)``."""
+    if table.shape[0] == 1:
+        return jnp.reshape(table[0], table.shape[1:] + (1,) * map_index.ndim)
+    return jnp.moveaxis(table[map_index], tuple(range(map_index.ndim)), tuple(range(-map_index.ndim, 0)))
+
+
+def inside(rectangles: Float[Array, "map rectangle 4"], map_index: Array, x: Array, y: Array) -> Array:
+    """Whether points lie in any of the map's rectangles (kerbs belong to the sidewalk)."""
+    boxes = of_map(rectangles, map_index)
+    found = jnp.zeros(x.shape, bool)
+    for box in boxes:
+        found |= (x > box[0]) & (x < box[2]) & (y > box[1]) & (y < box[3])
+    return found
+
+
+def unpack_hop(entry: Array) -> Hop:
+    """Undo the packing of `pack_walks`."""
+    side = (entry >> (NODE_BITS + 2)) & NO_SIDE
+    return Hop(
+        node=entry & ((1 << NODE_BITS) - 1),
+        to_midpoint=(entry >> NODE_BITS) & 1 == 1,
+        from_midpoint=(entry >> (NODE_BITS + 1)) & 1 == 1,
+        side=jnp.where(side == NO_SIDE, -1, side),
+    )
+
+
+def pack_walks(maps: RoadMap) -> WalkTables:
+    """Make the tables of stacked maps, once, in NumPy."""
+    count = np.asarray(maps.roads).shape[0]
+    one = [_pack_map(_entry(maps, i)) for i in range(count)]
+    widths = np.concatenate([np.hypot(side[:, 6], side[:, 7])[side[:, 8] > 0] for _, side, _ in one])
+    hop, side, turn = (np.stack(tables) for tables in zip(*one, strict=True))
+    columns = {name: jnp.asarray(side[..., i]) for i, name in enumerate(SIDE_COLUMNS)}
+    return WalkTables(jnp.asarray(hop), columns, jnp.asarray(turn), float(widths.min()))
+
+
+def _entry(maps: RoadMap, i: int):
+    """Map ``i`` of stacked maps, as NumPy arrays by name."""
+    return {name: np.asarray(value)[i] for name, value in vars(maps).items()}
+
+
+def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    nodes = np.arange(len(m["node_x"]))
+    midpoint, following = m["node_is_midpoint"], np.clip(m["next_hop"], 0, None)
+    goals = nodes[None, :]
+    after = following[following, goals]
+    here, ahead = m["node_side"][:, None], m["node_side"][following]
+    side = np.where(midpoint[following], here, np.where(midpoint[after], ahead, -1))
+    side = np.where(midpoint[:, None] | (side < 0), NO_SIDE, side)
+    hop = following | midpoint[following] << NODE_BITS | midpoint[:, None] << (NODE_BITS + 1) | side << (NODE_BITS + 2)
+
+    real = m["side_landing"] >= 0
+    other = np.arange(len(real)) ^ 1
+    landing, outer = np.clip(m["side_landing"], 0, None), np.clip(m["side_outer"], 0, None)
+    x, y = m["node_x"][landing], m["node_y"][landing]
+    kerb = np.where(real, _kerb_distance(m, landing, following), 0)
+    columns = (x, y, m["side_ux"], m["side_uy"], m["zone_near"], m["zone_far"], x[other] - x, y[other] - y, kerb,
+               m["zone_near"][other], m["zone_far"][other], landing[other], outer[other])  # fmt: skip
+    edge = np.hypot(m["node_x"][outer] - x, m["node_y"][outer] - y)
+    turn = (edge[:, None] + m["distance"][outer] - m["distance"][landing]) / 2
+    return hop.astype(np.int32), np.stack(columns, 1).astype(np.float32), np.nan_to_num(turn).astype(np.float32)
+
+
+def _kerb_distance(m: dict, landing: np.ndarray, following: np.ndarray) -> np.ndarray:
+    """From each landing straight to the roadway that its crosswalk crosses [m]."""
+    x, y = m["node_x"][landing][:, None], m["node_y"][landing][:, None]
+    x0, y0, x1, y1 = m["roads"].T
+    away = np.hypot(np.maximum(np.maximum(x0 - x, x - x1), 0), np.maximum(np.maximum(y0 - y, y - y1), 0))
+    return away.min(axis=1)
