@@ -88,8 +88,12 @@ def mean_gradient(
 
 
 def optimiser(config: TrainConfig) -> optax.GradientTransformation:
-    """Adam on a gradient of bounded norm; `descend` brings the learning rate."""
-    return optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam(eps=config.adam_epsilon))
+    """Adam on a gradient of bounded norm; `descend` brings the learning rate.
+
+    All parameters form one vector: the same numbers from a few large kernels, which compile sooner than many small ones.
+    """
+    bounded = optax.clip_by_global_norm(config.max_grad_norm)
+    return optax.flatten(optax.chain(bounded, optax.scale_by_adam(eps=config.adam_epsilon)))
 
 
 def learning_rate(config: TrainConfig, updates: Int[Array, ""]) -> Float[Array, ""]:
@@ -116,7 +120,7 @@ def fit(
     """
     length = config.steps // config.minibatches
     chunks = plan_chunks(agents=agents, environments=config.environments, steps=length, rows=config.chunk_rows)
-    order = jax.vmap(jax.random.permutation, in_axes=(0, None))(jax.random.split(key, epochs), config.steps)
+    order = jnp.argsort(jax.random.bits(key, (epochs, config.steps)), axis=1)  # a permutation for each epoch
 
     def minibatch(carry: tuple[Network, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
         network, memory = carry

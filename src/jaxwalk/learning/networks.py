@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import accumulate
 
 import equinox as eqx
 import jax
@@ -44,9 +45,21 @@ def make_mlp(key: Key[Array, ""], sizes: Sequence[int], *, final_scale: float) -
     """
     shapes = list(zip(sizes[1:], sizes[:-1], strict=True))
     scales = [math.sqrt(2.0)] * (len(shapes) - 1) + [final_scale]
-    keys = jax.random.split(key, len(shapes))
+    ends = list(accumulate(math.prod(shape) for shape in shapes))
+    noise = jax.random.normal(key, (ends[-1],))  # at once: each call of its own would take half a second to compile
     weights = tuple(
-        jax.nn.initializers.orthogonal(scale)(k, shape, jnp.float32)
-        for k, shape, scale in zip(keys, shapes, scales, strict=True)
+        scale * orthogonal(noise[end - math.prod(shape) : end].reshape(shape))
+        for shape, scale, end in zip(shapes, scales, ends, strict=True)
     )
-    return MLP(weights, tuple(jnp.zeros(shape[0], jnp.float32) for shape in shapes))
+    return MLP(weights, tuple(jnp.zeros(shape[0]) for shape in shapes))
+
+
+def orthogonal(noise: Float[Array, "out in"]) -> Float[Array, "out in"]:
+    """A random matrix whose rows, or columns if those are fewer, are orthonormal, from Gaussian ``noise``.
+
+    By QR, with the signs of R's diagonal taken out so that all such matrices are equally likely (Mezzadri 2007).
+    """
+    wide = noise.shape[0] < noise.shape[1]
+    q, r = jnp.linalg.qr(noise.T if wide else noise)
+    q = q * jnp.where(jnp.diagonal(r) < 0, -1.0, 1.0)
+    return q.T if wide else q

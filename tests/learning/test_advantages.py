@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jaxwalk.learning.advantages import generalised_advantage, normalised, temporal_difference
+
+NO = jnp.zeros(3, bool)
+YES = jnp.ones(3, bool)
+REWARD = jnp.array([1.0, 2.0, 3.0])
+VALUE = jnp.array([10.0, 20.0, 30.0, 40.0])
+
+
+def advantage(terminated=NO, truncated=NO, valid=YES, discount=0.5, gae_lambda=0.5):
+    return generalised_advantage(
+        REWARD, VALUE, terminated, truncated, valid, discount=discount, gae_lambda=gae_lambda
+    ).tolist()
+
+
+def test_residual_by_hand():
+    ends = jnp.array([False, True])
+    residual = temporal_difference(jnp.ones(2), jnp.full(2, 3.0), jnp.full(2, 10.0), ends, discount=0.5)
+    assert residual.tolist() == [1 + 5 - 3, 1 - 3]
+
+
+def test_unbroken_by_hand():
+    # residuals: 1 + 10 - 10 = 1, 2 + 15 - 20 = -3, 3 + 20 - 30 = -7; each later one counts a quarter
+    assert advantage() == [1 - 0.75 - 7 / 16, -3 - 7 / 4, -7]
+
+
+def test_a_terminated_step_bootstraps_from_nothing_and_starts_anew():
+    # step 1 terminates: its residual is 2 - 20; step 2 only restarts
+    ends, valid = jnp.array([False, True, False]), jnp.array([True, True, False])
+    assert advantage(terminated=ends, valid=valid) == [1 - 18 / 4, -18, 0]
+
+
+def test_a_truncated_step_bootstraps_from_the_final_state():
+    # step 1 is cut off: its residual keeps 0.5 x 30, the value of the final state, which step 2 shows
+    ends, valid = jnp.array([False, True, False]), jnp.array([True, True, False])
+    assert advantage(truncated=ends, valid=valid) == [1 - 3 / 4, -3, 0]
+
+
+def test_nothing_flows_over_a_restart_even_if_its_numbers_are_nonsense():
+    ends, valid = jnp.array([False, True, False, False]), jnp.array([True, True, False, True])
+    reward = jnp.array([1.0, 2.0, jnp.nan, 4.0])
+    value = jnp.array([10.0, 20.0, 30.0, 40.0, 50.0])
+    out = generalised_advantage(reward, value, ends, ~ends & False, valid, discount=0.5, gae_lambda=0.5)
+    assert out.tolist() == [1 - 18 / 4, -18, 0, 4 + 25 - 40]
+
+
+def test_one_agent_terminates_while_another_is_truncated():
+    terminated = jnp.array([[True, False]])[..., None]
+    out = generalised_advantage(
+        jnp.ones((1, 2, 1)), jnp.full((2, 2, 1), 10.0), terminated, ~terminated, jnp.ones((1, 1, 1), bool),
+        discount=0.5, gae_lambda=0.9,
+    )  # fmt: skip
+    assert out[0, :, 0].tolist() == [-9, -4]
+
+
+numbers = st.lists(st.floats(-10, 10, width=32), min_size=2, max_size=12)
+
+
+@settings(max_examples=25, deadline=None)
+@given(numbers, st.floats(0, 1))
+def test_lambda_zero_is_the_residual(rewards, discount):
+    reward, value = jnp.array(rewards), jnp.arange(len(rewards) + 1.0)
+    no, yes = jnp.zeros(len(rewards), bool), jnp.ones(len(rewards), bool)
+    out = generalised_advantage(reward, value, no, no, yes, discount=discount, gae_lambda=0.0)
+    expected = temporal_difference(reward, value[:-1], value[1:], no, discount=discount)
+    np.testing.assert_allclose(out, expected, rtol=1e-5, atol=1e-5)
+
+
+@settings(max_examples=25, deadline=None)
+@given(numbers, st.floats(0, 1))
+def test_lambda_one_is_the_discounted_return_less_the_value(rewards, discount):
+    reward, value = jnp.array(rewards), jnp.arange(len(rewards) + 1.0)
+    no, yes = jnp.zeros(len(rewards), bool), jnp.ones(len(rewards), bool)
+    out = generalised_advantage(reward, value, no, no, yes, discount=discount, gae_lambda=1.0)
+    returned = float(value[-1])
+    for reward_, value_, got in zip(rewards[::-1], value[:-1][::-1], out[::-1], strict=True):
+        returned = reward_ + discount * returned
+        assert float(got) == pytest.approx(returned - float(value_), rel=1e-4, abs=1e-3)
+
+
+def test_normalised_counts_only_what_has_weight():
+    x, weight = jnp.array([1.0, 3.0, jnp.inf, 100.0]), jnp.array([1.0, 1.0, 0.0, 0.0])
+    x = jnp.where(weight > 0, x, 0.0)
+    np.testing.assert_allclose(normalised(x, weight), [-1, 1, 0, 0], atol=1e-6)
+    assert normalised(jnp.full(4, 7.0), jnp.ones(4)).tolist() == [0, 0, 0, 0]

@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.learning import losses
+
+
+def surrogate(ratio, advantage):
+    return float(losses.clipped_surrogate(jnp.log(ratio), jnp.float32(advantage), clip=0.2))
+
+
+@pytest.mark.parametrize(
+    ("ratio", "advantage", "expected"),
+    [(1.0, 2.0, 2.0), (1.5, 2.0, 2.4), (0.5, 2.0, 1.0), (1.5, -2.0, -3.0), (0.5, -2.0, -1.6)],
+)
+def test_surrogate_by_hand(ratio, advantage, expected):
+    assert surrogate(ratio, advantage) == pytest.approx(expected, rel=1e-6)
+
+
+def test_surrogate_stops_pushing_beyond_the_clip():
+    slope = jax.grad(lambda r: losses.clipped_surrogate(r, jnp.float32(1.0), clip=0.2))
+    assert float(slope(jnp.log(1.5))) == 0
+    assert float(slope(jnp.log(1.1))) == pytest.approx(1.1, rel=1e-5)
+
+
+def test_ratios_never_overflow():
+    ratio = losses.log_ratio(jnp.float32(0.0), jnp.float32(-1e9))
+    assert np.isfinite(losses.clipped_surrogate(ratio, jnp.float32(-1.0), clip=0.2))
+    assert np.isfinite(losses.approximate_kl(ratio))
+
+
+def test_kl_estimate_is_right_on_average_and_never_negative():
+    old, new = np.array([0.7, 0.3]), np.array([0.4, 0.6])
+    entries = np.asarray(losses.approximate_kl(jnp.log(new / old)))
+    assert (entries >= 0).all()
+    assert old @ entries == pytest.approx(old @ np.log(old / new), rel=1e-5)
+
+
+def test_beyond_clip():
+    assert losses.beyond_clip(jnp.log(jnp.array([0.7, 0.9, 1.1, 1.3])), clip=0.2).tolist() == [1, 0, 0, 1]
+
+
+def test_sums_ignore_what_has_no_weight():
+    x = jnp.array([[1.0, 2.0], [jnp.nan, jnp.inf]])
+    assert float(losses.weighted_sum(x, jnp.array([[1.0], [0.0]]))) == 3
+    assert float(losses.weighted_mean(x, jnp.array([[1.0], [0.0]]))) == 1.5
+
+
+def test_explained_variance():
+    target, weight = jnp.array([1.0, 2.0, 3.0, 100.0]), jnp.array([1.0, 1.0, 1.0, 0.0])
+    assert float(losses.explained_variance(target, target, weight)) == 1
+    assert float(losses.explained_variance(jnp.full(4, 5.0), target, weight)) == pytest.approx(0, abs=1e-6)
+    assert float(losses.explained_variance(-target, target, weight)) == pytest.approx(-3, abs=1e-5)
