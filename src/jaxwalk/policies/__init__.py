@@ -6,8 +6,16 @@ from importlib import import_module
 from typing import Any
 
 _HOMES = {
+    "DRIVERS": "drivers",
+    "POPULATIONS": "pedestrians",
+    "AlwaysGo": "pedestrians",
+    "ConstantSpeed": "drivers",
     "LearnedPolicy": "learned",
     "PolicyError": "learned",
+    "Random": "drivers",
+    "RouteFollower": "drivers",
+    "RuleBased": "drivers",
+    "RuleBasedBraking": "drivers",
     "load_policy": "learned",
     "read_metadata": "learned",
     "save_policy": "learned",

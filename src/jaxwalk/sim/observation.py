@@ -25,6 +25,9 @@ ABSENT = 60.0
 """A neighbour that isn't there stands this far ahead [m]; distances are scaled by it."""
 SPEED = 8.33
 """Speeds are scaled by this [m/s]."""
+ROUTE_POINTS = (1, 2, 3, 4, 5, 6, 8, 10)
+"""The points of the route ahead that are shown, in units of ``prediction.POINT_SPACING``; each is scaled by its own
+distance along the route."""
 
 Parts = list[Array]
 World = tuple[RoadMap, SimConfig, Scenario, State]
@@ -74,8 +77,7 @@ def _driver_route(maps: RoadMap, config: SimConfig, scenario: Scenario, state: S
     lateral, heading_cos, heading_sin = vehicle.route_frame(maps, scenario, car)
     to_go = vehicle.route_length(maps, scenario) - car.along
     x, y = prediction.route_ahead(maps, scenario, state)
-    shown = (1, 2, 3, 4, 5, 6, 8, 10)
-    route = [axis[k] / (k * prediction.POINT_SPACING) for k in shown for axis in (x, y)]
+    route = [axis[k] / (k * prediction.POINT_SPACING) for k in ROUTE_POINTS for axis in (x, y)]
     clearance, conflict = prediction.clearances(maps, config, scenario, state)
     longest = prediction.INTERVALS * prediction.INTERVAL
     return [
@@ -143,3 +145,32 @@ OBSERVATIONS: dict[str, dict[str, Callable[..., Parts]]] = {
     "pedestrian": {"paper": _pedestrian_paper},
 }
 """The named observation sets of each role."""
+
+LAYOUTS: dict[str, dict[str, dict[str, int]]] = {
+    "driver": {
+        "paper": {
+            "position": 2, "heading": 2, "speed": 1, "goal": 2, "goal_distance": 1, "lateral": 1, "heading_error": 1,
+            "people": 4 * NEIGHBOURS,
+        },
+        "route": {
+            "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(ROUTE_POINTS),
+            "clearance": 3, "conflict": 3, "people": 4 * NEIGHBOURS,
+        },
+    },
+    "pedestrian": {
+        "paper": {
+            "position": 2, "velocity": 2, "traits": 4, "next_waypoint": 2, "surface": 3, "on_jaywalk": 1,
+            "car_position": 2, "car_velocity": 2, "nearest_other": 2,
+        },
+    },
+}  # fmt: skip
+"""For whoever writes a rule: the parts of each set, in their order, and how many features each has."""
+
+
+def part(role: str, name: str, which: str) -> slice:
+    """Where a part stands in an observation set; raises KeyError for one that doesn't exist."""
+    layout = LAYOUTS[role][name]
+    size = layout[which]
+    names = list(layout)
+    begin = sum(layout[before] for before in names[: names.index(which)])
+    return slice(begin, begin + size)

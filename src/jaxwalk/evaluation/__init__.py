@@ -1,0 +1,27 @@
+"""Drivers meet populations on the same scenarios: play, evaluate, compare, write down."""
+
+from jaxwalk.evaluation.comparison import Comparison, Paired, paired
+from jaxwalk.evaluation.game import play
+from jaxwalk.evaluation.results import Cell, Results, compare, write_rows
+from jaxwalk.evaluation.scenarios import BATCH, draw_scenarios, evaluate, replay, scenario_hash
+from jaxwalk.evaluation.settings import SAMPLES, mode, with_jaywalk_multiplier, with_mode
+
+__all__ = [
+    "BATCH",
+    "SAMPLES",
+    "Cell",
+    "Comparison",
+    "Paired",
+    "Results",
+    "compare",
+    "draw_scenarios",
+    "evaluate",
+    "mode",
+    "paired",
+    "play",
+    "replay",
+    "scenario_hash",
+    "with_jaywalk_multiplier",
+    "with_mode",
+    "write_rows",
+]

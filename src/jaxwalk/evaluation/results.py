@@ -1,0 +1,173 @@
+"""What is kept of a comparison: a cell for each driver with each population, one JSON document, one row per episode."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxwalk.evaluation.scenarios import BATCH, evaluate, scenario_hash
+from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
+from jaxwalk.interfaces import Policy
+from jaxwalk.metrics import Estimate, Rate, Rows, Summary, summarise
+from jaxwalk.sim.environment import Street
+
+SCHEMA = 1
+"""Version of the JSON document."""
+CONTACT_NAMES = ("", "crosswalk", "jaywalk", "sidewalk")
+"""Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
+COLUMNS = ("scenario", "driver", "pedestrians", "outcome", "contact", "impact_speed", "duration")
+"""Of the file with a row per episode; speeds in m/s, durations in s."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One driver among one population."""
+
+    driver: str
+    """Its name."""
+    pedestrians: str
+    """The population's name."""
+    driver_mode: str
+    """``mode`` (takes the likeliest action) or ``sample``."""
+    pedestrian_mode: str
+    jaywalk_multiplier: float
+    summary: Summary
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain dicts, lists and numbers: the headline first, then everything of the summary."""
+        outcomes = self.summary.outcomes
+        return {
+            "driver": self.driver,
+            "pedestrians": self.pedestrians,
+            "driver_mode": self.driver_mode,
+            "pedestrian_mode": self.pedestrian_mode,
+            "jaywalk_multiplier": self.jaywalk_multiplier,
+            "goal_rate": _with_interval(outcomes.goal),
+            "collision_rate": _with_interval(outcomes.collision),
+            "timeout_rate": _with_interval(outcomes.timeout),
+            "mean_time_to_goal": _with_interval(outcomes.time_to_goal),
+            **self.summary.as_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class Results:
+    """Drivers x populations on one set of scenarios."""
+
+    seed: int
+    """Of the scenarios."""
+    count: int
+    """Scenarios each cell was evaluated on."""
+    hash: str
+    """`scenario_hash` of the set."""
+    cells: tuple[Cell, ...]
+
+    def cell(self, driver: str, pedestrians: str) -> Cell:
+        """The cell of a driver and a population; raises KeyError if there is none."""
+        for cell in self.cells:
+            if (cell.driver, cell.pedestrians) == (driver, pedestrians):
+                return cell
+        raise KeyError(f"no cell for {driver} among {pedestrians}")
+
+    def as_dict(self) -> dict[str, Any]:
+        """The document: nothing in it depends on when or where it was made."""
+        return {
+            "schema": SCHEMA,
+            "scenarios": {"seed": self.seed, "count": self.count, "hash": self.hash},
+            "cells": [cell.as_dict() for cell in self.cells],
+        }
+
+    def to_json(self) -> str:
+        """The document as text; the same results give the same text. What does not exist is null."""
+        return json.dumps(self.as_dict(), indent=2, allow_nan=False)
+
+
+def compare(
+    street: Street,
+    drivers: Mapping[str, Policy],
+    populations: Mapping[str, Policy],
+    *,
+    episodes: int,
+    seed: int,
+    batch: int = BATCH,
+    progress: Callable[[str, str, int, int], None] | None = None,
+) -> tuple[Results, dict[tuple[str, str], Rows]]:
+    """Every driver among every population, on the same scenarios.
+
+    Args:
+        street: the world.
+        drivers: by name.
+        populations: pedestrian policies by name.
+        episodes: scenarios a cell.
+        seed: which set of scenarios.
+        batch: episodes played at once.
+        progress: called with driver, population, episodes played of the cell, and ``episodes``.
+
+    Returns:
+        The results, and the rows of each (driver, population).
+
+    Raises:
+        ValueError: ``episodes``, ``batch`` or ``seed`` is impossible.
+    """
+    cells, rows = [], {}
+    for driver_name, driver in drivers.items():
+        for name, pedestrians in populations.items():
+            tell = partial(progress, driver_name, name) if progress is not None else None
+            measured = evaluate(street, driver, pedestrians, episodes=episodes, seed=seed, batch=batch, progress=tell)
+            cells.append(make_cell(street, driver_name, driver, name, pedestrians, measured))
+            rows[driver_name, name] = measured
+    digest = scenario_hash(street, seed=seed, episodes=episodes, batch=batch)
+    return Results(seed, episodes, digest, tuple(cells)), rows
+
+
+def make_cell(
+    street: Street, driver_name: str, driver: Policy, population_name: str, pedestrians: Policy, rows: Rows
+) -> Cell:
+    """The cell of rows that `evaluate` gave for these policies on this street."""
+    return Cell(
+        driver=driver_name,
+        pedestrians=population_name,
+        driver_mode=mode(driver),
+        pedestrian_mode=mode(pedestrians),
+        jaywalk_multiplier=jaywalk_multiplier(street),
+        summary=summarise(rows),
+    )
+
+
+def write_rows(path: str | Path, cells: Iterable[tuple[str, str, Rows]]) -> None:
+    """Write a CSV file with a row per episode of (driver, pedestrians, rows); it appears whole or not at all.
+
+    The columns are `COLUMNS`; ``contact`` and ``impact_speed`` are empty without a collision.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for driver, pedestrians, rows in cells:
+        writer.writerows(_episode_rows(driver, pedestrians, rows))
+    path = Path(path)
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    unfinished.write_text(text.getvalue(), encoding="utf-8")
+    unfinished.replace(path)
+
+
+def _episode_rows(driver: str, pedestrians: str, rows: Rows) -> Iterable[tuple[Any, ...]]:
+    table = rows.episodes
+    outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
+    for i in range(len(outcome)):
+        contact = CONTACT_NAMES[table.contact[i]]
+        impact = f"{table.impact_speed[i]:.3f}" if table.collision[i] else ""
+        duration = f"{table.steps[i] * rows.dt:.1f}"
+        yield int(table.scenario[i]), driver, pedestrians, str(outcome[i]), contact, impact, duration
+
+
+def _with_interval(number: Rate | Estimate) -> dict[str, float | None]:
+    return {"value": number.value, "low": number.low, "high": number.high}

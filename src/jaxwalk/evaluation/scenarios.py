@@ -1,0 +1,148 @@
+"""Evaluating a pair of policies on a numbered set of scenarios.
+
+Scenario i of a seed is always the same, and so is what sampling policies draw in it: both depend on the seed and i
+alone. All batches have the same size on the device (the last one plays on into scenarios nobody asked for), so row i
+does not depend on how many episodes are asked for.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import numpy as np
+from jaxtyping import Array, Key
+
+from jaxwalk.evaluation.game import play
+from jaxwalk.interfaces import Policy
+from jaxwalk.metrics import Rows, measure
+from jaxwalk.rollout import ACTION_KEYS, EVALUATION, SCENARIO_KEYS, draw_batch, environment_keys, seed_key
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.trajectory import Trajectory
+
+BATCH = 512
+"""Episodes played at once, unless told otherwise."""
+HASH_DIGITS = 16
+"""Hexadecimal digits of a scenario set's hash."""
+SEEDS = 2**31
+"""Seeds lie in [0, this)."""
+
+
+def evaluate(
+    street: Street,
+    driver: Policy,
+    pedestrians: Policy,
+    *,
+    episodes: int,
+    seed: int,
+    batch: int = BATCH,
+    progress: Callable[[int, int], None] | None = None,
+) -> Rows:
+    """Play scenarios 0 .. ``episodes`` - 1 of a seed and measure them.
+
+    Args:
+        street: the world.
+        driver: decides for the car.
+        pedestrians: decides for all people.
+        episodes: how many scenarios; at least 1.
+        seed: which set of scenarios; never meets one of a training.
+        batch: episodes played at once; memory grows with it (about 0.15 MB an episode).
+        progress: called after every batch with the episodes played so far and ``episodes``.
+
+    Raises:
+        ValueError: ``episodes``, ``batch`` or ``seed`` is impossible.
+    """
+    _check(episodes, batch, seed)
+    parts = []
+    for first in range(0, episodes, batch):
+        wanted = min(batch, episodes - first)
+        trajectory = _play_batch(street, driver, pedestrians, seed, first, batch)
+        parts.append(measure(_episodes(trajectory, 0, wanted), moving_speed=street.config.moving_speed))
+        if progress is not None:
+            progress(first + wanted, episodes)
+    return Rows.join(parts)
+
+
+def replay(
+    street: Street, driver: Policy, pedestrians: Policy, *, scenario: int, seed: int, batch: int = BATCH
+) -> Trajectory:
+    """The episode of one scenario of a seed, exactly as `evaluate` plays it with the same ``batch``.
+
+    Raises:
+        ValueError: ``scenario`` is negative, ``batch`` or ``seed`` is impossible.
+    """
+    if scenario < 0:
+        raise ValueError(f"scenario must be 0 or more, not {scenario}")
+    _check(1, batch, seed)
+    first = scenario // batch * batch
+    trajectory = _play_batch(street, driver, pedestrians, seed, first, batch)
+    return _episodes(trajectory, scenario - first, 1)
+
+
+def draw_scenarios(street: Street, *, seed: int, first: int, count: int) -> tuple[Scenario, Key[Array, "episode"]]:
+    """Scenarios ``first`` .. ``first + count - 1`` of a seed as a batch, and keys for the policies that play them."""
+    environments = environment_keys(seed_key(seed, EVALUATION), first, count)
+    return _draw(street, environments), _fold(environments, ACTION_KEYS)
+
+
+def scenario_hash(street: Street, *, seed: int, episodes: int, batch: int = BATCH) -> str:
+    """16 hexadecimal digits that stand for the scenario set: SHA-256 over everything chance decides in it.
+
+    Sets that are equal have equal hashes, on every machine and for every ``batch``.
+    """
+    _check(episodes, batch, seed)
+    digest = hashlib.sha256()
+    for first in range(0, episodes, batch):
+        scenarios, _ = draw_scenarios(street, seed=seed, first=first, count=batch)
+        table = np.concatenate([_bytes(x) for x in jax.tree.leaves(scenarios)], axis=1)
+        digest.update(table[: episodes - first].tobytes())
+    return digest.hexdigest()[:HASH_DIGITS]
+
+
+def _bytes(array: Array) -> np.ndarray:
+    """The little-endian bytes of each episode, ``(episode, byte)``, of an array ``(..., episode)``."""
+    episodes = np.asarray(array).T
+    flat = np.ascontiguousarray(episodes.reshape(len(episodes), -1))
+    return flat.astype(flat.dtype.newbyteorder("<")).view(np.uint8)
+
+
+def _check(episodes: int, batch: int, seed: int) -> None:
+    for name, value in (("episodes", episodes), ("batch", batch)):
+        if value < 1:
+            raise ValueError(f"{name} must be at least 1, not {value}")
+    if not 0 <= seed < SEEDS:
+        raise ValueError(f"seed must be 0 or more and below {SEEDS}, not {seed}")
+
+
+def _play_batch(street: Street, driver: Policy, pedestrians: Policy, seed: int, first: int, batch: int) -> Trajectory:
+    scenarios, keys = draw_scenarios(street, seed=seed, first=first, count=batch)
+    return play(street, driver, pedestrians, scenarios, keys, numbers=first + np.arange(batch))
+
+
+@eqx.filter_jit
+def _draw(street: Street, environments: Key[Array, "episode"]) -> Scenario:
+    """The scenario with which each environment would begin a rollout."""
+    return draw_batch(street, _fold(_fold(environments, SCENARIO_KEYS), 0))
+
+
+def _fold(keys: Key[Array, "episode"], number: int) -> Key[Array, "episode"]:
+    return jax.vmap(jax.random.fold_in, in_axes=(0, None))(keys, number)
+
+
+def _episodes(trajectory: Trajectory, first: int, count: int) -> Trajectory:
+    """Some of a trajectory's episodes, without the frames that only the others need."""
+    chosen = slice(first, first + count)
+    frames = int(trajectory.length[chosen].max()) + 1
+
+    def cut(name: str, column: np.ndarray) -> np.ndarray:
+        return column[:frames, chosen] if name.startswith(_PER_FRAME) else column[chosen]
+
+    columns = {name: x for name, x in vars(trajectory).items() if name != "dt"}
+    return Trajectory(dt=trajectory.dt, **{name: cut(name, x) for name, x in columns.items()})
+
+
+_PER_FRAME = ("car_", "ped_", "on_", "crossing", "decisions", "at_kerb", "going")
+"""How the names of a trajectory's columns that begin with a frame axis begin."""

@@ -1,0 +1,45 @@
+"""How a policy acts, and how often people jaywalk, as settings of an evaluation."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any, TypeVar
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from jaxwalk.interfaces import ByRole
+from jaxwalk.sim.environment import Street
+
+SAMPLES = ByRole(driver=False, pedestrian=True)
+"""Whether a role's policy samples its actions at evaluation, unless told otherwise; else it takes the likeliest."""
+
+P = TypeVar("P")
+
+
+def mode(policy: Any) -> str:
+    """``sample`` for a policy that draws its actions at random, ``mode`` for one that takes the likeliest."""
+    return "sample" if getattr(policy, "sample", False) else "mode"
+
+
+def with_mode(policy: P, *, sample: bool) -> P:
+    """The policy, sampling or not. A rule, which has no choice, stays as it is."""
+    if isinstance(policy, eqx.Module) and "sample" in {field.name for field in fields(policy)}:
+        return replace(policy, sample=sample)
+    return policy
+
+
+def with_jaywalk_multiplier(street: Street, multiplier: float) -> Street:
+    """The same street with P(jaywalk | decision) = tendency x ``multiplier``; nothing is compiled anew for it.
+
+    Raises ValueError for a negative multiplier.
+    """
+    if not multiplier >= 0:
+        raise ValueError(f"jaywalk_multiplier must be 0 or more, not {multiplier}")
+    return eqx.tree_at(lambda s: s.jaywalk_multiplier, street, jnp.float32(multiplier))
+
+
+def jaywalk_multiplier(street: Street) -> float:
+    """The street's multiplier as it was written: 0.1, not 0.10000000149."""
+    return float(str(np.float32(street.jaywalk_multiplier)))

@@ -1,0 +1,176 @@
+"""Drivers that are rules, to compare trained ones with. Each is a `jaxwalk.interfaces.Policy` without memory.
+
+An action is (acceleration, steering), each a share of its limit in [-1, 1]; positive steering is to the left. The
+rules know the car's default limits (`SimConfig`); a street with other limits wants them passed on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Key
+
+from jaxwalk.interfaces import Policy
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, ROUTE_POINTS, part
+from jaxwalk.sim.prediction import POINT_SPACING
+
+FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
+"""Accelerations as shares of the limit (3 m/s2)."""
+
+Observation = Float[Array, "feature *batch"]
+Action = Float[Array, "2 *batch"]
+
+
+class Random(eqx.Module):
+    """Acceleration and steering uniform in [-1, 1], new and independent at every step."""
+
+    observes: str = eqx.field(static=True, default="paper")
+    """Name of the observation set (it looks at nothing)."""
+
+    @property
+    def sample(self) -> bool:
+        """It always draws its actions."""
+        return True
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
+        """It remembers nothing."""
+        return None
+
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+        """Uniform actions, each episode's from its own key."""
+        draw = lambda one: jax.random.uniform(one, (2,), minval=-1, maxval=1)  # noqa: E731
+        for _ in range(key.ndim):
+            draw = jax.vmap(draw, out_axes=-1)
+        return draw(key), memory
+
+
+class ConstantSpeed(eqx.Module):
+    """A fixed throttle and straight wheels: half throttle (1.5 m/s2), so top speed (8.33 m/s) after 5.6 s."""
+
+    throttle: float = eqx.field(static=True, default=0.5)
+    """Share of the largest acceleration, in [-1, 1]."""
+    observes: str = eqx.field(static=True, default="paper")
+    """Name of the observation set (it looks at nothing)."""
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
+        """It remembers nothing."""
+        return None
+
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+        """Always the same."""
+        batch = observation.shape[1:]
+        return _action(jnp.full(batch, self.throttle, jnp.float32), jnp.zeros(batch, jnp.float32)), memory
+
+
+class RuleBased(eqx.Module):
+    """Full throttle, and steers at the goal as the crow flies: the steering angle is the goal's bearing, at most 0.52.
+
+    It sees neither lanes nor people. Where the road bends it meets the kerb and slides along it.
+    """
+
+    max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
+    """The car's largest steering angle [rad]."""
+    observes: str = eqx.field(static=True, default="paper")
+    """Name of the observation set."""
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
+        """It remembers nothing."""
+        return None
+
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+        """Full throttle at the goal."""
+        steering = _steer_at_goal(observation, self.max_steering)
+        return _action(jnp.full_like(steering, FULL_THROTTLE), steering), memory
+
+
+class RuleBasedBraking(eqx.Module):
+    """Like `RuleBased`, but brakes fully (3 m/s2) while a pedestrian is in a cone ahead.
+
+    The cone: up to 13 m from the car's centre (from top speed the car stops in 11.6 m, and 1.5 m is a collision) and at
+    most 20 degrees to either side of its heading. Of the people, it sees the nearest six.
+    """
+
+    cone_range: float = eqx.field(static=True, default=13.0)
+    """Length of the cone [m]."""
+    cone_half_angle: float = eqx.field(static=True, default=20.0)
+    """Largest bearing to either side [degrees]."""
+    max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
+    """The car's largest steering angle [rad]."""
+    observes: str = eqx.field(static=True, default="paper")
+    """Name of the observation set."""
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
+        """It remembers nothing."""
+        return None
+
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+        """Full throttle at the goal, or full braking."""
+        blocked = _somebody_in_cone(observation, self.cone_range, self.cone_half_angle)
+        throttle = jnp.where(blocked, FULL_BRAKING, FULL_THROTTLE)
+        return _action(throttle, _steer_at_goal(observation, self.max_steering)), memory
+
+
+class RouteFollower(eqx.Module):
+    """Full throttle along its lane route, through turns as well, blind to people.
+
+    Pure pursuit: it steers along the circle that meets the route's point 2.5 m ahead, at most 0.52 rad. For a bicycle
+    about its centre, whose course is its heading plus the slip angle beta, that circle has
+    tan(beta) = L y / (x2 + y2 + L x), and the steering angle is atan(2 tan(beta)): x, y is the point ahead and to the
+    left [m], L the wheelbase (2.5 m).
+    """
+
+    wheelbase: float = eqx.field(static=True, default=SimConfig.wheelbase)
+    """Distance between the car's axles [m]."""
+    max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
+    """The car's largest steering angle [rad]."""
+    point: int = eqx.field(static=True, default=0)
+    """Which of the route's points it aims at: an index of ``observation.ROUTE_POINTS``."""
+    observes: str = eqx.field(static=True, default="route")
+    """Name of the observation set."""
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
+        """It remembers nothing."""
+        return None
+
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+        """Full throttle after the route."""
+        route = observation[part("driver", "route", "route")]
+        ahead, left = route[2 * self.point : 2 * self.point + 2] * (ROUTE_POINTS[self.point] * POINT_SPACING)
+        reach = jnp.maximum(ahead * ahead + left * left + self.wheelbase * ahead, 1e-3)
+        angle = jnp.arctan(2 * self.wheelbase * left / reach)
+        steering = jnp.clip(angle / self.max_steering, -1, 1)
+        return _action(jnp.full_like(steering, FULL_THROTTLE), steering), memory
+
+
+DRIVERS: dict[str, Callable[[], Policy]] = {
+    "random": Random,
+    "constant-speed": ConstantSpeed,
+    "rule-based": RuleBased,
+    "rule-based-braking": RuleBasedBraking,
+    "route-follower": RouteFollower,
+}
+"""Driver rules by name: call one to make it."""
+
+
+def _action(acceleration: Array, steering: Array) -> Action:
+    return jnp.stack([acceleration, steering])
+
+
+def _steer_at_goal(observation: Observation, max_steering: float) -> Float[Array, "*batch"]:
+    """Steering at the goal of the observation set "paper", as a share of the largest angle."""
+    ahead, left = observation[part("driver", "paper", "goal")]
+    return jnp.clip(jnp.arctan2(left, ahead) / max_steering, -1, 1)
+
+
+def _somebody_in_cone(observation: Observation, length: float, half_angle: float) -> Bool[Array, "*batch"]:
+    """Whether one of the nearest people of the set "paper" is within ``length`` [m] and ``half_angle`` [degrees]."""
+    people = observation[part("driver", "paper", "people")]
+    ahead, left = jnp.moveaxis(people.reshape(NEIGHBOURS, 4, *people.shape[1:])[:, :2], 1, 0) * ABSENT
+    away = jnp.sqrt(ahead * ahead + left * left)
+    inside = (away <= length) & (ahead >= away * math.cos(math.radians(half_angle)))
+    return inside.any(axis=0)
