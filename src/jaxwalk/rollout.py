@@ -1,12 +1,14 @@
-"""Playing an environment: one `advance` (act, step, reset), and the scan of it over time.
+"""Playing an environment: one `advance` (act and step), the scan of it over time, and restarts in between.
 
-Episodes restart in the *step after* their last one: that step shows the final state (so that its value can be
-bootstrapped), ignores the actions and begins the next episode. It is marked as not ``valid``.
+Ended episodes restart together, every RESTART_EVERY steps, which costs far less than a possible restart at every step.
+Until then they idle, marked as not ``valid``. The step after an episode's last one shows its final state, so the value
+of the state *before* a restart is always at hand for bootstrapping.
 """
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+import math
+from typing import Any, Protocol, runtime_checkable
 
 import equinox as eqx
 import jax
@@ -15,12 +17,15 @@ from jaxtyping import Array, Bool, Int, Key
 
 from jaxwalk.interfaces import ByRole, Environment, Outcome
 
-SCENARIO_KEYS, ACTION_KEYS = 0, 1
-"""Domains split off an environment's key, so that what happens and what is tried never share a random number."""
+SCENARIO_KEYS, FIRST_ACTION_KEY = 0, 1
+"""What is folded into an environment's key: 0 for its scenarios, 1 + step for its actions, so the two never meet."""
+RESTART_EVERY = 8
+"""Steps between restarts; an ended episode idles for 3.5 steps in the mean, some 2 % of all steps."""
 TRAINING, EVALUATION = 0, 1
 """Domains split off a seed, so that no evaluation meets a scenario of the training."""
 
 
+@runtime_checkable
 class Act(Protocol):
     """Chooses all actions of a step; may return a record of how (log-probabilities, observations, ...)."""
 
@@ -35,7 +40,7 @@ class Stream(eqx.Module):
     key: Key[Array, "env"]
     """One key for each environment, made from the seed and the environment's global index."""
     episode: Int[Array, "env"]
-    """Episodes begun before the current one."""
+    """Episodes begun before the current one: the number of its scenario."""
     step: Int[Array, ""]
     """Steps taken so far."""
     scenario: Any
@@ -45,7 +50,7 @@ class Stream(eqx.Module):
     memory: Any
     """What the policies remember."""
     ended: Bool[Array, "env"]
-    """The state is final: the next step restarts."""
+    """The state is final (or what came of idling after it) until the restart."""
 
 
 class Step(eqx.Module):
@@ -56,7 +61,7 @@ class Step(eqx.Module):
     outcome: Outcome
     """What the step brought; meaningless where not ``valid``."""
     valid: Bool[Array, "env"]
-    """False in the step that only restarts."""
+    """False while an ended episode waits for its restart."""
 
 
 def seed_key(seed: int, domain: int) -> Key[Array, ""]:
@@ -91,73 +96,65 @@ def start(environment: Environment, keys: Key[Array, "env"], memory: Any = None)
     )
 
 
-def advance(
-    environment: Environment, act: Act, key: Key[Array, "env"], scenario: Any, following: Any, state: Any,
-    memory: Any, fresh_memory: Any, ended: Bool[Array, "env"],
-) -> tuple[Any, Any, Bool[Array, "env"], Step]:  # fmt: skip
-    """Act and step; where the episode had ended, begin the ``following`` scenario instead.
-
-    Returns the next state, memory and ``ended``, and what to record.
-    """
-    actions, acted, record = act(key, scenario, state, memory)
-    after, outcome = environment.step(scenario, state, actions)
-    restart = lambda new, old: jnp.where(ended, new, old)  # noqa: E731
-    state = jax.tree.map(restart, environment.reset(following), after)
-    memory = jax.tree.map(restart, fresh_memory, acted)
-    return state, memory, outcome.ended & ~ended, Step(record, outcome, ~ended)
-
-
-def rollout(environment: Environment, act: Act, stream: Stream, steps: int, fresh_memory: Any = None):
-    """Play ``steps`` steps in every environment; returns the stream and `Step` with arrays ``(time, ...)``.
-
-    The episodes to come are drawn before the scan, as many as could possibly begin in it, and looked up in it: drawing
-    inside would cost every environment a draw at every step.
-    """
-    episodes = 1 + -(-steps // (environment.shortest_episode + 1))
-    series = _upcoming(environment, stream, episodes)
-    act_keys = jax.vmap(jax.random.fold_in, in_axes=(0, None))(stream.key, ACTION_KEYS)
-
-    def body(carry, step):
-        state, memory, ended, played = carry
-        key = jax.vmap(jax.random.fold_in, in_axes=(0, None))(act_keys, step)
-        scenario, following = _pick(series, played), _pick(series, played + 1)
-        state, memory, now_ended, recorded = advance(
-            environment, act, key, scenario, following, state, memory, fresh_memory, ended
-        )
-        return (state, memory, now_ended, played + ended), recorded
-
-    carry = (stream.state, stream.memory, stream.ended, jnp.zeros_like(stream.episode))
-    (state, memory, ended, played), recorded = jax.lax.scan(body, carry, stream.step + jnp.arange(steps))
-    stream = Stream(
+def advance(environment: Environment, act: Act, stream: Stream) -> tuple[Stream, Step]:
+    """Act and step in every environment."""
+    key = jax.vmap(jax.random.fold_in, in_axes=(0, None))(stream.key, FIRST_ACTION_KEY + stream.step)
+    actions, memory, record = act(key, stream.scenario, stream.state, stream.memory)
+    state, outcome = environment.step(stream.scenario, stream.state, actions)
+    after = Stream(
         key=stream.key,
-        episode=stream.episode + played,
-        step=stream.step + steps,
-        scenario=_pick(series, played),
+        episode=stream.episode,
+        step=stream.step + 1,
+        scenario=stream.scenario,
         state=state,
         memory=memory,
-        ended=ended,
+        ended=stream.ended | outcome.ended,
     )
-    return stream, recorded
+    return after, Step(record, outcome, ~stream.ended)
+
+
+def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) -> Stream:
+    """Begin the next episode wherever one has ended, an eighth of the environments at a time.
+
+    Drawing a scenario costs as much as several steps, so it is done only for those that need one.
+    """
+    count = stream.ended.size
+    places = -(-count // RESTART_EVERY)
+
+    def some(stream: Stream) -> Stream:
+        (chosen,) = jnp.nonzero(stream.ended, size=places, fill_value=count)
+        episode = stream.episode.at[chosen].add(1, mode="drop")
+        scenario = draw_batch(environment, _scenario_key(stream.key, episode)[chosen])
+        put = lambda old, new: old.at[..., chosen].set(new, mode="drop")  # noqa: E731
+        return Stream(
+            key=stream.key,
+            episode=episode,
+            step=stream.step,
+            scenario=jax.tree.map(put, stream.scenario, scenario),
+            state=jax.tree.map(put, stream.state, environment.reset(scenario)),
+            memory=jax.tree.map(lambda old, new: jnp.where(stream.ended, new, old), stream.memory, fresh_memory),
+            ended=stream.ended.at[chosen].set(False, mode="drop"),
+        )
+
+    return jax.lax.while_loop(lambda s: s.ended.any(), some, stream)
+
+
+def rollout(
+    environment: Environment, act: Act, stream: Stream, steps: int, fresh_memory: Any = None
+) -> tuple[Stream, Step]:
+    """Play ``steps`` steps in every environment; returns the stream and a `Step` of arrays ``(time, ...)``.
+
+    How rollouts divide the time makes no difference as long as they are multiples of RESTART_EVERY.
+    """
+    block = math.gcd(steps, RESTART_EVERY)
+
+    def play_block(stream: Stream, _: None) -> tuple[Stream, Step]:
+        stream = restart(environment, stream, fresh_memory)
+        return jax.lax.scan(lambda s, _: advance(environment, act, s), stream, None, length=block)
+
+    stream, recorded = jax.lax.scan(play_block, stream, None, length=steps // block)
+    return stream, jax.tree.map(lambda x: x.reshape(steps, *x.shape[2:]), recorded)
 
 
 def _scenario_key(keys: Key[Array, "env"], episode: Int[Array, "env"]) -> Key[Array, "env"]:
     return jax.vmap(lambda key, n: jax.random.fold_in(jax.random.fold_in(key, SCENARIO_KEYS), n))(keys, episode)
-
-
-def _upcoming(environment: Environment, stream: Stream, episodes: int) -> Any:
-    """The current scenario and those after it, along a leading axis of length ``episodes`` + 1."""
-    keys = jax.vmap(_scenario_key, in_axes=(None, 0))(
-        stream.key, stream.episode + 1 + jnp.arange(episodes)[:, None]
-    )  # (episode, env)
-    drawn = jax.vmap(lambda k: draw_batch(environment, k))(keys)
-    return jax.tree.map(lambda now, later: jnp.concatenate([now[None], later]), stream.scenario, drawn)
-
-
-def _pick(series: Any, played: Int[Array, "env"]) -> Any:
-    """Each environment's own entry along the leading axis of ``(episode, ..., env)``."""
-
-    def pick(table: Array) -> Array:
-        index = played.reshape((1,) * (table.ndim - 1) + played.shape)
-        return jnp.take_along_axis(table, index, axis=0, mode="clip")[0]
-
-    return jax.tree.map(pick, series)

@@ -84,8 +84,8 @@ class Street(eqx.Module):
 
     def reset(self, scenario: Scenario) -> State:
         """Car and people at their starts, standing."""
-        people = pedestrian.on_surface(self.maps, scenario, pedestrian.place(self.maps, scenario))
-        return State(jnp.zeros_like(scenario.map), vehicle.place(self.maps, scenario), people)
+        zero = jnp.zeros_like(scenario.map)
+        return State(zero, vehicle.place(self.maps, scenario), pedestrian.place(self.maps, scenario))
 
     def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
         """A named observation set (`jaxwalk.sim.observation.OBSERVATIONS`)."""

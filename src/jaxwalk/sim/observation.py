@@ -117,9 +117,9 @@ def _pedestrian_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, stat
     other_x, other_y = _nearest_other(people.x, people.y)
     return [
         people.x / of_map(maps.width, scenario.map), people.y / of_map(maps.height, scenario.map), vx / 2, vy / 2,
-        *scenario.traits, (people.end_x - people.x) / ABSENT, (people.end_y - people.y) / ABSENT,
+        *scenario.traits, (people.leg.end_x - people.x) / ABSENT, (people.leg.end_y - people.y) / ABSENT,
         ~people.on_roadway, people.on_roadway & people.on_crosswalk, people.on_roadway & ~people.on_crosswalk,
-        people.leg == pedestrian.ACROSS,
+        people.leg.kind == pedestrian.ACROSS,
         (car.x[None] - people.x) / ABSENT, (car.y[None] - people.y) / ABSENT,
         (car.speed * car.cos)[None] / SPEED, (car.speed * car.sin)[None] / SPEED,
         other_x / ABSENT, other_y / ABSENT,

@@ -26,26 +26,26 @@ class VehicleState(eqx.Module):
     """How far it has come along its lane route [m]."""
 
 
-class PedestrianState(eqx.Module):
-    """The pedestrians. A committed path is a chain of straight legs; a position is a leg and what remains of it."""
+class Leg(eqx.Module):
+    """A straight piece of a committed path, and all that changes only from one leg to the next."""
 
     end_x: Float[Array, "ped *batch"]
-    """Where the current leg ends [m]."""
+    """Where it ends [m]."""
     end_y: Float[Array, "ped *batch"]
     cos: Float[Array, "ped *batch"]
-    """Direction of the leg, a unit vector (0, 0 before the first leg)."""
+    """Its direction, a unit vector (0, 0 for the leg that only stands for the start)."""
     sin: Float[Array, "ped *batch"]
-    remaining: Float[Array, "ped *batch"]
-    """Metres left of the leg."""
-    leg: Int[Array, "ped *batch"]
-    """What the leg is: SIDEWALK, ON_CROSSWALK, TO_ZONE or ACROSS."""
+    length: Float[Array, "ped *batch"]
+    """[m]"""
+    kind: Int[Array, "ped *batch"]
+    """SIDEWALK, ON_CROSSWALK, TO_ZONE or ACROSS (`jaxwalk.sim.pedestrian`)."""
     node: Int[Array, "ped *batch"]
-    """The waypoint where the leg ends; for TO_ZONE and ACROSS, the first one after the jaywalk."""
+    """The waypoint where it ends; for TO_ZONE and ACROSS, the first one after the jaywalk."""
     landing_x: Float[Array, "ped *batch"]
-    """Where a committed jaywalk will end [m]."""
+    """Where a committed jaywalk will reach the opposite sidewalk [m]."""
     landing_y: Float[Array, "ped *batch"]
-    to_kerb: Float[Array, "ped *batch"]
-    """Metres of committed path until it enters a roadway; inf where it doesn't, negative once it has."""
+    kerb: Float[Array, "ped *batch"]
+    """Metres from its end to where the committed path enters a roadway: negative if before the end, inf if nowhere."""
     crossing: Int[Array, "ped *batch"]
     """NO_CROSSING, CROSSWALK or JAYWALK: what was decided about the next or current crossing."""
     decisions: Int[Array, "ped *batch"]
@@ -54,6 +54,19 @@ class PedestrianState(eqx.Module):
     """The waypoint walked to."""
     arrivals: Int[Array, "ped *batch"]
     """Goals reached so far."""
+
+
+class PedestrianState(eqx.Module):
+    """The pedestrians: a position is a leg and what remains of it."""
+
+    leg: Leg
+    """What is being walked."""
+    following: Leg
+    """What comes after it, where ``planned``."""
+    planned: Bool[Array, "ped *batch"]
+    """Whether ``following`` has been worked out; only for speed, it never changes where anybody walks."""
+    remaining: Float[Array, "ped *batch"]
+    """Metres left of the leg."""
     going: Bool[Array, "ped *batch"]
     """Whether it walked in the last step."""
     on_roadway: Bool[Array, "ped *batch"]
@@ -64,12 +77,37 @@ class PedestrianState(eqx.Module):
     @property
     def x(self) -> Float[Array, "ped *batch"]:
         """Position [m]."""
-        return self.end_x - self.cos * self.remaining
+        return self.leg.end_x - self.leg.cos * self.remaining
 
     @property
     def y(self) -> Float[Array, "ped *batch"]:
         """Position [m]."""
-        return self.end_y - self.sin * self.remaining
+        return self.leg.end_y - self.leg.sin * self.remaining
+
+    @property
+    def to_kerb(self) -> Float[Array, "ped *batch"]:
+        """Metres of committed path until it enters a roadway; inf where it doesn't, negative once it has."""
+        return self.leg.kerb + self.remaining
+
+    @property
+    def crossing(self) -> Int[Array, "ped *batch"]:
+        """What was decided about the next or current crossing."""
+        return self.leg.crossing
+
+    @property
+    def decisions(self) -> Int[Array, "ped *batch"]:
+        """Crossings decided about so far."""
+        return self.leg.decisions
+
+    @property
+    def goal(self) -> Int[Array, "ped *batch"]:
+        """The waypoint walked to."""
+        return self.leg.goal
+
+    @property
+    def arrivals(self) -> Int[Array, "ped *batch"]:
+        """Goals reached so far."""
+        return self.leg.arrivals
 
 
 class State(eqx.Module):
