@@ -39,6 +39,8 @@ class Game(eqx.Module):
 
     def observe(self, scenario: Array, state: Any, role: str, name: str) -> Array:
         seen = jnp.stack([scenario, state["time"].astype(jnp.float32), state["choice"]])
+        if name == "blind":
+            seen = jnp.zeros_like(seen)
         return seen if role == "driver" else jnp.broadcast_to(seen[:, None], (3, 2, *scenario.shape))
 
     def global_state(self, scenario: Array, state: Any) -> Array:

@@ -96,9 +96,15 @@ def optimiser(config: TrainConfig) -> optax.GradientTransformation:
     return optax.flatten(optax.chain(bounded, optax.scale_by_adam(eps=config.adam_epsilon)))
 
 
-def learning_rate(config: TrainConfig, updates: Int[Array, ""]) -> Float[Array, ""]:
-    """For the update that follows so many: constant, or falling linearly to 0 after the planned number."""
-    left = jnp.clip(1.0 - updates / config.updates, 0.0, 1.0) if config.anneal else jnp.ones(())
+def learning_rate(
+    config: TrainConfig, updates: Int[Array, ""], planned: Int[Array, ""] | None = None
+) -> Float[Array, ""]:
+    """For the update that follows so many: constant, or falling linearly to 0 after the ``planned`` number.
+
+    The number is an array, or ``config.updates``: a change of the array compiles nothing anew.
+    """
+    end = config.updates if planned is None else planned
+    left = jnp.clip(1.0 - updates / end, 0.0, 1.0) if config.anneal else jnp.ones(())
     return config.learning_rate * left
 
 
@@ -125,7 +131,7 @@ def fit(
     def minibatch(carry: tuple[Network, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
         network, memory = carry
         gradient, report = mean_gradient(loss, network, data, times, chunks=chunks)
-        report["gradient_norm"] = optax.global_norm(gradient)
+        report["gradient_norm"] = optax.tree.norm(gradient)
         return descend(network, memory, gradient, rate=rate, config=config), report
 
     (network, memory), reports = jax.lax.scan(minibatch, (network, memory), order.reshape(-1, length))

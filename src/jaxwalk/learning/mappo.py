@@ -50,6 +50,8 @@ class Learner(eqx.Module):
     """For the shuffling: each update folds in its number."""
     updates: Int[Array, ""]
     """Updates made."""
+    planned: Int[Array, ""]
+    """Updates in the whole training, as far as the annealing knows: `init` takes it from the configuration."""
 
 
 @eqx.filter_jit
@@ -76,6 +78,7 @@ def init(
         stream=stream,
         key=shuffle_key,
         updates=jnp.zeros((), jnp.int32),
+        planned=jnp.asarray(config.updates, jnp.int32),
     )
     return jax.tree.map(_strongly_typed, learner)
 
@@ -98,10 +101,12 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     metrics["finite"] = jnp.all(jnp.isfinite(jnp.stack(list(metrics.values())))).astype(jnp.float32)
     valid = played.valid.astype(jnp.float32)
     metrics |= reward_metrics(played.outcome.rewards, valid) | episode_metrics(played.outcome, valid)
-    metrics["learning_rate"] = learning_rate(config, learner.updates)
+    metrics["learning_rate"] = learning_rate(config, learner.updates, learner.planned)
     updates = learner.updates + 1
     metrics["steps"] = updates.astype(jnp.float32) * (config.steps * config.environments)
-    learner = Learner(actors, critics, actor_memories, critic_memories, learner.others, stream, learner.key, updates)
+    learner = Learner(
+        actors, critics, actor_memories, critic_memories, learner.others, stream, learner.key, updates, learner.planned
+    )
     return learner, metrics
 
 
@@ -146,7 +151,7 @@ def _improve_actors(
             learner.actor_memories[role],
             data,
             key=key,
-            rate=learning_rate(config, learner.updates),
+            rate=learning_rate(config, learner.updates, learner.planned),
             epochs=config.role(role).epochs,
             agents=math.prod(getattr(environment.roles, role).agents),
             config=config,
@@ -174,7 +179,7 @@ def _improve_critics(
             learner.critic_memories[name],
             Targets(critic.select(played.record.views), judgement.target, weight),
             key=key,
-            rate=learning_rate(config, learner.updates),
+            rate=learning_rate(config, learner.updates, learner.planned),
             epochs=max(config.role(role).epochs for role in roles),
             agents=math.prod(critic.agents),
             config=config,

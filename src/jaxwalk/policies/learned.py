@@ -9,12 +9,14 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+import pydantic
 import safetensors
 import safetensors.numpy
 from jaxtyping import Array, Float, Key
@@ -23,7 +25,7 @@ from jaxwalk.learning.actor import DISCRETE, Actor
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.networks import MLP
 
-FORMAT = 1
+FORMAT: Final = 1
 """Version of the file format."""
 HEADER = "jaxwalk"
 """The entry of the file's header that is ours."""
@@ -31,6 +33,30 @@ HEADER = "jaxwalk"
 
 class PolicyError(ValueError):
     """A policy file that can't be used; one line names the file, says what is wrong and what to do."""
+
+
+@dataclass(frozen=True)
+class RoleHeader:
+    """How to put a role's actor together."""
+
+    observes: str
+    """The observation set it reads."""
+    kind: Literal["discrete", "clipped", "tanh"]
+    """What its outputs mean: `Actor.kind`."""
+    sizes: tuple[int, ...]
+    """Numbers in, units of each hidden layer, outputs."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """What a file says of itself."""
+
+    format: int
+    """Version of the file format."""
+    roles: dict[str, RoleHeader]
+    """The actors in it."""
+    metadata: dict[str, Any]
+    """Where they come from, as it was given to `save_policy`."""
 
 
 class LearnedPolicy(eqx.Module):
@@ -65,12 +91,9 @@ def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadat
     """
     actors = actors.actors if isinstance(actors, Learner) else actors
     arrays = {f"{role}.{name}": x for role, actor in actors.items() for name, x in _arrays(actor).items()}
-    roles = {
-        role: {"observes": actor.observes, "kind": actor.kind, "sizes": list(actor.network.sizes)}
-        for role, actor in actors.items()
-    }
-    header = {"format": FORMAT, "roles": roles, "metadata": dict(metadata)}
-    content = safetensors.numpy.save(arrays, {HEADER: json.dumps(header, sort_keys=True)})
+    roles = {role: RoleHeader(x.observes, x.kind, x.network.sizes) for role, x in actors.items()}  # pyright: ignore
+    header = json.dumps(asdict(Header(FORMAT, roles, dict(metadata))), sort_keys=True)
+    content = safetensors.numpy.save(arrays, {HEADER: header})
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     unfinished.write_bytes(content)
@@ -80,12 +103,11 @@ def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadat
 def load_policy(path: str | Path, role: str, *, sample: bool = False, expect_size: int | None = None) -> LearnedPolicy:
     """The policy of that role in the file; with ``expect_size``, its observations must have so many numbers."""
     header, arrays = _read(path)
-    if role not in header["roles"]:
-        held = ", ".join(sorted(header["roles"])) or "none"
+    if role not in header.roles:
+        held = ", ".join(sorted(header.roles)) or "none"
         raise PolicyError(f"{path}: holds no {role} policy (it has: {held}); choose a file in which the {role} learned")
-    described = header["roles"][role]
     own = {name.removeprefix(f"{role}."): x for name, x in arrays.items() if name.startswith(f"{role}.")}
-    actor = _actor(path, described, own)
+    actor = _actor(path, header.roles[role], own)
     size = actor.network.sizes[0]
     if expect_size is not None and size != expect_size:
         raise PolicyError(
@@ -98,7 +120,7 @@ def load_policy(path: str | Path, role: str, *, sample: bool = False, expect_siz
 def read_metadata(path: str | Path) -> dict[str, Any]:
     """What was saved about the file's policies: ``metadata`` as given, and under ``roles`` each network."""
     header, _ = _read(path)
-    return {**header["metadata"], "roles": header["roles"]}
+    return header.metadata | {"roles": {role: asdict(described) for role, described in header.roles.items()}}
 
 
 def _arrays(actor: Actor) -> dict[str, np.ndarray]:
@@ -111,7 +133,7 @@ def _arrays(actor: Actor) -> dict[str, np.ndarray]:
     return {name: np.asarray(x) for name, x in named.items()}
 
 
-def _read(path: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def _read(path: str | Path) -> tuple[Header, dict[str, np.ndarray]]:
     """The header and all arrays, or an error that says what is the matter."""
     if not Path(path).is_file():
         raise PolicyError(f"{path}: no such file; check the name, or train and save a policy first")
@@ -121,20 +143,28 @@ def _read(path: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except (safetensors.SafetensorError, OSError) as error:
         raise PolicyError(f"{path}: damaged or no safetensors file ({error}); copy or download it again") from error
-    try:
-        header = json.loads(text) if text else {}
-    except json.JSONDecodeError:
-        header = {}
-    if not isinstance(header, dict) or "format" not in header:
+    if text is None:
         raise PolicyError(f"{path}: a safetensors file, but not of jaxwalk; give a file written by save_policy")
-    if header["format"] != FORMAT:
-        raise PolicyError(f"{path}: has format {header['format']}, this jaxwalk reads {FORMAT}; use a matching version")
-    return header, arrays
+    return _header(path, text), arrays
 
 
-def _actor(path: str | Path, described: dict[str, Any], arrays: dict[str, np.ndarray]) -> Actor:
+def _header(path: str | Path, text: str) -> Header:
+    """The header, checked; its format first, since another one may look different."""
+    try:
+        header = pydantic.TypeAdapter(dict[str, Any]).validate_json(text)
+        version = header.get("format")
+        if version != FORMAT:
+            raise PolicyError(f"{path}: has format {version}, this jaxwalk reads {FORMAT}; use a version that reads it")
+        return pydantic.TypeAdapter(Header).validate_python(header)
+    except pydantic.ValidationError as error:
+        where = ".".join(str(part) for part in error.errors()[0]["loc"])
+        fault = error.errors()[0]["msg"]
+        raise PolicyError(f"{path}: its header is wrong ({where}: {fault}); copy or download it again") from error
+
+
+def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray]) -> Actor:
     """Put an actor together, after checking that every array is there and has its shape."""
-    sizes, kind = described["sizes"], described["kind"]
+    sizes, kind = described.sizes, described.kind
     layers = range(len(sizes) - 1)
     wanted = {f"layer{i}.weight": (sizes[i + 1], sizes[i]) for i in layers}
     wanted |= {f"layer{i}.bias": (sizes[i + 1],) for i in layers}
@@ -146,4 +176,4 @@ def _actor(path: str | Path, described: dict[str, Any], arrays: dict[str, np.nda
         raise PolicyError(f"{path}: its arrays don't match its header ({wrong}); copy or download it again")
     loaded = {name: jnp.asarray(x) for name, x in arrays.items()}
     network = MLP(tuple(loaded[f"layer{i}.weight"] for i in layers), tuple(loaded[f"layer{i}.bias"] for i in layers))
-    return Actor(network, loaded.get("log_std"), observes=described["observes"], kind=kind)
+    return Actor(network, loaded.get("log_std"), observes=described.observes, kind=kind)

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jaxwalk.interfaces import Box, Discrete
+from jaxwalk.learning.actor import make_actor
+from jaxwalk.learning.config import RoleConfig, TrainConfig
+from jaxwalk.learning.fit import Chunks, descend, fit, learning_rate, map_chunks, mean_gradient, optimiser, plan_chunks
+from jaxwalk.learning.losses import Actions, actor_loss
+
+STEPS, ENVS = 8, 6
+
+
+def rollout_of(agents, action):
+    actor = make_actor(jax.random.key(0), 5, action, RoleConfig(actor_hidden=(16,)))
+    keys = jax.random.split(jax.random.key(1), 5)
+    seen = jax.random.normal(keys[0], (STEPS, 5, *agents, ENVS))
+    raw = jax.vmap(lambda x: actor(x).sample(jax.random.split(keys[1], ENVS)))(seen)
+    log_prob = jax.vmap(lambda x, u: actor(x).log_prob(u))(seen, raw)
+    old = log_prob + 0.3 * jax.random.normal(keys[2], log_prob.shape)
+    advantage = jax.random.normal(keys[3], log_prob.shape)
+    weight = jax.random.bernoulli(keys[4], 0.7, (STEPS, ENVS)).astype(jnp.float32)
+    return actor, Actions(seen, raw, old, advantage, weight)
+
+
+@pytest.mark.parametrize(("agents", "action"), [((), Box(2)), ((3,), Discrete(2))])
+@pytest.mark.parametrize("chunks", [Chunks(2, 1), Chunks(1, 1), Chunks(1, 3), Chunks(4, 2)])
+def test_chunked_gradient_is_that_of_the_whole(agents, action, chunks):
+    actor, data = rollout_of(agents, action)
+    loss = partial(actor_loss, clip=0.2, entropy=0.1)
+    times = jnp.array([5, 0, 7, 2])
+    gradient, report = mean_gradient(loss, actor, data, times, chunks=chunks)
+
+    def plainly(actor):  # over the whole minibatch at once, with its axes left where they are
+        part = jax.tree.map(lambda x: jnp.moveaxis(x[times], 0, -2), data)
+        total, sums = loss(actor, part)
+        return total / sums["weight"]
+
+    value, expected = jax.value_and_grad(plainly)(actor)
+    assert float(report["policy_loss"] - 0.1 * report["entropy"]) == pytest.approx(float(value), rel=1e-5)
+    for got, want in zip(jax.tree.leaves(gradient), jax.tree.leaves(expected), strict=True):
+        np.testing.assert_allclose(got, want, rtol=1e-4, atol=1e-6)
+
+
+@given(st.integers(1, 24), st.integers(1, 48), st.integers(1, 32), st.integers(1, 5000))
+def test_plans_divide_evenly_and_keep_to_the_rows(agents, environments, steps, rows):
+    plan = plan_chunks(agents=agents, environments=environments, steps=steps, rows=rows)
+    assert steps % plan.steps == 0
+    assert environments % plan.parts == 0
+    assert plan.steps == 1 or plan.parts == 1
+    assert agents * environments * plan.steps // plan.parts <= max(rows, agents)
+
+
+def test_plans_of_the_papers_sizes():
+    assert plan_chunks(agents=1, environments=512, steps=32, rows=2048) == Chunks(4, 1)
+    assert plan_chunks(agents=12, environments=512, steps=32, rows=2048) == Chunks(1, 4)
+    assert plan_chunks(agents=12, environments=512, steps=32, rows=10**9) == Chunks(32, 1)
+
+
+@pytest.mark.parametrize("chunks", [Chunks(2, 1), Chunks(1, 3), Chunks(8, 2)])
+def test_mapping_over_chunks_keeps_every_entry_in_its_place(chunks):
+    data = jnp.arange(STEPS * 2 * 3 * ENVS, dtype=jnp.float32).reshape(STEPS, 2, 3, ENVS)
+    np.testing.assert_array_equal(map_chunks(lambda x: x[0] - x[1], data, chunks=chunks), data[:, 0] - data[:, 1])
+
+
+def test_every_epoch_sees_every_step_once_in_its_own_order():
+    config = TrainConfig(steps=STEPS, environments=ENVS, minibatches=4)
+    seen = []
+
+    def loss(network, chunk):
+        jax.debug.callback(lambda t: seen.append(np.asarray(t)[:, 0].astype(int).tolist()), chunk, ordered=True)
+        return network * jnp.sum(chunk), {"weight": jnp.float32(chunk.size)}
+
+    times = jnp.broadcast_to(jnp.arange(STEPS, dtype=jnp.float32)[:, None], (STEPS, ENVS))
+    network = jnp.ones(())
+    out = fit(
+        loss, network, optimiser(config).init(network), times,
+        key=jax.random.key(0), rate=jnp.float32(0.1), epochs=2, agents=1, config=config,
+    )  # fmt: skip
+    jax.block_until_ready(out)
+    jax.effects_barrier()
+    order = [time for chunk in seen for time in chunk]
+    assert sorted(order[:STEPS]) == sorted(order[STEPS:]) == list(range(STEPS))
+    assert order[:STEPS] != order[STEPS:]
+
+
+def test_annealing():
+    config = TrainConfig(updates=10, learning_rate=0.5, anneal=True)
+    assert [float(learning_rate(config, jnp.int32(n))) for n in (0, 5, 10, 11)] == [0.5, 0.25, 0, 0]
+    assert float(learning_rate(TrainConfig(learning_rate=0.5), jnp.int32(9999))) == 0.5
+
+
+def test_adams_first_step_has_the_size_of_the_rate_and_ignores_the_gradients_size():
+    config = TrainConfig(adam_epsilon=1e-12)
+    network = {"a": jnp.array([1.0, 2.0]), "b": jnp.array(3.0)}
+    gradient = {"a": jnp.array([1e6, -1e6]), "b": jnp.array(1e6)}
+    moved, _ = descend(network, optimiser(config).init(network), gradient, rate=jnp.float32(0.1), config=config)
+    np.testing.assert_allclose(moved["a"], [0.9, 2.1], rtol=1e-5)
+    np.testing.assert_allclose(moved["b"], 2.9, rtol=1e-5)

@@ -1,0 +1,197 @@
+"""Every game is learned by the very `init` and `update` that train cars."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.interfaces import ByRole, Discrete
+from jaxwalk.learning.checkpoint import CheckpointError, latest, restore, save
+from jaxwalk.learning.config import RoleConfig, TrainConfig
+from jaxwalk.learning.critics import blended_reward
+from jaxwalk.learning.experience import look
+from jaxwalk.learning.mappo import init, update
+from learning import games
+
+ROLE = RoleConfig(actor_hidden=(16,), critic_hidden=(16,), entropy=0.003)
+CONFIG = TrainConfig(
+    driver=ROLE, pedestrian=ROLE, environments=32, steps=16, minibatches=4, updates=40, learning_rate=5e-3,
+    discount=0.9, shared_critic_hidden=(16,), chunk_rows=64,
+)  # fmt: skip
+
+
+def both(config, **changes):
+    """The configuration with the same changes in both roles."""
+    driver, pedestrian = (dataclasses.replace(config.role(role), **changes) for role in ("driver", "pedestrian"))
+    return dataclasses.replace(config, driver=driver, pedestrian=pedestrian)
+
+
+def play(game, config=CONFIG, *, updates=40, seed=0):
+    learner = init(game, config, jax.random.key(seed))
+    for _ in range(updates):
+        learner, metrics = update(game, config, learner)
+    return learner, {name: float(x) for name, x in metrics.items()}
+
+
+def values(game, config, learner, critic):
+    """What a critic says of its environments' present states."""
+    return np.asarray(learner.critics[critic](look(game, config, learner.stream.scenario, learner.stream.state)))
+
+
+class AlwaysGo(eqx.Module):
+    """A fixed policy that remembers how often it was asked since the episode began."""
+
+    observes: str = eqx.field(static=True, default="paper")
+
+    def init(self, agents, batch):
+        return jnp.zeros((*agents, *batch), jnp.int32)
+
+    def act(self, key, memory, observation):
+        return jnp.ones(observation.shape[1:], jnp.int32), memory + 1
+
+
+@pytest.mark.parametrize("credit", ["individual", "shared"])
+def test_bandit(credit):
+    config = dataclasses.replace(CONFIG, credit=credit)
+    learner, metrics = play(games.Play(rule=games.bandit, driver=Discrete(2)), config)
+    assert metrics["reward/driver/pay"] > 0.95
+    assert metrics["reward/pedestrian"] > 0.95
+    assert set(learner.critics) == ({"shared"} if credit == "shared" else {"driver", "pedestrian"})
+
+
+def test_values_follow_the_observation():
+    game = games.Play(rule=games.given)
+    learner, metrics = play(game)
+    scenario = np.asarray(learner.stream.scenario)
+    final = np.asarray(learner.stream.ended)
+    driver, people = (values(game, CONFIG, learner, role) for role in ("driver", "pedestrian"))
+    np.testing.assert_allclose(driver[~final], scenario[~final], atol=0.2)
+    np.testing.assert_allclose(people[:, ~final], 2 * np.stack([scenario, scenario])[:, ~final], atol=0.3)
+    assert metrics["driver/explained_variance"] > 0.95
+
+
+def test_credit_reaches_back_over_two_steps():
+    _, metrics = play(games.Play(rule=games.delayed, driver=Discrete(2), length=2))
+    assert metrics["goal_rate"] > 0.95
+
+
+@pytest.mark.parametrize("noise", ["clipped", "tanh"])
+def test_continuous_tracking(noise):
+    _, metrics = play(games.Play(rule=games.tracking), both(CONFIG, noise=noise, initial_std=0.4))
+    assert metrics["reward/driver"] > -0.05
+    assert metrics["reward/pedestrian"] > 0.95
+    assert metrics["driver/std"] < 0.3
+
+
+@pytest.mark.parametrize("timeout", [True, False])
+def test_only_a_truncated_future_is_worth_something(timeout):
+    config = both(CONFIG, observes="blind", critic_observes=("blind",))
+    game = games.Play(rule=games.steady, length=2, timeout=timeout)
+    learner, metrics = play(game, dataclasses.replace(config, learning_rate=0.02), updates=60)
+    # 1 / (1 - 0.9), against the mean of 1.9 and 1
+    assert values(game, config, learner, "driver").mean() == pytest.approx(10 if timeout else 1.45, rel=0.1)
+    assert values(game, config, learner, "pedestrian").mean() == pytest.approx(10 if timeout else 1.45, rel=0.1)
+    assert metrics["timeout_rate"] == timeout
+    assert metrics["episode_steps"] == pytest.approx(2, rel=0.1)
+
+
+def test_the_driver_learns_to_match_what_people_do():
+    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(ROLE, epochs=1))
+    _, metrics = play(games.Play(rule=games.matching, driver=Discrete(2)), config)
+    assert metrics["reward/driver"] > 0.95
+    assert metrics["reward/pedestrian"] > 0.95
+
+
+@pytest.mark.parametrize("credit", ["individual", "shared"])
+def test_a_role_that_does_not_learn_has_no_networks_and_pays_nobody(credit):
+    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(ROLE, learns=False), credit=credit)
+    game = games.Play(rule=games.bandit, driver=Discrete(2), length=3)
+    learner = init(game, config, jax.random.key(0), others=ByRole(None, AlwaysGo()))
+    for _ in range(3):
+        learner, metrics = update(game, config, learner)
+    assert set(learner.actors) == {"driver"}
+    assert set(learner.critics) == {"shared" if credit == "shared" else "driver"}
+    assert float(metrics["reward/pedestrian"]) == 1
+    # its memory starts anew with every episode
+    assert (learner.stream.memory.pedestrian == learner.stream.state["time"]).all()
+
+
+def test_who_plays_must_be_said_exactly_once():
+    game, idle = games.Play(rule=games.bandit), dataclasses.replace(ROLE, learns=False)
+    with pytest.raises(ValueError, match="pedestrian learns"):
+        init(game, CONFIG, jax.random.key(0), others=ByRole(None, AlwaysGo()))
+    with pytest.raises(ValueError, match="pedestrian doesn't learn"):
+        init(game, dataclasses.replace(CONFIG, pedestrian=idle), jax.random.key(0))
+
+
+def test_blended_reward_by_hand():
+    rewards = {"driver": jnp.array([[4.0]]), "pedestrian": jnp.array([[[1.0], [3.0]]])}
+    assert blended_reward(rewards).tolist() == [[3.0]]
+
+
+def test_one_trace_and_equal_seeds_equal_results():
+    traces = []
+
+    def rule(scenario, state, actions):
+        traces.append(None)
+        return games.bandit(scenario, state, actions)
+
+    game = games.Play(rule=rule, driver=Discrete(2))
+    learner, first = play(game, updates=1)
+    once = len(traces)
+    learner, _ = update(game, CONFIG, learner)
+    update(game, CONFIG, learner)
+    _, again = play(game, updates=1)
+    _, other = play(game, updates=1, seed=1)
+    assert len(traces) == once
+    assert first == again
+    assert first != other
+
+
+def test_nonsense_is_reported_and_chunks_change_nothing():
+    game = games.Play(rule=games.tracking)
+    _, metrics = play(game, updates=2)
+    _, whole = play(game, dataclasses.replace(CONFIG, chunk_rows=10**6), updates=2)
+    assert metrics["finite"] == 1
+    for name in metrics:
+        assert metrics[name] == pytest.approx(whole[name], rel=1e-3, abs=1e-4), name
+
+    def rule(scenario, state, actions):
+        return jnp.nan * scenario, games.nothing_for_people(scenario)
+
+    _, metrics = play(games.Play(rule=rule), updates=1)
+    assert metrics["finite"] == 0
+
+
+def test_resumed_training_equals_uninterrupted_training(tmp_path):
+    game = games.Play(rule=games.tracking, length=3)
+    learner = init(game, CONFIG, jax.random.key(0))
+    for number in range(1, 4):
+        learner, _ = update(game, CONFIG, learner)
+        save(tmp_path, learner, updates=number)
+    resumed = restore(tmp_path, init(game, CONFIG, jax.random.key(7)), updates=2)
+    resumed, _ = update(game, CONFIG, resumed)
+    newest = restore(tmp_path, init(game, CONFIG, jax.random.key(7)))
+    kept = sorted(folder.name for folder in tmp_path.iterdir())
+    assert (latest(tmp_path), kept) == (3, ["2", "3"])
+    for one in (resumed, newest):
+        assert eqx.tree_equal(one, learner)
+
+
+def test_checkpoints_that_do_not_fit_are_refused(tmp_path):
+    game = games.Play(rule=games.tracking)
+    learner = init(game, CONFIG, jax.random.key(0))
+    with pytest.raises(CheckpointError, match="holds no checkpoint"):
+        restore(tmp_path, learner)
+    save(tmp_path, learner, updates=1)
+    wider = both(CONFIG, actor_hidden=(17,))
+    with pytest.raises(CheckpointError, match="has shape"):
+        restore(tmp_path, init(game, wider, jax.random.key(0)))
+    shared = dataclasses.replace(CONFIG, credit="shared")
+    with pytest.raises(CheckpointError, match=r"the checkpoint (lacks|has an unexpected)"):
+        restore(tmp_path, init(game, shared, jax.random.key(0)))

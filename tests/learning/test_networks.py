@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.interfaces import Box, Discrete
+from jaxwalk.learning.actor import make_actor
+from jaxwalk.learning.config import RoleConfig
+from jaxwalk.learning.networks import MLP, make_mlp, orthogonal
+
+
+def test_by_hand():
+    network = MLP(
+        (jnp.array([[1.0, -1.0], [2.0, 0.0]]), jnp.array([[1.0, 1.0]])), (jnp.array([0.0, -1.0]), jnp.ones(1))
+    )
+    # hidden: relu(1 - 3) = 0, relu(2 - 1) = 1; out: 0 + 1 + 1
+    assert network(jnp.array([1.0, 3.0])).tolist() == [2]
+    assert network.sizes == (2, 2, 1)
+
+
+@pytest.mark.parametrize("rest", [(), (5,), (12, 5), (12, 2, 5)])
+def test_columns_do_not_know_of_each_other(rest):
+    network = make_mlp(jax.random.key(0), (4, 8, 3), final_scale=1.0)
+    x = jax.random.normal(jax.random.key(1), (4, *rest))
+    alone = np.stack([network(column) for column in np.asarray(x).reshape(4, -1).T], axis=-1)
+    np.testing.assert_allclose(network(x), alone.reshape(3, *rest), rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize("shape", [(3, 8), (8, 3), (5, 5)])
+def test_orthogonal(shape):
+    q = np.asarray(orthogonal(jax.random.normal(jax.random.key(0), shape)))
+    short = q @ q.T if shape[0] <= shape[1] else q.T @ q
+    np.testing.assert_allclose(short, np.eye(min(shape)), atol=1e-5)
+
+
+def test_layers_differ_and_start_at_their_scales():
+    network = make_mlp(jax.random.key(0), (8, 8, 8, 2), final_scale=0.01)
+    norms = [np.linalg.norm(weight, 2) for weight in network.weights]
+    np.testing.assert_allclose(norms, [2**0.5, 2**0.5, 0.01], rtol=1e-4)
+    assert not np.allclose(network.weights[0], network.weights[1])
+
+
+@pytest.mark.parametrize(("action", "kind"), [(Discrete(3), "discrete"), (Box(2), "tanh"), (Box(2), "clipped")])
+def test_actor_starts_nearly_indifferent(action, kind):
+    actor = make_actor(jax.random.key(0), 4, action, RoleConfig(noise="tanh" if kind == "tanh" else "clipped"))
+    seen = jax.random.normal(jax.random.key(1), (4, 100))
+    assert actor.kind == kind
+    spread = actor(seen).logits if kind == "discrete" else actor(seen).mean
+    assert float(jnp.abs(spread).max()) < 0.1
+
+
+def test_a_clipped_actors_mean_stays_inside():
+    actor = make_actor(jax.random.key(0), 4, Box(2), RoleConfig())
+    seen = 1e6 * jax.random.normal(jax.random.key(1), (4, 100))
+    assert float(jnp.abs(actor(seen).mean).max()) <= 1
