@@ -1,0 +1,85 @@
+"""The command ``jaxwalk``: options are read here; what they ask for is loaded and done only then.
+
+Bad input ends in one message on standard error and exit code 2, with nothing written.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+BAD_INPUT, INTERRUPTED = 2, 130
+"""Exit codes: something given can't be used; Ctrl-C."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit code. ``arguments``: without the command's name (default: the process's)."""
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    if arguments[:1] == ["--version"]:
+        from importlib.metadata import version
+
+        print(f"jaxwalk {version('jaxwalk')}")
+        return 0
+    try:
+        options = _parse(arguments)
+        _keep_compiled_code()
+        return options.run()
+    except SystemExit as end:  # --help, or an option that does not exist
+        return int(end.code or 0) if not isinstance(end.code, str) else BAD_INPUT
+    except KeyboardInterrupt:
+        print("jaxwalk: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # somebody read only the beginning of what was printed
+        sys.stderr.close()
+        return 1
+    except (ValueError, OSError) as error:
+        message = _message(error)
+        if message is None:
+            raise
+        print(f"jaxwalk: {message}", file=sys.stderr)
+        return BAD_INPUT
+
+
+def _parse(arguments: list[str]):
+    import tyro
+
+    from jaxwalk.cli.options import Command
+
+    return tyro.cli(
+        Command,  # type: ignore[arg-type] (a union of commands)
+        args=arguments,
+        prog="jaxwalk",
+        description="How does a self-driving car behave among people who may jaywalk? Train, evaluate, look, report.",
+        config=(tyro.conf.OmitArgPrefixes,),
+    )
+
+
+def _message(error: Exception) -> str | None:
+    """What to tell about bad input; None for an error of the program itself."""
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        return f"{where}{error.strerror or error}; check the path and its permissions"
+    ours = type(error).__module__.startswith("jaxwalk")
+    return " ".join(str(error).split("\n")) if ours else None
+
+
+def _keep_compiled_code() -> None:
+    """Let JAX keep what it compiles in the user's cache folder, unless JAX's own variables say otherwise."""
+    if "JAX_COMPILATION_CACHE_DIR" in os.environ or "JAX_ENABLE_COMPILATION_CACHE" in os.environ:
+        return
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = str(_cache_folder())
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+
+
+def _cache_folder() -> Path:
+    """The user's cache folder, as the platform has it."""
+    given = os.environ.get("XDG_CACHE_HOME")
+    if given:
+        return Path(given) / "jaxwalk"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "jaxwalk" / "cache"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "jaxwalk"
+    return Path.home() / ".cache" / "jaxwalk"

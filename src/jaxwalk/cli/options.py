@@ -1,0 +1,186 @@
+"""The commands and their options. No heavy imports: ``--help`` must answer at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+
+class UsageError(ValueError):
+    """Options that don't make sense; one line says why and what to do."""
+
+
+def _option(default: str, kind: str | None = None, name: str | None = None) -> Any:
+    """How ``--help`` shows an option: its default in words, and what to write after it."""
+    return tyro.conf.arg(help_behavior_hint=f"(default: {default})", metavar=kind, name=name)
+
+
+Flag = tyro.conf.FlagCreatePairsOff[bool]
+"""An option without a value."""
+
+
+@dataclass(frozen=True)
+class Train:
+    """Train a car and its pedestrians, or go on with a training that was interrupted.
+
+    For example: jaxwalk train --run runs/first --minutes 4
+    """
+
+    run_folder: Annotated[Path | None, _option("none; needed unless --resume", "DIR", "run")] = None
+    """Folder to make for configuration, metrics, checkpoints and the policy."""
+    resume: Annotated[Path | None, _option("none", "DIR")] = None
+    """Go on with the training in this run folder, as it was configured."""
+    recipe: Literal["fast", "paper"] = "fast"
+    """fast: whatever learns best; paper: the paper's networks, pay and numbers."""
+    seed: Annotated[int, _option("0", "N")] = 0
+    """Of networks, scenarios and actions."""
+    updates: Annotated[int | None, _option("the recipe's, 5000", "N")] = None
+    """Train so many updates."""
+    minutes: Annotated[float | None, _option("none", "MIN")] = None
+    """Instead, plan as many updates as fit into so many minutes on this machine."""
+    single_agent: Flag = False
+    """Train the car alone, among pedestrians who always go."""
+    map: Annotated[tuple[str, ...], _option("paper", "MAP [MAP ...]")] = ("paper",)
+    """Bundled maps or map files to train on."""
+    jaywalk_multiplier: Annotated[float, _option("0.25", "X")] = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this."""
+    environments: Annotated[int | None, _option("the recipe's, 512", "N")] = None
+    """Environments side by side."""
+    steps: Annotated[int | None, _option("the recipe's, fast 64 and paper 256", "N")] = None
+    """Steps of 0.1 s that each environment makes in an update."""
+    minibatches: Annotated[int | None, _option("the recipe's, 8", "N")] = None
+    """Parts into which an epoch divides the steps of an update."""
+    learning_rate: Annotated[float | None, _option("the recipe's, 0.0003", "X")] = None
+    """Adam's step size."""
+    discount: Annotated[float | None, _option("the recipe's, 0.995", "X")] = None
+    """Worth now of a reward one step (0.1 s) later."""
+    gae_lambda: Annotated[float | None, _option("the recipe's, 0.95", "X")] = None
+    """How far advantages look before they trust the critic."""
+    clip: Annotated[float | None, _option("the recipe's, 0.2", "X")] = None
+    """Probability ratios beyond 1 +- this gain nothing more."""
+    reward_scale: Annotated[float | None, _option("the recipe's, fast 0.1 and paper 1", "X")] = None
+    """The learner sees rewards times this."""
+    checkpoint_minutes: Annotated[float, _option("2", "MIN")] = 2.0
+    """Minutes between checkpoints."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.train import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """How often do drivers reach their goal, and how often do they hit somebody? Every driver meets every population.
+
+    For example: jaxwalk evaluate --driver rule-based runs/first --pedestrians always-go runs/first
+    """
+
+    driver: Annotated[tuple[str, ...], _option("needed", "D [D ...]")] = ()
+    """random, constant-speed, rule-based, rule-based-braking, route-follower, run folders or policy files."""
+    pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
+    """always-go, run folders or policy files."""
+    episodes: Annotated[int, _option("2000", "N")] = 2000
+    """Scenarios in each cell, the same for all."""
+    seed: Annotated[int, _option("0", "N")] = 0
+    """Which set of scenarios; none is ever met in training."""
+    map: Annotated[tuple[str, ...], _option("the run folders', else paper", "MAP [MAP ...]")] = ()
+    """Bundled maps or map files."""
+    jaywalk_multiplier: Annotated[tuple[float, ...], _option("0.25", "X [X ...]")] = (0.25,)
+    """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
+    sample_driver: Flag = False
+    """A learned driver draws its actions at random, as in training; else it takes the likeliest."""
+    pedestrian_mode: Flag = False
+    """Learned pedestrians take the likeliest action; else they draw at random, as in training."""
+    out: Annotated[Path | None, _option("none", "DIR")] = None
+    """Folder for results.json and episodes.csv (a row per episode)."""
+    json: Flag = False
+    """Print one JSON document instead of the table."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.evaluate import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Play:
+    """Draw one episode, as a picture or an animation.
+
+    For example: jaxwalk play --driver runs/first --pedestrians runs/first --scenario 3 --out episode.gif
+    """
+
+    driver: Annotated[str, _option("needed", "D")] = ""
+    """random, constant-speed, rule-based, rule-based-braking, route-follower, a run folder or a policy file."""
+    pedestrians: Annotated[str, _option("always-go", "P")] = "always-go"
+    """always-go, a run folder or a policy file."""
+    scenario: Annotated[int, _option("0", "N")] = 0
+    """Number of the scenario: a row of an evaluation with the same seed."""
+    seed: Annotated[int, _option("0", "N")] = 0
+    """Which set of scenarios."""
+    map: Annotated[tuple[str, ...], _option("the run folders', else paper", "MAP [MAP ...]")] = ()
+    """Bundled maps or map files."""
+    jaywalk_multiplier: Annotated[float, _option("0.25", "X")] = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this."""
+    out: Annotated[Path, _option("episode.png", "FILE")] = Path("episode.png")
+    """.png for a picture, .gif or .mp4 for an animation; an existing file is replaced."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.play import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Reproduce:
+    """The whole experiment: two trainings, every driver among every population, the ablation and the report.
+
+    About 15 minutes on two CPU cores. Run it again to go on where it was interrupted: what is finished is kept.
+    """
+
+    out: Annotated[Path, _option("runs/reproduce", "DIR")] = Path("runs/reproduce")
+    """Folder for everything; open report.html in it."""
+    minutes: Annotated[float, _option("4", "MIN")] = 4.0
+    """For the co-training; the single-agent driver is trained with as many steps."""
+    updates: Annotated[int | None, _option("none", "N")] = None
+    """Train so many updates instead."""
+    episodes: Annotated[int, _option("1000", "N")] = 1000
+    """Scenarios in each cell."""
+    seed: Annotated[int, _option("0", "N")] = 0
+    """Of trainings and scenarios."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.reproduce import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Report:
+    """Make the report of a `jaxwalk reproduce` folder again: figures, tables and report.html."""
+
+    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")] = field()
+    """The folder that `jaxwalk reproduce` wrote."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.reproduce import remake
+
+        return remake(self)
+
+
+Command = (
+    Annotated[Train, tyro.conf.subcommand("train")]
+    | Annotated[Evaluate, tyro.conf.subcommand("evaluate")]
+    | Annotated[Play, tyro.conf.subcommand("play")]
+    | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
+    | Annotated[Report, tyro.conf.subcommand("report")]
+)
+"""What the command line can ask for."""

@@ -1,0 +1,104 @@
+"""``jaxwalk train``."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+
+from jaxwalk.cli.options import Train, UsageError
+from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.experiments.runs import Run, check_new, check_writable
+
+TUNABLE = (
+    "updates", "environments", "steps", "minibatches",
+    "learning_rate", "discount", "gae_lambda", "clip", "reward_scale",
+)  # fmt: skip
+"""Options that are fields of `TrainConfig`."""
+GOES_WITH_RESUME = ("resume", "checkpoint_minutes")
+"""The only options that a resumed training takes."""
+
+
+def run(options: Train) -> int:
+    """Train or resume; 130 if Ctrl-C ended it."""
+    check(options)
+    console = Console(stderr=True)
+    experiment = Run.open(options.resume).experiment if options.resume else make_experiment(options)
+    with bad_values():
+        from jaxwalk.experiments.training import train
+        from jaxwalk.experiments.world import make_street
+
+        make_street(experiment)
+    if options.resume:
+        folder = Run.open(options.resume)
+        check_writable(folder.path)
+    else:
+        assert options.run_folder is not None
+        folder = Run.create(options.run_folder, experiment)
+    trained = train(
+        folder,
+        minutes=options.minutes,
+        resume=options.resume is not None,
+        console=console,
+        name="single-agent" if experiment.single_agent else "co-trained",
+        checkpoint_minutes=options.checkpoint_minutes,
+    )
+    made = f"{trained.updates:,} updates, {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes"
+    if trained.interrupted:
+        console.print(f"Interrupted after {made}. Go on with: jaxwalk train --resume {folder.path}", soft_wrap=True)
+        return 130
+    console.print(f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {folder.path}", soft_wrap=True)
+    return 0
+
+
+def check(options: Train) -> None:
+    """Raise for options that exclude each other, and for a folder that can't be written to."""
+    if options.resume and options.run_folder:
+        raise UsageError("--run begins a training, --resume goes on with one; give one of them")
+    if options.resume:
+        given = [f.name for f in dataclasses.fields(Train) if getattr(options, f.name) != f.default]
+        extra = [name for name in given if name not in GOES_WITH_RESUME]
+        if extra:
+            name = extra[0].replace("_", "-")
+            raise UsageError(f"--{name}: a resumed training keeps its configuration; leave it out, or use --run")
+        return
+    if options.run_folder is None:
+        raise UsageError("--run DIR is missing: where to keep the training (or --resume DIR, to go on with one)")
+    if options.minutes is not None and options.updates is not None:
+        raise UsageError("--updates and --minutes both say how long to train; give one of them")
+    for name in ("minutes", "checkpoint_minutes"):
+        value = getattr(options, name)
+        if value is not None and not 0 < value < float("inf"):
+            raise UsageError(f"--{name.replace('_', '-')} must be above 0, not {value}")
+    check_new(options.run_folder)
+
+
+def make_experiment(options: Train) -> Experiment:
+    """The recipe with the options' changes."""
+    experiment = RECIPES[options.recipe]
+    with bad_values():
+        experiment = with_training(experiment, **{name: getattr(options, name) for name in TUNABLE})
+        maps = tuple(map(_absolute, options.map))
+        multiplier = options.jaywalk_multiplier
+        experiment = replace(experiment, seed=options.seed, maps=maps, jaywalk_multiplier=multiplier)
+    return single_agent(experiment) if options.single_agent else experiment
+
+
+def _absolute(name: str) -> str:
+    """A map file by its whole path, so that the run can be resumed from anywhere; a bundled map by its name."""
+    return str(Path(name).absolute()) if Path(name).is_file() else name
+
+
+@contextmanager
+def bad_values() -> Iterator[None]:
+    """While something is built from options, any ValueError is about them."""
+    try:
+        yield
+    except ValueError as error:
+        if type(error).__module__.startswith("jaxwalk"):
+            raise
+        raise UsageError(f"{error}; see the command's --help") from error

@@ -1,0 +1,1 @@
+"""Recipes, runs on disk, and the paper's tables as plain lists of runs."""

@@ -1,0 +1,71 @@
+"""Where a result comes from: commit, hardware, versions."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+VERSIONS = ("jaxwalk", "jax", "jaxlib", "numpy", "equinox", "optax")
+"""Packages whose versions matter to a result."""
+
+
+def provenance() -> dict[str, Any]:
+    """Commit (None outside a checkout), hardware and versions."""
+    return {"commit": commit(), "hardware": hardware(), "versions": versions()}
+
+
+def versions() -> dict[str, str]:
+    """Python's version and that of every installed package of VERSIONS."""
+    found = {"python": platform.python_version()}
+    for name in VERSIONS:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def commit() -> str | None:
+    """The git commit of the checkout that this code runs from, with ``+`` if it was changed; None if there is none."""
+    here = Path(__file__).resolve().parent
+    known = _git(here, "ls-files", "--error-unmatch", __file__)  # else a wheel installed inside somebody's checkout
+    found = _git(here, "rev-parse", "--short=12", "HEAD") if known else None
+    if not found:
+        return None
+    return found + ("+" if _git(here, "status", "--porcelain", "--untracked-files=no") else "")
+
+
+def hardware() -> str:
+    """What computes, in words."""
+    import jax
+
+    devices = jax.devices()
+    kind = devices[0].device_kind
+    if devices[0].platform == "cpu":
+        return f"{_processor()}, {_cores()} cores"
+    return f"{len(devices)} x {kind}"
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def _git(folder: Path, *arguments: str) -> str | None:
+    try:
+        done = subprocess.run(["git", *arguments], cwd=folder, capture_output=True, text=True, timeout=10, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return done.stdout.strip() if done.returncode == 0 else None

@@ -1,0 +1,101 @@
+"""What a training is: the world, the pay and the learner's numbers, under a name. ``docs/recipes.md`` gives reasons.
+
+No JAX import, so that a command line starts quickly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
+
+from jaxwalk.learning.config import FAST, PAPER, TrainConfig
+from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One training, complete: with it, a run can be repeated. Ablations are functions Experiment -> Experiment."""
+
+    __pydantic_config__: ClassVar = {"extra": "forbid"}
+    """When read from a file, unknown fields are errors, here and in all parts."""
+
+    recipe: str
+    """Name of the recipe that it started from."""
+    train: TrainConfig
+    """How the learner learns."""
+    driver_weights: dict[str, float]
+    """What the car is paid for (`jaxwalk.sim.reward.DRIVER_TERMS`)."""
+    pedestrian_weights: dict[str, float]
+    """What a pedestrian is paid for (`jaxwalk.sim.reward.PEDESTRIAN_TERMS`)."""
+    maps: tuple[str, ...] = ("paper",)
+    """Bundled maps or map files; a scenario draws one."""
+    jaywalk_multiplier: float = JAYWALK_MULTIPLIER
+    """P(jaywalk | decision) = jaywalking tendency x this."""
+    sim: SimConfig = field(default_factory=SimConfig)
+    """The world's rules."""
+    seed: int = 0
+    """Of networks, scenarios and actions."""
+
+    def __post_init__(self) -> None:
+        """Refuse what no environment could be made of."""
+        if not self.maps:
+            raise ValueError("maps must name at least one map")
+        if not 0 <= self.seed < 2**32:
+            raise ValueError(f"seed must lie in [0, 2^32), not {self.seed}")
+        if not self.jaywalk_multiplier >= 0:
+            raise ValueError(f"jaywalk_multiplier must be 0 or more, not {self.jaywalk_multiplier}")
+
+    @property
+    def single_agent(self) -> bool:
+        """Only the car learns; pedestrians always go."""
+        return not self.train.pedestrian.learns
+
+    @property
+    def steps_per_update(self) -> int:
+        """Environment steps in one update."""
+        return self.train.environments * self.train.steps
+
+
+RECIPES: dict[str, Experiment] = {
+    "fast": Experiment(
+        recipe="fast",
+        train=FAST,
+        driver_weights={
+            "progress": 0.5,
+            "goal": 20.0,
+            "collision": -50.0,
+            "closeness": -0.5,
+            "off_lane": -0.02,
+            "misaligned": -0.1,
+            "time": -0.02,
+        },
+        pedestrian_weights={"waited": -0.05, "collision": -100.0},
+    ),
+    "paper": Experiment(
+        recipe="paper",
+        train=PAPER,
+        driver_weights={
+            "crow_progress": 1.0,
+            "goal": 50.0,
+            "collision": -50.0,
+            "crosswalk_speeding": -0.3,
+            "jaywalker_speeding": -0.3,
+            "off_lane": -0.05,
+            "misaligned": -0.1,
+        },
+        pedestrian_weights={"walked": 2.0, "arrival": 5.0, "collision": -25.0, "waiting": 0.3},
+    ),
+}
+"""The recipes, by name."""
+
+
+def single_agent(experiment: Experiment) -> Experiment:
+    """The same, but the car learns alone, among pedestrians who always go."""
+    train = experiment.train
+    return replace(experiment, train=replace(train, pedestrian=replace(train.pedestrian, learns=False)))
+
+
+def with_training(experiment: Experiment, **changes: Any) -> Experiment:
+    """The same with other fields of its `TrainConfig`; a change to None is none."""
+    changes = {name: value for name, value in changes.items() if value is not None}
+    return replace(experiment, train=replace(experiment.train, **changes))

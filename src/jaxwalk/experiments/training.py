@@ -1,0 +1,250 @@
+"""The host's side of training: updates in a loop, with a plan, progress, metrics on disk and checkpoints."""
+
+from __future__ import annotations
+
+import math
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from rich.console import Console
+
+from jaxwalk.experiments.progress import TrainingProgress
+from jaxwalk.experiments.provenance import provenance
+from jaxwalk.experiments.runs import MetricsLog, Run, RunError
+from jaxwalk.experiments.world import fixed_policies, make_street
+from jaxwalk.learning import checkpoint, mappo
+from jaxwalk.learning.config import TrainConfig
+from jaxwalk.learning.mappo import Learner
+from jaxwalk.policies import save_policy
+from jaxwalk.rollout import TRAINING, seed_key
+from jaxwalk.sim.environment import Street
+
+CHECKPOINT_MINUTES = 2.0
+"""Minutes between checkpoints."""
+TRIAL_SECONDS, TRIAL_UPDATES = 3.0, 3
+"""The rate is measured over at least so many seconds and updates, which are then thrown away."""
+OVERRUN = 1.1
+"""A plan that turns out to take more than this times its minutes is shortened."""
+
+
+@dataclass(frozen=True)
+class Trained:
+    """How a training ended."""
+
+    updates: int
+    """Made in all."""
+    steps: int
+    """Environment steps in all."""
+    seconds: float
+    """Spent training, over all its sessions, compiling included."""
+    interrupted: bool
+    """Somebody pressed Ctrl-C; it can be resumed."""
+
+
+class DivergedError(RunError):
+    """Training met a number that is not finite."""
+
+
+class Stop:
+    """Ctrl-C asks politely: the update in flight is finished first. A second one interrupts at once."""
+
+    requested = False
+
+    @contextmanager
+    def listening(self) -> Iterator[Stop]:
+        """Take Ctrl-C while inside."""
+        if threading.current_thread() is not threading.main_thread():
+            yield self
+            return
+        before = signal.signal(signal.SIGINT, self._hear)
+        try:
+            yield self
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def _hear(self, *_: object) -> None:
+        if self.requested:
+            raise KeyboardInterrupt
+        self.requested = True
+
+
+@dataclass
+class Session:
+    """One sitting of a training."""
+
+    run: Run
+    config: TrainConfig
+    """The run's, but with 1 planned update, since the learner holds the plan: so a new plan compiles nothing anew."""
+    street: Street
+    log: MetricsLog
+    progress: TrainingProgress
+    stop: Stop
+    begun: float = field(default_factory=time.monotonic)
+    earlier: float = 0.0
+    """Seconds spent by earlier sessions."""
+    saved: float = field(default_factory=time.monotonic)
+    """When the last checkpoint was written."""
+
+    @property
+    def seconds(self) -> float:
+        """Spent in all sessions."""
+        return self.earlier + time.monotonic() - self.begun
+
+    def update(self, learner: Learner) -> tuple[Learner, Any]:
+        """One update; on its way when this returns."""
+        return mappo.update(self.street, self.config, learner)
+
+    def record(self, metrics: Any, updates: int) -> None:
+        """Write and show the metrics of an update, waiting for it if need be."""
+        values = {name: float(value) for name, value in jax.device_get(metrics).items()}
+        if not values.pop("finite"):
+            kept = checkpoint.latest(self.run.checkpoints)
+            last = f"the checkpoint of update {kept} is kept" if kept else "there is no checkpoint"
+            raise DivergedError(
+                f"{self.run.path}: update {updates} gave numbers that are not finite; {last}. "
+                "Lower the learning rate or the reward scale, or try another seed"
+            )
+        values["steps"] = updates * self.run.experiment.steps_per_update
+        self.log.write({"update": updates, "seconds": round(self.seconds, 3), **values})
+        self.progress.show(updates, values)
+
+    def save(self, learner: Learner) -> None:
+        """Write a checkpoint and the policy, unless the last steps spoiled the networks."""
+        updates = int(learner.updates)
+        arrays = jax.tree.leaves(eqx.filter(learner.actors, eqx.is_array))
+        if not all(np.isfinite(x).all() for x in jax.device_get(arrays)):
+            raise DivergedError(f"{self.run.path}: networks not finite at update {updates}; lower the learning rate")
+        if checkpoint.latest(self.run.checkpoints) != updates:
+            checkpoint.save(self.run.checkpoints, learner, updates=updates)
+        save_policy(self.run.policy, learner, policy_metadata(self.run, updates))
+        self.saved = time.monotonic()
+
+
+def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
+    """Where a policy comes from."""
+    experiment = run.experiment
+    made = {"updates": updates, "steps": updates * experiment.steps_per_update}
+    chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}
+    return chosen | made | provenance()
+
+
+def train(
+    run: Run,
+    *,
+    minutes: float | None = None,
+    resume: bool = False,
+    console: Console | None = None,
+    name: str = "training",
+    checkpoint_minutes: float = CHECKPOINT_MINUTES,
+) -> Trained:
+    """Train until the run's planned number of updates, or go on until there.
+
+    Args:
+        run: a folder made by `Run.create`, or an opened one to resume.
+        minutes: plan as many updates as fit in so many minutes, compiling included; else the configuration's.
+        resume: go on from the newest checkpoint.
+        console: where progress goes; standard error by default.
+        name: what to call this training there.
+        checkpoint_minutes: minutes between checkpoints.
+    """
+    begun, console = time.monotonic(), console or Console(stderr=True)
+    street, config = make_street(run.experiment), replace(run.experiment.train, updates=1)
+    learner = begin(run, street, config, resume=resume)
+    done, planned = int(learner.updates), int(learner.planned)
+    per_update = run.experiment.steps_per_update
+    progress = TrainingProgress(console, name, done=done, planned=planned, steps_per_update=per_update)
+    stop = Stop()
+    with MetricsLog(run, updates=done) as log, stop.listening(), progress:
+        earlier = log.kept[-1]["seconds"] if log.kept else 0.0
+        session = Session(run, config, street, log, progress, stop, begun=begun, earlier=earlier)
+        if minutes is not None:
+            learner = _planned(session, learner, 60 * minutes)
+        learner = _loop(session, learner, 60 * minutes if minutes else math.inf, 60 * checkpoint_minutes)
+    updates = int(learner.updates)
+    interrupted = updates < int(learner.planned)
+    return Trained(updates, updates * per_update, session.seconds, interrupted)
+
+
+def begin(run: Run, street: Street, config: TrainConfig, *, resume: bool) -> Learner:
+    """An untrained learner with the run's plan, or the one of the newest checkpoint."""
+    experiment = run.experiment
+    learner = mappo.init(street, config, seed_key(experiment.seed, TRAINING), others=fixed_policies(experiment))
+    learner = _plan(learner, experiment.train.updates)
+    if resume and checkpoint.latest(run.checkpoints) is not None:
+        learner = checkpoint.restore(run.checkpoints, learner)
+    return learner
+
+
+def _loop(session: Session, learner: Learner, limit: float, checkpoint_seconds: float) -> Learner:
+    """Update after update; each one's metrics are fetched while the next one runs."""
+    waiting: tuple[Any, int] | None = None
+    done = int(learner.updates)
+    begun, first, planned = time.monotonic(), done, int(learner.planned)
+    while done < planned and not session.stop.requested:
+        learner, metrics = session.update(learner)
+        done += 1
+        if waiting:
+            session.record(*waiting)
+        waiting = (metrics, done)
+        if time.monotonic() - session.saved > checkpoint_seconds:
+            session.record(*waiting)
+            waiting = None
+            session.save(learner)
+        shorter = _shortened(session, begun, done - first, planned - first, limit)
+        if shorter is not None:
+            planned = first + shorter
+            learner = _with_plan(session, learner, planned)
+    if waiting:
+        session.record(*waiting)
+    session.save(learner)
+    return learner
+
+
+def _planned(session: Session, learner: Learner, limit: float) -> Learner:
+    """The same learner, with as many updates planned as fit into what is left of the ``limit`` [s].
+
+    The rate is measured on updates that are thrown away: so the run is the same as one with that number of updates
+    asked for, whatever the machine.
+    """
+    trial, metrics = session.update(learner)
+    jax.block_until_ready(metrics)  # compiled now
+    begun, count = time.monotonic(), 0
+    while count < TRIAL_UPDATES or time.monotonic() - begun < min(TRIAL_SECONDS, 0.1 * limit):
+        trial, metrics = session.update(trial)
+        jax.block_until_ready(metrics)
+        count += 1
+        if session.seconds > limit or session.stop.requested:
+            break
+    each = (time.monotonic() - begun) / count
+    return _with_plan(session, learner, max(1, int((limit - session.seconds) / each)))
+
+
+def _with_plan(session: Session, learner: Learner, planned: int) -> Learner:
+    experiment = session.run.experiment
+    session.run.describe(replace(experiment, train=replace(experiment.train, updates=planned)))
+    session.progress.restart(planned)
+    return _plan(learner, planned)
+
+
+def _plan(learner: Learner, updates: int) -> Learner:
+    return eqx.tree_at(lambda x: x.planned, learner, jnp.asarray(updates, jnp.int32))
+
+
+def _shortened(session: Session, begun: float, made: int, planned: int, limit: float) -> int | None:
+    """A smaller number of updates in all, if at the present rate the plan would overrun the limit [s]."""
+    if made < 0.2 * planned or made >= planned:
+        return None
+    each = (time.monotonic() - begun) / made
+    left = limit - session.seconds
+    if (planned - made) * each <= OVERRUN * max(left, 0.0) + each:
+        return None
+    return made + max(1, int(left / each))

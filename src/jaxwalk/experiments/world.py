@@ -1,0 +1,24 @@
+"""From a configuration to the environment and policies that it names."""
+
+from __future__ import annotations
+
+from jaxwalk.experiments.recipes import Experiment
+from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.policies.pedestrians import AlwaysGo
+from jaxwalk.sim.environment import Street
+
+
+def make_street(experiment: Experiment) -> Street:
+    """The environment of an experiment."""
+    return Street.create(
+        experiment.maps,
+        experiment.sim,
+        jaywalk_multiplier=experiment.jaywalk_multiplier,
+        driver_weights=experiment.driver_weights,
+        pedestrian_weights=experiment.pedestrian_weights,
+    )
+
+
+def fixed_policies(experiment: Experiment) -> ByRole[Policy | None]:
+    """Who plays the roles that don't learn."""
+    return ByRole(driver=None, pedestrian=AlwaysGo() if experiment.single_agent else None)
