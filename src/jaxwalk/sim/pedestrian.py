@@ -7,7 +7,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Int, Shaped
 
 from jaxwalk.maps import RoadMap
 from jaxwalk.sim.config import SimConfig
@@ -188,6 +188,6 @@ def _jaywalk(
     )
 
 
-def _take(table: Float[Array, "row ped *batch"], row: Array) -> Array:
+def _take(table: Shaped[Array, "row ped *batch"], row: Array) -> Array:
     """Each pedestrian's own entry of a table of the scenario."""
     return jnp.take_along_axis(table, row[None], axis=0, mode="promise_in_bounds")[0]
