@@ -8,6 +8,7 @@ of the state *before* a restart is always at hand for bootstrapping.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, Protocol, runtime_checkable
 
 import equinox as eqx
@@ -96,9 +97,8 @@ def start(environment: Environment, keys: Key[Array, "env"], memory: Any = None)
     )
 
 
-def advance(environment: Environment, act: Act, stream: Stream) -> tuple[Stream, Step]:
+def advance(environment: Environment, act: Act, stream: Stream, key: Key[Array, "env"]) -> tuple[Stream, Step]:
     """Act and step in every environment."""
-    key = jax.vmap(jax.random.fold_in, in_axes=(0, None))(stream.key, FIRST_ACTION_KEY + stream.step)
     actions, memory, record = act(key, stream.scenario, stream.state, stream.memory)
     state, outcome = environment.step(stream.scenario, stream.state, actions)
     after = Stream(
@@ -114,7 +114,7 @@ def advance(environment: Environment, act: Act, stream: Stream) -> tuple[Stream,
 
 
 def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) -> Stream:
-    """Begin the next episode wherever one has ended, an eighth of the environments at a time.
+    """Begin the next episode wherever one has ended, some of the environments at a time.
 
     Drawing a scenario costs as much as several steps, so it is done only for those that need one.
     """
@@ -122,38 +122,56 @@ def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) 
     places = -(-count // RESTART_EVERY)
 
     def some(stream: Stream) -> Stream:
-        (chosen,) = jnp.nonzero(stream.ended, size=places, fill_value=count)
-        episode = stream.episode.at[chosen].add(1, mode="drop")
-        scenario = draw_batch(environment, _scenario_key(stream.key, episode)[chosen])
-        put = lambda old, new: old.at[..., chosen].set(new, mode="drop")  # noqa: E731
+        (chosen,) = jnp.nonzero(stream.ended, size=places, fill_value=0)
+        place = jnp.cumsum(stream.ended) - 1
+        begins = stream.ended & (place < places)
+        episode = stream.episode + begins
+        scenario = draw_batch(environment, _scenario_key(stream.key[chosen], episode[chosen]))
+        column = jnp.minimum(place, places - 1)
+
+        def put(old: Array, new: Array) -> Array:
+            return jnp.where(begins, new[..., column], old)
+
         return Stream(
             key=stream.key,
             episode=episode,
             step=stream.step,
             scenario=jax.tree.map(put, stream.scenario, scenario),
             state=jax.tree.map(put, stream.state, environment.reset(scenario)),
-            memory=jax.tree.map(lambda old, new: jnp.where(stream.ended, new, old), stream.memory, fresh_memory),
-            ended=stream.ended.at[chosen].set(False, mode="drop"),
+            memory=jax.tree.map(lambda old, new: jnp.where(begins, new, old), stream.memory, fresh_memory),
+            ended=stream.ended & ~begins,
         )
 
     return jax.lax.while_loop(lambda s: s.ended.any(), some, stream)
 
 
 def rollout(
-    environment: Environment, act: Act, stream: Stream, steps: int, fresh_memory: Any = None
-) -> tuple[Stream, Step]:
-    """Play ``steps`` steps in every environment; returns the stream and a `Step` of arrays ``(time, ...)``.
+    environment: Environment,
+    act: Act,
+    stream: Stream,
+    steps: int,
+    *,
+    fresh_memory: Any = None,
+    keep: Callable[[Step], Any] = lambda step: step,
+) -> tuple[Stream, Any]:
+    """Play ``steps`` steps in every environment; returns the stream and what is kept of each `Step`, ``(time, ...)``.
 
     How rollouts divide the time makes no difference as long as they are multiples of RESTART_EVERY.
     """
     block = math.gcd(steps, RESTART_EVERY)
 
-    def play_block(stream: Stream, _: None) -> tuple[Stream, Step]:
+    def play_block(stream: Stream, _: None) -> tuple[Stream, Any]:
         stream = restart(environment, stream, fresh_memory)
-        return jax.lax.scan(lambda s, _: advance(environment, act, s), stream, None, length=block)
+        times = FIRST_ACTION_KEY + stream.step + jnp.arange(block)
+        keys = jax.vmap(jax.vmap(jax.random.fold_in, (0, None)), (None, 0))(stream.key, times)
+        return jax.lax.scan(play_step, stream, keys)
 
-    stream, recorded = jax.lax.scan(play_block, stream, None, length=steps // block)
-    return stream, jax.tree.map(lambda x: x.reshape(steps, *x.shape[2:]), recorded)
+    def play_step(stream: Stream, key: Key[Array, "env"]) -> tuple[Stream, Any]:
+        stream, step = advance(environment, act, stream, key)
+        return stream, keep(step)
+
+    stream, kept = jax.lax.scan(play_block, stream, None, length=steps // block)
+    return stream, jax.tree.map(lambda x: x.reshape(steps, *x.shape[2:]), kept)
 
 
 def _scenario_key(keys: Key[Array, "env"], episode: Int[Array, "env"]) -> Key[Array, "env"]:

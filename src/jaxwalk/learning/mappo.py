@@ -91,7 +91,7 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     """
     act = make_act(environment, config, learner.actors, learner.others)
     memory = fresh_memory(environment, config, learner.others)
-    stream, played = rollout(environment, act, learner.stream, config.steps, memory)
+    stream, played = rollout(environment, act, learner.stream, config.steps, fresh_memory=memory)
     final = look(environment, config, stream.scenario, stream.state)
     judgements = {name: judge(config, critic, played, final) for name, critic in learner.critics.items()}
 

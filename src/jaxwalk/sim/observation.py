@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -72,17 +73,17 @@ def _driver_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, state: S
 
 
 def _driver_route(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
-    """The car in the frame of its route: lane keeping 6, route ahead 16, predicted clearances 6, nearest people 24."""
+    """The car in the frame of its route: lane keeping 6, route ahead 16, predicted clearances 4, nearest people 24."""
     car = state.vehicle
     lateral, heading_cos, heading_sin = vehicle.route_frame(maps, scenario, car)
     to_go = vehicle.route_length(maps, scenario) - car.along
     x, y = prediction.route_ahead(maps, scenario, state)
     route = [axis[k] / (k * prediction.POINT_SPACING) for k in ROUTE_POINTS for axis in (x, y)]
     clearance, conflict = prediction.clearances(maps, config, scenario, state)
-    longest = prediction.INTERVALS * prediction.INTERVAL
+    longest = prediction.MOMENTS * prediction.MOMENT
     return [
         car.speed / SPEED, car.steering / config.max_steering, lateral / 2, heading_cos, heading_sin,
-        jnp.minimum(to_go / ABSENT, 2), *route, *(clearance / prediction.FAR), *(conflict / longest),
+        jnp.minimum(to_go / ABSENT, 2), *route, *(clearance / prediction.FAR), conflict / longest,
         *_nearest_people(config, scenario, state),
     ]  # fmt: skip
 
@@ -96,17 +97,22 @@ def _nearest_people(config: SimConfig, scenario: Scenario, state: State) -> Part
     squared = features[0] ** 2 + features[1] ** 2
     people = squared.shape[0]
     order = jnp.arange(people).reshape((-1,) + (1,) * (squared.ndim - 1))
-    nearer = (squared[None] < squared[:, None]) | ((squared[None] == squared[:, None]) & (order[None] < order[:, None]))
-    rank = nearer.sum(axis=1)
+
+    def count(other: Array, rank: Array) -> Array:
+        its = squared[other][None]
+        return rank + ((its < squared) | ((its == squared) & (other < order)))
+
+    rank = jax.lax.fori_loop(0, people, count, jnp.zeros(squared.shape, jnp.int32))
+    wanted = jnp.arange(NEIGHBOURS).reshape((-1,) + (1,) * squared.ndim)
+    which = jnp.where(rank == wanted, order, 0).sum(axis=1)
+    missing = jnp.arange(NEIGHBOURS).reshape((-1,) + (1,) * (squared.ndim - 1)) >= people
+    absent = (ABSENT, 0.0, 0.0, 0.0)
     scales = (ABSENT, ABSENT, SPEED, SPEED)
-    parts: Parts = []
-    for k in range(NEIGHBOURS):
-        absent = (1.0 if k >= people else 0.0, 0.0, 0.0, 0.0)
-        parts += [
-            jnp.where(rank == k, feature, 0).sum(axis=0) / scale + missing
-            for feature, scale, missing in zip(features, scales, absent, strict=True)
-        ]
-    return parts
+    rows = [
+        jnp.where(missing, default, jnp.take_along_axis(feature, which, axis=0)) / scale
+        for feature, default, scale in zip(features, absent, scales, strict=True)
+    ]
+    return [row[k] for k in range(NEIGHBOURS) for row in rows]
 
 
 def _pedestrian_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
@@ -127,17 +133,19 @@ def _pedestrian_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, stat
 
 
 def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"]) -> tuple[Array, Array]:
-    """Vector from each pedestrian to the nearest other one [m]; 60 m ahead where there is none."""
-    dx, dy = x[None] - x[:, None], y[None] - y[:, None]
+    """Vector from each pedestrian to the nearest other one [m]; 60 m ahead where nobody is nearer."""
     people = x.shape[0]
-    itself = jnp.eye(people, dtype=bool).reshape((people, people) + (1,) * (x.ndim - 1))
-    squared = jnp.where(itself, ABSENT**2, dx * dx + dy * dy)
-    nearest = squared.min(axis=1)
-    best = (squared == nearest[:, None]) & ~itself
-    count = jnp.maximum(best.sum(axis=1), 1)
-    alone = nearest >= ABSENT**2
-    near_x, near_y = (jnp.where(best, d, 0).sum(axis=1) / count for d in (dx, dy))
-    return jnp.where(alone, ABSENT, near_x), jnp.where(alone, 0, near_y)
+    order = jnp.arange(people).reshape((-1,) + (1,) * (x.ndim - 1))
+
+    def compare(other: Array, nearest: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        dx, dy = x[other][None] - x, y[other][None] - y
+        squared = dx * dx + dy * dy
+        nearer = (squared < nearest[0]) & (other != order)
+        return tuple(jnp.where(nearer, new, old) for new, old in zip((squared, dx, dy), nearest, strict=True))
+
+    nobody = (jnp.full_like(x, ABSENT**2), jnp.full_like(x, ABSENT), jnp.zeros_like(x))
+    _, near_x, near_y = jax.lax.fori_loop(0, people, compare, nobody)
+    return near_x, near_y
 
 
 OBSERVATIONS: dict[str, dict[str, Callable[..., Parts]]] = {

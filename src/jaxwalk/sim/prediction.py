@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -14,10 +15,12 @@ from jaxwalk.sim.vehicle import route_point, to_frame
 
 BRAKE, HOLD, ACCELERATE = 0, 1, 2
 """The three manoeuvres that are predicted."""
-INTERVALS, INTERVAL = 6, 0.5
-"""The prediction looks 6 x 0.5 = 3 s ahead; within an interval everything moves straight."""
-POINT_SPACING, POINTS = 2.5, 11
-"""The route ahead as points this far apart [m], the first at the car's own place on it."""
+MOMENTS, MOMENT = 8, 0.375
+"""The prediction looks at 8 moments, 0.375 s apart: 3 s ahead."""
+POINT_SPACING = 2.5
+"""The route ahead is shown at multiples of this distance [m] ..."""
+POINTS = (1, 2, 3, 4, 5, 6, 8, 10)
+"""... namely these."""
 CONFLICT = 2.5
 """Predicted centres closer than this are a conflict [m]."""
 FAR = 10.0
@@ -27,10 +30,8 @@ FAR = 10.0
 def route_ahead(maps: RoadMap, scenario: Scenario, state: State) -> tuple[Array, Array]:
     """Points of the route ahead in the car's frame, ahead and left [m]: two arrays ``(point, *batch)``."""
     car = state.vehicle
-    steps = jnp.arange(POINTS) * POINT_SPACING
-    along = car.along + steps.reshape((-1,) + (1,) * car.along.ndim)
-    x, y, _, _ = route_point(maps, scenario, along)
-    return to_frame(x - car.x, y - car.y, car.cos, car.sin)
+    steps = jnp.array(POINTS) * POINT_SPACING
+    return _on_route(maps, scenario, state, car.along + steps.reshape((-1,) + (1,) * car.along.ndim))
 
 
 def relative_people(
@@ -46,43 +47,46 @@ def relative_people(
 
 def clearances(
     maps: RoadMap, config: SimConfig, scenario: Scenario, state: State
-) -> tuple[Float[Array, "manoeuvre *batch"], Float[Array, "manoeuvre *batch"]]:
-    """Smallest predicted distance to anybody [m], and the time until the first conflict [s], for each manoeuvre.
+) -> tuple[Float[Array, "manoeuvre *batch"], Float[Array, "*batch"]]:
+    """Smallest predicted distance to anybody [m] for each manoeuvre, and the time until the first conflict at held
+    speed [s].
 
-    The car follows its route, people keep their velocity; both move straight within an interval, so the closest
-    approach of each pair is that of a point to a segment. Clearances are capped at 10 m, times at 3 s.
+    The car follows its route, people keep their velocity. Clearances are capped at 10 m, the time at 3 s.
     """
     car_x, car_y = _predicted_car(maps, config, scenario, state)
     x, y, vx, vy = relative_people(config, scenario, state)
-    time = (jnp.arange(INTERVALS + 1) * INTERVAL).reshape((-1,) + (1,) * x.ndim)
-    gap_x = x + vx * time - car_x[:, :, None]
-    gap_y = y + vy * time - car_y[:, :, None]
-    start_x, start_y = gap_x[:, :-1], gap_y[:, :-1]
-    move_x, move_y = gap_x[:, 1:] - start_x, gap_y[:, 1:] - start_y
-    squared = move_x * move_x + move_y * move_y
-    closest = jnp.clip(-(start_x * move_x + start_y * move_y) / jnp.maximum(squared, 1e-6), 0, 1)
-    away = (start_x + closest * move_x) ** 2 + (start_y + closest * move_y) ** 2
-    conflict = jnp.where(away < CONFLICT**2, time[:-1] + closest * INTERVAL, INTERVALS * INTERVAL)
-    return jnp.minimum(jnp.sqrt(away.min(axis=(1, 2))), FAR), conflict.min(axis=(1, 2))
+    nearest = [jnp.full(x.shape, FAR**2) for _ in range(3)]
+    conflict = jnp.full(x.shape, MOMENTS * MOMENT)
+    for k in reversed(range(MOMENTS)):
+        time = (k + 1) * MOMENT
+        px, py = x + vx * time, y + vy * time
+        for manoeuvre in range(3):
+            dx, dy = px - car_x[manoeuvre, k], py - car_y[manoeuvre, k]
+            away = dx * dx + dy * dy
+            nearest[manoeuvre] = jnp.where(away < nearest[manoeuvre], away, nearest[manoeuvre])
+            if manoeuvre == HOLD:
+                conflict = jnp.where(away < CONFLICT**2, time, conflict)
+    return jnp.sqrt(jnp.stack([each.min(axis=0) for each in nearest])), conflict.min(axis=0)
 
 
 def _predicted_car(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> tuple[Array, Array]:
-    """Where each manoeuvre would bring the car, in its present frame: two arrays ``(manoeuvre, time, *batch)``.
-
-    The route between its points is interpolated by hat functions, which is cheaper than looking it up.
-    """
-    point_x, point_y = route_ahead(maps, scenario, state)
+    """Where each manoeuvre would bring the car, in its present frame [m]: arrays ``(manoeuvre, moment, *batch)``."""
     speed = state.vehicle.speed
     batch = (1,) * speed.ndim
-    time = (jnp.arange(INTERVALS + 1) * INTERVAL).reshape(1, -1, *batch)
-    acceleration = jnp.array([-config.max_acceleration, 0.0, config.max_acceleration]).reshape(3, 1, *batch)
-    limit = jnp.where(acceleration < 0, 0.0, config.max_speed)
-    until = jnp.where(acceleration == 0, jnp.inf, (limit - speed) / jnp.where(acceleration == 0, 1, acceleration))
-    first = jnp.minimum(time, until)
-    travelled = speed * first + 0.5 * acceleration * first**2 + limit * (time - first)
-    place = jnp.minimum(travelled / POINT_SPACING, POINTS - 1.0)
-    x = y = jnp.zeros_like(place)
-    for k in range(POINTS):
-        weight = jnp.maximum(1 - jnp.abs(place - k), 0)
-        x, y = x + weight * point_x[k], y + weight * point_y[k]
-    return x, y
+    time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(1, -1, *batch)
+    acceleration = config.max_acceleration
+    braking = jnp.minimum(time, speed / acceleration)
+    accelerating = jnp.minimum(time, (config.max_speed - speed) / acceleration)
+    travelled = jnp.concatenate([
+        speed * braking - 0.5 * acceleration * braking**2,
+        speed * time,
+        speed * accelerating + 0.5 * acceleration * accelerating**2 + config.max_speed * (time - accelerating),
+    ])  # fmt: skip
+    return _on_route(maps, scenario, state, state.vehicle.along + travelled)
+
+
+def _on_route(maps: RoadMap, scenario: Scenario, state: State, along: Array) -> tuple[Array, Array]:
+    """Places on the route in the car's frame, ahead and left [m]."""
+    car = state.vehicle
+    x, y, _, _ = route_point(maps, scenario, along)
+    return jax.lax.optimization_barrier(to_frame(x - car.x, y - car.y, car.cos, car.sin))

@@ -57,31 +57,41 @@ def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, in
 
 def draw(maps: RoadMap, config: SimConfig, sizes: tuple[int, int], key: Key[Array, ""]) -> Scenario:
     """Draw one scenario (no batch axes); ``sizes`` as from `table_sizes`."""
-    map_key, route_key, start_key, goal_key, trait_key, crossing_key = jax.random.split(key, 6)
     goals, crossings = sizes
     people = config.pedestrians
-    map_index = jax.random.randint(map_key, (), 0, maps.roads.shape[0])
-    route = jax.random.randint(route_key, (), 0, look_up(maps.route_count, map_index))
-    start = _choose(
-        maps.start_choices, look_up(maps.start_count, map_index, route), (map_index, route),
-        jax.random.uniform(start_key, (people,)),
-    )  # fmt: skip
+    rows = 1 + goals + TRAITS + 2 * crossings
+    uniform = _uniform(key, 2 + rows * people)
+    start_draw, goal_draws, traits, crossing_draws = jnp.split(
+        uniform[2:].reshape(rows, people), (1, 1 + goals, 1 + goals + TRAITS)
+    )
+    map_index = jnp.floor(uniform[0] * maps.roads.shape[0]).astype(jnp.int32)
+    routes = look_up(maps.route_count, map_index)
+    route = jnp.minimum((uniform[1] * routes).astype(jnp.int32), routes - 1)
+    starts = look_up(maps.start_count, map_index, route)
+    start = _choose(maps.start_choices, starts, (map_index, route), start_draw[0])
 
-    def next_goal(node, uniform):
-        goal = _choose(maps.goal_choices, look_up(maps.goal_count, map_index, node), (map_index, node), uniform)
+    def next_goal(node, draw):
+        goal = _choose(maps.goal_choices, look_up(maps.goal_count, map_index, node), (map_index, node), draw)
         return goal, goal
 
-    _, goal_table = jax.lax.scan(next_goal, start, jax.random.uniform(goal_key, (goals, people)))
-    jaywalk_draw, zone_draw = jax.random.uniform(crossing_key, (2, crossings, people))
+    _, goal_table = jax.lax.scan(next_goal, start, goal_draws)
+    jaywalk_draw, zone_draw = jnp.split(crossing_draws, 2)
     return Scenario(
         map=map_index,
         route=route,
         start=start,
-        traits=jax.random.uniform(trait_key, (TRAITS, people)),
+        traits=traits,
         goals=goal_table,
         jaywalk_draw=jaywalk_draw,
         zone_draw=zone_draw,
     )
+
+
+def _uniform(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
+    """Numbers in (0, 1), multiples of 2**-16 and half of that: two for each random word, which are what costs time."""
+    words = jax.random.bits(key, (-(-count // 2),), jnp.uint32)
+    halves = jnp.concatenate([words >> 16, words & 0xFFFF])[:count]
+    return (halves.astype(jnp.float32) + 0.5) / 65536
 
 
 def _choose(table: Array, count: Array, row: tuple[Array, ...], uniform: Array) -> Array:
