@@ -1,0 +1,29 @@
+"""``jaxwalk reproduce`` and ``jaxwalk report``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from jaxwalk.cli.options import Reproduce
+from jaxwalk.cli.train import bad_values
+from jaxwalk.experiments.reproduce import Interrupted, Plan, report, reproduce
+
+
+def run(options: Reproduce) -> int:
+    """Make everything that is missing; 130 if Ctrl-C ended it."""
+    with bad_values():
+        plan = Plan(minutes=options.minutes, updates=options.updates, episodes=options.episodes, seed=options.seed)
+    try:
+        made = reproduce(options.out, plan)
+    except (Interrupted, KeyboardInterrupt):
+        print("Interrupted. The same command goes on where this one stopped.", file=sys.stderr)
+        return 130
+    print(f"Open {made}")
+    return 0
+
+
+def remake(folder: Path) -> int:
+    """Make the report again."""
+    print(f"Open {report(folder)}")
+    return 0

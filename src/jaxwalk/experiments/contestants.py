@@ -1,0 +1,79 @@
+"""Drivers and populations by what people call them: a rule's name, a run folder or a policy file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax
+
+from jaxwalk.evaluation import SAMPLES, with_mode
+from jaxwalk.experiments.runs import Run, RunError
+from jaxwalk.interfaces import Policy
+from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.environment import Street
+
+RULES = {"driver": DRIVERS, "pedestrian": POPULATIONS}
+"""Rules of each role, by name."""
+
+
+class ContestantError(ValueError):
+    """A name that stands for no driver or population; one line says what to do."""
+
+
+def world_of(names: Sequence[str], maps: Sequence[str]) -> Street:
+    """The street to evaluate on: the given maps, else those that the run folders among the names were trained on."""
+    runs = [
+        Run.open(name).experiment for name in names if name not in {**DRIVERS, **POPULATIONS} and Path(name).is_dir()
+    ]
+    trained = list(dict.fromkeys(run.maps for run in runs))
+    if not maps and len(trained) > 1:
+        raise ContestantError(f"the run folders were trained on different maps ({trained}); choose some with --map")
+    worlds = list(dict.fromkeys(run.sim for run in runs))
+    if len(worlds) > 1:
+        raise ContestantError("the run folders were trained in worlds of different rules (sim in config.json)")
+    chosen = tuple(maps) or (trained[0] if trained else ("paper",))
+    return Street.create(chosen, worlds[0] if worlds else SimConfig())
+
+
+def contestant(street: Street, role: str, name: str, *, sample: bool | None = None) -> Policy:
+    """The policy of that name for a role. ``sample``: draws its actions at random (default: as `SAMPLES` says)."""
+    rules: dict[str, Any] = RULES[role]
+    if name in rules:
+        return rules[name]()
+    file = _policy_file(role, name)
+    observes = read_metadata(file)["roles"].get(role, {}).get("observes", "paper")
+    policy = load_policy(file, role, expect_size=_observation_size(street, role, observes, file))
+    return with_mode(policy, sample=getattr(SAMPLES, role) if sample is None else sample)
+
+
+def _policy_file(role: str, name: str) -> Path:
+    path = Path(name)
+    if path.is_dir():
+        file = Run.open(path).policy
+        if not file.is_file():
+            hint = f"go on with the training: jaxwalk train --resume {path}"
+            raise RunError(f"{path}: has no {file.name}: it stopped before its first checkpoint; {hint}")
+        return file
+    if path.is_file():
+        return path
+    known = ", ".join(RULES[role])
+    raise ContestantError(f"{name}: no {role} of that name ({known}), and no run folder or policy file; check the name")
+
+
+def _observation_size(street: Street, role: str, observes: str, file: Path) -> int:
+    """How many numbers an observation set has."""
+
+    def look() -> jax.Array:
+        scenario = street.draw(jax.random.key(0))
+        return street.observe(scenario, street.reset(scenario), role, observes)
+
+    try:
+        return eqx.filter_eval_shape(look).shape[0]
+    except (KeyError, ValueError) as error:
+        raise ContestantError(
+            f"{file}: the {role} reads the observation set {observes!r}, which this jaxwalk has not; train anew"
+        ) from error

@@ -1,0 +1,277 @@
+"""The paper's whole experiment as a plain list of parts. A part whose file is there is not made again.
+
+runs/co-trained, runs/single-agent   the trainings, with equally many steps
+plan.json                            what was asked for
+results.json, episodes.csv           every driver among every population
+ablation.json                        the co-trained driver with less and more jaywalking
+episode.png, episode.svg             one episode
+provenance.json                      commit, hardware, minutes, versions
+report.html, figures/, tables/       `jaxwalk.report`
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from jaxwalk.evaluation import compare, with_jaywalk_multiplier, write_rows
+from jaxwalk.experiments.contestants import contestant
+from jaxwalk.experiments.episodes import draw_episode
+from jaxwalk.experiments.provenance import provenance
+from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.experiments.runs import Run, RunError, check_writable, write_whole
+from jaxwalk.experiments.training import train
+from jaxwalk.interfaces import Policy
+from jaxwalk.policies import DRIVERS
+from jaxwalk.report import write_report
+from jaxwalk.sim.environment import Street
+
+CO_TRAINED, SINGLE_AGENT = "co-trained", "single-agent"
+"""Names of the trained drivers, and of their run folders."""
+LEARNED = "learned"
+"""Name of the co-trained pedestrians."""
+MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
+"""Jaywalk multipliers of the ablation (paper, section IV-D)."""
+INTERESTING = 200
+"""The episode to be drawn is chosen among so many scenarios."""
+
+
+class Interrupted(Exception):
+    """Ctrl-C: what is finished stays."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to reproduce, and how thoroughly."""
+
+    recipe: str = "fast"
+    """Of both trainings."""
+    minutes: float = 4.0
+    """For the co-training [min]; ignored where ``updates`` is given."""
+    updates: int | None = None
+    """Updates of each training."""
+    episodes: int = 1000
+    """Scenarios in each cell."""
+    seed: int = 0
+    """Of trainings and scenarios."""
+
+    def __post_init__(self) -> None:
+        """Refuse what can't be done."""
+        if not 0 < self.minutes < float("inf"):
+            raise ValueError(f"minutes must be above 0, not {self.minutes}")
+        if self.updates is not None and self.updates < 1:
+            raise ValueError(f"updates must be at least 1, not {self.updates}")
+        if self.episodes < 1:
+            raise ValueError(f"episodes must be at least 1, not {self.episodes}")
+        if not 0 <= self.seed < 2**31:
+            raise ValueError(f"seed must lie in [0, 2^31), not {self.seed}")
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """A folder, a plan, and where to tell how it goes."""
+
+    folder: Path
+    plan: Plan
+    console: Console
+    base: Experiment
+    """What both trainings start from."""
+
+    def json(self, name: str) -> Any:
+        """A part that is finished; None if it isn't."""
+        return read_json(self.folder / name)
+
+    def keep(self, name: str, document: Any) -> None:
+        """Write a finished part."""
+        write_whole(self.folder / name, json.dumps(document, indent=2, allow_nan=False) + "\n")
+
+    def say(self, text: str) -> None:
+        """Tell how it goes."""
+        self.console.print(text, soft_wrap=True)
+
+
+def reproduce(folder: Path, plan: Plan, *, console: Console | None = None, base: Experiment | None = None) -> Path:
+    """Make whatever is missing in the folder; returns the report's path. Raises Interrupted on Ctrl-C.
+
+    ``base``: what to train instead of the plan's recipe.
+    """
+    base = replace(base or RECIPES[plan.recipe], seed=plan.seed)
+    work = Reproduction(folder, plan, console or Console(stderr=True), base)
+    _begin(work)
+    steps: list[tuple[str, Callable[[Reproduction], None]]] = [
+        ("co-training car and pedestrians", _co_train),
+        ("training the car alone", _train_alone),
+        ("every driver among every population", _evaluate),
+        ("less and more jaywalking", _ablate),
+        ("drawing an episode", _draw),
+        ("report", _report),
+    ]
+    for number, (name, step) in enumerate(steps, 1):
+        work.say(f"[{number}/{len(steps)}] {name}")
+        begun = time.monotonic()
+        step(work)
+        _count_minutes(work, step.__name__.strip("_"), time.monotonic() - begun)
+    return folder / "report.html"
+
+
+def read_json(path: Path) -> Any:
+    """The document of a file; None if there is no file."""
+    if not path.is_file():
+        return None
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise RunError(f"{path}: damaged ({error}); delete it and run `jaxwalk reproduce` again") from error
+
+
+def _begin(work: Reproduction) -> None:
+    """Make the folder, or see that it was made for the same plan."""
+    asked, there = asdict(work.plan), work.json("plan.json")
+    folder = work.folder
+    if there is None and folder.is_dir() and any(folder.iterdir()):
+        raise RunError(f"{folder}: the folder is not empty and no `jaxwalk reproduce` made it; name another one")
+    if there is not None and there != asked:
+        name = next((n for n in asked if not isinstance(there, dict) or there.get(n) != asked[n]), "plan")
+        raise RunError(f"{folder}: was begun with another {name}; ask for the same again, or name another folder")
+    check_writable(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    work.keep("plan.json", asked)
+
+
+def _co_train(work: Reproduction) -> None:
+    plan = work.plan
+    experiment = with_training(work.base, updates=plan.updates)
+    _train(work, CO_TRAINED, experiment, None if plan.updates else plan.minutes)
+
+
+def _train_alone(work: Reproduction) -> None:
+    """As many updates of as many steps as the co-training made."""
+    made = Run.open(work.folder / "runs" / CO_TRAINED).experiment.train.updates
+    _train(work, SINGLE_AGENT, with_training(single_agent(work.base), updates=made), None)
+
+
+def _train(work: Reproduction, name: str, experiment: Experiment, minutes: float | None) -> None:
+    folder = work.folder / "runs" / name
+    begun = (folder / "config.json").is_file()
+    run = Run.open(folder) if begun else Run.create(folder, experiment)
+    lines = run.metrics()
+    if lines and lines[-1]["update"] >= run.experiment.train.updates and run.policy.is_file():
+        work.say(f"    {name}: there already, {lines[-1]['steps']:,} steps")
+        return
+    resume = begun and run.checkpoints.is_dir()
+    trained = train(run, minutes=None if resume else minutes, resume=begun, console=work.console, name=f"    {name}")
+    if trained.interrupted:
+        raise Interrupted
+    work.say(f"    {name}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")
+
+
+def _policies(work: Reproduction, street: Street) -> tuple[dict[str, Policy], dict[str, Policy]]:
+    """All drivers and all populations, by name."""
+    runs = {name: str(work.folder / "runs" / name) for name in (SINGLE_AGENT, CO_TRAINED)}
+    drivers = {name: contestant(street, "driver", runs.get(name, name)) for name in (*DRIVERS, *runs)}
+    learned = contestant(street, "pedestrian", runs[CO_TRAINED])
+    return drivers, {"always-go": contestant(street, "pedestrian", "always-go"), LEARNED: learned}
+
+
+def _street(work: Reproduction) -> Street:
+    return Street.create(work.base.maps, work.base.sim, jaywalk_multiplier=work.base.jaywalk_multiplier)
+
+
+def _evaluate(work: Reproduction) -> None:
+    if work.json("results.json") is not None:
+        work.say("    there already")
+        return
+    street = _street(work)
+    drivers, people = _policies(work, street)
+    told = partial(_tell, work)
+    found, rows = compare(street, drivers, people, episodes=work.plan.episodes, seed=work.plan.seed, progress=told)
+    write_rows(work.folder / "episodes.csv", [(*pair, played) for pair, played in rows.items()])
+    work.keep("results.json", found.as_dict())
+
+
+def _ablate(work: Reproduction) -> None:
+    if work.json("ablation.json") is not None:
+        work.say("    there already")
+        return
+    street = _street(work)
+    drivers, people = _policies(work, street)
+    driver = {CO_TRAINED: drivers[CO_TRAINED]}
+    documents = []
+    for multiplier in MULTIPLIERS:
+        work.say(f"    multiplier {multiplier:g}")
+        there = with_jaywalk_multiplier(street, multiplier)
+        told = partial(_tell, work)
+        found, _ = compare(there, driver, people, episodes=work.plan.episodes, seed=work.plan.seed, progress=told)
+        documents.append(found.as_dict())
+    cells = [cell for document in documents for cell in document["cells"]]
+    work.keep("ablation.json", {**documents[0], "cells": cells})
+
+
+def _tell(work: Reproduction, driver: str, people: str, played: int, episodes: int) -> None:
+    if played >= episodes:
+        work.say(f"    {driver} among {people}: {played:,} episodes")
+
+
+def _draw(work: Reproduction) -> None:
+    """The scenario, among the first, in which the co-trained car met the most crossings."""
+    if (work.folder / "episode.svg").is_file():
+        return
+    street = _street(work)
+    drivers, people = _policies(work, street)
+    scenario, frame = _interesting(work, street, drivers[CO_TRAINED], people[LEARNED])
+    for kind in ("png", "svg"):
+        file = work.folder / f"episode.{kind}"
+        draw_episode(
+            street, drivers[CO_TRAINED], people[LEARNED], file, scenario=scenario, seed=work.plan.seed, frame=frame
+        )
+    work.keep("episode.json", {"scenario": scenario, "seed": work.plan.seed, "frame": frame})
+
+
+def _interesting(work: Reproduction, street: Street, driver: Policy, people: Policy) -> tuple[int, int]:
+    """The scenario with the encounter that came nearest without a touch to a jaywalker, and the frame it began in."""
+    from jaxwalk.evaluation import evaluate
+    from jaxwalk.sim.trajectory import JAYWALK
+
+    episodes = min(INTERESTING, work.plan.episodes)
+    rows = evaluate(street, driver, people, episodes=episodes, seed=work.plan.seed)
+    found, reached = rows.encounters, rows.episodes.goal
+    fit = [i for i in range(len(found.type)) if found.type[i] == JAYWALK and reached[found.episode[i]]]
+    if not fit:
+        return 0, 0
+    best = min(fit, key=lambda i: found.min_distance[i])
+    return int(found.scenario[best]), int(found.start[best])
+
+
+def _count_minutes(work: Reproduction, name: str, seconds: float) -> None:
+    """Add to what each part took, over interruptions."""
+    document = work.json("minutes.json") or {}
+    document[name] = round(document.get(name, 0.0) + seconds / 60, 3)
+    work.keep("minutes.json", document)
+
+
+def _report(work: Reproduction) -> None:
+    work.keep("provenance.json", provenance())
+    report(work.folder)
+
+
+def report(folder: Path) -> Path:
+    """Make the report of a folder from what is in it; returns its path."""
+    documents = {name: read_json(folder / f"{name}.json") for name in _PARTS}
+    missing = [name for name, document in documents.items() if document is None]
+    if missing:
+        raise RunError(f"{folder}: has no {missing[0]}.json; make it with: jaxwalk reproduce --out {folder}")
+    curves = {name: Run.open(folder / "runs" / name).metrics() for name in (CO_TRAINED, SINGLE_AGENT)}
+    drawing = folder / "episode.svg"
+    documents["episode_svg"] = drawing.read_text(encoding="utf-8") if drawing.is_file() else None
+    return write_report(folder, documents | {"curves": curves})
+
+
+_PARTS = ("plan", "results", "ablation", "provenance", "minutes", "episode")
+"""Documents that the report is made of."""

@@ -1,0 +1,13 @@
+"""Results become tables, figures and one HTML file, ours beside the paper's."""
+
+from jaxwalk.report.material import (
+    ALWAYS_GO,
+    CO_TRAINED,
+    LEARNED,
+    SINGLE_AGENT,
+    Material,
+    ReportError,
+)
+from jaxwalk.report.write import write_report
+
+__all__ = ["ALWAYS_GO", "CO_TRAINED", "LEARNED", "SINGLE_AGENT", "Material", "ReportError", "write_report"]

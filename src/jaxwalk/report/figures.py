@@ -1,0 +1,202 @@
+"""The figures: ours with 95 % intervals, the paper's numbers as open diamonds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from jaxwalk.report import published
+from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, Material, Number
+from jaxwalk.report.style import BLUE, GREEN, GRID, ORANGE, PAPER, RED, drawing, panels, save
+
+RATES = (("goal_rate", "goals [%]", 0), ("collision_rate", "collisions [%]", 1))
+"""What to show, its label, and its place in the paper's pairs."""
+COLOURS = {ALWAYS_GO: ORANGE, LEARNED: BLUE}
+TYPES = {"crosswalk": BLUE, "jaywalk": RED}
+SMOOTH = 20
+"""Learning curves are running means over this share (one in so many) of the training."""
+
+
+def draw_all(material: Material, folder: Path) -> dict[str, str]:
+    """Write every figure; returns drawings for the page, by name."""
+    folder.mkdir(parents=True, exist_ok=True)
+    made = {}
+    for name, draw in FIGURES.items():
+        with drawing(name):
+            made[name] = save(draw(material), folder, name)
+    return made
+
+
+def baselines(material: Material) -> Figure:
+    """Goals and collisions of every driver, among both populations."""
+    figure, axes = panels(2, height=4.2, sharey=True)
+    names = material.drivers
+    for axis, (rate, label, place) in zip(axes, RATES, strict=True):
+        for k, people in enumerate(POPULATIONS):
+            ours = [material.cell(name, people)[rate] for name in names]
+            where = [i + 0.17 * (2 * k - 1) for i in range(len(names))]
+            _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100, flat=True)
+        for i, name in enumerate(names):
+            for value in _published(name, place):
+                axis.plot(value, i, **_DIAMOND, label="paper" if i == 0 else None)
+        axis.set(xlabel=label, xlim=(-2, 102))
+    axes[0].set_yticks(range(len(names)), names)
+    axes[0].invert_yaxis()
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _published(driver: str, place: int) -> list[float]:
+    if driver in published.BASELINES:
+        return [published.BASELINES[driver][place]]
+    return [pair[place] for (name, _), pair in published.TRAINED.items() if name == driver]
+
+
+def speed_differential(material: Material) -> Figure:
+    """Car speed by distance to the nearest pedestrian on a roadway, by type; the gap is shaded."""
+    figure, axes = panels(2, sharey=True)
+    bins = material.cell(CO_TRAINED, LEARNED)["speed_differential"]
+    middles = [(b["near"] + b["far"]) / 2 for b in bins]
+    for axis, (weight, title) in zip(
+        axes, (("pooled", "pooled over frames"), ("by_encounter", "by encounter")), strict=True
+    ):
+        lines = {}
+        for k, (kind, colour) in enumerate(TYPES.items()):
+            ours = [b[weight][kind] for b in bins]
+            _points(axis, ours, [m + 0.16 * (2 * k - 1) for m in middles], color=colour, label=kind, scale=1, line=True)
+            lines[kind] = [math.nan if x["value"] is None else x["value"] for x in ours]
+        axis.fill_between(middles, lines["crosswalk"], lines["jaywalk"], color=GRID, alpha=0.25, label="gap", lw=0)
+        axis.set(title=title, xlabel="distance to the nearest pedestrian of the type [m]", ylim=(0, 9))
+        axis.set_xticks([0, *(b["far"] for b in bins)])
+    for value in published.SPEEDS:
+        axes[0].plot(middles[0], value, **_DIAMOND, label="paper, 0-3 m" if value == published.SPEEDS[0] else None)
+    axes[0].set_ylabel("car speed [m/s]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
+
+
+def attribution(material: Material) -> Figure:
+    """Jaywalking's share of collisions beside its share of crossings, encounters and time."""
+    figure, (axis,) = panels(1, height=3.0)
+    places = [(0.17 * (2 * k - 1), people) for k, people in enumerate(POPULATIONS)]
+    names = list(SHARES)
+    for shift, people in places:
+        found = material.cell(CO_TRAINED, people)["attribution"]
+        ours = [find(found) for find in SHARES.values()]
+        where = [i + shift for i in range(len(names))]
+        _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100, flat=True)
+    for i, value in ((0, published.COLLISIONS_JAYWALK), (1, published.CROSSINGS_JAYWALK)):
+        axis.plot(value, i, **_DIAMOND, label="paper" if i == 0 else None)
+    axis.set_yticks(range(len(names)), names)
+    axis.invert_yaxis()
+    axis.set(xlabel="share that is jaywalking [%]", xlim=(-2, 102))
+    figure.legend(*axis.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+SHARES: dict[str, Callable[[dict], Number]] = {
+    "of collisions on a roadway": lambda a: a["share"],
+    "of crossings": lambda a: a["per_crossing"]["share"],
+    "of encounters": lambda a: a["per_encounter"]["share"],
+    "of time on a roadway": lambda a: a["per_second"]["share"],
+    "of that, car within 20 m": lambda a: a["per_second_near"]["share"],
+}
+"""Jaywalking's shares, by what they are of."""
+
+
+def quarters(material: Material) -> Figure:
+    """Jaywalk rate by quarter of the trait."""
+    figure, (axis,) = panels(1, width=5.0, height=3.2)
+    found = material.cell(CO_TRAINED, LEARNED)["jaywalk_rate"]["quarters"]
+    _points(axis, found, range(4), color=BLUE, label="ours", scale=100)
+    for i, value in enumerate(published.QUARTERS):
+        axis.plot(i + 0.12, value, **_DIAMOND, label="paper" if i == 0 else None)
+    axis.set_xticks(range(4), ["0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1"])
+    axis.set(xlabel="jaywalking tendency", ylabel="decisions to jaywalk [%]", ylim=(0, None), xlim=(-0.5, 3.5))
+    axis.legend(loc="upper left")
+    return figure
+
+
+def ablation(material: Material) -> Figure:
+    """Goals and collisions of the co-trained driver by jaywalk multiplier."""
+    figure, axes = panels(2)
+    for axis, (rate, label, place) in zip(axes, RATES, strict=True):
+        for k, people in enumerate(POPULATIONS):
+            ours = [material.ablated(m, people)[rate] for m in material.multipliers]
+            where = [m + 0.01 * (2 * k - 1) for m in material.multipliers]
+            _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100, line=True)
+        theirs = [pair[place] for pair in published.ABLATION.values()]
+        axis.plot(list(published.ABLATION), theirs, **_DIAMOND | {"linestyle": ":"}, label="paper, among always-go")
+        axis.set(xlabel="jaywalk multiplier", ylabel=label, ylim=(0, 100 if place == 0 else None))
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def learning_curves(material: Material) -> Figure:
+    """Goals and collisions during training, of the episodes that ended in each update."""
+    figure, axes = panels(2, sharey=True)
+    for axis, (name, lines) in zip(axes, material.curves.items(), strict=True):
+        steps = [line["steps"] for line in lines]
+        for rate, colour in (("goal_rate", GREEN), ("collision_rate", RED), ("timeout_rate", GRID)):
+            found = _running_mean([line[rate] for line in lines], [line["episodes"] for line in lines])
+            axis.plot(steps, [100 * x for x in found], color=colour, label=rate.removesuffix("_rate"))
+        axis.set(title=name, xlabel="environment steps [million]", ylim=(0, 100))
+        axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x / 1e6:g}"))
+    axes[0].set_ylabel("episodes [%]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _running_mean(values: list[float], weights: list[float]) -> list[float]:
+    """Weighted means over the last stretch up to each value; NaN before the first episode ends."""
+    width = max(1, len(values) // SMOOTH)
+    means = []
+    for i in range(len(values)):
+        part = slice(max(0, i + 1 - width), i + 1)
+        total = sum(weights[part])
+        means.append(
+            sum(v * w for v, w in zip(values[part], weights[part], strict=True)) / total if total else math.nan
+        )
+    return means
+
+
+_DIAMOND = {"color": PAPER, "marker": "D", "markersize": 7, "markerfacecolor": "none", "linestyle": "none", "zorder": 4}
+"""How the paper's numbers look."""
+
+
+def _points(
+    axis: Axes, ours: Iterable[Number], where: Iterable[float], *,
+    color: str, label: str, scale: float, flat: bool = False, line: bool = False,
+) -> None:  # fmt: skip
+    """Numbers with their intervals; ``flat``: values go to the right, places up."""
+    shown = [(place, n) for place, n in zip(where, ours, strict=True) if n["value"] is not None]
+    values = [scale * n["value"] for _, n in shown]
+    below = [scale * (n["value"] - _end(n, "low")) for _, n in shown]
+    above = [scale * (_end(n, "high") - n["value"]) for _, n in shown]
+    places, bars = [place for place, _ in shown], [below, above]
+    style = {"color": color, "marker": "o", "markersize": 5, "capsize": 2.5, "label": label}
+    style["linestyle"] = "-" if line else "none"
+    if flat:
+        axis.errorbar(values, places, xerr=bars, **style)
+    else:
+        axis.errorbar(places, values, yerr=bars, **style)
+
+
+def _end(number: Number, name: str) -> float:
+    return number["value"] if number[name] is None else number[name]
+
+
+FIGURES: dict[str, Callable[[Material], Figure]] = {
+    "baselines": baselines,
+    "speed_differential": speed_differential,
+    "attribution": attribution,
+    "quarters": quarters,
+    "ablation": ablation,
+    "learning_curves": learning_curves,
+}
+"""Every figure, by name of its files."""

@@ -1,0 +1,102 @@
+"""The order of the report, and what is said about each table and figure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with a caption, a figure, a table, or both."""
+
+    heading: str
+    source: str
+    """Where the paper has it."""
+    caption: str
+    figure: str | None = None
+    table: str | None = None
+    folded: bool = False
+    """The table is shown on demand: the figure says the same."""
+
+
+INTERVALS = "Bars and brackets: 95 % intervals. Open diamonds: the paper."
+
+SECTIONS = (
+    Section(
+        "Who reaches the goal",
+        "figure 4",
+        "Goals and collisions of every driver on the same scenarios, among people who always go and among the "
+        f"co-trained ones. {INTERVALS} The paper's figure mixes populations and does not say among whom its rules "
+        "drove; its trained drivers have a diamond for each population.",
+        "baselines",
+        "baselines",
+        True,
+    ),
+    Section(
+        "Co-training against training alone",
+        "table III",
+        "The car trained alone (among always-go) and the one trained with its pedestrians, with equally many "
+        "environment steps, each among both populations.",
+        table="co_training",
+    ),
+    Section(
+        "Every driver among every population",
+        "",
+        "What neither reaches the goal nor collides in 50 s has timed out.",
+        table="matrix",
+    ),
+    Section(
+        "Speed near jaywalkers and near crosswalk users",
+        "figure 5, equation 2",
+        "Mean speed of the co-trained car among learned pedestrians, by the distance to the nearest pedestrian of "
+        f"each type who is on a roadway. {INTERVALS} Left every frame weighs alike, as in the paper; right every "
+        "encounter does.",
+        "speed_differential",
+        "speed_differential",
+    ),
+    Section(
+        "Which collisions are jaywalking's",
+        "section IV-B",
+        "Jaywalking's share of the co-trained car's collisions beside its share of what there was to collide with. A "
+        f"share of collisions larger than the share of exposure means more risk. {INTERVALS}",
+        "attribution",
+        "attribution",
+    ),
+    Section("What was hit", "", "The co-trained car's collisions by what the pedestrian was doing.", table="contacts"),
+    Section(
+        "Jaywalking follows the trait",
+        "section IV-B",
+        f"Share of crossing decisions that are jaywalks, by quarter of the trait. {INTERVALS}",
+        "quarters",
+        "quarters",
+    ),
+    Section(
+        "How near the car comes",
+        "section IV-B",
+        "An encounter: a crossing with the car within 20 m and closing, until the pedestrian leaves the road.",
+        table="approach",
+    ),
+    Section(
+        "How soon the car brakes",
+        "section IV-B",
+        "Time from a pedestrian's road entry to the car's braking onset, co-trained driver. The median "
+        "(Kaplan-Meier) counts those who never brake; a dash means that fewer than half brake while the pedestrian "
+        "is on the road.",
+        table="braking",
+    ),
+    Section(
+        "More and less jaywalking",
+        "section IV-D",
+        f"The co-trained driver, evaluated but not retrained, with other jaywalk multipliers. {INTERVALS}",
+        "ablation",
+        "ablation",
+    ),
+    Section(
+        "How the two drivers learned",
+        "",
+        "Endings of the episodes that ended in each update (running mean over a twentieth of the training). Training "
+        "explores: the car samples its actions, so these rates are below those of the evaluation.",
+        "learning_curves",
+    ),
+)
+"""The report, from top to bottom; the page adds the summary before and one episode after."""

@@ -1,0 +1,77 @@
+"""How figures look: colours that colour-blind people tell apart, text that follows the page's colour."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
+"""Okabe and Ito's colours."""
+INK, GRID = "#222221", "#9a9a99"
+"""Text and lines; in the page, INK becomes the page's own text colour."""
+PAPER = INK
+"""The paper's numbers are drawn in the colour of the text."""
+
+_STYLE = {
+    "svg.fonttype": "none",
+    "font.size": 10,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": INK,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "grid.alpha": 0.3,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "legend.frameon": False,
+    "figure.constrained_layout.use": True,
+}
+
+
+@contextmanager
+def drawing(name: str) -> Iterator[None]:
+    """The style; what identifies parts of a drawing depends on its name alone, so files are the same each time."""
+    with matplotlib.rc_context({**_STYLE, "svg.hashsalt": name}):
+        yield
+
+
+def panels(count: int, *, width: float = 8.0, height: float = 3.4, **options) -> tuple[Figure, list[Axes]]:
+    """A figure of so many panels side by side [inches]."""
+    figure = Figure(figsize=(width, height))
+    axes = figure.subplots(1, count, squeeze=False, **options)
+    return figure, list(axes[0])
+
+
+def save(figure: Figure, folder: Path, name: str) -> str:
+    """Write the figure as SVG and PNG; returns the SVG to put into a page."""
+    figure.savefig(folder / f"{name}.svg", metadata={"Date": None}, facecolor="white")
+    figure.savefig(folder / f"{name}.png", dpi=150, facecolor="white")
+    figure.savefig(folder / f".{name}.part.svg", metadata={"Date": None}, transparent=True)
+    part = folder / f".{name}.part.svg"
+    text = part.read_text(encoding="utf-8")
+    part.unlink()
+    return inline(text, name)
+
+
+def inline(svg: str, name: str) -> str:
+    """An SVG file's drawing for a page: no preamble, identifiers of its own, the page's colour and width."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'\bid="', f'id="{name}-', svg)
+    svg = re.sub(r'href="#', f'href="#{name}-', svg)
+    svg = re.sub(r"url\(#", f"url(#{name}-", svg)
+    svg = svg.replace(INK, "currentColor")
+    return re.sub(
+        r'(<svg[^>]*?) width="[^"]*"', r"\1", re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1), count=1
+    )

@@ -1,0 +1,269 @@
+"""The tables: ours with 95 % intervals beside the paper's numbers, and the sentence where they differ."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from jaxwalk.report import published, verdicts
+from jaxwalk.report.figures import SHARES
+from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, SINGLE_AGENT, Material, Number
+from jaxwalk.report.verdicts import Versus, verdict
+
+NONE = "–"
+"""Stands for what does not exist."""
+QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    verdict: str = ""
+    """How ours compares with the paper's, in a sentence."""
+
+
+def make_all(material: Material) -> dict[str, Table]:
+    """Every table, by name."""
+    return {name: make(material) for name, make in TABLES.items()}
+
+
+def write_csv(tables: dict[str, Table], folder: Path) -> None:
+    """A CSV file for each table."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, table in tables.items():
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(table.columns)
+        writer.writerows(table.rows)
+        (folder / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
+
+
+def shown(ours: Number, scale: float = 100.0, digits: int = 1) -> str:
+    """As in ``14.0 [11.2, 17.3]``."""
+    if ours["value"] is None:
+        return NONE
+    value = f"{scale * ours['value']:.{digits}f}"
+    if ours["low"] is None or ours["high"] is None:
+        return value
+    return f"{value} [{scale * ours['low']:.{digits}f}, {scale * ours['high']:.{digits}f}]"
+
+
+def matrix(material: Material) -> Table:
+    """Every driver among every population."""
+    columns = ("driver", "pedestrians", "goal %", "collision %", "timeout %", "collisions per km", "time to goal [s]")
+    rows = []
+    for cell in (material.cell(name, people) for name in material.drivers for people in POPULATIONS):
+        outcomes = cell["outcomes"]
+        rates = (shown(outcomes[name]) for name in ("goal", "collision", "timeout"))
+        per_km, time = shown(outcomes["all"]["per_km"], 1, 2), shown(outcomes["time_to_goal"], 1)
+        rows.append((cell["driver"], cell["pedestrians"], *rates, per_km, time))
+    return Table(columns, tuple(rows))
+
+
+def baselines(material: Material) -> Table:
+    """The paper's figure of baselines: for each method, ours among both populations and theirs."""
+    columns = ("driver", *(f"{rate} %, {who}" for rate in ("goal", "collision") for who in (*POPULATIONS, "paper")))
+    theirs = {name: pair for name, pair in published.BASELINES.items()}
+    theirs[SINGLE_AGENT] = published.TRAINED[SINGLE_AGENT, ALWAYS_GO]
+    theirs[CO_TRAINED] = published.TRAINED[CO_TRAINED, LEARNED]
+    rows, against = [], []
+    for name in material.drivers:
+        row = [name]
+        for place, rate in enumerate(("goal_rate", "collision_rate")):
+            ours = {people: material.cell(name, people)[rate] for people in POPULATIONS}
+            row += [shown(x) for x in ours.values()]
+            row.append(f"{theirs[name][place]}" if name in theirs else NONE)
+            if name in published.BASELINES:
+                what = f"{name} {('goals', 'collisions')[place]} among {LEARNED}"
+                against.append(Versus(what, ours[LEARNED], theirs[name][place]))
+        rows.append(tuple(row))
+    return Table(columns, tuple(rows), verdict(against, verdicts.BASELINES))
+
+
+def co_training(material: Material) -> Table:
+    """The paper's two by two: single-agent and co-trained driver, among always-go and among learned pedestrians."""
+    columns = ("driver", "pedestrians", "goal %", "paper", "collision %", "paper")
+    rows, against = [], []
+    for (driver, people), (goal, collision) in published.TRAINED.items():
+        cell = material.cell(driver, people)
+        ours = (cell["goal_rate"], cell["collision_rate"])
+        rows.append((driver, people, shown(ours[0]), f"{goal}", shown(ours[1]), f"{collision}"))
+        against.append(Versus(f"{driver} among {people}, goals", ours[0], goal))
+        against.append(Versus(f"{driver} among {people}, collisions", ours[1], collision))
+    return Table(columns, tuple(rows), verdict(against, verdicts.TRAINED))
+
+
+def speed_differential(material: Material) -> Table:
+    """Car speed near jaywalkers minus near crosswalk users, by distance."""
+    columns = (
+        "distance [m]",
+        "weight",
+        "near crosswalk users [m/s]",
+        "near jaywalkers [m/s]",
+        "difference",
+        "paper",
+        "n",
+    )
+    rows, against = [], []
+    for i, found in enumerate(material.cell(CO_TRAINED, LEARNED)["speed_differential"]):
+        place = f"{found['near']:g} to {found['far']:g}"
+        low, high = published.SPEED_GAP_FARTHER
+        for weight, name, unit in (("pooled", "frames", "frames"), ("by_encounter", "encounters", "encounters")):
+            gap = found[weight]
+            theirs = NONE if weight != "pooled" else f"{published.SPEED_GAP}" if i == 0 else f"{low:.2f} to {high:.2f}"
+            speeds = (shown(gap[kind], 1, 2) for kind in ("crosswalk", "jaywalk", "difference"))
+            count = f"{gap['crosswalk']['count']:,} and {gap['jaywalk']['count']:,} {unit}"
+            rows.append((place, name, *speeds, theirs, count))
+        if i == 0:
+            against.append(
+                Versus("difference within 3 m, pooled", found["pooled"]["difference"], published.SPEED_GAP, "m/s", 1)
+            )
+    return Table(columns, tuple(rows), verdict(against, verdicts.SPEED))
+
+
+def attribution(material: Material) -> Table:
+    """Jaywalking's share of collisions beside its share of crossings and exposure, and the ratio of rates."""
+    columns = ("jaywalking's share", *(f"among {people}, %" for people in POPULATIONS), "paper, %")
+    found = {people: material.cell(CO_TRAINED, people)["attribution"] for people in POPULATIONS}
+    theirs = (f"{published.COLLISIONS_JAYWALK:g}", f"{published.CROSSINGS_JAYWALK:g}", NONE, NONE, NONE)
+    rows = [
+        (name, *(shown(find(found[people])) for people in POPULATIONS), value)
+        for (name, find), value in zip(SHARES.items(), theirs, strict=True)
+    ]
+    for name, scale in (("crossing", "per_crossing"), ("second on a roadway", "per_second")):
+        ratios = (shown(found[people][scale]["ratio"], 1) for people in POPULATIONS)
+        rows.append((f"collisions per {name}: jaywalk / crosswalk (a ratio, not %)", *ratios, NONE))
+    mine = found[LEARNED]
+    against = [
+        Versus("share of collisions", mine["share"], published.COLLISIONS_JAYWALK),
+        Versus("share of crossings", mine["per_crossing"]["share"], published.CROSSINGS_JAYWALK),
+    ]
+    return Table(columns, tuple(rows), verdict(against, verdicts.ATTRIBUTION))
+
+
+def contacts(material: Material) -> Table:
+    """What the people whom the co-trained car hit were doing, and whether the car was moving."""
+    columns = (
+        "pedestrians",
+        "contact",
+        "collisions",
+        "share %",
+        "car moving",
+        "car standing",
+        "mean impact speed [m/s]",
+    )
+    rows = []
+    for people in POPULATIONS:
+        outcomes = material.cell(CO_TRAINED, people)["outcomes"]
+        for kind in ("crosswalk", "jaywalk", "sidewalk"):
+            c = outcomes[kind]
+            counts = (str(c["moving"] + c["standing"]), shown(c["share"]), str(c["moving"]), str(c["standing"]))
+            rows.append((people, kind, *counts, shown(c["impact_speed"], 1)))
+    return Table(columns, tuple(rows))
+
+
+def quarters(material: Material) -> Table:
+    """Jaywalk rate by quarter of the trait."""
+    cell = material.cell(CO_TRAINED, LEARNED)
+    found, most = cell["jaywalk_rate"], 100 * cell["jaywalk_multiplier"]
+    expected = [most * (0.125 + 0.25 * i) for i in range(4)]
+    against = [
+        Versus(name, ours, x)
+        for name, ours, x in zip(QUARTER_NAMES, found["quarters"], published.QUARTERS, strict=True)
+    ]
+    rows = [
+        (name, shown(ours), f"{mean:.1f}", f"{theirs}", f"{ours['trials']:,}")
+        for name, ours, mean, theirs in zip(QUARTER_NAMES, found["quarters"], expected, published.QUARTERS, strict=True)
+    ]
+    rows.append(
+        (
+            "all",
+            shown(found["all"]),
+            f"{most / 2:.1f}",
+            f"{published.CROSSINGS_JAYWALK:g}",
+            f"{found['all']['trials']:,}",
+        )
+    )
+    columns = ("jaywalking tendency", "jaywalk %", "by equation 1", "paper", "decisions")
+    return Table(columns, tuple(rows), verdict(against, verdicts.QUARTERS))
+
+
+def approach(material: Material) -> Table:
+    """Smallest distance in an encounter: its 5th percentile."""
+    columns = ("encounter", "pedestrians", "5th percentile of the minimum approach [m]", "paper", "encounters")
+    rows, against = [], []
+    for people in POPULATIONS:
+        found = material.cell(CO_TRAINED, people)["encounters"]
+        for kind, theirs in published.APPROACH.items():
+            ours = found[kind]["minimum_approach"]
+            rows.append((kind, people, shown(ours, 1, 2), f"{theirs}", f"{found[kind]['count']:,}"))
+            if people == LEARNED:
+                against.append(Versus(kind, ours, theirs, "m", 1))
+    return Table(columns, tuple(rows), verdict(against, verdicts.APPROACH))
+
+
+def braking(material: Material) -> Table:
+    """From road entry to the car's braking."""
+    times = ("median of all [s]", "mean of those who brake [s]", "paper")
+    columns = ("encounter", "pedestrians", *times, "brake", "never", "already", "standing")
+    rows = []
+    for people in POPULATIONS:
+        for kind in ("jaywalk", "crosswalk"):
+            found = material.cell(CO_TRAINED, people)["encounters"][kind]["braking"]
+            theirs = f"{published.BRAKING}" if kind == "jaywalk" else NONE
+            counts = (f"{found[x]:,}" for x in ("observed", "censored", "already", "standing"))
+            rows.append(
+                (kind, people, shown(found["median"], 1, 2), shown(found["mean_observed"], 1, 2), theirs, *counts)
+            )
+    ours = material.cell(CO_TRAINED, LEARNED)["encounters"]["jaywalk"]["braking"]["mean_observed"]
+    against = [Versus("mean time to braking for jaywalkers", ours, published.BRAKING, "s", 1)]
+    return Table(columns, tuple(rows), verdict(against, verdicts.BRAKING))
+
+
+def ablation(material: Material) -> Table:
+    """The co-trained driver with less and more jaywalking."""
+    columns = (
+        "multiplier",
+        "jaywalk % of crossings",
+        "paper",
+        "pedestrians",
+        "goal %",
+        "paper",
+        "collision %",
+        "paper",
+    )
+    rows, against = [], []
+    for multiplier in material.multipliers:
+        for people in POPULATIONS:
+            cell = material.ablated(multiplier, people)
+            share = shown(cell["attribution"]["per_crossing"]["share"])
+            pair = published.ABLATION[multiplier] if people == ALWAYS_GO else None
+            theirs = [NONE, NONE] if pair is None else [f"{x}" for x in pair]
+            goal, collision = cell["goal_rate"], cell["collision_rate"]
+            said = f"{published.JAYWALK_SHARE[multiplier]:g}"
+            rows.append((f"{multiplier:g}", share, said, people, shown(goal), theirs[0], shown(collision), theirs[1]))
+            if pair:
+                against.append(Versus(f"goals at {multiplier:g}", goal, pair[0]))
+                against.append(Versus(f"collisions at {multiplier:g}", collision, pair[1]))
+    return Table(columns, tuple(rows), verdict(against, verdicts.ABLATION))
+
+
+TABLES: dict[str, Callable[[Material], Table]] = {
+    "baselines": baselines,
+    "co_training": co_training,
+    "matrix": matrix,
+    "speed_differential": speed_differential,
+    "attribution": attribution,
+    "contacts": contacts,
+    "quarters": quarters,
+    "approach": approach,
+    "braking": braking,
+    "ablation": ablation,
+}
+"""Every table, by name of its file."""

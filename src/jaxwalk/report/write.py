@@ -1,0 +1,85 @@
+"""From results to files: ``report.html``, ``figures/`` and ``tables/``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from jaxwalk.report.figures import draw_all
+from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material, ReportError
+from jaxwalk.report.sections import SECTIONS
+from jaxwalk.report.style import inline
+from jaxwalk.report.tables import make_all, shown, write_csv
+
+
+def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
+    """Write everything into the folder; returns the path of the page.
+
+    ``documents`` are the fields of `Material`.
+    """
+    try:
+        material = Material(**documents)
+        tables = make_all(material)
+        facts, summary = _facts(material), _summary(material)
+    except (KeyError, TypeError, IndexError) as error:
+        raise ReportError(
+            f"{folder}: the results are damaged or of another version (no {error}); evaluate again"
+        ) from error
+    write_csv(tables, folder / "tables")
+    figures = draw_all(material, folder / "figures")
+    page = _page(
+        sections=SECTIONS, tables=tables, figures=figures, facts=facts, summary=summary, episode=material.episode,
+        drawing=inline(material.episode_svg, "episode") if material.episode_svg else None,
+    )  # fmt: skip
+    path = folder / "report.html"
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    unfinished.write_text(page, encoding="utf-8")
+    unfinished.replace(path)
+    return path
+
+
+def _page(**content: Any) -> str:
+    import jinja2
+
+    environment = jinja2.Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
+    template = resources.files("jaxwalk.report").joinpath("page.html").read_text(encoding="utf-8")
+    return environment.from_string(template).render(**content)
+
+
+def _summary(material: Material) -> list[dict[str, str]]:
+    """The four numbers that people ask for first."""
+    return [
+        {
+            "title": f"{driver} among {people}",
+            "goal": shown(cell["goal_rate"]),
+            "collision": shown(cell["collision_rate"]),
+        }
+        for driver in (CO_TRAINED, SINGLE_AGENT)
+        for people in (ALWAYS_GO, LEARNED)
+        for cell in [material.cell(driver, people)]
+    ]
+
+
+def _facts(material: Material) -> list[tuple[str, str]]:
+    """Where the numbers come from."""
+    scenarios, made = material.results["scenarios"], material.provenance
+    facts = [
+        ("Recipe and seed", f"{material.plan['recipe']}, seed {material.plan['seed']}"),
+        ("Scenarios", f"{scenarios['count']:,} in each cell, seed {scenarios['seed']}, hash {scenarios['hash']}"),
+    ]
+    for name, lines in material.curves.items():
+        last = lines[-1]
+        facts.append((f"Training, {name}", f"{last['steps']:,} steps in {last['seconds'] / 60:.1f} minutes"))
+    whole = sum(material.minutes.values())
+    facts += [
+        ("Minutes in all", f"{whole:.1f}"),
+        ("Hardware", str(made["hardware"])),
+        ("Commit", str(made["commit"] or "not run from a checkout")),
+        ("Versions", ", ".join(f"{name} {version}" for name, version in made["versions"].items())),
+    ]
+    return facts
