@@ -24,7 +24,7 @@ def test_by_hand():
 def test_columns_do_not_know_of_each_other(rest):
     network = make_mlp(jax.random.key(0), (4, 8, 3), final_scale=1.0)
     x = jax.random.normal(jax.random.key(1), (4, *rest))
-    alone = np.stack([network(column) for column in np.asarray(x).reshape(4, -1).T], axis=-1)
+    alone = np.stack([network(column) for column in x.reshape(4, -1).T], axis=-1)
     np.testing.assert_allclose(network(x), alone.reshape(3, *rest), rtol=1e-5, atol=1e-5)
 
 

@@ -90,7 +90,7 @@ def mean_gradient(
 def optimiser(config: TrainConfig) -> optax.GradientTransformation:
     """Adam on a gradient of bounded norm; `descend` brings the learning rate.
 
-    All parameters form one vector: the same numbers from a few large kernels, which compile sooner than many small ones.
+    All parameters form one vector: the same numbers from a few large kernels, which compile sooner than many small.
     """
     bounded = optax.clip_by_global_norm(config.max_grad_norm)
     return optax.flatten(optax.chain(bounded, optax.scale_by_adam(eps=config.adam_epsilon)))

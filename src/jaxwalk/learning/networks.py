@@ -19,10 +19,10 @@ from jaxtyping import Array, Float, Key
 class MLP(eqx.Module):
     """Fully connected layers with ReLU between them."""
 
-    weights: tuple[Float[Array, "out in"], ...]
-    """One matrix for each layer."""
-    biases: tuple[Float[Array, " out"], ...]
-    """One vector for each layer."""
+    weights: tuple[Float[Array, "_ _"], ...]
+    """One matrix for each layer: ``(out, in)``."""
+    biases: tuple[Float[Array, "_"], ...]
+    """One vector for each layer: ``(out,)``."""
 
     @property
     def sizes(self) -> tuple[int, ...]:
