@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Int, Key
 
 from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.rollout import FIRST_ACTION_KEY
 from jaxwalk.sim import pedestrian, vehicle
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
@@ -117,7 +118,7 @@ def _act(
     street: Street, policies: ByRole[Policy], scenarios: Scenario, keys: Key[Array, "episode"], game: Game
 ) -> tuple[ByRole[Array], ByRole[Any]]:
     """Everybody's actions and next memories; keys are made from episode, step and role."""
-    now = jax.vmap(jax.random.fold_in)(keys, game.state.step)
+    now = jax.vmap(jax.random.fold_in)(keys, FIRST_ACTION_KEY + game.state.step)
     driver_key, pedestrian_key = jax.vmap(jax.random.split, out_axes=1)(now)
     driver, pedestrians = policies.driver, policies.pedestrian
     seen_by_driver = street.observe(scenarios, game.state, "driver", driver.observes)

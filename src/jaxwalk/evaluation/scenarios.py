@@ -18,7 +18,7 @@ from jaxtyping import Array, Key
 from jaxwalk.evaluation.game import play
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows, measure
-from jaxwalk.rollout import ACTION_KEYS, EVALUATION, SCENARIO_KEYS, draw_batch, environment_keys, seed_key
+from jaxwalk.rollout import EVALUATION, SCENARIO_KEYS, draw_batch, environment_keys, seed_key
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.trajectory import Trajectory
@@ -85,7 +85,7 @@ def replay(
 def draw_scenarios(street: Street, *, seed: int, first: int, count: int) -> tuple[Scenario, Key[Array, "episode"]]:
     """Scenarios ``first`` .. ``first + count - 1`` of a seed as a batch, and keys for the policies that play them."""
     environments = environment_keys(seed_key(seed, EVALUATION), first, count)
-    return _draw(street, environments), _fold(environments, ACTION_KEYS)
+    return _draw(street, environments), environments
 
 
 def scenario_hash(street: Street, *, seed: int, episodes: int, batch: int = BATCH) -> str:

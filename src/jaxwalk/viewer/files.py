@@ -35,8 +35,7 @@ def picture(
     path: str | Path,
     *,
     frame: int | None = None,
-    inches: float = 8.0,
-    dpi: int = 120,
+    width: int = 960,
 ) -> None:
     """Write one frame of an episode as a picture.
 
@@ -46,14 +45,13 @@ def picture(
         road_map: the map it was played on, as `load_map` gives it (no stack).
         path: the file, ending in .png, .svg or .pdf.
         frame: which frame, from 0; the episode's last one if left out.
-        inches: width; the height is about the same.
-        dpi: pixels per inch.
+        width: in pixels; the height is about the same.
 
     Raises:
         ViewerError: no such episode or frame, or a file of another kind.
     """
     path = _checked(path, PICTURES, "picture")
-    scene = _scene(trajectory, episode, road_map, inches, dpi)
+    scene = _scene(trajectory, episode, road_map, width)
     frame = scene.last if frame is None else frame
     if not 0 <= frame <= scene.last:
         raise ViewerError(f"there is no frame {frame}: the episode has frames 0 to {scene.last}")
@@ -70,8 +68,7 @@ def animation(
     *,
     speed: float = 2.0,
     every: int = 2,
-    inches: float = 7.0,
-    dpi: int = 80,
+    width: int = 640,
 ) -> None:
     """Write an episode as an animation.
 
@@ -82,8 +79,7 @@ def animation(
         path: the file, ending in .gif, or in .mp4 where imageio-ffmpeg is installed.
         speed: how much faster than in reality things happen.
         every: an image for every so many steps.
-        inches: width; the height is about the same.
-        dpi: pixels per inch.
+        width: in pixels; the height is about the same.
 
     Raises:
         ViewerError: no such episode, a file of another kind, an impossible ``speed`` or ``every``, or an MP4 without
@@ -92,7 +88,7 @@ def animation(
     path = _checked(path, ANIMATIONS, "animation")
     if not speed > 0 or every < 1:
         raise ViewerError(f"speed must be above 0 and every at least 1, not {speed} and {every}")
-    scene = _scene(trajectory, episode, road_map, inches, dpi)
+    scene = _scene(trajectory, episode, road_map, width)
     rate = speed / (trajectory.dt * every)
     frames = [*range(0, scene.last, every), *[scene.last] * math.ceil(STILL * rate)]
     images = (scene.pixels(frame) for frame in frames)
@@ -101,13 +97,13 @@ def animation(
         write(unfinished, images, rate)
 
 
-def _scene(trajectory: Trajectory, episode: int, road_map: RoadMap, inches: float, dpi: int) -> Scene:
+def _scene(trajectory: Trajectory, episode: int, road_map: RoadMap, width: int) -> Scene:
     episodes = len(trajectory.length)
     if not 0 <= episode < episodes:
         raise ViewerError(f"there is no episode {episode}: the trajectory has {episodes}, from 0")
     if np.ndim(road_map.width):
         raise ViewerError("the map is a stack of maps: give one, as load_map does")
-    return Scene(trajectory, episode, road_map, inches=inches, dpi=dpi)
+    return Scene(trajectory, episode, road_map, width=width)
 
 
 def _checked(path: str | Path, kinds: tuple[str, ...], what: str) -> Path:

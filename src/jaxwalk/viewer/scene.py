@@ -23,6 +23,8 @@ CAR, JAYWALKED, GOAL, CRASH = "#1f5fd0", "#ffd400", "#d81e2c", "#d81e2c"
 """Colours of the car, of jaywalks, of the goal and of a collision."""
 TENDENCY = LinearSegmentedColormap.from_list("tendency", ["#159a4b", "#8a9a3c", "#c46a2b", "#c8102e"])
 """From green (never jaywalks) to red, without the yellow of jaywalks."""
+INCHES = 8.0
+"""Width for which texts and lines are sized; the pixels per inch make it larger or smaller."""
 TRAIL = 3.0
 """People leave a trail of this many seconds [s]."""
 
@@ -30,11 +32,13 @@ TRAIL = 3.0
 class Scene:
     """A figure of one episode. `show` makes it a moment of it."""
 
-    def __init__(self, trajectory: Trajectory, episode: int, road_map: RoadMap, *, inches: float, dpi: int) -> None:
-        """Draw what stays the same; ``inches`` is the width of the figure, ``dpi`` its pixels per inch."""
+    def __init__(self, trajectory: Trajectory, episode: int, road_map: RoadMap, *, width: int) -> None:
+        """Draw what stays the same; ``width`` is the width of the figure in pixels."""
         self.trajectory, self.episode = trajectory, episode
         self.last = int(trajectory.length[episode])
-        self.figure = Figure(figsize=(inches, 0.98 * inches), dpi=dpi, layout=ConstrainedLayoutEngine(h_pad=0.2))
+        self.figure = Figure(
+            figsize=(INCHES, 0.98 * INCHES), dpi=width / INCHES, layout=ConstrainedLayoutEngine(h_pad=0.2)
+        )
         self.canvas = FigureCanvasAgg(self.figure)
         self.axes = self.figure.add_subplot()
         draw_ground(self.axes, road_map)
