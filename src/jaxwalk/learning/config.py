@@ -28,8 +28,9 @@ class RoleConfig:
     """What the role's own critic reads: observation sets of the role, and ``"global"``; unused with shared credit."""
     entropy: float = 0.01
     """Weight of the entropy bonus [1 / nat] (paper, Table II: 0.03 pedestrian, 0.01 driver)."""
-    epochs: int = 4
-    """Passes over each rollout (paper, Table II)."""
+    epochs: float = 4
+    """Passes over each rollout (paper, Table II: 4). Below 1, only so much of the rollout is learned from: twelve
+    pedestrians make more data than they need."""
     noise: Literal["clipped", "tanh"] = "clipped"
     """Continuous actions only. ``clipped``: the mean is bounded by tanh, noise is added, the environment gets the
     action clipped to [-1, 1]. ``tanh``: noise is added first, then everything is squashed. The paper is silent."""
@@ -39,7 +40,7 @@ class RoleConfig:
     def __post_init__(self) -> None:
         """Refuse what cannot be trained."""
         _require(self, self.entropy >= 0, "entropy", "must be 0 or more")
-        _require(self, self.epochs >= 1, "epochs", "must be at least 1")
+        _require(self, 0 < self.epochs < math.inf, "epochs", "must be above 0")
         _require(self, 0 < self.initial_std < math.inf, "initial_std", "must be above 0")
         _require(self, self.noise in ("clipped", "tanh"), "noise", 'must be "clipped" or "tanh"')
         _require(self, bool(self.observes) and self.observes != GLOBAL, "observes", "must name an observation set")
@@ -134,7 +135,7 @@ FAST = TrainConfig(
     driver=RoleConfig(
         observes="route", actor_hidden=(256, 256), critic_hidden=(256, 256), critic_observes=("route", GLOBAL), epochs=3
     ),
-    pedestrian=RoleConfig(epochs=1),
+    pedestrian=RoleConfig(epochs=0.25),
     steps=64,
     anneal=True,
     reward_scale=0.1,

@@ -6,6 +6,7 @@ chunks of about 2,048 rows give the same result sooner.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -118,15 +119,17 @@ def descend(
 
 def fit(
     loss: Loss, network: Network, memory: optax.OptState, data: Any, *,
-    key: Key[Array, ""], rate: Float[Array, ""], epochs: int, agents: int, config: TrainConfig,
+    key: Key[Array, ""], rate: Float[Array, ""], epochs: float, agents: int, config: TrainConfig,
 ) -> tuple[Network, optax.OptState, dict[str, Array]]:  # fmt: skip
     """Epochs of minibatches over data ``(time, ..., env)``; returns what has changed and the reports' means.
 
-    Minibatches are sets of time steps: permuting every row instead costs more than the update itself.
+    A broken number of epochs leaves out the last minibatches. Minibatches are sets of time steps: permuting every row instead costs more than the update itself.
     """
     length = config.steps // config.minibatches
     chunks = plan_chunks(agents=agents, environments=config.environments, steps=length, rows=config.chunk_rows)
-    order = jnp.argsort(jax.random.bits(key, (epochs, config.steps)), axis=1)  # a permutation for each epoch
+    whole = math.ceil(epochs)
+    order = jnp.argsort(jax.random.bits(key, (whole, config.steps)), axis=1)  # a permutation for each epoch
+    batches = order.reshape(-1, length)[: max(round(epochs * config.minibatches), 1)]
 
     def minibatch(carry: tuple[Network, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
         network, memory = carry
@@ -134,5 +137,5 @@ def fit(
         report["gradient_norm"] = optax.tree.norm(gradient)
         return descend(network, memory, gradient, rate=rate, config=config), report
 
-    (network, memory), reports = jax.lax.scan(minibatch, (network, memory), order.reshape(-1, length))
+    (network, memory), reports = jax.lax.scan(minibatch, (network, memory), batches)
     return network, memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}
