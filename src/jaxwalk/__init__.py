@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from jaxwalk.evaluation import evaluate as evaluate
+    from jaxwalk.evaluation import play as play
     from jaxwalk.interfaces import ByRole as ByRole
-    from jaxwalk.learning import train as train
     from jaxwalk.maps import load_map as load_map
     from jaxwalk.metrics import measure as measure
     from jaxwalk.metrics import summarise as summarise
+    from jaxwalk.policies import DRIVERS as DRIVERS
+    from jaxwalk.policies import LearnedPolicy as LearnedPolicy
     from jaxwalk.policies import load_policy as load_policy
+    from jaxwalk.policies import POPULATIONS as POPULATIONS
     from jaxwalk.sim.config import SimConfig as SimConfig
     from jaxwalk.sim.environment import Street as Street
     from jaxwalk.sim.trajectory import Trajectory as Trajectory
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
 # Public name -> the module that holds it. A new name goes here and, for type checkers, in the imports above.
 _HOMES = {
     "ByRole": "jaxwalk.interfaces",
+    "DRIVERS": "jaxwalk.policies",
+    "LearnedPolicy": "jaxwalk.policies",
+    "POPULATIONS": "jaxwalk.policies",
     "SimConfig": "jaxwalk.sim.config",
     "Street": "jaxwalk.sim.environment",
     "Trajectory": "jaxwalk.sim.trajectory",
@@ -30,8 +36,8 @@ _HOMES = {
     "load_map": "jaxwalk.maps",
     "load_policy": "jaxwalk.policies",
     "measure": "jaxwalk.metrics",
+    "play": "jaxwalk.evaluation",
     "summarise": "jaxwalk.metrics",
-    "train": "jaxwalk.learning",
 }
 
 __all__ = [*_HOMES, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll] (each import above re-exports itself)
