@@ -162,7 +162,7 @@ LAYOUTS: dict[str, dict[str, dict[str, int]]] = {
         },
         "route": {
             "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(ROUTE_POINTS),
-            "clearance": 3, "conflict": 3, "people": 4 * NEIGHBOURS,
+            "clearance": 3, "conflict": 1, "people": 4 * NEIGHBOURS,
         },
     },
     "pedestrian": {
