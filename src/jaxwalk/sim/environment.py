@@ -77,24 +77,29 @@ class Street(eqx.Module):
         """One car with acceleration and steering; people who wait (0) or go (1)."""
         return ByRole(RoleSpec((), Box(2)), RoleSpec((self.config.pedestrians,), Discrete(2)))
 
+    @eqx.filter_jit
     def draw(self, key: Key[Array, ""]) -> Scenario:
         """One scenario; for a batch, ``jax.vmap(street.draw, out_axes=-1)(keys)``."""
         sizes = scenario.table_sizes(self.config, shortest_crossing=self.tables.shortest_crossing)
         return scenario.draw(self.maps, self.config, sizes, key)
 
+    @eqx.filter_jit
     def reset(self, scenario: Scenario) -> State:
         """Car and people at their starts, standing."""
         zero = jnp.zeros_like(scenario.map)
         return State(zero, vehicle.place(self.maps, scenario), pedestrian.place(self.maps, scenario))
 
+    @eqx.filter_jit
     def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
         """A named observation set (`jaxwalk.sim.observation.OBSERVATIONS`)."""
         return observation.observe(role, name, (self.maps, self.config, scenario, state))
 
+    @eqx.filter_jit
     def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
         """What the paper's centralised critic sees."""
         return observation.global_state(self.maps, self.config, scenario, state)
 
+    @eqx.filter_jit
     def step(self, scenario: Scenario, state: State, actions: ByRole[Array]) -> tuple[State, Outcome]:
         """One step: everybody moves, then events, then rewards. Deterministic; never resets."""
         car = vehicle.drive(self.maps, self.config, scenario, state.vehicle, actions.driver)
