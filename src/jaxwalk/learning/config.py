@@ -28,7 +28,7 @@ class RoleConfig:
     """What the role's own critic reads: observation sets of the role, and ``"global"``; unused with shared credit."""
     entropy: float = 0.01
     """Weight of the entropy bonus [1 / nat] (paper, Table II: 0.03 pedestrian, 0.01 driver)."""
-    epochs: float = 4
+    epochs: int | float = 4
     """Passes over each rollout (paper, Table II: 4). Below 1, only so much of the rollout is learned from: twelve
     pedestrians make more data than they need."""
     noise: Literal["clipped", "tanh"] = "clipped"

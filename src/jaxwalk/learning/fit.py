@@ -119,11 +119,12 @@ def descend(
 
 def fit(
     loss: Loss, network: Network, memory: optax.OptState, data: Any, *,
-    key: Key[Array, ""], rate: Float[Array, ""], epochs: float, agents: int, config: TrainConfig,
+    key: Key[Array, ""], rate: Float[Array, ""], epochs: int | float, agents: int, config: TrainConfig,
 ) -> tuple[Network, optax.OptState, dict[str, Array]]:  # fmt: skip
     """Epochs of minibatches over data ``(time, ..., env)``; returns what has changed and the reports' means.
 
-    A broken number of epochs leaves out the last minibatches. Minibatches are sets of time steps: permuting every row instead costs more than the update itself.
+    A broken number of epochs leaves out the last minibatches. Minibatches are sets of time steps: permuting every row
+    instead costs more than the update itself.
     """
     length = config.steps // config.minibatches
     chunks = plan_chunks(agents=agents, environments=config.environments, steps=length, rows=config.chunk_rows)

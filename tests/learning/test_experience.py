@@ -1,0 +1,30 @@
+"""What the learner needs of a rollout."""
+
+from __future__ import annotations
+
+import jax
+import numpy as np
+import pytest
+
+from jaxwalk.interfaces import ByRole
+from jaxwalk.learning.config import RoleConfig, TrainConfig
+from jaxwalk.learning.experience import make_act
+from jaxwalk.learning.mappo import init
+from jaxwalk.rollout import RESTART_EVERY, rollout
+from learning import games
+
+ROLE = RoleConfig(actor_hidden=(4,), critic_hidden=(4,))
+CONFIG = TrainConfig(driver=ROLE, pedestrian=ROLE, environments=3, steps=8 * RESTART_EVERY)
+
+
+@pytest.mark.parametrize("length", [1, 3, RESTART_EVERY - 1, RESTART_EVERY, RESTART_EVERY + 1, 2 * RESTART_EVERY])
+def test_the_step_after_an_episodes_last_shows_its_final_state_and_does_not_count(length):
+    game = games.game("bandit", length=length, timeout=True)
+    learner = init(game, CONFIG, jax.random.key(0))
+    act = make_act(game, CONFIG, learner.actors, ByRole(None, None))
+    _, played = rollout(game, act, learner.stream, CONFIG.steps, fresh_memory=ByRole(None, None))
+    time = np.asarray(played.record.views.observations["driver"]["paper"])[:, 1]
+    last = np.asarray(played.outcome.ended & played.valid)[:-1]
+    assert last.any()
+    np.testing.assert_array_equal(time[1:][last], length)
+    assert not np.asarray(played.valid)[1:][last].any()
