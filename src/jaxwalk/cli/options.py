@@ -173,7 +173,7 @@ class Report:
         """Do it."""
         from jaxwalk.cli.reproduce import remake
 
-        return remake(self)
+        return remake(self.folder)
 
 
 Command = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,7 +13,7 @@ from matplotlib.ticker import FuncFormatter
 
 from jaxwalk.report import published
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, Material, Number
-from jaxwalk.report.style import BLUE, GREEN, GRID, ORANGE, PAPER, RED, drawing, panels, save
+from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PAPER, PURPLE, RED, SKY, drawing, panels, save
 
 RATES = (("goal_rate", "goals [%]", 0), ("collision_rate", "collisions [%]", 1))
 """What to show, its label, and its place in the paper's pairs."""
@@ -58,26 +59,54 @@ def _published(driver: str, place: int) -> list[float]:
 
 
 def speed_differential(material: Material) -> Figure:
-    """Car speed by distance to the nearest pedestrian on a roadway, by type; the gap is shaded."""
-    figure, axes = panels(2, sharey=True)
+    """Car speed by distance to the nearest pedestrian on a roadway, by type; the gap shaded, and drawn at the right."""
+    figure, axes = panels(3, width=10.0, height=3.8)
     bins = material.cell(CO_TRAINED, LEARNED)["speed_differential"]
-    middles = [(b["near"] + b["far"]) / 2 for b in bins]
-    for axis, (weight, title) in zip(
-        axes, (("pooled", "pooled over frames"), ("by_encounter", "by encounter")), strict=True
-    ):
-        lines = {}
-        for k, (kind, colour) in enumerate(TYPES.items()):
-            ours = [b[weight][kind] for b in bins]
-            _points(axis, ours, [m + 0.16 * (2 * k - 1) for m in middles], color=colour, label=kind, scale=1, line=True)
-            lines[kind] = [math.nan if x["value"] is None else x["value"] for x in ours]
-        axis.fill_between(middles, lines["crosswalk"], lines["jaywalk"], color=GRID, alpha=0.25, label="gap", lw=0)
-        axis.set(title=title, xlabel="distance to the nearest pedestrian of the type [m]", ylim=(0, 9))
-        axis.set_xticks([0, *(b["far"] for b in bins)])
+    for axis, (weight, title, _) in zip(axes, WEIGHTS, strict=False):
+        _speeds(axis, bins, weight)
+        axis.set(title=f"car speed, {title} [m/s]", ylim=(0, 9))
     for value in published.SPEEDS:
-        axes[0].plot(middles[0], value, **_DIAMOND, label="paper, 0-3 m" if value == published.SPEEDS[0] else None)
-    axes[0].set_ylabel("car speed [m/s]")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        axes[0].plot(_middle(bins[0]), value, **_DIAMOND, label="paper" if value == published.SPEEDS[0] else None)
+    _gaps(axes[2], bins)
+    for axis in axes:
+        axis.set(xlim=(0, bins[-1]["far"]), xticks=[0, *(b["far"] for b in bins)])
+    axes[1].set_xlabel("distance to the nearest pedestrian of the type [m]")
+    named = [axis.get_legend_handles_labels() for axis in (axes[0], axes[2])]
+    handles, labels = (left + right for left, right in zip(*named, strict=True))
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return figure
+
+
+def _middle(b: dict[str, float]) -> float:
+    return (b["near"] + b["far"]) / 2
+
+
+def _speeds(axis: Axes, bins: list[dict[str, Any]], weight: str) -> None:
+    """Speeds near both types, and the gap between them."""
+    middles, lines = [_middle(b) for b in bins], {}
+    for k, (kind, colour) in enumerate(TYPES.items()):
+        ours = [b[weight][kind] for b in bins]
+        where = [m + 0.16 * (2 * k - 1) for m in middles]
+        _points(axis, ours, where, color=colour, label=f"near {kind}", scale=1, line=True)
+        lines[kind] = [math.nan if x["value"] is None else x["value"] for x in ours]
+    axis.fill_between(middles, lines["crosswalk"], lines["jaywalk"], color=GRID, alpha=0.25, label="gap", lw=0)
+
+
+def _gaps(axis: Axes, bins: list[dict[str, Any]]) -> None:
+    """The differences with both weights, beside the paper's."""
+    for k, (weight, title, colour) in enumerate(WEIGHTS):
+        ours = [b[weight]["difference"] for b in bins]
+        where = [_middle(b) + 0.16 * (2 * k - 1) for b in bins]
+        _points(axis, ours, where, color=colour, label=title, scale=1, line=True)
+    axis.plot(_middle(bins[0]), published.SPEED_GAP, **_DIAMOND)
+    low, high = published.SPEED_GAP_FARTHER
+    axis.fill_between([bins[1]["near"], bins[-1]["far"]], low, high, alpha=0.25, color=SKY, lw=0, label="paper, 3-12 m")
+    axis.axhline(0, color=INK, lw=0.8)
+    axis.set_title("jaywalk minus crosswalk [m/s]")
+
+
+WEIGHTS = (("pooled", "pooled over frames", PURPLE), ("by_encounter", "by encounter", GREEN))
+"""How speeds are averaged, in words, and the colour."""
 
 
 def attribution(material: Material) -> Figure:
@@ -131,7 +160,8 @@ def ablation(material: Material) -> Figure:
             where = [m + 0.01 * (2 * k - 1) for m in material.multipliers]
             _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100, line=True)
         theirs = [pair[place] for pair in published.ABLATION.values()]
-        axis.plot(list(published.ABLATION), theirs, **_DIAMOND | {"linestyle": ":"}, label="paper, among always-go")
+        style: dict[str, Any] = _DIAMOND | {"linestyle": ":", "label": "paper, among always-go"}
+        axis.plot(list(published.ABLATION), theirs, **style)
         axis.set(xlabel="jaywalk multiplier", ylabel=label, ylim=(0, 100 if place == 0 else None))
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
@@ -165,7 +195,14 @@ def _running_mean(values: list[float], weights: list[float]) -> list[float]:
     return means
 
 
-_DIAMOND = {"color": PAPER, "marker": "D", "markersize": 7, "markerfacecolor": "none", "linestyle": "none", "zorder": 4}
+_DIAMOND: dict[str, Any] = {
+    "color": PAPER,
+    "marker": "D",
+    "markersize": 7,
+    "markerfacecolor": "none",
+    "linestyle": "none",
+    "zorder": 4,
+}
 """How the paper's numbers look."""
 
 
@@ -179,7 +216,7 @@ def _points(
     below = [scale * (n["value"] - _end(n, "low")) for _, n in shown]
     above = [scale * (_end(n, "high") - n["value"]) for _, n in shown]
     places, bars = [place for place, _ in shown], [below, above]
-    style = {"color": color, "marker": "o", "markersize": 5, "capsize": 2.5, "label": label}
+    style: dict[str, Any] = {"color": color, "marker": "o", "markersize": 5, "capsize": 2.5, "label": label}
     style["linestyle"] = "-" if line else "none"
     if flat:
         axis.errorbar(values, places, xerr=bars, **style)
