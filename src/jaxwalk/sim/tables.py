@@ -116,8 +116,9 @@ def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     columns = (x, y, m["side_ux"], m["side_uy"], m["zone_near"], m["zone_far"], x[other] - x, y[other] - y, kerb,
                m["zone_near"][other], m["zone_far"][other], landing[other], outer[other])  # fmt: skip
     edge = np.hypot(m["node_x"][outer] - x, m["node_y"][outer] - y)
-    turn = (edge[:, None] + m["distance"][outer] - m["distance"][landing]) / 2
-    return hop.astype(np.int32), np.stack(columns, 1).astype(np.float32), np.nan_to_num(turn).astype(np.float32)
+    distance = np.where(np.isfinite(m["distance"]), m["distance"], 0)  # infinite only where there is padding
+    turn = (edge[:, None] + distance[outer] - distance[landing]) / 2
+    return hop.astype(np.int32), np.stack(columns, 1).astype(np.float32), turn.astype(np.float32)
 
 
 def _kerb_distance(m: dict, landing: np.ndarray, following: np.ndarray) -> np.ndarray:
