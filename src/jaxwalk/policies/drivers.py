@@ -16,8 +16,8 @@ from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Policy
 from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, ROUTE_POINTS, part
-from jaxwalk.sim.prediction import POINT_SPACING
+from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, part
+from jaxwalk.sim.prediction import POINT_SPACING, POINTS
 
 FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
 """Accelerations as shares of the limit (3 m/s2)."""
@@ -129,7 +129,7 @@ class RouteFollower(eqx.Module):
     max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
     """The car's largest steering angle [rad]."""
     point: int = eqx.field(static=True, default=0)
-    """Which of the route's points it aims at: an index of ``observation.ROUTE_POINTS``."""
+    """Which of the route's points it aims at: an index of ``prediction.POINTS``."""
     observes: str = eqx.field(static=True, default="route")
     """Name of the observation set."""
 
@@ -140,7 +140,7 @@ class RouteFollower(eqx.Module):
     def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
         """Full throttle after the route."""
         route = observation[part("driver", "route", "route")]
-        ahead, left = route[2 * self.point : 2 * self.point + 2] * (ROUTE_POINTS[self.point] * POINT_SPACING)
+        ahead, left = route[2 * self.point : 2 * self.point + 2] * (POINTS[self.point] * POINT_SPACING)
         reach = jnp.maximum(ahead * ahead + left * left + self.wheelbase * ahead, 1e-3)
         angle = jnp.arctan(2 * self.wheelbase * left / reach)
         steering = jnp.clip(angle / self.max_steering, -1, 1)

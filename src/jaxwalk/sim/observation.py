@@ -26,9 +26,6 @@ ABSENT = 60.0
 """A neighbour that isn't there stands this far ahead [m]; distances are scaled by it."""
 SPEED = 8.33
 """Speeds are scaled by this [m/s]."""
-ROUTE_POINTS = (1, 2, 3, 4, 5, 6, 8, 10)
-"""The points of the route ahead that are shown, in units of ``prediction.POINT_SPACING``; each is scaled by its own
-distance along the route."""
 
 Parts = list[Array]
 World = tuple[RoadMap, SimConfig, Scenario, State]
@@ -77,8 +74,9 @@ def _driver_route(maps: RoadMap, config: SimConfig, scenario: Scenario, state: S
     car = state.vehicle
     lateral, heading_cos, heading_sin = vehicle.route_frame(maps, scenario, car)
     to_go = vehicle.route_length(maps, scenario) - car.along
-    x, y = prediction.route_ahead(maps, scenario, state)
-    route = [axis[k] / (k * prediction.POINT_SPACING) for k in ROUTE_POINTS for axis in (x, y)]
+    away = [k * prediction.POINT_SPACING for k in prediction.POINTS]
+    ahead, left = prediction.route_ahead(maps, scenario, state)
+    route = [axis[i] / along for i, along in enumerate(away) for axis in (ahead, left)]
     clearance, conflict = prediction.clearances(maps, config, scenario, state)
     longest = prediction.MOMENTS * prediction.MOMENT
     return [
@@ -161,7 +159,7 @@ LAYOUTS: dict[str, dict[str, dict[str, int]]] = {
             "people": 4 * NEIGHBOURS,
         },
         "route": {
-            "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(ROUTE_POINTS),
+            "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(prediction.POINTS),
             "clearance": 3, "conflict": 1, "people": 4 * NEIGHBOURS,
         },
     },
