@@ -10,11 +10,12 @@ from jaxtyping import Array, Float, Key
 
 from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.config import RoleConfig
-from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distribution, TanhGaussian
+from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distribution, Gated, TanhGaussian
 from jaxwalk.learning.networks import MLP, make_mlp
 
-DISCRETE = "discrete"
-"""The kind of a policy that chooses among n; the kinds of continuous policies are `RoleConfig.noise`."""
+DISCRETE, GATED = "discrete", "gated"
+"""The kinds of policy that choose among n, everywhere or where the first feature of the observation is above 0; the
+kinds of continuous policies are `RoleConfig.noise`."""
 
 
 class Actor(eqx.Module):
@@ -27,13 +28,13 @@ class Actor(eqx.Module):
     observes: str = eqx.field(static=True)
     """The observation set it reads."""
     kind: str = eqx.field(static=True)
-    """``discrete``, ``clipped`` or ``tanh``."""
+    """``discrete``, ``gated``, ``clipped`` or ``tanh``."""
 
     def __call__(self, observation: Float[Array, "feature *rest"]) -> Distribution:
         """The distribution of every agent's action."""
         out = self.network(observation)
         if self.log_std is None:
-            return Categorical(out)
+            return Gated(Categorical(out), observation[0] > 0) if self.kind == GATED else Categorical(out)
         if self.kind == "clipped":
             return ClippedGaussian(jnp.tanh(out), self.log_std)
         return TanhGaussian(out, self.log_std)
@@ -45,4 +46,5 @@ def make_actor(key: Key[Array, ""], observation_size: int, action: Box | Discret
     outputs = action.n if isinstance(action, Discrete) else action.size
     network = make_mlp(key, (observation_size, *config.actor_hidden, outputs), final_scale=0.01)
     log_std = None if discrete else jnp.full(outputs, math.log(config.initial_std), jnp.float32)
-    return Actor(network, log_std, observes=config.observes, kind=DISCRETE if discrete else config.noise)
+    kind = (GATED if config.gated else DISCRETE) if discrete else config.noise
+    return Actor(network, log_std, observes=config.observes, kind=kind)

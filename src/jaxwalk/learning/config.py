@@ -31,6 +31,9 @@ class RoleConfig:
     epochs: int | float = 4
     """Passes over each rollout (paper, Table II: 4). Below 1, only so much of the rollout is learned from: twelve
     pedestrians make more data than they need."""
+    gated: bool = False
+    """Choices between 0 and 1 only. Whether the role decides only where the first feature of what it observes is above
+    0, takes 1 elsewhere, and learns from those decisions alone."""
     noise: Literal["clipped", "tanh"] = "clipped"
     """Continuous actions only. ``clipped``: the mean is bounded by tanh, noise is added, the environment gets the
     action clipped to [-1, 1]. ``tanh``: noise is added first, then everything is squashed. The paper is silent."""
@@ -133,11 +136,20 @@ PAPER = TrainConfig(
 
 FAST = TrainConfig(
     driver=RoleConfig(
-        observes="route", actor_hidden=(256, 256), critic_hidden=(256, 256), critic_observes=("route", GLOBAL), epochs=3
+        observes="route",
+        actor_hidden=(256, 256),
+        critic_hidden=(256, 256),
+        critic_observes=("route", GLOBAL),
+        entropy=0.001,
+        epochs=3,
+        initial_std=0.5,
     ),
-    pedestrian=RoleConfig(epochs=0.25),
+    pedestrian=RoleConfig(observes="kerb", gated=True, critic_observes=("kerb",), entropy=0.003, epochs=0.25),
     steps=64,
+    minibatches=32,
+    learning_rate=1e-3,
     anneal=True,
     reward_scale=0.1,
 )
-"""What learns best on the same task: route frame, a critic per role, a value per pedestrian, short rollouts."""
+"""What learns best on the same task: route frame, a critic per role, a value per pedestrian, pedestrians who decide at
+the kerb, short rollouts, small minibatches, a learning rate that falls."""

@@ -17,6 +17,7 @@ import optax
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.learning.config import TrainConfig
+from jaxwalk.learning.losses import Actions
 
 Network = TypeVar("Network")
 Loss = Callable[[Any, Any], tuple[Array, dict[str, Array]]]
@@ -60,6 +61,26 @@ def map_chunks(function: Callable[[Any], Array], data: Any, *, chunks: Chunks) -
     out = out.reshape(-1, chunks.parts, *out.shape[1:])  # (group, part, ..., k, env of the part)
     out = jnp.moveaxis(jnp.moveaxis(out, -2, 1), 2, -2)  # (group, k, ..., part, env of the part)
     return out.reshape(length, *out.shape[2:-2], -1)
+
+
+def only_weighty(data: Actions, *, columns: int) -> Actions:
+    """The entries with weight of data ``(time, ..., *agents, env)``, dealt out over ``(time, ..., columns)``.
+
+    What is left of the room has no weight; if it is too small, the last entries are left out.
+    """
+    length = data.weight.shape[0]
+    room = length * columns
+    (rows,) = jnp.nonzero(data.weight.reshape(-1) > 0, size=room, fill_value=0)
+    held = jnp.arange(room) < jnp.sum(data.weight > 0)
+
+    def deal(x: Array) -> Array:
+        features = x.ndim - data.weight.ndim
+        flat = jnp.moveaxis(x, 0, features).reshape(*x.shape[1 : 1 + features], -1)
+        return jnp.moveaxis(flat[..., rows].reshape(*flat.shape[:-1], columns, length), -1, 0)
+
+    dealt = jax.tree.map(deal, data)
+    weight = jnp.where(jnp.moveaxis(held.reshape(columns, length), -1, 0), dealt.weight, 0.0)
+    return eqx.tree_at(lambda d: d.weight, dealt, weight)
 
 
 def _places(times: Int[Array, " step"], chunks: Chunks) -> tuple[Int[Array, "chunk k"], Int[Array, " chunk"]]:
@@ -119,7 +140,8 @@ def descend(
 
 def fit(
     loss: Loss, network: Network, memory: optax.OptState, data: Any, *,
-    key: Key[Array, ""], rate: Float[Array, ""], epochs: int | float, agents: int, config: TrainConfig,
+    key: Key[Array, ""], rate: Float[Array, ""], epochs: int | float, agents: int, environments: int,
+    config: TrainConfig,
 ) -> tuple[Network, optax.OptState, dict[str, Array]]:  # fmt: skip
     """Epochs of minibatches over data ``(time, ..., env)``; returns what has changed and the reports' means.
 
@@ -127,7 +149,7 @@ def fit(
     instead costs more than the update itself.
     """
     length = config.steps // config.minibatches
-    chunks = plan_chunks(agents=agents, environments=config.environments, steps=length, rows=config.chunk_rows)
+    chunks = plan_chunks(agents=agents, environments=environments, steps=length, rows=config.chunk_rows)
     whole = math.ceil(epochs)
     order = jnp.argsort(jax.random.bits(key, (whole, config.steps)), axis=1)  # a permutation for each epoch
     batches = order.reshape(-1, length)[: max(round(epochs * config.minibatches), 1)]

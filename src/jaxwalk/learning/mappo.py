@@ -17,16 +17,18 @@ import optax
 from jaxtyping import Array, Int, Key
 
 from jaxwalk.interfaces import ByRole, Environment, Policy
-from jaxwalk.learning.actor import Actor, make_actor
+from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
 from jaxwalk.learning.config import ROLES, TrainConfig
 from jaxwalk.learning.critics import SHARED, Critic, Judgement, judge, make_critics
 from jaxwalk.learning.experience import fresh_memory, look, make_act
-from jaxwalk.learning.fit import fit, learning_rate, optimiser
+from jaxwalk.learning.fit import fit, learning_rate, only_weighty, optimiser
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
 from jaxwalk.learning.monitor import by_agent, episode_metrics, reward_metrics
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, start
 
+GATED_PART = 8
+"""A gated role learns from at most this part (1 / 8) of its rows, which hold its decisions; they are far fewer."""
 NOBODY: ByRole[Policy | None] = ByRole(driver=None, pedestrian=None)
 """No fixed policies: every role learns."""
 
@@ -138,13 +140,19 @@ def _improve_actors(
     actors, memories, metrics = {}, {}, {}
     for (role, actor), key in zip(learner.actors.items(), _shuffle_keys(learner, 0, len(learner.actors)), strict=True):
         advantage = judgements[SHARED if config.credit == "shared" else role].advantage
+        observation = played.record.views.observations[role][actor.observes]
+        counts = by_agent(weight, advantage) * (observation[:, 0] > 0 if actor.kind == GATED else 1.0)
         data = Actions(
-            observation=played.record.views.observations[role][actor.observes],
+            observation=observation,
             raw=played.record.raw[role],
             log_prob=played.record.log_prob[role],
-            advantage=normalised(advantage, by_agent(weight, advantage)),
-            weight=weight,
+            advantage=normalised(advantage, counts),
+            weight=counts,
         )
+        agents, environments = math.prod(getattr(environment.roles, role).agents), config.environments
+        if actor.kind == GATED:
+            agents, environments = 1, -(-agents * environments // GATED_PART)
+            data = only_weighty(data, columns=environments)
         actors[role], memories[role], report = fit(
             partial(actor_loss, clip=config.clip, entropy=config.role(role).entropy),
             actor,
@@ -153,7 +161,8 @@ def _improve_actors(
             key=key,
             rate=learning_rate(config, learner.updates, learner.planned),
             epochs=config.role(role).epochs,
-            agents=math.prod(getattr(environment.roles, role).agents),
+            agents=agents,
+            environments=environments,
             config=config,
         )
         metrics |= {f"{role}/{name}": x for name, x in report.items()}
@@ -182,6 +191,7 @@ def _improve_critics(
             rate=learning_rate(config, learner.updates, learner.planned),
             epochs=max(config.role(role).epochs for role in roles),
             agents=math.prod(critic.agents),
+            environments=config.environments,
             config=config,
         )
         valid = by_agent(weight, judgement.target)

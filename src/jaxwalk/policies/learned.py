@@ -21,7 +21,7 @@ import safetensors
 import safetensors.numpy
 from jaxtyping import Array, Float, Key
 
-from jaxwalk.learning.actor import DISCRETE, Actor
+from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.networks import MLP
 
@@ -41,7 +41,7 @@ class RoleHeader:
 
     observes: str
     """The observation set it reads."""
-    kind: Literal["discrete", "clipped", "tanh"]
+    kind: Literal["discrete", "gated", "clipped", "tanh"]
     """What its outputs mean: `Actor.kind`."""
     sizes: tuple[int, ...]
     """Numbers in, units of each hidden layer, outputs."""
@@ -168,7 +168,7 @@ def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray
     layers = range(len(sizes) - 1)
     wanted = {f"layer{i}.weight": (sizes[i + 1], sizes[i]) for i in layers}
     wanted |= {f"layer{i}.bias": (sizes[i + 1],) for i in layers}
-    if kind != DISCRETE:
+    if kind not in (DISCRETE, GATED):
         wanted["log_std"] = (sizes[-1],)
     found = {name: x.shape for name, x in arrays.items()}
     if found != wanted:

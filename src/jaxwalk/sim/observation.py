@@ -18,12 +18,17 @@ from jaxwalk.sim.events import distance
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
 from jaxwalk.sim.tables import of_map
+from jaxwalk.sim.trajectory import JAYWALK
 from jaxwalk.sim.vehicle import to_frame
 
 NEIGHBOURS = 6
 """The car sees this many people, the nearest ones."""
 ABSENT = 60.0
 """A neighbour that isn't there stands this far ahead [m]; distances are scaled by it."""
+KERB_CAR_DISTANCE = 40.0
+"""A pedestrian at the kerb decides whether to wait only with the car within this distance [m]."""
+LONG = 8.0
+"""Times are capped here [s]."""
 SPEED = 8.33
 """Speeds are scaled by this [m/s]."""
 
@@ -130,6 +135,35 @@ def _pedestrian_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, stat
     ]  # fmt: skip
 
 
+def _pedestrian_kerb(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+    """What bears on stepping into the road: whether there is anything to decide 1, the car as it comes 7, the times at
+    which both would be where their ways cross 3, how close they would come if one goes now 2, oneself 6.
+
+    There is something to decide at the kerb with the car within 40 m. Vectors are in the car's frame.
+    """
+    car, people = state.vehicle, state.pedestrian
+    ahead, left = to_frame(people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
+    along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
+    pace, speed = scenario.walking_speed(config), jnp.broadcast_to(car.speed[None], ahead.shape)
+    decides = pedestrian.at_kerb(config, people) & (ahead * ahead + left * left < KERB_CAR_DISTANCE**2)
+
+    crossing_speed = pace * across
+    toward = left * crossing_speed < 0
+    own_time = jnp.where(toward, -left / jnp.where(toward, crossing_speed, 1), LONG)
+    car_time = ahead / jnp.maximum(speed, 0.5)
+    vx, vy = pace * along - speed, crossing_speed
+    closest = jnp.clip(-(ahead * vx + left * vy) / jnp.maximum(vx * vx + vy * vy, 1e-6), 0, LONG)
+    miss = distance(ahead + vx * closest, left + vy * closest)
+    return [
+        decides, ahead / KERB_CAR_DISTANCE, left / KERB_CAR_DISTANCE, speed / SPEED,
+        (car.acceleration / config.max_acceleration)[None], (car.steering / config.max_steering)[None], along, across,
+        jnp.clip(car_time, -LONG, LONG) / LONG, jnp.minimum(own_time, LONG) / LONG,
+        jnp.clip(car_time - own_time, -LONG, LONG) / LONG, jnp.minimum(miss, 10) / 10, closest / LONG, pace / 2,
+        scenario.traits[0], scenario.traits[2], scenario.traits[3], people.crossing == JAYWALK,
+        jnp.clip(people.to_kerb, -1, config.kerb_distance),
+    ]  # fmt: skip
+
+
 def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"]) -> tuple[Array, Array]:
     """Vector from each pedestrian to the nearest other one [m]; 60 m ahead where nobody is nearer."""
     people = x.shape[0]
@@ -148,7 +182,7 @@ def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"])
 
 OBSERVATIONS: dict[str, dict[str, Callable[..., Parts]]] = {
     "driver": {"paper": _driver_paper, "route": _driver_route},
-    "pedestrian": {"paper": _pedestrian_paper},
+    "pedestrian": {"paper": _pedestrian_paper, "kerb": _pedestrian_kerb},
 }
 """The named observation sets of each role."""
 
@@ -167,6 +201,10 @@ LAYOUTS: dict[str, dict[str, dict[str, int]]] = {
         "paper": {
             "position": 2, "velocity": 2, "traits": 4, "next_waypoint": 2, "surface": 3, "on_jaywalk": 1,
             "car_position": 2, "car_velocity": 2, "nearest_other": 2,
+        },
+        "kerb": {
+            "decides": 1, "place": 2, "car_motion": 3, "direction": 2, "times": 3, "miss": 2, "pace": 1, "traits": 3,
+            "jaywalk": 1, "to_kerb": 1,
         },
     },
 }  # fmt: skip
