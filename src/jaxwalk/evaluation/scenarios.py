@@ -2,7 +2,7 @@
 
 Scenario i of a seed is always the same, and so is what sampling policies draw in it: both depend on the seed and i
 alone. All batches have the same size on the device (the last one plays on into scenarios nobody asked for), so row i
-does not depend on how many episodes are asked for.
+does not depend, to the last bit, on how many episodes are asked for. Another batch size may round differently.
 """
 
 from __future__ import annotations
@@ -125,11 +125,8 @@ def _play_batch(street: Street, driver: Policy, pedestrians: Policy, seed: int, 
 @eqx.filter_jit
 def _draw(street: Street, environments: Key[Array, "episode"]) -> Scenario:
     """The scenario with which each environment would begin a rollout."""
-    return draw_batch(street, _fold(_fold(environments, SCENARIO_KEYS), 0))
-
-
-def _fold(keys: Key[Array, "episode"], number: int) -> Key[Array, "episode"]:
-    return jax.vmap(jax.random.fold_in, in_axes=(0, None))(keys, number)
+    first_episode = jax.vmap(lambda key: jax.random.fold_in(jax.random.fold_in(key, SCENARIO_KEYS), 0))
+    return draw_batch(street, first_episode(environments))
 
 
 def _episodes(trajectory: Trajectory, first: int, count: int) -> Trajectory:

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import pytest
+
+from jaxwalk.evaluation import compare, evaluate
+from jaxwalk.policies import AlwaysGo, Random, RouteFollower
+
+BATCH = 16  # everywhere, so that little is compiled
+
+
+class Undecided(eqx.Module):
+    """Pedestrians who toss a coin at every step, and remember how often."""
+
+    observes: str = eqx.field(static=True, default="paper")
+
+    @property
+    def sample(self):
+        return True
+
+    def init(self, agents, batch):
+        return jnp.zeros(batch, jnp.int32)
+
+    def act(self, key, memory, observation):
+        coin = jax.vmap(lambda k: jax.random.bernoulli(k, 0.8, observation.shape[1:2]), out_axes=-1)(key)
+        return coin.astype(jnp.int32), memory + 1
+
+
+@pytest.fixture(scope="session")
+def driver():
+    return RouteFollower()
+
+
+@pytest.fixture(scope="session")
+def undecided():
+    return Undecided()
+
+
+@pytest.fixture(scope="session")
+def rows(street, driver, undecided):
+    """40 episodes in batches of 16."""
+    return evaluate(street, driver, undecided, episodes=40, seed=7, batch=BATCH)
+
+
+@pytest.fixture(scope="session")
+def compared(street, driver, undecided):
+    """Two drivers among two populations: results and rows."""
+    drivers = {"route-follower": driver, "random": Random()}
+    populations = {"undecided": undecided, "always-go": AlwaysGo()}
+    return compare(street, drivers, populations, episodes=24, seed=7, batch=BATCH)

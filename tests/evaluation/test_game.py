@@ -1,0 +1,143 @@
+from __future__ import annotations
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.evaluation import draw_scenarios, play, with_jaywalk_multiplier
+from jaxwalk.interfaces import ByRole
+from jaxwalk.policies import AlwaysGo, ConstantSpeed
+from jaxwalk.sim import pedestrian
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.environment import Street
+
+HORIZON = 110  # some arrive earlier, some do not; and it ends within a block of steps
+
+
+@pytest.fixture(scope="module")
+def short():
+    """A street with short episodes."""
+    return Street.create(config=SimConfig(horizon=HORIZON))
+
+
+@pytest.fixture(scope="module")
+def batch(short):
+    return draw_scenarios(short, seed=5, first=0, count=16)
+
+
+@pytest.fixture(scope="module")
+def played(short, driver, undecided, batch):
+    return play(short, driver, undecided, *batch)
+
+
+def per_frame(trajectory):
+    once = ("touched", "jaywalking_tendency")
+    return {name: x for name, x in vars(trajectory).items() if np.ndim(x) >= 2 and name not in once}
+
+
+def test_frames_are_those_of_stepping_by_hand(short, driver, undecided, batch, played):
+    scenarios, keys = batch
+
+    @eqx.filter_jit
+    def by_hand(short, scenarios, state, memory):
+        key_of = jax.vmap(jax.random.split)(jax.vmap(jax.random.fold_in)(keys, 1 + state.step))
+        drive, _ = driver.act(key_of[:, 0], None, short.observe(scenarios, state, "driver", "route"))
+        go, memory = undecided.act(key_of[:, 1], memory, short.observe(scenarios, state, "pedestrian", "paper"))
+        state, outcome = short.step(scenarios, state, ByRole(drive, go))
+        car, people = state.vehicle, state.pedestrian
+        seen = {
+            "car_x": car.x, "car_speed": car.speed, "car_acceleration": car.acceleration, "ped_x": people.x,
+            "ped_vx": pedestrian.velocity(short.config, scenarios, people)[0], "on_roadway": people.on_roadway,
+            "going": people.going, "decisions": people.decisions, "at_kerb": pedestrian.at_kerb(short.config, people),
+        }  # fmt: skip
+        return state, memory, outcome.events, seen
+
+    state, memory, under_way = short.reset(scenarios), undecided.init((12,), (16,)), np.ones(16, bool)
+    for frame in range(1, played.length.max() + 1):
+        state, memory, events, seen = by_hand(short, scenarios, state, memory)
+        for name, now in seen.items():
+            frames = getattr(played, name)[frame][under_way]
+            np.testing.assert_allclose(frames, np.asarray(now).T[under_way], rtol=1e-5, atol=1e-4, err_msg=name)
+        ends = under_way & np.asarray(events.goal | events.collision | events.timeout)
+        np.testing.assert_array_equal(played.length[ends], frame)
+        np.testing.assert_array_equal(played.goal[ends], events.goal[ends])
+        np.testing.assert_array_equal(played.touched[ends], events.touched.T[ends])
+        under_way &= ~ends
+    assert not under_way.any()
+
+
+def test_frame_0_is_the_reset(short, batch, played):
+    start = short.reset(batch[0])
+    np.testing.assert_array_equal(played.car_x[0], start.vehicle.x)
+    np.testing.assert_array_equal(played.ped_y[0], start.pedestrian.y.T)
+    np.testing.assert_array_equal(played.jaywalking_tendency, batch[0].traits[0].T)
+    assert (played.car_speed[0] == 0).all()
+    assert (played.ped_vx[0] == 0).all()
+    assert played.going[0].all()
+
+
+def test_arrays_are_numpy_in_the_order_frame_episode_pedestrian(played):
+    frames = played.length.max() + 1
+    for name, x in per_frame(played).items():
+        assert isinstance(x, np.ndarray)
+        assert x.shape == ((frames, 16) if name.startswith("car_") else (frames, 16, 12)), name
+
+
+def test_episodes_end_in_every_way_and_then_repeat_their_last_frame(played):
+    timeout = ~played.goal & ~played.collision
+    assert played.goal.any()
+    assert played.collision.any()
+    assert timeout.any()
+    assert not (played.goal & played.collision).any()
+    assert (played.length[timeout] == HORIZON).all()
+    assert (played.touched.any(axis=1) == played.collision).all()
+    for name, x in per_frame(played).items():
+        for episode, last in enumerate(played.length):
+            assert (x[last:, episode] == x[last, episode]).all(), name
+
+
+def test_an_episode_alone_is_the_same_as_in_a_batch(short, driver, undecided, batch, played):
+    scenarios, keys = batch
+    third = jax.tree.map(lambda x: x[..., 3:4], scenarios)
+    alone = play(short, driver, undecided, third, keys[3:4], numbers=np.array([3]))
+    assert alone.scenario.tolist() == [3]
+    assert alone.length[0] == played.length[3]
+    for name, x in per_frame(alone).items():
+        np.testing.assert_allclose(x[:, 0], getattr(played, name)[: len(x), 3], rtol=1e-5, atol=1e-4, err_msg=name)
+
+
+def test_what_policies_draw_depends_on_their_keys(short, driver, undecided, batch, played):
+    scenarios, keys = batch
+    again = play(short, driver, undecided, scenarios, keys)
+    other = play(short, driver, undecided, scenarios, keys[::-1])
+    for name, x in per_frame(again).items():
+        np.testing.assert_array_equal(x, getattr(played, name))
+    assert (other.going[1] != played.going[1]).any()
+
+
+def test_another_multiplier_or_other_weights_compile_nothing_anew(street):
+    traces = []
+
+    class Counted(ConstantSpeed):
+        weight: jax.Array = eqx.field(default_factory=lambda: jnp.ones(()), kw_only=True)
+
+        def act(self, key, memory, observation):
+            traces.append(1)
+            action, memory = super().act(key, memory, observation)
+            return action * self.weight, memory
+
+    scenarios, keys = draw_scenarios(street, seed=5, first=0, count=16)
+    play(street, Counted(), AlwaysGo(), scenarios, keys)
+    first = len(traces)
+    for multiplier in (0.0, 0.1, 1.0):
+        weaker = Counted(weight=jnp.float32(0.5))
+        play(with_jaywalk_multiplier(street, multiplier), weaker, AlwaysGo(), scenarios, keys)
+    assert len(traces) == first > 0
+
+
+def test_a_batch_that_does_not_fit_is_refused(short, driver, undecided, batch):
+    scenarios, keys = batch
+    with pytest.raises(ValueError, match="one key for each"):
+        play(short, driver, undecided, scenarios, keys[:3])

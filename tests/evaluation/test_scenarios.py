@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import numpy as np
+import pytest
+
+from jaxwalk import rollout
+from jaxwalk.evaluation import draw_scenarios, evaluate, replay, scenario_hash, with_jaywalk_multiplier
+
+
+def test_how_many_are_asked_for_changes_no_row(street, driver, undecided, rows):
+    assert rows.episodes.scenario.tolist() == list(range(40))
+    for count in (3, 17):
+        fewer = evaluate(street, driver, undecided, episodes=count, seed=7, batch=16)
+        for field in dataclasses.fields(rows.episodes):
+            a, b = getattr(fewer.episodes, field.name), getattr(rows.episodes, field.name)[:count]
+            np.testing.assert_array_equal(a, b, err_msg=field.name)
+
+
+def test_the_batch_size_changes_roundings_at_most(street, driver, undecided, rows):
+    other = evaluate(street, driver, undecided, episodes=40, seed=7, batch=25)
+    for field in dataclasses.fields(rows.episodes):
+        a, b = getattr(other.episodes, field.name), getattr(rows.episodes, field.name)
+        np.testing.assert_allclose(a, b, rtol=1e-5, err_msg=field.name)
+
+
+def test_an_evaluation_can_be_replayed(street, driver, undecided, rows):
+    for scenario in (0, 18, 39):
+        episode = replay(street, driver, undecided, scenario=scenario, seed=7, batch=16)
+        assert episode.scenario.tolist() == [scenario]
+        assert episode.length[0] == rows.episodes.steps[scenario]
+        assert episode.goal[0] == rows.episodes.goal[scenario]
+        assert episode.car_x.shape == (episode.length[0] + 1, 1)
+        assert episode.ped_x.shape == (episode.length[0] + 1, 1, 12)
+
+
+def test_progress_is_told_after_every_batch(street, driver, undecided):
+    told = []
+    evaluate(street, driver, undecided, episodes=20, seed=8, batch=16, progress=lambda *n: told.append(n))
+    assert told == [(16, 20), (20, 20)]
+
+
+@pytest.mark.parametrize(("wrong", "value"), [("episodes", 0), ("batch", 0), ("seed", -1), ("seed", 2**31)])
+def test_impossible_numbers_are_refused(street, driver, undecided, wrong, value):
+    with pytest.raises(ValueError, match=wrong):
+        evaluate(street, driver, undecided, **({"episodes": 4, "seed": 1, "batch": 4} | {wrong: value}))
+    with pytest.raises(ValueError, match=wrong):
+        scenario_hash(street, **({"episodes": 4, "seed": 1, "batch": 4} | {wrong: value}))
+
+
+def test_there_is_no_scenario_below_0(street, driver, undecided):
+    with pytest.raises(ValueError, match="scenario must be 0 or more"):
+        replay(street, driver, undecided, scenario=-1, seed=1)
+
+
+def test_the_hash_stands_for_the_scenarios(street):
+    digest = scenario_hash(street, seed=7, episodes=20, batch=16)
+    assert len(digest) == 16
+    assert int(digest, 16) >= 0
+    assert scenario_hash(street, seed=7, episodes=20) == digest
+    assert scenario_hash(with_jaywalk_multiplier(street, 1.0), seed=7, episodes=20) == digest
+    assert len({digest, *(scenario_hash(street, seed=s, episodes=n) for s, n in [(7, 21), (8, 20)])}) == 3
+
+
+def test_scenarios_are_numbered_and_never_those_of_a_training(street):
+    many, keys = draw_scenarios(street, seed=7, first=0, count=16)
+    two, two_keys = draw_scenarios(street, seed=7, first=5, count=2)
+    jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[..., 5:7], b), many, two)
+    np.testing.assert_array_equal(jax.random.key_data(keys[5:7]), jax.random.key_data(two_keys))
+    training = rollout.environment_keys(rollout.seed_key(7, rollout.TRAINING), 0, 16)
+    trained = rollout.start(street, training).scenario
+    drawn = np.concatenate([many.traits, trained.traits], axis=-1).reshape(-1, 32)
+    assert len(np.unique(drawn, axis=1).T) == 32
+
+
+def test_a_rollout_with_the_same_keys_begins_with_the_same_scenarios(street):
+    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=16)
+    begun = rollout.start(street, keys).scenario
+    jax.tree.map(np.testing.assert_array_equal, scenarios, begun)

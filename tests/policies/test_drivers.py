@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.evaluation import draw_scenarios
+from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.policies import DRIVERS, POPULATIONS, RouteFollower, RuleBased, RuleBasedBraking
+from jaxwalk.sim import vehicle
+from jaxwalk.sim.observation import ABSENT, LAYOUTS, NEIGHBOURS, SPEED, part
+from jaxwalk.sim.prediction import POINT_SPACING, POINTS
+
+KEYS = jax.random.split(jax.random.key(3), 7)
+SIZES = {name: sum(layout.values()) for name, layout in LAYOUTS["driver"].items()}
+
+
+@pytest.mark.parametrize("name", DRIVERS)
+def test_every_driver_keeps_the_contract(name):
+    driver = DRIVERS[name]()
+    assert isinstance(driver, Policy)
+    seen = jax.random.normal(jax.random.key(1), (SIZES[driver.observes], 7))
+    memory = driver.init((), (7,))
+    action, after = driver.act(KEYS, memory, seen)
+    assert action.shape == (2, 7)
+    assert action.dtype == jnp.float32
+    assert jnp.abs(action).max() <= 1
+    assert jax.tree.structure(after) == jax.tree.structure(memory)
+    np.testing.assert_array_equal(driver.act(KEYS, memory, seen)[0], action)
+    alone, _ = driver.act(KEYS[4], driver.init((), ()), seen[:, 4])
+    np.testing.assert_array_equal(alone, action[:, 4])
+
+
+def test_always_go_says_go_for_everybody():
+    population = POPULATIONS["always-go"]()
+    assert isinstance(population, Policy)
+    action, _ = population.act(KEYS, None, jnp.zeros((20, 12, 7)))
+    assert action.shape == (12, 7)
+    assert (action == 1).all()
+
+
+def test_random_actions_are_uniform_and_differ_between_episodes():
+    keys = jax.random.split(jax.random.key(0), 20_000)
+    action, _ = DRIVERS["random"]().act(keys, None, jnp.zeros((SIZES["paper"], len(keys))))
+    np.testing.assert_allclose(action.mean(axis=1), 0, atol=0.02)
+    np.testing.assert_allclose(action.var(axis=1), 1 / 3, atol=0.01)
+    assert abs(np.corrcoef(action)[0, 1]) < 0.03
+
+
+def paper(goal=(30.0, 0.0), people=()):
+    """What a driver sees with the set "paper"; positions [m] ahead and to the left."""
+    seen = np.zeros(SIZES["paper"], np.float32)
+    seen[part("driver", "paper", "goal")] = np.array(goal) / ABSENT
+    absent = [(ABSENT, 0.0)] * (NEIGHBOURS - len(people))
+    seen[part("driver", "paper", "people")] = np.array(
+        [(x / ABSENT, y / ABSENT, 0, 0) for x, y in [*people, *absent]]
+    ).ravel()
+    return jnp.asarray(seen)
+
+
+@pytest.mark.parametrize(
+    ("goal", "steering"), [((30, 0), 0), ((30, 3), 0.0997 / 0.52), ((0, 9), 1), ((0, -9), -1), ((-9, -1), -1)]
+)
+def test_rule_based_steers_at_the_goal(goal, steering):
+    action, _ = RuleBased().act(KEYS[0], None, paper(goal))
+    np.testing.assert_allclose(action, [1, steering], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("person", "brakes"),
+    [((12.9, 0), 1), ((13.1, 0), 0), ((10, 3.6), 1), ((10, 3.7), 0), ((10, -3.6), 1), ((-5, 0), 0)],
+)
+def test_braking_rule_brakes_in_its_cone_only(person, brakes):
+    action, _ = RuleBasedBraking().act(KEYS[0], None, paper(people=[(-3.0, 1.0), person]))
+    np.testing.assert_allclose(action, [-1 if brakes else 1, 0])
+
+
+@pytest.mark.parametrize("radius", [5.0, -8.0, 50.0])
+def test_route_follower_steers_along_the_circle_to_the_point_ahead(radius):
+    """A point on the circle that a bicycle with constant steering would drive: that steering is commanded."""
+    angle = POINT_SPACING / abs(radius)
+    slip = np.arcsin(1.25 / radius)  # turning radius = (wheelbase / 2) / sin(slip)
+    chord, bearing = 2 * abs(radius) * np.sin(angle / 2), slip + np.sign(radius) * angle / 2
+    seen = np.zeros(SIZES["route"], np.float32)
+    begin = part("driver", "route", "route").start
+    seen[begin : begin + 2] = chord * np.cos(bearing) / POINT_SPACING, chord * np.sin(bearing) / POINT_SPACING
+    action, _ = RouteFollower().act(KEYS[0], None, jnp.asarray(seen))
+    np.testing.assert_allclose(action, [1, np.arctan(2 * np.tan(slip)) / 0.52], rtol=1e-4)
+
+
+def test_route_follower_keeps_every_route_s_lane_and_arrives(street):
+    scenarios, keys = draw_scenarios(street, seed=1, first=0, count=256)
+    driver = RouteFollower()
+
+    @eqx.filter_jit
+    def drive(street, scenarios):
+        def body(state, _):
+            action, _ = driver.act(keys, None, street.observe(scenarios, state, "driver", "route"))
+            standing = jnp.zeros(scenarios.start.shape, jnp.int32)
+            state, outcome = street.step(scenarios, state, ByRole(action, standing))
+            return state, (vehicle.route_frame(street.maps, scenarios, state.vehicle)[0], outcome.events.goal)
+
+        return jax.lax.scan(body, street.reset(scenarios), None, length=180)[1]
+
+    lateral, goal = map(np.asarray, drive(street, scenarios))
+    under_way = np.cumsum(goal, axis=0) == 0
+    assert len(np.unique(scenarios.route)) > 80
+    assert goal.any(axis=0).all()
+    assert np.abs(lateral[under_way]).max() < 0.5
+
+
+@pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in LAYOUTS.items() for name in sets])
+def test_layouts_say_where_things_are(street, role, name):
+    scenarios, _ = draw_scenarios(street, seed=0, first=0, count=3)
+    state = street.reset(scenarios)
+    state = eqx.tree_at(lambda s: s.vehicle.speed, state, jnp.full(3, 4.0))
+    seen = eqx.filter_jit(lambda street: street.observe(scenarios, state, role, name))(street)
+    assert seen.shape[0] == sum(LAYOUTS[role][name].values())
+    if role == "pedestrian":
+        np.testing.assert_array_equal(seen[part(role, name, "traits")], scenarios.traits)
+        return
+    np.testing.assert_allclose(seen[part(role, name, "speed")], [[4 / SPEED] * 3])
+    people = seen[part(role, name, "people")].reshape(NEIGHBOURS, 4, 3)
+    away = jnp.hypot(state.pedestrian.x - state.vehicle.x, state.pedestrian.y - state.vehicle.y)
+    np.testing.assert_allclose(
+        jnp.hypot(people[:, 0], people[:, 1]), jnp.sort(away, axis=0)[:NEIGHBOURS] / ABSENT, rtol=1e-4
+    )
+    if name == "route":
+        route = seen[part(role, name, "route")].reshape(len(POINTS), 2, 3)
+        np.testing.assert_allclose(route[:2], [[[1] * 3, [0] * 3]] * 2, atol=1e-4)  # routes begin straight ahead
+    with pytest.raises(KeyError):
+        part(role, name, "traits of others")

@@ -1,0 +1,136 @@
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from jaxwalk.maps import load_map, stack_maps
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+from jaxwalk.viewer import ViewerError, animation, picture, scene
+
+FRAMES, EPISODES, PEOPLE = 21, 2, 2
+
+
+@pytest.fixture(scope="module")
+def road_map():
+    return load_map("paper")
+
+
+@pytest.fixture
+def trajectory():
+    """A car to the east at 8 m/s; in episode 1 it hits pedestrian 0, who jaywalks from frame 5 on."""
+    time = np.arange(FRAMES)[:, None] * 0.1
+    frame, person = (FRAMES, EPISODES), (FRAMES, EPISODES, PEOPLE)
+    ped_x = np.broadcast_to([26.0, 48.0], person).copy()
+    ped_y = np.stack([np.broadcast_to(51.0 + 1.5 * time, frame), np.full(frame, 51.0)], axis=-1)
+    on_roadway = ped_y > 52
+    return Trajectory(
+        dt=0.1, scenario=np.arange(2), length=np.array([20, 18]), goal=np.array([True, False]),
+        collision=np.array([False, True]), touched=np.array([[False, False], [True, False]]),
+        goal_x=np.full(2, 26.0), goal_y=np.full(2, 54.0), car_x=np.broadcast_to(10 + 8 * time, frame),
+        car_y=np.full(frame, 54.0), car_cos=np.ones(frame), car_sin=np.zeros(frame), car_speed=np.full(frame, 8.0),
+        car_acceleration=np.zeros(frame), jaywalking_tendency=np.array([[0.0, 1.0]] * 2), ped_x=ped_x, ped_y=ped_y,
+        ped_vx=np.zeros(person), ped_vy=np.full(person, 1.5), on_roadway=on_roadway,
+        on_crosswalk=np.zeros(person, bool), crossing=np.broadcast_to([JAYWALK, CROSSWALK], person),
+        decisions=np.ones(person, int), at_kerb=np.zeros(person, bool), going=np.ones(person, bool),
+    )  # fmt: skip
+
+
+def colours(path):
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB"), int)
+
+
+def has(image, colour, tolerance=6):
+    return bool((np.abs(image - colour).max(axis=-1) <= tolerance).any())
+
+
+def test_a_picture_shows_everything(trajectory, road_map, tmp_path):
+    path = tmp_path / "end.png"
+    picture(trajectory, 1, road_map, path, width=500)
+    image = colours(path)
+    assert image.shape == (490, 500, 3)
+    for colour in ((0x9A, 0x9E, 0xA5), (0xB5, 0xD3, 0xA2), (0x1F, 0x5F, 0xD0), (0xD8, 0x1E, 0x2C), (0xFF, 0xD4, 0x00)):
+        assert has(image, colour)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["end.png"]
+
+
+def test_frames_differ_and_the_last_one_is_the_default(trajectory, road_map, tmp_path):
+    names = {None: "default.png", 18: "18.png", 3: "3.png"}
+    for frame, name in names.items():
+        picture(trajectory, 1, road_map, tmp_path / name, frame=frame, width=240)
+    default, last, early = (colours(tmp_path / name) for name in names.values())
+    assert (default == last).all()
+    assert (default != early).any()
+
+
+def test_texts_and_jaywalks(trajectory, road_map):
+    drawn = scene.Scene(trajectory, 1, road_map, width=240)
+    assert drawn.jaywalks == [(0, 6, 18)]
+    drawn.show(5)
+    assert drawn.title.get_text().split() == ["0.5", "s", "8.0", "m/s"]
+    assert not drawn.crash.get_visible()
+    assert len(drawn.yellow.get_segments()) == 0
+    drawn.show(18)
+    assert drawn.title.get_text().endswith("collision")
+    assert drawn.crash.get_visible()
+    assert len(drawn.yellow.get_segments()) == 1
+    np.testing.assert_allclose(drawn.car.get_xy().mean(axis=0), [10 + 1.8 * 8, 54], atol=0.5)
+
+
+@pytest.mark.parametrize("name", ["film.gif", "FILM.GIF"])
+def test_an_animation_has_a_frame_for_every_so_many_steps(trajectory, road_map, tmp_path, name):
+    animation(trajectory, 0, road_map, tmp_path / name, every=5, speed=2.0, width=150)
+    with Image.open(tmp_path / name) as film:
+        assert film.format == "GIF"
+        assert film.n_frames >= 5  # 0, 5, 10, 15 and the end, which stays for 1.5 s (equal frames may be merged)
+        assert film.info["duration"] == 250
+    assert [entry.name for entry in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.parametrize(("write", "name"), [(picture, "a.png"), (animation, "a.gif")])
+def test_a_failed_drawing_leaves_the_old_file_alone(trajectory, road_map, tmp_path, monkeypatch, write, name):
+    path = tmp_path / name
+    path.write_text("old")
+
+    def fail(*_, **options):
+        raise OSError("disk full")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", fail)
+    monkeypatch.setattr("PIL.Image.Image.save", fail)
+    with pytest.raises(OSError, match="disk full"):
+        write(trajectory, 0, road_map, path)
+    assert path.read_text() == "old"
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize(
+    ("write", "episode", "name", "options", "complaint"),
+    [
+        (picture, 0, "a.gif", {}, "must end in .png or .svg or .pdf"),
+        (animation, 0, "a.png", {}, "must end in .gif or .mp4"),
+        (picture, 2, "a.png", {}, "no episode 2: the trajectory has 2"),
+        (picture, 0, "a.png", {"frame": 21}, "no frame 21: the episode has frames 0 to 20"),
+        (picture, 0, "no/such/a.png", {}, "does not exist"),
+        (animation, 0, "a.gif", {"speed": 0.0}, "speed must be above 0"),
+        (animation, 0, "a.gif", {"every": 0}, "every at least 1"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(trajectory, road_map, tmp_path, write, episode, name, options, complaint):
+    with pytest.raises(ViewerError, match=complaint):
+        write(trajectory, episode, road_map, tmp_path / name, **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_stack_of_maps_is_refused(trajectory, road_map, tmp_path):
+    with pytest.raises(ViewerError, match="stack"):
+        picture(trajectory, 0, stack_maps([road_map]), tmp_path / "a.png")
+
+
+def test_mp4_without_its_encoder_says_what_to_install(trajectory, road_map, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(ViewerError, match="pip install"):
+        animation(trajectory, 0, road_map, tmp_path / "a.mp4")
+    assert not list(tmp_path.iterdir())
