@@ -111,4 +111,9 @@ def matching(scenario: Array, state: Any, chosen: Array, gone: Array) -> tuple[A
     return 1.0 * (chosen == (jnp.mean(gone, axis=0) > 0.5)), 1.0 * (gone == (scenario > 0))
 
 
-RULES = {rule.__name__: rule for rule in (bandit, given, delayed, tracking, steady, matching)}
+def holding(scenario: Array, state: Any, chosen: Array, gone: Array) -> tuple[Array, Array]:
+    """People should never go."""
+    return jnp.zeros_like(chosen), 1.0 - gone
+
+
+RULES = {rule.__name__: rule for rule in (bandit, given, delayed, tracking, steady, matching, holding)}

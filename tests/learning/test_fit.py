@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig, TrainConfig
-from jaxwalk.learning.fit import Chunks, descend, fit, learning_rate, map_chunks, mean_gradient, optimiser, plan_chunks
+from jaxwalk.learning.fit import Chunks, descend, fit, learning_rate, map_chunks, mean_gradient, only_weighty, optimiser, plan_chunks
 from jaxwalk.learning.losses import Actions, actor_loss
 
 STEPS, ENVS = 8, 6
@@ -49,6 +49,21 @@ def test_chunked_gradient_is_that_of_the_whole(agents, action, chunks):
         np.testing.assert_allclose(got, want, rtol=1e-4, atol=1e-6)
 
 
+@pytest.mark.parametrize("columns", [6, 18])
+def test_entries_with_weight_give_the_gradient_of_all(columns):
+    actor, data = rollout_of((3,), Discrete(2))
+    weight = jnp.zeros((STEPS, 3, ENVS)).at[2, 1].set(1.0).at[5, :, 2].set(1.0)
+    data = Actions(data.observation, data.raw, data.log_prob, data.advantage, weight)
+    few = only_weighty(data, columns=columns)
+    assert few.observation.shape == (STEPS, 5, columns)
+    assert float(few.weight.sum()) == float(weight.sum()) == 9
+    loss = partial(actor_loss, clip=0.2, entropy=0.1)
+    want, _ = mean_gradient(loss, actor, data, jnp.arange(STEPS), chunks=Chunks(1, 1))
+    got, _ = mean_gradient(loss, actor, few, jnp.arange(STEPS), chunks=Chunks(1, 1))
+    for a, b in zip(jax.tree.leaves(got), jax.tree.leaves(want), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6)
+
+
 @given(st.integers(1, 24), st.integers(1, 48), st.integers(1, 32), st.integers(1, 5000))
 def test_plans_divide_evenly_and_keep_to_the_rows(agents, environments, steps, rows):
     plan = plan_chunks(agents=agents, environments=environments, steps=steps, rows=rows)
@@ -82,7 +97,7 @@ def test_every_epoch_sees_every_step_once_in_its_own_order():
     network = jnp.ones(())
     out = fit(
         loss, network, optimiser(config).init(network), times,
-        key=jax.random.key(0), rate=jnp.float32(0.1), epochs=2, agents=1, config=config,
+        key=jax.random.key(0), rate=jnp.float32(0.1), environments=ENVS, epochs=2, agents=1, config=config,
     )  # fmt: skip
     jax.block_until_ready(out)
     jax.effects_barrier()

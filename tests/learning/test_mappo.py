@@ -72,6 +72,15 @@ def test_bandit(credit):
     assert set(learner.critics) == ({"shared"} if credit == "shared" else {"driver", "pedestrian"})
 
 
+def test_gated_people_decide_only_where_they_may():
+    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(CONFIG.pedestrian, gated=True))
+    learner, metrics = play(games.game("holding"), config)
+    wait = learner.actors["pedestrian"](jnp.array([[1.0, -1.0], [0.0, 0.0], [0.0, 0.0]]))  # may decide, may not
+    assert wait.mode().tolist() == [0, 1]
+    assert float(jnp.exp(wait.choice.log_prob(jnp.array([0, 0])))[0]) > 0.95
+    assert 0.4 < metrics["reward/pedestrian"] < 0.6  # half of the scenarios let them decide
+
+
 def test_values_follow_the_observation():
     game = games.game("given")
     learner, metrics = play(game)
