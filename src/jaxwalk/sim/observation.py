@@ -170,10 +170,11 @@ def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"])
     order = jnp.arange(people).reshape((-1,) + (1,) * (x.ndim - 1))
 
     def compare(other: Array, nearest: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        best, best_x, best_y = nearest
         dx, dy = x[other][None] - x, y[other][None] - y
         squared = dx * dx + dy * dy
-        nearer = (squared < nearest[0]) & (other != order)
-        return tuple(jnp.where(nearer, new, old) for new, old in zip((squared, dx, dy), nearest, strict=True))
+        nearer = (squared < best) & (other != order)
+        return jnp.where(nearer, squared, best), jnp.where(nearer, dx, best_x), jnp.where(nearer, dy, best_y)
 
     nobody = (jnp.full_like(x, ABSENT**2), jnp.full_like(x, ABSENT), jnp.zeros_like(x))
     _, near_x, near_y = jax.lax.fori_loop(0, people, compare, nobody)
