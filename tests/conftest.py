@@ -1,0 +1,90 @@
+"""How every test runs: array shapes and types are checked, and what was compiled once is kept for the next run."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from pathlib import Path
+
+import pytest
+from jaxtyping import install_import_hook
+
+install_import_hook("jaxwalk", "beartype.beartype")  # before the first import of jaxwalk
+
+
+def pytest_configure(config):
+    # Two workers may meet in the cache; a half-written entry is compiled anew.
+    config.addinivalue_line("filterwarnings", "ignore:Error (reading|writing) persistent compilation:UserWarning")
+    if getattr(config, "cache", None) is not None:
+        import jax
+
+        jax.config.update("jax_compilation_cache_dir", str(config.cache.mkdir(f"jax-{_processor()}")))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
+
+
+def _processor() -> str:
+    """A short name for this machine's instruction set: compiled code from another one might not run here."""
+    about = Path("/proc/cpuinfo")
+    flags = next((x for x in about.read_text().splitlines() if x.startswith("flags")), "") if about.exists() else ""
+    return hashlib.sha256(f"{platform.machine()} {platform.processor()} {flags}".encode()).hexdigest()[:8]
+
+
+@pytest.fixture(scope="session")
+def street():
+    """The paper's street; nobody is paid."""
+    from jaxwalk import Street
+
+    return Street.create()
+
+
+@pytest.fixture(scope="session")
+def draw(street):
+    """Gives 256 scenarios, from the global index on."""
+    from sim.play import draw
+
+    return lambda first=0, *, domain=0, seed=1: draw(street, seed, domain, first)
+
+
+@pytest.fixture(scope="session")
+def scenarios(draw):
+    """256 scenarios."""
+    return draw()
+
+
+@pytest.fixture(scope="session")
+def always_go(street, scenarios):
+    """Everybody walks for 500 steps; the car stands."""
+    from sim.play import play
+
+    return play(street, scenarios)
+
+
+@pytest.fixture(scope="session")
+def driven(street, scenarios):
+    """500 random actions each: the car jerks about, people go or wait."""
+    from sim.play import play, random_actions
+
+    actions = random_actions(0)
+    return actions, play(street, scenarios, *actions)
+
+
+@pytest.fixture(scope="session")
+def paid_street():
+    """The paper's street, with weight 1 for every reward term."""
+    from jaxwalk import Street
+    from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
+
+    return Street.create(
+        driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0), pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0)
+    )
+
+
+@pytest.fixture(scope="session")
+def midway(paid_street, scenarios):
+    """The state after 150 steps in which everybody walked and the car stood."""
+    from sim.play import actions, everything, reset
+
+    state = reset(paid_street, scenarios)
+    for _ in range(150):
+        state, *_ = everything(paid_street, scenarios, state, actions())
+    return state

@@ -1,0 +1,140 @@
+"""Playing scenarios and writing everything down. Every function is compiled once and used by many tests."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxwalk.interfaces import ByRole
+from jaxwalk.rollout import draw_batch, environment_keys, seed_key
+from jaxwalk.sim import pedestrian
+from jaxwalk.sim.observation import OBSERVATIONS
+
+ENVIRONMENTS, STEPS, PEOPLE = 256, 500, 12
+SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets]
+TRACES = Counter()
+"""How often Python ran through each compiled function, by the shapes it was called with."""
+
+
+def draw(street, seed, domain, first, count=ENVIRONMENTS):
+    """Scenarios for the global indices first .. first + count - 1."""
+    return _draw(street, environment_keys(seed_key(seed, domain), first, count))
+
+
+def play(street, scenario, drive=None, go=None, state=None):
+    """Frames (frame, ..., env) of 500 steps by name, frame 0 the start, as NumPy arrays.
+
+    ``drive`` is (step, 2, env), default: stand; ``go`` is (step, ped, env), default: always.
+    """
+    if drive is None:
+        drive = np.zeros((STEPS, 2, ENVIRONMENTS), np.float32) - np.array([[1], [0]], np.float32)
+    if go is None:
+        go = np.ones((STEPS, PEOPLE, ENVIRONMENTS), np.int32)
+    state = reset(street, scenario) if state is None else state
+    return jax.tree.map(np.asarray, _play(street, scenario, state, ByRole(jnp.asarray(drive), jnp.asarray(go))))
+
+
+def random_actions(seed):
+    """Uniform accelerations and steering; people go 2 of 3 times."""
+    random = np.random.default_rng(seed)
+    drive = random.uniform(-1, 1, (STEPS, 2, ENVIRONMENTS)).astype(np.float32)
+    drive[:, 0] += 0.3  # so that it gets somewhere
+    go = (random.random((STEPS, PEOPLE, ENVIRONMENTS)) < 2 / 3).astype(np.int32)
+    return np.clip(drive, -1, 1), go
+
+
+@jax.jit
+def reset(street, scenario):
+    return street.reset(scenario)
+
+
+def view(street, scenario, state):
+    """What tests look at, by name."""
+    car, people = state.vehicle, state.pedestrian
+    vx, vy = pedestrian.velocity(street.config, scenario, people)
+    return {
+        "step": state.step, "car_x": car.x, "car_y": car.y, "car_cos": car.cos, "car_sin": car.sin,
+        "car_speed": car.speed, "car_steering": car.steering, "car_acceleration": car.acceleration,
+        "along": car.along, "x": people.x, "y": people.y, "vx": vx, "vy": vy, "on_roadway": people.on_roadway,
+        "on_crosswalk": people.on_crosswalk, "crossing": people.crossing, "decisions": people.decisions,
+        "goal": people.goal, "arrivals": people.arrivals, "going": people.going,
+        "at_kerb": pedestrian.at_kerb(street.config, people),
+    }  # fmt: skip
+
+
+def columns(tree, which):
+    """Some environments of a batch."""
+    return jax.tree.map(lambda x: jnp.asarray(x)[..., which], tree)
+
+
+def people(scenario, state, order):
+    """The same episode with its people in another order (or some left out, or doubled)."""
+    order = np.asarray(order)
+    which = lambda s: (s.traits, s.goals, s.jaywalk_draw, s.zone_draw)  # noqa: E731
+    chosen = eqx.tree_at(which, scenario, [x[:, order] for x in which(scenario)])
+    chosen = eqx.tree_at(lambda s: s.start, chosen, scenario.start[order])
+    return chosen, eqx.tree_at(lambda s: s.pedestrian, state, jax.tree.map(lambda x: x[order], state.pedestrian))
+
+
+def with_car(state, **values):
+    """The state with some of the car's numbers replaced."""
+    car = eqx.tree_at(
+        lambda c: [getattr(c, name) for name in values],
+        state.vehicle,
+        [jnp.broadcast_to(jnp.asarray(v, jnp.float32), state.vehicle.x.shape) for v in values.values()],
+    )
+    return eqx.tree_at(lambda s: s.vehicle, state, car)
+
+
+@jax.jit
+def _draw(street, keys):
+    return draw_batch(street, keys)
+
+
+@jax.jit
+def _play(street, scenario, state, actions):
+    TRACES["play", state.step.shape, street.maps.roads.shape] += 1
+
+    def body(state, action):
+        after, _ = street.step(scenario, state, action)
+        return after, view(street, scenario, after)
+
+    first = view(street, scenario, state)
+    _, frames = jax.lax.scan(body, state, actions)
+    return {name: jnp.concatenate([first[name][None], frames[name]]) for name in first}
+
+
+def _everything(street, scenario, state, actions):
+    TRACES["everything", state.step.shape, street.maps.roads.shape] += 1
+    seen = {f"{role} {name}": street.observe(scenario, state, role, name) for role, name in SETS}
+    seen["global"] = street.global_state(scenario, state)
+    after, outcome = street.step(scenario, state, actions)
+    return after, outcome, seen, view(street, scenario, after)
+
+
+everything = jax.jit(_everything, compiler_options={"xla_llvm_disable_expensive_passes": True})
+"""Observations of a state by role and name, then one step: (state, outcome, observations, view of the state)."""
+
+QUICKLY = {"xla_backend_optimization_level": 0}
+"""How to compile what is called only a few times."""
+
+everything_once = jax.jit(_everything, compiler_options=QUICKLY)
+
+
+def actions(drive=(-1.0, 0.0), go=1, *, shape=(ENVIRONMENTS,), people=PEOPLE):
+    """The same actions everywhere, or given arrays."""
+    drive = jnp.asarray(drive, jnp.float32)
+    drive = jnp.broadcast_to(drive.reshape(drive.shape + (1,) * (1 + len(shape) - drive.ndim)), (2, *shape))
+    go = jnp.asarray(go, jnp.int32)
+    return ByRole(drive, jnp.broadcast_to(go.reshape(go.shape + (1,) * (1 + len(shape) - go.ndim)), (people, *shape)))
+
+
+def inside(rectangles, x, y, *, margin=0.0):
+    """Whether points lie in any rectangle (n, 4), drawn in by ``margin`` (negative: widened)."""
+    x0, y0, x1, y1 = (np.asarray(rectangles)[:, i].reshape(-1, *(1,) * np.ndim(x)) for i in range(4))
+    within = (x >= x0 + margin) & (x <= x1 - margin) & (y >= y0 + margin) & (y <= y1 - margin)
+    return within.any(axis=0)
