@@ -122,12 +122,12 @@ def document_line(document: dict[str, Any]) -> str:
 
 def percent(rate: dict[str, float | None]) -> str:
     """As in ``14.0 [11.2, 17.3]``."""
-    return _with_interval(rate, 100, 1)
+    return _with_interval(rate, 100.0, 1)
 
 
 def seconds(number: dict[str, float | None]) -> str:
     """As in ``14.0 [11.2, 17.3]``."""
-    return _with_interval(number, 1, 1)
+    return _with_interval(number, 1.0, 1)
 
 
 def _with_interval(number: dict[str, float | None], scale: float, digits: int) -> str:

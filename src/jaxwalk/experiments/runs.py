@@ -149,7 +149,8 @@ def _line(metrics: Mapping[str, int | float]) -> str:
     return json.dumps(metrics) + "\n"
 
 
-def _experiments() -> TypeAdapter[Experiment]:
+def _experiments() -> Any:
+    """A TypeAdapter[Experiment]."""
     return TypeAdapter(Experiment)
 
 
@@ -159,7 +160,7 @@ def _read_experiment(path: Path) -> Experiment:
         return _experiments().validate_json(path.read_bytes())
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"]))
+        where = ".".join(str(part) for part in first["loc"] if part not in ("int", "float"))  # members of unions
         what = f"{where}: {first['msg']}" if where else first["msg"]
         raise RunError(f"{path}: {what}; {mend}") from error
     except OSError as error:

@@ -17,9 +17,9 @@ from jaxwalk.rollout import Act
 class Views(eqx.Module):
     """What actors and critics see of a state."""
 
-    observations: dict[str, dict[str, Float[Array, "feature ..."]]]
+    observations: dict[str, dict[str, Float[Array, "_ ..."]]]
     """Of each learning role, each observation set that its actor or critic reads."""
-    world: Float[Array, "feature *batch"] | None
+    world: Float[Array, "_ *batch"] | None
     """The global state, if any critic reads it."""
 
 

@@ -41,7 +41,7 @@ def baselines(material: Material) -> Figure:
         for k, people in enumerate(POPULATIONS):
             ours = [material.cell(name, people)[rate] for name in names]
             where = [i + 0.17 * (2 * k - 1) for i in range(len(names))]
-            _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100, flat=True)
+            _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100.0, flat=True)
         for i, name in enumerate(names):
             for value in _published(name, place):
                 axis.plot(value, i, **_DIAMOND, label="paper" if i == 0 else None)
@@ -87,7 +87,7 @@ def _speeds(axis: Axes, bins: list[dict[str, Any]], weight: str) -> None:
     for k, (kind, colour) in enumerate(TYPES.items()):
         ours = [b[weight][kind] for b in bins]
         where = [m + 0.16 * (2 * k - 1) for m in middles]
-        _points(axis, ours, where, color=colour, label=f"near {kind}", scale=1, line=True)
+        _points(axis, ours, where, color=colour, label=f"near {kind}", scale=1.0, line=True)
         lines[kind] = [math.nan if x["value"] is None else x["value"] for x in ours]
     axis.fill_between(middles, lines["crosswalk"], lines["jaywalk"], color=GRID, alpha=0.25, label="gap", lw=0)
 
@@ -97,7 +97,7 @@ def _gaps(axis: Axes, bins: list[dict[str, Any]]) -> None:
     for k, (weight, title, colour) in enumerate(WEIGHTS):
         ours = [b[weight]["difference"] for b in bins]
         where = [_middle(b) + 0.16 * (2 * k - 1) for b in bins]
-        _points(axis, ours, where, color=colour, label=title, scale=1, line=True)
+        _points(axis, ours, where, color=colour, label=title, scale=1.0, line=True)
     axis.plot(_middle(bins[0]), published.SPEED_GAP, **_DIAMOND)
     low, high = published.SPEED_GAP_FARTHER
     axis.fill_between([bins[1]["near"], bins[-1]["far"]], low, high, alpha=0.25, color=SKY, lw=0, label="paper, 3-12 m")
@@ -118,7 +118,7 @@ def attribution(material: Material) -> Figure:
         found = material.cell(CO_TRAINED, people)["attribution"]
         ours = [find(found) for find in SHARES.values()]
         where = [i + shift for i in range(len(names))]
-        _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100, flat=True)
+        _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100.0, flat=True)
     for i, value in ((0, published.COLLISIONS_JAYWALK), (1, published.CROSSINGS_JAYWALK)):
         axis.plot(value, i, **_DIAMOND, label="paper" if i == 0 else None)
     axis.set_yticks(range(len(names)), names)
@@ -142,7 +142,7 @@ def quarters(material: Material) -> Figure:
     """Jaywalk rate by quarter of the trait."""
     figure, (axis,) = panels(1, width=5.0, height=3.2)
     found = material.cell(CO_TRAINED, LEARNED)["jaywalk_rate"]["quarters"]
-    _points(axis, found, range(4), color=BLUE, label="ours", scale=100)
+    _points(axis, found, [0.0, 1.0, 2.0, 3.0], color=BLUE, label="ours", scale=100.0)
     for i, value in enumerate(published.QUARTERS):
         axis.plot(i + 0.12, value, **_DIAMOND, label="paper" if i == 0 else None)
     axis.set_xticks(range(4), ["0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1"])
@@ -158,7 +158,7 @@ def ablation(material: Material) -> Figure:
         for k, people in enumerate(POPULATIONS):
             ours = [material.ablated(m, people)[rate] for m in material.multipliers]
             where = [m + 0.01 * (2 * k - 1) for m in material.multipliers]
-            _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100, line=True)
+            _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100.0, line=True)
         theirs = [pair[place] for pair in published.ABLATION.values()]
         style: dict[str, Any] = _DIAMOND | {"linestyle": ":", "label": "paper, among always-go"}
         axis.plot(list(published.ABLATION), theirs, **style)

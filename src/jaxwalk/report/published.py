@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 BASELINES: dict[str, tuple[float, float]] = {
-    "random": (11, 25),
-    "constant-speed": (23, 39),
-    "rule-based": (35, 33),
-    "rule-based-braking": (33, 35),
+    "random": (11.0, 25.0),
+    "constant-speed": (23.0, 39.0),
+    "rule-based": (35.0, 33.0),
+    "rule-based-braking": (33.0, 35.0),
 }
 """Goals and collisions of the rules (section IV-A); among whom is not stated."""
 
 TRAINED: dict[tuple[str, str], tuple[float, float]] = {
-    ("single-agent", "always-go"): (65, 20),
-    ("single-agent", "learned"): (65, 16),
-    ("co-trained", "always-go"): (76, 16),
-    ("co-trained", "learned"): (78, 14),
+    ("single-agent", "always-go"): (65.0, 20.0),
+    ("single-agent", "learned"): (65.0, 16.0),
+    ("co-trained", "always-go"): (76.0, 16.0),
+    ("co-trained", "learned"): (78.0, 14.0),
 }
 """Goals and collisions by driver and population (Table III)."""
 
 ABLATION: dict[float, tuple[float, float]] = {
-    0.0: (77, 15),
-    0.1: (77, 15),
-    0.25: (76, 16),
-    0.6: (73, 18),
-    1.0: (64, 28),
+    0.0: (77.0, 15.0),
+    0.1: (77.0, 15.0),
+    0.25: (76.0, 16.0),
+    0.6: (73.0, 18.0),
+    1.0: (64.0, 28.0),
 }
 """Goals and collisions of the co-trained driver by jaywalk multiplier, among always-go (section IV-D)."""
-JAYWALK_SHARE: dict[float, float] = {0.0: 0, 0.1: 5, 0.25: 13, 0.6: 30, 1.0: 50}
+JAYWALK_SHARE: dict[float, float] = {0.0: 0.0, 0.1: 5.0, 0.25: 13.0, 0.6: 30.0, 1.0: 50.0}
 """Share of crossings that are jaywalks, by multiplier."""
 
 SPEED_GAP = 2.65

@@ -61,7 +61,7 @@ def matrix(material: Material) -> Table:
     for cell in (material.cell(name, people) for name in material.drivers for people in POPULATIONS):
         outcomes = cell["outcomes"]
         rates = (shown(outcomes[name]) for name in ("goal", "collision", "timeout"))
-        per_km, time = shown(outcomes["all"]["per_km"], 1, 2), shown(outcomes["time_to_goal"], 1)
+        per_km, time = shown(outcomes["all"]["per_km"], 1.0, 2), shown(outcomes["time_to_goal"], 1.0)
         rows.append((cell["driver"], cell["pedestrians"], *rates, per_km, time))
     return Table(columns, tuple(rows))
 
@@ -78,7 +78,7 @@ def baselines(material: Material) -> Table:
         for place, rate in enumerate(("goal_rate", "collision_rate")):
             ours = {people: material.cell(name, people)[rate] for people in POPULATIONS}
             row += [shown(x) for x in ours.values()]
-            row.append(f"{theirs[name][place]}" if name in theirs else NONE)
+            row.append(f"{theirs[name][place]:g}" if name in theirs else NONE)
             if name in published.BASELINES:
                 what = f"{name} {('goals', 'collisions')[place]} among {LEARNED}"
                 against.append(Versus(what, ours[LEARNED], theirs[name][place]))
@@ -93,7 +93,7 @@ def co_training(material: Material) -> Table:
     for (driver, people), (goal, collision) in published.TRAINED.items():
         cell = material.cell(driver, people)
         ours = (cell["goal_rate"], cell["collision_rate"])
-        rows.append((driver, people, shown(ours[0]), f"{goal}", shown(ours[1]), f"{collision}"))
+        rows.append((driver, people, shown(ours[0]), f"{goal:g}", shown(ours[1]), f"{collision:g}"))
         against.append(Versus(f"{driver} among {people}, goals", ours[0], goal))
         against.append(Versus(f"{driver} among {people}, collisions", ours[1], collision))
     return Table(columns, tuple(rows), verdict(against, verdicts.TRAINED))
@@ -117,12 +117,12 @@ def speed_differential(material: Material) -> Table:
         for weight, name, unit in (("pooled", "frames", "frames"), ("by_encounter", "encounters", "encounters")):
             gap = found[weight]
             theirs = NONE if weight != "pooled" else f"{published.SPEED_GAP}" if i == 0 else f"{low:.2f} to {high:.2f}"
-            speeds = (shown(gap[kind], 1, 2) for kind in ("crosswalk", "jaywalk", "difference"))
+            speeds = (shown(gap[kind], 1.0, 2) for kind in ("crosswalk", "jaywalk", "difference"))
             count = f"{gap['crosswalk']['count']:,} and {gap['jaywalk']['count']:,} {unit}"
             rows.append((place, name, *speeds, theirs, count))
         if i == 0:
             against.append(
-                Versus("difference within 3 m, pooled", found["pooled"]["difference"], published.SPEED_GAP, "m/s", 1)
+                Versus("difference within 3 m, pooled", found["pooled"]["difference"], published.SPEED_GAP, "m/s", 1.0)
             )
     return Table(columns, tuple(rows), verdict(against, verdicts.SPEED))
 
@@ -137,7 +137,7 @@ def attribution(material: Material) -> Table:
         for (name, find), value in zip(SHARES.items(), theirs, strict=True)
     ]
     for name, scale in (("crossing", "per_crossing"), ("second on a roadway", "per_second")):
-        ratios = (shown(found[people][scale]["ratio"], 1) for people in POPULATIONS)
+        ratios = (shown(found[people][scale]["ratio"], 1.0) for people in POPULATIONS)
         rows.append((f"collisions per {name}: jaywalk / crosswalk (a ratio, not %)", *ratios, NONE))
     mine = found[LEARNED]
     against = [
@@ -164,7 +164,7 @@ def contacts(material: Material) -> Table:
         for kind in ("crosswalk", "jaywalk", "sidewalk"):
             c = outcomes[kind]
             counts = (str(c["moving"] + c["standing"]), shown(c["share"]), str(c["moving"]), str(c["standing"]))
-            rows.append((people, kind, *counts, shown(c["impact_speed"], 1)))
+            rows.append((people, kind, *counts, shown(c["impact_speed"], 1.0)))
     return Table(columns, tuple(rows))
 
 
@@ -202,9 +202,9 @@ def approach(material: Material) -> Table:
         found = material.cell(CO_TRAINED, people)["encounters"]
         for kind, theirs in published.APPROACH.items():
             ours = found[kind]["minimum_approach"]
-            rows.append((kind, people, shown(ours, 1, 2), f"{theirs}", f"{found[kind]['count']:,}"))
+            rows.append((kind, people, shown(ours, 1.0, 2), f"{theirs}", f"{found[kind]['count']:,}"))
             if people == LEARNED:
-                against.append(Versus(kind, ours, theirs, "m", 1))
+                against.append(Versus(kind, ours, theirs, "m", 1.0))
     return Table(columns, tuple(rows), verdict(against, verdicts.APPROACH))
 
 
@@ -219,10 +219,10 @@ def braking(material: Material) -> Table:
             theirs = f"{published.BRAKING}" if kind == "jaywalk" else NONE
             counts = (f"{found[x]:,}" for x in ("observed", "censored", "already", "standing"))
             rows.append(
-                (kind, people, shown(found["median"], 1, 2), shown(found["mean_observed"], 1, 2), theirs, *counts)
+                (kind, people, shown(found["median"], 1.0, 2), shown(found["mean_observed"], 1.0, 2), theirs, *counts)
             )
     ours = material.cell(CO_TRAINED, LEARNED)["encounters"]["jaywalk"]["braking"]["mean_observed"]
-    against = [Versus("mean time to braking for jaywalkers", ours, published.BRAKING, "s", 1)]
+    against = [Versus("mean time to braking for jaywalkers", ours, published.BRAKING, "s", 1.0)]
     return Table(columns, tuple(rows), verdict(against, verdicts.BRAKING))
 
 
@@ -244,7 +244,7 @@ def ablation(material: Material) -> Table:
             cell = material.ablated(multiplier, people)
             share = shown(cell["attribution"]["per_crossing"]["share"])
             pair = published.ABLATION[multiplier] if people == ALWAYS_GO else None
-            theirs = [NONE, NONE] if pair is None else [f"{x}" for x in pair]
+            theirs = [NONE, NONE] if pair is None else [f"{x:g}" for x in pair]
             goal, collision = cell["goal_rate"], cell["collision_rate"]
             said = f"{published.JAYWALK_SHARE[multiplier]:g}"
             rows.append((f"{multiplier:g}", share, said, people, shown(goal), theirs[0], shown(collision), theirs[1]))

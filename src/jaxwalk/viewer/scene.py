@@ -126,7 +126,7 @@ class Scene:
         )  # fmt: skip
 
 
-def _outline(x: float, y: float, cos: float, sin: float) -> Float[np.ndarray, "corner 2"]:
+def _outline(x: np.floating, y: np.floating, cos: np.floating, sin: np.floating) -> Float[np.ndarray, "corner 2"]:
     """The car seen from above: a rectangle with a slightly pointed front, so that its heading shows."""
     ahead, left = CAR_LENGTH / 2, CAR_WIDTH / 2
     shape = np.array([(-ahead, -left), (0.8 * ahead, -left), (ahead, 0), (0.8 * ahead, left), (-ahead, left)])

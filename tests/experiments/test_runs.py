@@ -1,0 +1,68 @@
+"""The run folder: what is written comes back, and what is damaged is refused by name."""
+
+import json
+
+import pytest
+
+from jaxwalk.experiments.recipes import RECIPES, single_agent, with_training
+from jaxwalk.experiments.runs import Run, RunError
+
+
+@pytest.mark.parametrize("name", RECIPES)
+def test_configuration_comes_back(tmp_path, name):
+    experiment = single_agent(with_training(RECIPES[name], learning_rate=1e-3))
+    Run.create(tmp_path / "run", experiment)
+    assert Run.open(tmp_path / "run").experiment == experiment
+
+
+def test_a_new_run_writes_its_configuration_alone(tmp_path):
+    run = Run.create(tmp_path / "a" / "run", RECIPES["fast"])
+    assert [path.name for path in run.path.iterdir()] == ["config.json"]
+
+
+def test_an_empty_folder_may_be_used(tmp_path):
+    Run.create(tmp_path, RECIPES["fast"])
+
+
+def test_a_run_is_not_overwritten(tmp_path):
+    Run.create(tmp_path / "run", RECIPES["fast"])
+    with pytest.raises(RunError, match=r"not empty; continue it with `jaxwalk train --resume"):
+        Run.create(tmp_path / "run", RECIPES["fast"])
+
+
+@pytest.mark.parametrize(
+    ("where", "value", "message"),
+    [
+        (("train", "learning_rat"), 1, r"config.json: train.learning_rat: Unexpected keyword"),
+        (("surprise",), 1, r"config.json: surprise: Unexpected keyword"),
+        (("train", "minibatches"), 7, r"config.json: train: .*minibatches must divide steps \(64\), not 7"),
+        (("train", "driver", "epochs"), "many", r"config.json: train.driver.epochs: .*integer"),
+        (("sim", "dt"), 0, r"config.json: sim: .*dt must be above 0"),
+        (("seed",), -1, r"config.json: .*seed must lie in \[0, 2\^32\), not -1"),
+    ],
+)
+def test_a_wrong_configuration_is_named(tmp_path, where, value, message):
+    run = Run.create(tmp_path / "run", RECIPES["fast"])
+    document = json.loads((run.path / "config.json").read_text())
+    inner = document
+    for name in where[:-1]:
+        inner = inner[name]
+    inner[where[-1]] = value
+    (run.path / "config.json").write_text(json.dumps(document))
+    with pytest.raises(RunError, match=message):
+        Run.open(run.path)
+
+
+def test_metrics_cut_short_or_too_many_are_dropped(tmp_path):
+    run = Run.create(tmp_path / "run", RECIPES["fast"])
+    lines = "".join(json.dumps({"update": n, "seconds": n}) + "\n" for n in (1, 2, 3, 4))
+    (run.path / "metrics.jsonl").write_text(lines + '{"update": 5, "sec')
+    assert [line["update"] for line in run.keep_metrics(3)] == [1, 2, 3]
+    assert [line["update"] for line in run.metrics()] == [1, 2, 3]
+
+
+def test_damaged_metrics_are_named(tmp_path):
+    run = Run.create(tmp_path / "run", RECIPES["fast"])
+    (run.path / "metrics.jsonl").write_text('{"update": 1}\nnonsense\n')
+    with pytest.raises(RunError, match=r"metrics.jsonl: damaged"):
+        run.metrics()

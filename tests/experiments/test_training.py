@@ -1,0 +1,129 @@
+"""The host loop: the same result however it was interrupted, and nothing lost or told twice."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.experiments.recipes import single_agent, with_training
+from jaxwalk.experiments.runs import Run
+from jaxwalk.experiments.training import DivergedError, Session, begin, train
+from jaxwalk.experiments.world import make_street
+from jaxwalk.learning import checkpoint, mappo
+from jaxwalk.policies import load_policy, read_metadata
+
+
+@pytest.fixture
+def stopping(monkeypatch):
+    """Ctrl-C in the update after the one whose number is given."""
+
+    def stop_after(number):
+        record = Session.record
+
+        def record_and_stop(self, metrics, updates):
+            record(self, metrics, updates)
+            self.stop.requested |= updates == number
+
+        monkeypatch.setattr(Session, "record", record_and_stop)
+
+    yield stop_after
+    monkeypatch.undo()
+
+
+def _learner(run):
+    from dataclasses import replace
+
+    learner = begin(run, make_street(run.experiment), replace(run.experiment.train, updates=1), resume=True)
+    return [
+        jax.random.key_data(x) if jnp.issubdtype(x.dtype, jax.dtypes.prng_key) else x for x in jax.tree.leaves(learner)
+    ]
+
+
+def _assert_same(a, b):
+    for x, y in zip(_learner(a), _learner(b), strict=True):
+        np.testing.assert_array_equal(x, y)
+
+
+def _told(run):
+    """The metrics without times."""
+    return [{name: x for name, x in line.items() if name != "seconds"} for line in run.metrics()]
+
+
+def test_every_update_is_told_once(whole, tiny):
+    assert [line["update"] for line in whole.metrics()] == [1, 2, 3, 4, 5, 6]
+    assert [line["steps"] for line in whole.metrics()] == [64 * n for n in range(1, 7)]
+    assert {"goal_rate", "collision_rate", "reward/driver/progress", "driver/kl"} <= whole.metrics()[0].keys()
+    assert whole.metrics()[5]["learning_rate"] == pytest.approx(tiny.train.learning_rate / 6)
+
+
+def test_the_policy_says_where_it_comes_from(whole):
+    metadata = read_metadata(whole.policy)
+    assert (metadata["recipe"], metadata["seed"], metadata["steps"]) == ("fast", 0, 384)
+    assert {"commit", "hardware", "versions"} <= metadata.keys()
+    for role in ("driver", "pedestrian"):
+        assert load_policy(whole.policy, role).observes == whole.experiment.train.role(role).observes
+
+
+def test_there_are_events_for_tensorboard(whole):
+    assert list(whole.path.glob("events.out.tfevents.*"))
+
+
+def test_resumed_training_equals_uninterrupted(whole, tiny, tmp_path, quiet, stopping, monkeypatch):
+    run = Run.create(tmp_path / "cut", tiny)
+    stopping(2)
+    stopped = train(run, console=quiet)
+    monkeypatch.undo()
+    assert stopped.interrupted
+    assert 2 <= stopped.updates < 6
+    with (run.path / "metrics.jsonl").open("a") as file:  # a crash after the checkpoint
+        file.write('{"update": 5, "seconds": 1}\n{"update": 6, "sec')
+    again = Run.open(run.path)
+    assert not train(again, resume=True, console=quiet).interrupted
+    assert _told(again) == _told(whole)
+    _assert_same(again, whole)
+
+
+def test_resuming_what_is_finished_changes_nothing(whole, quiet):
+    before = {path: path.read_bytes() for path in whole.path.glob("*.json*")}
+    assert train(whole, resume=True, console=quiet).updates == 6
+    assert {path: path.read_bytes() for path in whole.path.glob("*.json*")} == before
+
+
+def test_minutes_become_a_number_of_updates(tiny, tmp_path, quiet):
+    timed = Run.create(tmp_path / "timed", with_training(tiny, updates=1000))
+    made = train(timed, minutes=0.02, console=quiet).updates
+    assert Run.open(timed.path).experiment.train.updates == made
+    assert timed.metrics()[-1]["learning_rate"] == pytest.approx(tiny.train.learning_rate / made, rel=1e-3)
+
+
+def test_a_plan_by_minutes_trains_like_that_number_of_updates(whole, tiny, tmp_path, quiet, monkeypatch):
+    from jaxwalk.experiments import training
+
+    monkeypatch.setattr(training, "_planned", lambda session, learner, limit: training._with_plan(session, learner, 6))
+    monkeypatch.setattr(training, "_shortened", lambda *_: None)
+    timed = Run.create(tmp_path / "timed", with_training(tiny, updates=1000))
+    train(timed, minutes=1.0, console=quiet)
+    _assert_same(timed, whole)
+
+
+def test_numbers_that_are_not_finite_stop_training(whole, tiny, tmp_path, quiet, monkeypatch):
+    update = mappo.update
+
+    def spoiled(street, config, learner):
+        learner, metrics = update(street, config, learner)
+        return learner, metrics | {"finite": jnp.where(learner.updates == 4, 0.0, metrics["finite"])}
+
+    monkeypatch.setattr(mappo, "update", spoiled)
+    run = Run.create(tmp_path / "spoiled", tiny)
+    with pytest.raises(DivergedError, match=r"update 4 gave numbers that are not finite; the checkpoint of update 3"):
+        train(run, console=quiet, checkpoint_minutes=1e-9)
+    assert checkpoint.latest(run.checkpoints) == 3
+    assert [line["update"] for line in run.metrics()] == [1, 2, 3]
+
+
+def test_the_car_alone_trains_among_always_go(tiny, tmp_path, quiet):
+    run = Run.create(tmp_path / "alone", single_agent(with_training(tiny, updates=1)))
+    train(run, console=quiet)
+    assert list(read_metadata(run.policy)["roles"]) == ["driver"]
+    assert read_metadata(run.policy)["single_agent"]
+    assert "pedestrian/kl" not in run.metrics()[0]

@@ -1,0 +1,230 @@
+"""The command line: help at once, documents that repeat, and one message for whatever can't be used."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import jax
+import pytest
+
+from jaxwalk.cli import main
+from jaxwalk.cli.options import Evaluate, Play, Reproduce, Train
+from jaxwalk.experiments.recipes import RECIPES, with_training
+from jaxwalk.experiments.runs import Run
+from jaxwalk.interfaces import Box
+from jaxwalk.learning.actor import make_actor
+from jaxwalk.learning.config import RoleConfig
+from jaxwalk.policies import save_policy
+
+SMALL = ("--environments", "8", "--steps", "8", "--minibatches", "2")
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path, monkeypatch):
+    """An empty working folder; the tests' own cache of compiled code."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(jax.config.jax_compilation_cache_dir or tmp_path / "cache"))
+    monkeypatch.setenv("COLUMNS", "200")
+    return tmp_path
+
+
+def _policy(path, size=5, role="driver"):
+    actor = make_actor(jax.random.key(0), size, Box(2), RoleConfig(actor_hidden=(4,)))
+    save_policy(path, {role: actor}, {})
+
+
+def _foreign_run(path):
+    path.mkdir()
+    (path / "notes.txt").write_text("mine")
+
+
+def _damaged_run(path):
+    run = Run.create(path, RECIPES["fast"])
+    document = json.loads((run.path / "config.json").read_text())
+    document["train"]["clip"] = -1
+    (run.path / "config.json").write_text(json.dumps(document))
+
+
+def _half_map(path):
+    path.write_text("size = [60, 20]\n")
+
+
+FILES = {
+    "policy": lambda p: _policy(p / "small.safetensors"),
+    "nonsense": lambda p: (p / "nonsense.safetensors").write_bytes(b"nonsense"),
+    "foreign": lambda p: _foreign_run(p / "foreign"),
+    "damaged": lambda p: _damaged_run(p / "damaged"),
+    "untrained": lambda p: Run.create(p / "untrained", RECIPES["fast"]),
+    "map": lambda p: _half_map(p / "half.toml"),
+    "file": lambda p: (p / "file").write_text(""),
+}
+
+BAD = {
+    "unknown option": ("train --run r --epoch 3", "Unrecognized options"),
+    "unknown command": ("trian", "trian"),
+    "no number": ("train --run r --updates many", "many"),
+    "unknown recipe": ("train --run r --recipe quick", "quick"),
+    "no folder": ("train", "--run DIR is missing"),
+    "impossible value": ("train --run r --learning-rate 0", "learning_rate must be above 0, not 0.0"),
+    "does not divide": ("train --run r --minibatches 7", "minibatches must divide steps (64), not 7"),
+    "no updates": ("train --run r --updates 0", "updates must be at least 1, not 0"),
+    "no minutes": ("train --run r --minutes 0", "--minutes must be above 0"),
+    "two lengths": ("train --run r --minutes 1 --updates 3", "give one of them"),
+    "negative seed": ("train --run r --seed -1", "seed must lie in [0, 2^32), not -1"),
+    "negative multiplier": ("train --run r --jaywalk-multiplier -1", "jaywalk_multiplier must be 0 or more"),
+    "unknown map": ("train --run r --map nowhere", "nowhere"),
+    "wrong map": ("train --run r --map half.toml", "half.toml"),
+    "foreign folder": ("train --run foreign", "foreign: the folder is not empty; name another folder"),
+    "run that is there": ("train --run untrained", "jaxwalk train --resume untrained"),
+    "below a file": ("train --run file/run", "is a file, so nothing can be put into it"),
+    "run is a file": ("train --run file", "file: is a file, not a folder"),
+    "nothing to resume": ("train --resume nowhere", "nowhere: no such run folder"),
+    "no run to resume": ("train --resume foreign", "foreign: is no run folder, it has no config.json"),
+    "damaged run": ("train --resume damaged", "config.json: train: Value error, clip must be above 0, not -1"),
+    "resume otherwise": ("train --resume untrained --clip 0.1", "--clip: a resumed training keeps its configuration"),
+    "both": ("train --resume untrained --run r", "give one of them"),
+    "no driver": ("evaluate", "--driver is missing"),
+    "unknown driver": ("evaluate --driver rule-bsed", "rule-bsed: no driver of that name (random, constant-speed"),
+    "unknown people": ("evaluate --driver random --pedestrians never-go", "never-go: no pedestrian of that name"),
+    "no episodes": ("evaluate --driver random --episodes 0", "--episodes must be at least 1, not 0"),
+    "evaluation seed": ("evaluate --driver random --seed -3", "--seed must lie in [0, 2^31), not -3"),
+    "evaluation multiplier": (
+        "evaluate --driver random --jaywalk-multiplier -1",
+        "jaywalk_multiplier must be 0 or more",
+    ),
+    "evaluation map": ("evaluate --driver random --map nowhere", "nowhere"),
+    "other sizes": ("evaluate --driver small.safetensors", "reads 5 numbers ('paper'), but the environment gives 34"),
+    "other role": ("evaluate --driver random --pedestrians small.safetensors", "holds no pedestrian policy"),
+    "nonsense policy": ("evaluate --driver nonsense.safetensors", "nonsense.safetensors: damaged"),
+    "untrained driver": ("evaluate --driver untrained", "untrained: has no policy.safetensors"),
+    "damaged driver": ("evaluate --driver damaged", "config.json: train: Value error, clip must be above 0"),
+    "out below a file": ("evaluate --driver random --out file/out", "is a file, so nothing can be put into it"),
+    "play nobody": ("play", "--driver is missing"),
+    "play before the first": ("play --driver random --scenario -1", "--scenario must be 0 or more, not -1"),
+    "play to nothing": ("play --driver random --out episode.doc", "must end in one of .png"),
+    "reproduce for no time": ("reproduce --out r --minutes 0", "minutes must be above 0"),
+    "reproduce nothing": ("reproduce --out r --episodes 0", "episodes must be at least 1, not 0"),
+    "reproduce elsewhere": ("reproduce --out foreign", "no `jaxwalk reproduce` made it"),
+    "report on nothing": ("report foreign", "foreign: has no plan.json"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_is_one_message_and_writes_nothing(name, place, capsys):
+    command, message = BAD[name]
+    for make in FILES.values():
+        make(place)
+    before = _contents(place)
+    assert main(command.split()) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert message in " ".join(err.split())
+    assert "Traceback" not in err
+    assert err.count("jaxwalk: ") <= 1
+    assert _contents(place) == before
+
+
+def _contents(folder):
+    return {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everywhere")
+def test_no_permission(place, capsys):
+    (place / "locked").mkdir(mode=0o500)
+    assert main(["train", "--run", "locked/run"]) == 2
+    assert "no permission to write" in capsys.readouterr().err
+
+
+def test_no_permission_is_said(place, capsys, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert main(["train", "--run", "locked/run"]) == 2
+    assert "no permission to write" in capsys.readouterr().err
+
+
+def test_version(capsys):
+    from importlib.metadata import version
+
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"jaxwalk {version('jaxwalk')}\n"
+
+
+@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce])
+def test_help_says_every_default(command, capsys):
+    assert main([command.__name__.lower(), "--help"]) == 0
+    text = capsys.readouterr().out
+    assert text.count("(default:") == len(dataclasses.fields(command))
+    assert "None" not in text
+
+
+def test_help_loads_no_jax():
+    code = "import sys; from jaxwalk.cli import main; main(['train', '--help']); assert 'jax' not in sys.modules"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
+
+
+def test_an_evaluation_repeats_itself(place, capsys):
+    command = "evaluate --driver rule-based --pedestrians always-go --episodes 3 --seed 7 --json"
+    assert main([*command.split(), "--out", "kept"]) == 0
+    first = capsys.readouterr().out
+    assert main(command.split()) == 0
+    assert capsys.readouterr().out == first
+    assert (place / "kept" / "results.json").read_text() == first
+    document = json.loads(first)
+    assert document["schema"] == 1
+    assert document["scenarios"].keys() == {"seed", "count", "hash"}
+    assert document["cells"][0]["goal_rate"].keys() == {"value", "low", "high"}
+    rows = (place / "kept" / "episodes.csv").read_text().splitlines()
+    assert len(rows) == 4
+    assert rows[0].startswith("scenario,")
+
+
+def test_the_table_shows_intervals_and_the_hash(capsys):
+    command = "evaluate --driver rule-based --pedestrians always-go --episodes 3 --seed 7 --jaywalk-multiplier 0 1"
+    assert main(command.split()) == 0
+    out = capsys.readouterr().out
+    assert out.count("rule-based") == 2
+    assert "3 scenarios of seed 7, hash " in out
+    assert "[" in out
+
+
+def test_play_draws(place, capsys):
+    assert main(["play", "--driver", "rule-based", "--scenario", "2", "--out", "there/episode.png"]) == 0
+    assert (place / "there" / "episode.png").read_bytes().startswith(b"\x89PNG")
+    assert "scenario 2 of seed 0" in capsys.readouterr().out
+
+
+def test_ctrl_c_leaves_a_run_that_resumes(place):
+    command = [sys.executable, "-m", "jaxwalk", "train", "--run", "run", "--updates", "100000", *SMALL]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=place) as process:
+        _wait_for(lambda: len(_lines(place)) >= 2, process)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    assert "jaxwalk train --resume run" in " ".join(err.split())
+    run = Run.open(place / "run")
+    made = run.metrics()[-1]["update"]
+    assert [line["update"] for line in run.metrics()] == list(range(1, made + 1))
+    run.describe(with_training(run.experiment, updates=100000))
+    from jaxwalk.learning import checkpoint
+
+    assert checkpoint.latest(run.checkpoints) == made
+    assert run.policy.is_file()
+
+
+def _lines(place):
+    path = place / "run" / "metrics.jsonl"
+    return path.read_text().splitlines() if path.is_file() else []
+
+
+def _wait_for(happened, process, seconds=300):
+    until = time.monotonic() + seconds
+    while not happened():
+        assert process.poll() is None, process.stderr.read()
+        assert time.monotonic() < until
+        time.sleep(0.05)
