@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from jaxwalk.experiments.recipes import RECIPES
+
 
 class UsageError(ValueError):
     """Options that don't make sense; one line says why and what to do."""
@@ -16,6 +18,12 @@ class UsageError(ValueError):
 def _option(default: str, kind: str | None = None, name: str | None = None) -> Any:
     """How ``--help`` shows an option: its default in words, and what to write after it."""
     return tyro.conf.arg(help_behavior_hint=f"(default: {default})", metavar=kind, name=name)
+
+
+def _tuned(name: str, kind: str) -> Any:
+    """An option that is a field of `TrainConfig`: its default is the recipe's."""
+    values = ", ".join(f"{recipe} {getattr(experiment.train, name):g}" for recipe, experiment in RECIPES.items())
+    return _option(f"the recipe's: {values}", kind)
 
 
 Flag = tyro.conf.FlagCreatePairsOff[bool]
@@ -37,7 +45,7 @@ class Train:
     """fast: whatever learns best; paper: the paper's networks, pay and numbers."""
     seed: Annotated[int, _option("0", "N")] = 0
     """Of networks, scenarios and actions."""
-    updates: Annotated[int | None, _option("the recipe's, 5000", "N")] = None
+    updates: Annotated[int | None, _tuned("updates", "N")] = None
     """Train so many updates."""
     minutes: Annotated[float | None, _option("none", "MIN")] = None
     """Instead, plan as many updates as fit into so many minutes on this machine."""
@@ -47,21 +55,21 @@ class Train:
     """Bundled maps or map files to train on."""
     jaywalk_multiplier: Annotated[float, _option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
-    environments: Annotated[int | None, _option("the recipe's, 512", "N")] = None
+    environments: Annotated[int | None, _tuned("environments", "N")] = None
     """Environments side by side."""
-    steps: Annotated[int | None, _option("the recipe's, fast 64 and paper 256", "N")] = None
+    steps: Annotated[int | None, _tuned("steps", "N")] = None
     """Steps of 0.1 s that each environment makes in an update."""
-    minibatches: Annotated[int | None, _option("the recipe's, 8", "N")] = None
+    minibatches: Annotated[int | None, _tuned("minibatches", "N")] = None
     """Parts into which an epoch divides the steps of an update."""
-    learning_rate: Annotated[float | None, _option("the recipe's, 0.0003", "X")] = None
+    learning_rate: Annotated[float | None, _tuned("learning_rate", "X")] = None
     """Adam's step size."""
-    discount: Annotated[float | None, _option("the recipe's, 0.995", "X")] = None
+    discount: Annotated[float | None, _tuned("discount", "X")] = None
     """Worth now of a reward one step (0.1 s) later."""
-    gae_lambda: Annotated[float | None, _option("the recipe's, 0.95", "X")] = None
+    gae_lambda: Annotated[float | None, _tuned("gae_lambda", "X")] = None
     """How far advantages look before they trust the critic."""
-    clip: Annotated[float | None, _option("the recipe's, 0.2", "X")] = None
+    clip: Annotated[float | None, _tuned("clip", "X")] = None
     """Probability ratios beyond 1 +- this gain nothing more."""
-    reward_scale: Annotated[float | None, _option("the recipe's, fast 0.1 and paper 1", "X")] = None
+    reward_scale: Annotated[float | None, _tuned("reward_scale", "X")] = None
     """The learner sees rewards times this."""
     checkpoint_minutes: Annotated[float, _option("2", "MIN")] = 2.0
     """Minutes between checkpoints."""

@@ -69,7 +69,7 @@ WORLD = (
 )
 BASELINES = (
     f"{WORLD} The paper does not say among whom its rules drove, nor their throttle, cone or braking; ours stand in "
-    "docs/drivers.md."
+    "docs/evaluation.md."
 )
 TRAINED = (
     "Our drivers were trained with the recipe named above, not the paper's: they see their route rather than the goal "
