@@ -151,6 +151,6 @@ def test_verdicts():
     outside = Versus("collisions", _number(0.02, 0.01, 0.03), 14.0)
     unknown = Versus("time", _number(None, None, None), 3.38)
     assert verdict([inside], "Because.") == "The paper's value lies in our 95 % interval for goals."
-    assert verdict([outside], "Because.") == "Differs from the paper: collisions 2.00, below 14.0 %. Because."
+    assert verdict([outside], "Because.") == "Differs from the paper: collisions: 2.00, below 14.0 %. Because."
     assert verdict([unknown], "Because.") == "Too few cases to say: time."
     assert "Because." in verdict([inside, outside, unknown], "Because.")

@@ -80,7 +80,7 @@ def baselines(material: Material) -> Table:
             row += [shown(x) for x in ours.values()]
             row.append(f"{theirs[name][place]:g}" if name in theirs else NONE)
             if name in published.BASELINES:
-                what = f"{name} {('goals', 'collisions')[place]} among {LEARNED}"
+                what = f"{('goals', 'collisions')[place]} of {name} among {LEARNED}"
                 against.append(Versus(what, ours[LEARNED], theirs[name][place]))
         rows.append(tuple(row))
     return Table(columns, tuple(rows), verdict(against, verdicts.BASELINES))
@@ -94,8 +94,8 @@ def co_training(material: Material) -> Table:
         cell = material.cell(driver, people)
         ours = (cell["goal_rate"], cell["collision_rate"])
         rows.append((driver, people, shown(ours[0]), f"{goal:g}", shown(ours[1]), f"{collision:g}"))
-        against.append(Versus(f"{driver} among {people}, goals", ours[0], goal))
-        against.append(Versus(f"{driver} among {people}, collisions", ours[1], collision))
+        against.append(Versus(f"goals of {driver} among {people}", ours[0], goal))
+        against.append(Versus(f"collisions of {driver} among {people}", ours[1], collision))
     return Table(columns, tuple(rows), verdict(against, verdicts.TRAINED))
 
 
@@ -249,8 +249,8 @@ def ablation(material: Material) -> Table:
             said = f"{published.JAYWALK_SHARE[multiplier]:g}"
             rows.append((f"{multiplier:g}", share, said, people, shown(goal), theirs[0], shown(collision), theirs[1]))
             if pair:
-                against.append(Versus(f"goals at {multiplier:g}", goal, pair[0]))
-                against.append(Versus(f"collisions at {multiplier:g}", collision, pair[1]))
+                against.append(Versus(f"goals at multiplier {multiplier:g}", goal, pair[0]))
+                against.append(Versus(f"collisions at multiplier {multiplier:g}", collision, pair[1]))
     return Table(columns, tuple(rows), verdict(against, verdicts.ABLATION))
 
 

@@ -50,7 +50,7 @@ def verdict(comparisons: list[Versus], reason: str) -> str:
 def _gap(c: Versus) -> str:
     value = c.scale * c.ours["value"]
     word = "above" if value > c.theirs else "below"
-    return f"{c.what} {number(value)}, {word} {number(c.theirs)} {c.unit}".rstrip()
+    return f"{c.what}: {number(value)}, {word} {number(c.theirs)} {c.unit}".rstrip()
 
 
 def _list(items: list[str]) -> str:
@@ -83,7 +83,9 @@ SPEED = (
 )
 ATTRIBUTION = (
     "Our jaywalks are committed: a jaywalker walks straight across at one speed, and can be predicted once on the "
-    "road; theirs dither. The share of collisions also depends on how well the driver deals with crosswalks."
+    "road; the published code draws anew at every step. Of crossings begun, a smaller share are jaywalks than of "
+    "decisions (there, equation 1 holds): a jaywalker first walks to its point, and some episodes end before. The "
+    "share of collisions also depends on how well the driver deals with crosswalks."
 )
 APPROACH = (
     "Not comparable in the strict sense: the paper does not define its encounter. Ours begins with the car within 20 "
