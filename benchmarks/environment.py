@@ -65,10 +65,10 @@ def everything(street: Any) -> tuple[Any, Callable]:
     def act(key, scenario, state, memory):
         seen = [street.observe(scenario, state, role, name) for role, sets in OBSERVATIONS.items() for name in sets]
         seen.append(street.global_state(scenario, state))
-        words = jax.vmap(lambda k: jax.random.bits(k, (3,)), out_axes=-1)(key)
-        action = words[:2].astype(jnp.float32) * 2.0**-31 - 1
-        go = words[2][None] >> jnp.arange(street.config.pedestrians, dtype=jnp.uint32)[:, None] & 1
-        looked = sum(x.sum(axis=tuple(range(x.ndim - 1))) for x in seen)
+        words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random numbers: 64 fresh bits are enough
+        action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1
+        go = words[1][None] >> jnp.arange(street.config.pedestrians, dtype=jnp.uint32)[:, None] & 1
+        looked = sum(jnp.ones(x[..., 0].size) @ x.reshape(-1, x.shape[-1]) for x in seen)  # a sum, as a product
         return ByRole(action, go.astype(jnp.int32)), memory, looked
 
     return Summed(street), act

@@ -22,6 +22,8 @@ SCENARIO_KEYS, FIRST_ACTION_KEY = 0, 1
 """What is folded into an environment's key: 0 for its scenarios, 1 + step for its actions, so the two never meet."""
 RESTART_EVERY = 8
 """Steps between restarts; an ended episode idles for 1 to 8 of them, 4.5 in the mean."""
+RESTARTS_AT_ONCE = 16
+"""Restarts are made for this part (1 / 16) of the environments at once: about as many as end between two restarts."""
 TRAINING, EVALUATION = 0, 1
 """Domains split off a seed, so that no evaluation meets a scenario of the training."""
 
@@ -123,14 +125,15 @@ def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) 
     Drawing a scenario costs as much as several steps, so it is done only for those that need one.
     """
     count = stream.shown.size
-    places = -(-count // RESTART_EVERY)
+    places = -(-count // RESTARTS_AT_ONCE)
 
     def some(stream: Stream) -> Stream:
         (chosen,) = jnp.nonzero(stream.shown, size=places, fill_value=0)
         place = jnp.cumsum(stream.shown) - 1
         begins = stream.shown & (place < places)
         episode = stream.episode + begins
-        scenario = draw_batch(environment, _scenario_key(stream.key[chosen], episode[chosen]))
+        drawn = draw_batch(environment, _scenario_key(stream.key[chosen], episode[chosen]))
+        scenario, state = jax.lax.optimization_barrier((drawn, environment.reset(drawn)))  # once, not per environment
         column = jnp.minimum(place, places - 1)
 
         def put(old: Array, new: Array) -> Array:
@@ -141,7 +144,7 @@ def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) 
             episode=episode,
             step=stream.step,
             scenario=jax.tree.map(put, stream.scenario, scenario),
-            state=jax.tree.map(put, stream.state, environment.reset(scenario)),
+            state=jax.tree.map(put, stream.state, state),
             memory=jax.tree.map(lambda old, new: jnp.where(begins, new, old), stream.memory, fresh_memory),
             ended=stream.ended & ~begins,
             shown=stream.shown & ~begins,

@@ -15,6 +15,7 @@ from jaxwalk.maps import RoadMap, load_map, stack_maps
 from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
 from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
 from jaxwalk.sim.events import arrives, touches
+from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
 from jaxwalk.sim.tables import WalkTables, pack_walks
@@ -87,7 +88,8 @@ class Street(eqx.Module):
     def reset(self, scenario: Scenario) -> State:
         """Car and people at their starts, standing."""
         zero = jnp.zeros_like(scenario.map)
-        return State(zero, vehicle.place(self.maps, scenario), pedestrian.place(self.maps, scenario))
+        car, people = vehicle.place(self.maps, scenario), pedestrian.place(self.maps, scenario)
+        return State(zero, car, people, foresee(self.maps, self.config, scenario, car, people))
 
     @eqx.filter_jit
     def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
@@ -107,7 +109,7 @@ class Street(eqx.Module):
             self.maps, self.tables, self.config, self.jaywalk_multiplier, scenario, state.pedestrian,
             actions.pedestrian.astype(bool),
         )  # fmt: skip
-        after = State(state.step + 1, car, people)
+        after = State(state.step + 1, car, people, foresee(self.maps, self.config, scenario, car, people))
         events = self._events(scenario, after)
         transition = reward.Transition(self.maps, self.config, scenario, state, after, events)
         over = events.collision | events.goal

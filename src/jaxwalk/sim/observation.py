@@ -80,9 +80,9 @@ def _driver_route(maps: RoadMap, config: SimConfig, scenario: Scenario, state: S
     lateral, heading_cos, heading_sin = vehicle.route_frame(maps, scenario, car)
     to_go = vehicle.route_length(maps, scenario) - car.along
     away = [k * prediction.POINT_SPACING for k in prediction.POINTS]
-    ahead, left = prediction.route_ahead(maps, scenario, state)
+    ahead, left = state.foresight.route_x, state.foresight.route_y
     route = [axis[i] / along for i, along in enumerate(away) for axis in (ahead, left)]
-    clearance, conflict = prediction.clearances(maps, config, scenario, state)
+    clearance, conflict = state.foresight.clearance, state.foresight.conflict
     longest = prediction.MOMENTS * prediction.MOMENT
     return [
         car.speed / SPEED, car.steering / config.max_steering, lateral / 2, heading_cos, heading_sin,
@@ -96,7 +96,7 @@ def _nearest_people(config: SimConfig, scenario: Scenario, state: State) -> Part
 
     A rank by counting who is nearer stands in for a sort, which is slow in this layout.
     """
-    features = prediction.relative_people(config, scenario, state)
+    features = prediction.relative_people(config, scenario, state.vehicle, state.pedestrian)
     squared = features[0] ** 2 + features[1] ** 2
     people = squared.shape[0]
     order = jnp.arange(people).reshape((-1,) + (1,) * (squared.ndim - 1))

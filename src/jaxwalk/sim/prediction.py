@@ -10,7 +10,7 @@ from jaxwalk.maps import RoadMap
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.state import State
+from jaxwalk.sim.state import Foresight, PedestrianState, VehicleState
 from jaxwalk.sim.vehicle import route_point, to_frame
 
 BRAKE, HOLD, ACCELERATE = 0, 1, 2
@@ -27,66 +27,70 @@ FAR = 10.0
 """Clearances are capped here [m]."""
 
 
-def route_ahead(maps: RoadMap, scenario: Scenario, state: State) -> tuple[Array, Array]:
-    """Points of the route ahead in the car's frame, ahead and left [m]: two arrays ``(point, *batch)``."""
-    car = state.vehicle
-    steps = jnp.array(POINTS) * POINT_SPACING
-    return _on_route(maps, scenario, state, car.along + steps.reshape((-1,) + (1,) * car.along.ndim))
-
-
 def relative_people(
-    config: SimConfig, scenario: Scenario, state: State
+    config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState
 ) -> tuple[Float[Array, "ped *batch"], Float[Array, "ped *batch"], Float[Array, "ped *batch"], Float[Array, "ped *batch"]]:
     """Positions relative to the car [m] and velocities [m/s] of people, in the car's frame: ahead and left."""
-    car, people = state.vehicle, state.pedestrian
     ahead, left = to_frame(people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
     vx, vy = pedestrian.velocity(config, scenario, people)
     ahead_speed, left_speed = to_frame(vx, vy, car.cos[None], car.sin[None])
     return ahead, left, ahead_speed, left_speed
 
 
-def clearances(
-    maps: RoadMap, config: SimConfig, scenario: Scenario, state: State
-) -> tuple[Float[Array, "manoeuvre *batch"], Float[Array, "*batch"]]:
-    """Smallest predicted distance to anybody [m] for each manoeuvre, and the time until the first conflict at held
-    speed [s].
+def foresee(
+    maps: RoadMap, config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState
+) -> Foresight:
+    """The route ahead, the smallest predicted distance to anybody for each manoeuvre, and the time until a conflict.
 
-    The car follows its route, people keep their velocity. Clearances are capped at 10 m, the time at 3 s.
+    The car follows its route (straight from each shown point of it to the next), people keep their velocity. Clearances
+    are capped at 10 m, the time at 3 s. One pedestrian after the other is compared with all moments, so that nothing
+    large is ever stored.
     """
-    car_x, car_y = _predicted_car(maps, config, scenario, state)
-    x, y, vx, vy = relative_people(config, scenario, state)
-    nearest = [jnp.full(x.shape, FAR**2) for _ in range(3)]
-    conflict = jnp.full(x.shape, MOMENTS * MOMENT)
-    for k in reversed(range(MOMENTS)):
-        time = (k + 1) * MOMENT
-        px, py = x + vx * time, y + vy * time
-        for manoeuvre in range(3):
-            dx, dy = px - car_x[manoeuvre, k], py - car_y[manoeuvre, k]
-            away = dx * dx + dy * dy
-            nearest[manoeuvre] = jnp.where(away < nearest[manoeuvre], away, nearest[manoeuvre])
-            if manoeuvre == HOLD:
-                conflict = jnp.where(away < CONFLICT**2, time, conflict)
-    return jnp.sqrt(jnp.stack([each.min(axis=0) for each in nearest])), conflict.min(axis=0)
+    route_x, route_y = _route_ahead(maps, scenario, car)
+    car_x, car_y = _predicted_car(config, car, route_x, route_y)
+    motion = jnp.stack(relative_people(config, scenario, car, people))
+
+    def compare(person: Array, found: tuple[Array, Array]) -> tuple[Array, Array]:
+        nearest, conflict = found
+        x, y, vx, vy = motion[:, person]
+        for k in range(MOMENTS):
+            time = (k + 1) * MOMENT
+            away = (x + vx * time - car_x[k]) ** 2 + (y + vy * time - car_y[k]) ** 2
+            nearest = jnp.where(away < nearest, away, nearest)
+            conflict = jnp.where((away[HOLD] < CONFLICT**2) & (time < conflict), time, conflict)
+        return nearest, conflict
+
+    nothing = (jnp.full((3, *car.x.shape), FAR**2), jnp.full(car.x.shape, MOMENTS * MOMENT))
+    nearest, conflict = jax.lax.fori_loop(0, people.going.shape[0], compare, nothing)
+    return Foresight(route_x, route_y, jnp.sqrt(nearest), conflict)
 
 
-def _predicted_car(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> tuple[Array, Array]:
-    """Where each manoeuvre would bring the car, in its present frame [m]: arrays ``(manoeuvre, moment, *batch)``."""
-    speed = state.vehicle.speed
-    batch = (1,) * speed.ndim
-    time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(1, -1, *batch)
-    acceleration = config.max_acceleration
-    braking = jnp.minimum(time, speed / acceleration)
-    accelerating = jnp.minimum(time, (config.max_speed - speed) / acceleration)
-    travelled = jnp.concatenate([
-        speed * braking - 0.5 * acceleration * braking**2,
-        speed * time,
-        speed * accelerating + 0.5 * acceleration * accelerating**2 + config.max_speed * (time - accelerating),
-    ])  # fmt: skip
-    return _on_route(maps, scenario, state, state.vehicle.along + travelled)
-
-
-def _on_route(maps: RoadMap, scenario: Scenario, state: State, along: Array) -> tuple[Array, Array]:
-    """Places on the route in the car's frame, ahead and left [m]."""
-    car = state.vehicle
-    x, y, _, _ = route_point(maps, scenario, along)
+def _route_ahead(maps: RoadMap, scenario: Scenario, car: VehicleState) -> tuple[Array, Array]:
+    """Points of the route in the car's frame, ahead and left [m]: two arrays ``(point, *batch)``."""
+    steps = jnp.array(POINTS) * POINT_SPACING
+    x, y, _, _ = route_point(maps, scenario, car.along + steps.reshape((-1,) + (1,) * car.along.ndim))
     return jax.lax.optimization_barrier(to_frame(x - car.x, y - car.y, car.cos, car.sin))
+
+
+def _predicted_car(config: SimConfig, car: VehicleState, route_x: Array, route_y: Array) -> tuple[Array, Array]:
+    """Where each manoeuvre would bring the car, in its present frame [m]: arrays ``(moment, manoeuvre, *batch)``."""
+    batch = (1,) * car.speed.ndim
+    time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, *batch)
+    acceleration = config.max_acceleration
+    braking = jnp.minimum(time, car.speed / acceleration)
+    accelerating = jnp.minimum(time, (config.max_speed - car.speed) / acceleration)
+    travelled = jnp.stack(
+        [
+            car.speed * braking - 0.5 * acceleration * braking**2,
+            car.speed * time,
+            car.speed * accelerating + 0.5 * acceleration * accelerating**2 + config.max_speed * (time - accelerating),
+        ],
+        axis=1,
+    )
+    x = y = jnp.zeros(travelled.shape)
+    begin, from_x, from_y = 0.0, jnp.zeros(car.x.shape), jnp.zeros(car.x.shape)
+    for k, end in enumerate(POINT_SPACING * point for point in POINTS):
+        share = jnp.clip((travelled - begin) / (end - begin), 0, 1)
+        x, y = x + share * (route_x[k] - from_x), y + share * (route_y[k] - from_y)
+        begin, from_x, from_y = end, route_x[k], route_y[k]
+    return jax.lax.optimization_barrier((x, y))

@@ -58,11 +58,11 @@ def _speeding(kind: int) -> Callable[[Transition], Array]:
     """Share of top speed above 3 m/s, with somebody who crosses in that way on the roadway ahead of the car."""
 
     def term(t: Transition) -> Array:
-        ahead, left, _, _ = prediction.relative_people(t.config, t.scenario, t.after)
-        people = t.after.pedestrian
+        car, people = t.after.vehicle, t.after.pedestrian
+        ahead, left, _, _ = prediction.relative_people(t.config, t.scenario, car, people)
         near = (ahead > 0) & (ahead < CAUTION_AHEAD) & (jnp.abs(left) < CAUTION_ASIDE)
         somebody = (near & people.on_roadway & (people.crossing == kind)).any(axis=0)
-        return jnp.where(somebody, jnp.maximum(t.after.vehicle.speed - CAUTIOUS_SPEED, 0) / t.config.max_speed, 0)
+        return jnp.where(somebody, jnp.maximum(car.speed - CAUTIOUS_SPEED, 0) / t.config.max_speed, 0)
 
     return term
 
@@ -80,13 +80,9 @@ def _misaligned(t: Transition) -> Array:
 
 
 def _closeness(t: Transition) -> Array:
-    """How far the predicted clearance falls below 3 m if the car holds its speed, in [0, 1], times its share of speed.
-
-    Predicted from the state before the step, where the observation needs the same prediction.
-    """
-    clearance, _ = prediction.clearances(t.maps, t.config, t.scenario, t.before)
-    shortfall = jnp.maximum(1 - clearance[prediction.HOLD] / COMFORTABLE, 0)
-    return shortfall * t.before.vehicle.speed / t.config.max_speed
+    """How far the predicted clearance falls below 3 m if the car holds its speed, in [0, 1], times its share of speed."""
+    shortfall = jnp.maximum(1 - t.after.foresight.clearance[prediction.HOLD] / COMFORTABLE, 0)
+    return shortfall * t.after.vehicle.speed / t.config.max_speed
 
 
 def _waiting(t: Transition) -> Array:

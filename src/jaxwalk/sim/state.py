@@ -110,6 +110,19 @@ class PedestrianState(eqx.Module):
         return self.leg.arrivals
 
 
+class Foresight(eqx.Module):
+    """What lies ahead of the car (`jaxwalk.sim.prediction`); kept, because it is used more than once and dear."""
+
+    route_x: Float[Array, "point *batch"]
+    """Points of the route ahead, in the car's frame: ahead [m] ..."""
+    route_y: Float[Array, "point *batch"]
+    """... and to the left [m]."""
+    clearance: Float[Array, "manoeuvre *batch"]
+    """Smallest predicted distance to anybody if the car brakes, holds its speed or accelerates [m]."""
+    conflict: Float[Array, "*batch"]
+    """Time until the first conflict at held speed [s]."""
+
+
 class State(eqx.Module):
     """One moment of an episode."""
 
@@ -117,3 +130,4 @@ class State(eqx.Module):
     """Steps since the start."""
     vehicle: VehicleState
     pedestrian: PedestrianState
+    foresight: Foresight
