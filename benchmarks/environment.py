@@ -20,11 +20,11 @@ from typing import Any
 def parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="Environment steps per second, with all observations and rewards.")
     parser.add_argument(
-        "--environments", type=int, nargs="+", default=[64, 256, 1024, 4096, 16384], metavar="N",
-        help="environments played at once, in all shards together (default: 64 256 1024 4096 16384)",
+        "--environments", type=int, nargs="+", default=[64, 256, 1024, 1536, 4096, 16384], metavar="N",
+        help="environments played at once, in all shards together (default: 64 256 1024 1536 4096 16384)",
     )  # fmt: skip
     parser.add_argument("--shards", type=int, metavar="N", help="devices to share the work (default: one per core)")
-    parser.add_argument("--steps", type=int, default=64, help="steps in one call, a multiple of 8 (default: 64)")
+    parser.add_argument("--steps", type=int, default=256, help="steps in one call, a multiple of 8 (default: 256)")
     parser.add_argument("--seconds", type=float, default=3.0, help="at least this long for each row (default: 3)")
     parser.add_argument("--seed", type=int, default=0, help="of scenarios and actions (default: 0)")
     parser.add_argument("--json", action="store_true", help="print one JSON document instead of the table")

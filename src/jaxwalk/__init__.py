@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from jaxwalk.metrics import measure as measure
     from jaxwalk.metrics import summarise as summarise
     from jaxwalk.policies import DRIVERS as DRIVERS
+    from jaxwalk.policies import POPULATIONS as POPULATIONS
     from jaxwalk.policies import LearnedPolicy as LearnedPolicy
     from jaxwalk.policies import load_policy as load_policy
-    from jaxwalk.policies import POPULATIONS as POPULATIONS
     from jaxwalk.sim.config import SimConfig as SimConfig
     from jaxwalk.sim.environment import Street as Street
     from jaxwalk.sim.trajectory import Trajectory as Trajectory

@@ -12,7 +12,17 @@ from hypothesis import strategies as st
 from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig, TrainConfig
-from jaxwalk.learning.fit import Chunks, descend, fit, learning_rate, map_chunks, mean_gradient, only_weighty, optimiser, plan_chunks
+from jaxwalk.learning.fit import (
+    Chunks,
+    descend,
+    fit,
+    learning_rate,
+    map_chunks,
+    mean_gradient,
+    only_weighty,
+    optimiser,
+    plan_chunks,
+)
 from jaxwalk.learning.losses import Actions, actor_loss
 
 STEPS, ENVS = 8, 6

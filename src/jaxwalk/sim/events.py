@@ -1,6 +1,6 @@
 """The events of a street, each defined once: rewards, terminations and metrics all read these.
 
-Every function is plain arithmetic that broadcasts, so it serves JAX arrays in the simulator and NumPy arrays in metrics.
+Every function is plain arithmetic that broadcasts: it serves JAX arrays in the simulator and NumPy arrays in metrics.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def distance(dx, dy):
 
 
 def closing_speed(dx, dy, dvx, dvy):
-    """How fast two centres approach each other [m/s]: minus d/dt of the distance, from relative position and velocity."""
+    """How fast two centres approach each other [m/s]: minus d/dt of their distance; both vectors are relative."""
     return -(dx * dvx + dy * dvy) / (distance(dx, dy) + 1e-9)
 
 

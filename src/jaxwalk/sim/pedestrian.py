@@ -13,7 +13,7 @@ from jaxwalk.maps import RoadMap
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Leg, PedestrianState
-from jaxwalk.sim.tables import WalkTables, inside, look_up, unpack_hop
+from jaxwalk.sim.tables import WalkTables, inside, look_up, look_up_each, unpack_hop
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, NO_CROSSING
 
 SIDEWALK, ON_CROSSWALK, TO_ZONE, ACROSS = 0, 1, 2, 3
@@ -23,8 +23,7 @@ and from there straight across the roadway."""
 
 def place(maps: RoadMap, scenario: Scenario) -> PedestrianState:
     """Everybody at their start waypoint, as at the end of a leg."""
-    x = look_up(maps.node_x, scenario.map, scenario.start)
-    y = look_up(maps.node_y, scenario.map, scenario.start)
+    x, y = look_up_each((maps.node_x, maps.node_y), scenario.map, scenario.start)
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
         end_x=x, end_y=y, cos=zero, sin=zero, length=zero, kind=none, node=scenario.start, landing_x=zero,
@@ -85,9 +84,7 @@ def at_kerb(config: SimConfig, people: PedestrianState) -> Bool[Array, "ped *bat
     return (people.to_kerb > 0) & (people.to_kerb <= config.kerb_distance)
 
 
-def next_leg(
-    maps: RoadMap, tables: WalkTables, multiplier: Float[Array, ""], scenario: Scenario, leg: Leg
-) -> Leg:
+def next_leg(maps: RoadMap, tables: WalkTables, multiplier: Float[Array, ""], scenario: Scenario, leg: Leg) -> Leg:
     """What follows a leg.
 
     Someone who has come to where a jaywalk begins goes across; everybody else continues along the graph: to the next
@@ -101,7 +98,7 @@ def next_leg(
 
     hop = unpack_hop(look_up(tables.hop, scenario.map, leg.node, goal))
     node = jnp.where(begins | landed, leg.node, hop.node)
-    node_x, node_y = look_up(maps.node_x, scenario.map, node), look_up(maps.node_y, scenario.map, node)
+    node_x, node_y = look_up_each((maps.node_x, maps.node_y), scenario.map, node)
     to_crosswalk = hop.to_midpoint & ~landed
     on_crosswalk = to_crosswalk | (hop.from_midpoint & ~landed)
 
@@ -164,13 +161,13 @@ def _jaywalk(
     It begins uniformly in the part of the zone not yet passed (else in the whole zone), and is slanted toward the goal
     by at most 45 degrees within the opposite zone, so it is clear of crosswalks and junctions.
     """
-    of = {name: look_up(column, scenario.map, side) for name, column in tables.side.items()}
+    of = dict(zip(tables.side, look_up_each(list(tables.side.values()), scenario.map, side), strict=True))
     here = (leg.end_x - of["x"]) * of["ux"] + (leg.end_y - of["y"]) * of["uy"]
     farthest = jnp.where(here > of["near"], jnp.minimum(here, of["far"]), of["far"])
     begin = of["near"] + (farthest - of["near"]) * _take(scenario.zone_draw, leg.decisions)
 
     opposite_x, opposite_y = of["x"] + of["across_x"], of["y"] + of["across_y"]
-    goal_x, goal_y = look_up(maps.node_x, scenario.map, goal), look_up(maps.node_y, scenario.map, goal)
+    goal_x, goal_y = look_up_each((maps.node_x, maps.node_y), scenario.map, goal)
     toward = (goal_x - opposite_x) * of["ux"] + (goal_y - opposite_y) * of["uy"]
     width = jnp.sqrt(of["across_x"] ** 2 + of["across_y"] ** 2)
     end = jnp.clip(jnp.clip(toward, begin - width, begin + width), of["far_near"], of["far_far"])

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array
 
 from jaxwalk.maps import RoadMap
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Foresight, PedestrianState, VehicleState
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from jaxwalk.sim.vehicle import route_point, to_frame
 
 BRAKE, HOLD, ACCELERATE = 0, 1, 2
@@ -25,12 +26,17 @@ CONFLICT = 2.5
 """Predicted centres closer than this are a conflict [m]."""
 FAR = 10.0
 """Clearances are capped here [m]."""
+CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
+"""People on the roadway this far ahead of the car and this far aside [m] call for caution."""
 
 
 def relative_people(
     config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState
-) -> tuple[Float[Array, "ped *batch"], Float[Array, "ped *batch"], Float[Array, "ped *batch"], Float[Array, "ped *batch"]]:
-    """Positions relative to the car [m] and velocities [m/s] of people, in the car's frame: ahead and left."""
+) -> tuple[Array, Array, Array, Array]:
+    """People in the car's frame: where they are, ahead and left [m], and their velocities, ahead and left [m/s].
+
+    Arrays ``(ped, *batch)``.
+    """
     ahead, left = to_frame(people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
     vx, vy = pedestrian.velocity(config, scenario, people)
     ahead_speed, left_speed = to_frame(vx, vy, car.cos[None], car.sin[None])
@@ -40,7 +46,8 @@ def relative_people(
 def foresee(
     maps: RoadMap, config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState
 ) -> Foresight:
-    """The route ahead, the smallest predicted distance to anybody for each manoeuvre, and the time until a conflict.
+    """The route ahead, the smallest predicted distance to anybody for each manoeuvre, the time until a conflict, and
+    whether somebody crosses close ahead.
 
     The car follows its route (straight from each shown point of it to the next), people keep their velocity. Clearances
     are capped at 10 m, the time at 3 s. One pedestrian after the other is compared with all moments, so that nothing
@@ -48,21 +55,29 @@ def foresee(
     """
     route_x, route_y = _route_ahead(maps, scenario, car)
     car_x, car_y = _predicted_car(config, car, route_x, route_y)
-    motion = jnp.stack(relative_people(config, scenario, car, people))
+    motion = jax.lax.optimization_barrier(relative_people(config, scenario, car, people))
+    on_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
+    jaywalks = people.on_roadway & (people.crossing == JAYWALK)
 
-    def compare(person: Array, found: tuple[Array, Array]) -> tuple[Array, Array]:
-        nearest, conflict = found
-        x, y, vx, vy = motion[:, person]
+    def compare(person: Array, found: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        nearest, conflict, crosswalk_user, jaywalker = found
+        x, y, vx, vy = (of_all[person] for of_all in motion)
+        ahead = (x > 0) & (x < CAUTION_AHEAD) & (jnp.abs(y) < CAUTION_ASIDE)
         for k in range(MOMENTS):
             time = (k + 1) * MOMENT
             away = (x + vx * time - car_x[k]) ** 2 + (y + vy * time - car_y[k]) ** 2
             nearest = jnp.where(away < nearest, away, nearest)
             conflict = jnp.where((away[HOLD] < CONFLICT**2) & (time < conflict), time, conflict)
-        return nearest, conflict
+        crosswalk_user, jaywalker = (
+            crosswalk_user | (ahead & on_crosswalk[person]),
+            jaywalker | (ahead & jaywalks[person]),
+        )
+        return nearest, conflict, crosswalk_user, jaywalker
 
-    nothing = (jnp.full((3, *car.x.shape), FAR**2), jnp.full(car.x.shape, MOMENTS * MOMENT))
-    nearest, conflict = jax.lax.fori_loop(0, people.going.shape[0], compare, nothing)
-    return Foresight(route_x, route_y, jnp.sqrt(nearest), conflict)
+    nobody = jnp.zeros(car.x.shape, bool)
+    nothing = (jnp.full((3, *car.x.shape), FAR**2), jnp.full(car.x.shape, MOMENTS * MOMENT), nobody, nobody)
+    nearest, conflict, crosswalk_user, jaywalker = jax.lax.fori_loop(0, people.going.shape[0], compare, nothing)
+    return Foresight(route_x, route_y, jnp.sqrt(nearest), conflict, crosswalk_user, jaywalker)
 
 
 def _route_ahead(maps: RoadMap, scenario: Scenario, car: VehicleState) -> tuple[Array, Array]:

@@ -14,16 +14,13 @@ from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.events import closing_speed, distance
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 
 NEAR_WAIT = 8.0
 """Waiting for the car is rewarded with it within this distance [m] ..."""
 FAST_CAR = 2.0
 """... and faster than this [m/s], closing in."""
-CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
-"""The car should be slow with people on the roadway this far ahead and this far aside [m] ..."""
 CAUTIOUS_SPEED = 3.0
-"""... that is, not faster than this [m/s]."""
+"""With people on the roadway close ahead (`jaxwalk.sim.prediction`), the car should not be faster than this [m/s]."""
 COMFORTABLE = 3.0
 """Predicted clearances below this cost something [m]."""
 
@@ -54,17 +51,9 @@ def _crow_progress(t: Transition) -> Array:
     return distance(goal_x - before.x, goal_y - before.y) - distance(goal_x - after.x, goal_y - after.y)
 
 
-def _speeding(kind: int) -> Callable[[Transition], Array]:
-    """Share of top speed above 3 m/s, with somebody who crosses in that way on the roadway ahead of the car."""
-
-    def term(t: Transition) -> Array:
-        car, people = t.after.vehicle, t.after.pedestrian
-        ahead, left, _, _ = prediction.relative_people(t.config, t.scenario, car, people)
-        near = (ahead > 0) & (ahead < CAUTION_AHEAD) & (jnp.abs(left) < CAUTION_ASIDE)
-        somebody = (near & people.on_roadway & (people.crossing == kind)).any(axis=0)
-        return jnp.where(somebody, jnp.maximum(car.speed - CAUTIOUS_SPEED, 0) / t.config.max_speed, 0)
-
-    return term
+def _speeding(t: Transition, somebody: Array) -> Array:
+    """Share of top speed above 3 m/s, with somebody on the roadway close ahead of the car."""
+    return jnp.where(somebody, jnp.maximum(t.after.vehicle.speed - CAUTIOUS_SPEED, 0) / t.config.max_speed, 0)
 
 
 def _off_lane(t: Transition) -> Array:
@@ -80,7 +69,7 @@ def _misaligned(t: Transition) -> Array:
 
 
 def _closeness(t: Transition) -> Array:
-    """How far the predicted clearance falls below 3 m if the car holds its speed, in [0, 1], times its share of speed."""
+    """How far the clearance predicted at held speed falls below 3 m, in [0, 1], times the share of top speed."""
     shortfall = jnp.maximum(1 - t.after.foresight.clearance[prediction.HOLD] / COMFORTABLE, 0)
     return shortfall * t.after.vehicle.speed / t.config.max_speed
 
@@ -104,8 +93,8 @@ DRIVER_TERMS: dict[str, Callable[[Transition], Array]] = {
     "collision": lambda t: t.events.collision,
     "crow_progress": _crow_progress,
     "progress": lambda t: t.after.vehicle.along - t.before.vehicle.along,
-    "crosswalk_speeding": _speeding(CROSSWALK),
-    "jaywalker_speeding": _speeding(JAYWALK),
+    "crosswalk_speeding": lambda t: _speeding(t, t.after.foresight.crosswalk_user),
+    "jaywalker_speeding": lambda t: _speeding(t, t.after.foresight.jaywalker),
     "off_lane": _off_lane,
     "misaligned": _misaligned,
     "closeness": _closeness,

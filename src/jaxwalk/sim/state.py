@@ -121,6 +121,10 @@ class Foresight(eqx.Module):
     """Smallest predicted distance to anybody if the car brakes, holds its speed or accelerates [m]."""
     conflict: Float[Array, "*batch"]
     """Time until the first conflict at held speed [s]."""
+    crosswalk_user: Bool[Array, "*batch"]
+    """Somebody is on a crosswalk close ahead of the car."""
+    jaywalker: Bool[Array, "*batch"]
+    """Somebody jaywalks on the roadway close ahead of the car."""
 
 
 class State(eqx.Module):

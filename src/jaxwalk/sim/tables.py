@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -48,12 +51,17 @@ class Hop(eqx.Module):
 
 def look_up(table: Array, *index: Array) -> Array:
     """``table[index]`` for index arrays that broadcast against each other; one flat gather, without bounds checks."""
+    return look_up_each((table,), *index)[0]
+
+
+def look_up_each(tables: Sequence[Array], *index: Array) -> list[Array]:
+    """`look_up` in tables of one shape. A barrier has the places worked out once, not again in every gather; as a list,
+    because that gathers faster than an array of them."""
     flat = jnp.zeros((), jnp.int32)
-    for size, i in zip(table.shape, index, strict=False):
+    for size, i in zip(tables[0].shape, index, strict=True):
         flat = flat * size + i
-    rest = table.shape[len(index) :]
-    rows = jnp.reshape(table, (-1, *rest))
-    return rows.at[flat].get(mode="promise_in_bounds")
+    places = jax.lax.optimization_barrier(flat.reshape(-1))
+    return [table.reshape(-1).at[places].get(mode="promise_in_bounds").reshape(flat.shape) for table in tables]
 
 
 def of_map(table: Array, map_index: Array) -> Array:

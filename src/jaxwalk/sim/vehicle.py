@@ -10,7 +10,7 @@ from jaxwalk.maps.road_map import ROUTE_SPACING
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import VehicleState
-from jaxwalk.sim.tables import inside, look_up, of_map
+from jaxwalk.sim.tables import inside, look_up, look_up_each, of_map
 
 
 def place(maps: RoadMap, scenario: Scenario) -> VehicleState:
@@ -65,9 +65,9 @@ def route_point(
     """Position and direction (x, y, cos, sin) of the route's sample nearest to ``along`` [m]."""
     last = maps.route_x.shape[-1] - 1
     index = jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, last)
-    where = (scenario.map, scenario.route, index)
-    x, y = look_up(maps.route_x, *where), look_up(maps.route_y, *where)
-    return x, y, look_up(maps.route_cos, *where), look_up(maps.route_sin, *where)
+    tables = (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)
+    x, y, cos, sin = look_up_each(tables, scenario.map, scenario.route, index)
+    return x, y, cos, sin
 
 
 def goal(maps: RoadMap, scenario: Scenario) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
