@@ -27,8 +27,6 @@ from jaxwalk.rollout import (
 class Clock(eqx.Module):
     """A game that only counts: an episode takes as many steps as its scenario says; the state is the steps taken."""
 
-    shortest_episode: int = eqx.field(static=True, default=2)
-
     @property
     def roles(self):
         return ByRole(RoleSpec((), Box(1)), RoleSpec((2,), Discrete(2)))

@@ -69,11 +69,6 @@ class Environment(Protocol):
     @property
     def roles(self) -> ByRole[RoleSpec]: ...
 
-    @property
-    def shortest_episode(self) -> int:
-        """No episode ends in fewer steps than this; it bounds how many resets a rollout can need."""
-        ...
-
     def draw(self, key: Key[Array, ""]) -> Any:
         """One scenario (no batch axes); batches come from ``vmap(draw, out_axes=-1)``."""
         ...

@@ -29,7 +29,6 @@ class Game(eqx.Module):
     shows: Array
     """1 if agents see anything, else 0."""
     driver: Box | Discrete
-    shortest_episode: int = eqx.field(static=True, default=1)
 
     @property
     def roles(self) -> ByRole[RoleSpec]:

@@ -52,12 +52,12 @@ class SimConfig:
         """Refuse what cannot be simulated."""
         positive = (
             "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
-            "collision_distance", "goal_distance", "kerb_distance",
+            "collision_distance", "goal_distance", "kerb_distance", "goal_spacing",
         )  # fmt: skip
         for name in positive:
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be above 0, not {getattr(self, name)}")
-        for name in ("offroad_margin", "moving_speed", "start_clearance", "goal_spacing"):
+        for name in ("offroad_margin", "moving_speed", "start_clearance"):
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} must be 0 or more, not {getattr(self, name)}")
         if not self.slowest_walk <= self.fastest_walk:

@@ -41,7 +41,6 @@ class Street(eqx.Module):
     weights: ByRole[dict[str, Float[Array, ""]]]
     """Of the reward terms that are paid."""
     config: SimConfig = eqx.field(static=True)
-    shortest_episode: int = eqx.field(static=True)
 
     @classmethod
     def create(
@@ -70,7 +69,6 @@ class Street(eqx.Module):
             jaywalk_multiplier=jnp.float32(jaywalk_multiplier),
             weights=jax.tree.map(jnp.float32, weights),
             config=config,
-            shortest_episode=_shortest_episode(config, float(stacked.route_length[stacked.route_length > 0].min())),
         )
 
     @property
@@ -132,19 +130,3 @@ class Street(eqx.Module):
         goal = arrives(car.x - goal_x, car.y - goal_y, self.config.goal_distance) & ~collision
         timeout = (state.step >= self.config.horizon) & ~collision & ~goal
         return Events(collision=collision, goal=goal, timeout=timeout, touched=touched)
-
-
-def _shortest_episode(config: SimConfig, shortest_route: float) -> int:
-    """A lower bound on the steps of an episode.
-
-    From standstill at full throttle, toward the nearest goal or somebody who walks to meet the car. Half the distance
-    is left out of account, for what the projection onto the road may move the car.
-    """
-    gap = min(shortest_route - config.goal_distance, config.start_clearance - config.collision_distance) / 2
-    speed = covered = 0.0
-    steps = 0
-    while covered < gap and steps < config.horizon - 1:
-        speed = min(speed + config.max_acceleration * config.dt, config.max_speed)
-        covered += (speed + config.fastest_walk) * config.dt
-        steps += 1
-    return max(steps, 1)
