@@ -39,28 +39,13 @@ def parse() -> argparse.Namespace:
     return options
 
 
-def everything(street: Any) -> tuple[Any, Callable]:
-    """The street with its rewards summed by role, and a policy that acts at random and looks at everything."""
-    import equinox as eqx
+def everything(street: Any) -> tuple[Callable, Callable]:
+    """A policy that acts at random and looks at everything, and what is kept of a step: one number for each street."""
     import jax
     import jax.numpy as jnp
 
     from jaxwalk.interfaces import ByRole
     from jaxwalk.sim.observation import OBSERVATIONS
-
-    class Summed(eqx.Module):
-        """Pays each role one number, as a learner would store it."""
-
-        street: Any
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self.street, name)
-
-        def step(self, scenario, state, actions):
-            state, outcome = self.street.step(scenario, state, actions)
-            terms = [*outcome.rewards.driver.values(), *outcome.rewards.pedestrian.values()]
-            paid = {"all": sum(term.astype(jnp.float32).sum(axis=tuple(range(term.ndim - 1))) for term in terms)}
-            return state, eqx.tree_at(lambda o: o.rewards, outcome, ByRole(paid, {}), is_leaf=lambda x: x is None)
 
     def act(key, scenario, state, memory):
         seen = [street.observe(scenario, state, role, name) for role, sets in OBSERVATIONS.items() for name in sets]
@@ -71,7 +56,12 @@ def everything(street: Any) -> tuple[Any, Callable]:
         looked = sum(jnp.ones(x[..., 0].size) @ x.reshape(-1, x.shape[-1]) for x in seen)  # a sum, as a product
         return ByRole(action, go.astype(jnp.int32)), memory, looked
 
-    return Summed(street), act
+    def keep(step):
+        terms = [*step.outcome.rewards.driver.values(), *step.outcome.rewards.pedestrian.values()]
+        paid = sum(term.astype(jnp.float32).sum(axis=tuple(range(term.ndim - 1))) for term in terms)
+        return paid * step.valid, step.record, step.outcome.ended, step.valid
+
+    return act, keep
 
 
 def benchmark(options: argparse.Namespace) -> dict[str, Any]:
@@ -89,20 +79,19 @@ def benchmark(options: argparse.Namespace) -> dict[str, Any]:
     street = Street.create(
         driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0), pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0)
     )
-    environment, act = everything(street)
+    act, keep = everything(street)
 
     def spec(x) -> PartitionSpec:
         return PartitionSpec(*(None,) * (x.ndim - 1), "env") if x.ndim else PartitionSpec()
 
     def play(environment, stream):
-        stream, steps = rollout(environment, act, stream, options.steps)
-        paid = (steps.outcome.rewards.driver["all"] * steps.valid).sum(axis=0)
-        return stream, (paid, steps.record.sum(axis=0), steps.outcome.ended.sum(axis=0), steps.valid.sum(axis=0))
+        stream, kept = rollout(environment, act, stream, options.steps, keep=keep)
+        return stream, tuple(x.sum(axis=0) for x in kept)
 
     rows = []
     for count in options.environments:
         keys = environment_keys(seed_key(options.seed, TRAINING), 0, count)
-        stream = jax.jit(start)(environment, keys)
+        stream = jax.jit(start)(street, keys)
         shards = jax.tree.map(spec, stream)
         stream = jax.tree.map(lambda x, s: jax.device_put(x, NamedSharding(mesh, s)), stream, shards)
         sharded = jax.jit(
@@ -113,16 +102,16 @@ def benchmark(options: argparse.Namespace) -> dict[str, Any]:
             donate_argnums=1,
         )  # fmt: skip
         began = time.perf_counter()
-        call = sharded.lower(environment, stream).compile()
+        call = sharded.lower(street, stream).compile()
         compiled = time.perf_counter() - began
         for _ in range(max(1, 64 // options.steps)):  # away from the start, where all episodes are in step
-            stream, result = call(environment, stream)
+            stream, result = call(street, stream)
         jax.block_until_ready(stream)
         times: list[float] = []
         ended = valid = 0
         while sum(times) < options.seconds or len(times) < 3:
             began = time.perf_counter()
-            stream, result = jax.block_until_ready(call(environment, stream))
+            stream, result = jax.block_until_ready(call(street, stream))
             times.append(time.perf_counter() - began)
             assert all(np.isfinite(np.asarray(x)).all() for x in result), "not finite"
             ended += int(result[2].sum())
