@@ -106,7 +106,7 @@ BAD = {
     "damaged driver": ("evaluate --driver damaged", "config.json: train: Value error, clip must be above 0"),
     "out below a file": ("evaluate --driver random --out file/out", "is a file, so nothing can be put into it"),
     "play nobody": ("play", "--driver is missing"),
-    "play before the first": ("play --driver random --scenario -1", "--scenario must be 0 or more, not -1"),
+    "play before the first": ("play --driver random --scenario -1", "--scenario must lie in [0, 2^30), not -1"),
     "play to nothing": ("play --driver random --out episode.doc", "must end in one of .png"),
     "reproduce for no time": ("reproduce --out r --minutes 0", "minutes must be above 0"),
     "reproduce nothing": ("reproduce --out r --episodes 0", "episodes must be at least 1, not 0"),

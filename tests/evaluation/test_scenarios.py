@@ -51,7 +51,7 @@ def test_impossible_numbers_are_refused(street, driver, undecided, wrong, value)
 
 
 def test_there_is_no_scenario_below_0(street, driver, undecided):
-    with pytest.raises(ValueError, match="scenario must be 0 or more"):
+    with pytest.raises(ValueError, match="scenario must lie in"):
         replay(street, driver, undecided, scenario=-1, seed=1)
 
 

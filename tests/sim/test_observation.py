@@ -145,7 +145,9 @@ def test_what_people_have_in_mind_does_not_show(change, paid_street, scenarios):
     if change == "multiplier":
         other_street = dataclasses.replace(paid_street, jaywalk_multiplier=jnp.float32(4))
     else:
-        other = eqx.tree_at(lambda s: s.goals, scenarios, scenarios.goals.at[1:].set(scenarios.goals[:-1]))
+        other = eqx.tree_at(
+            lambda s: s.goals, scenarios, scenarios.goals.at[1:].set(jnp.roll(scenarios.goals[1:], 1, axis=0))
+        )
     one = two = reset(paid_street, scenarios)
     secrets = 0
     for step in range(120):

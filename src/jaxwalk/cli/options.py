@@ -71,6 +71,8 @@ class Train:
     """Probability ratios beyond 1 +- this gain nothing more."""
     reward_scale: Annotated[float | None, _tuned("reward_scale", "X")] = None
     """The learner sees rewards times this."""
+    chunk_rows: Annotated[int | None, _tuned("chunk_rows", "N")] = None
+    """Rows whose gradient is taken at once: speed only. Small for a processor's cache, 200000 or more for a GPU."""
     checkpoint_minutes: Annotated[float, _option("2", "MIN")] = 2.0
     """Minutes between checkpoints."""
 

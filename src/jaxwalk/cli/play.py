@@ -33,8 +33,8 @@ def check(options: Play) -> None:
     """Raise for options that can't be."""
     if not options.driver:
         raise UsageError("--driver is missing: a rule such as route-follower, a run folder or a policy file")
-    if options.scenario < 0:
-        raise UsageError(f"--scenario must be 0 or more, not {options.scenario}")
+    if not 0 <= options.scenario < 2**30:
+        raise UsageError(f"--scenario must lie in [0, 2^30), not {options.scenario}")
     if not 0 <= options.seed < 2**31:
         raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
     kinds = (*STILL, *MOVING)

@@ -16,7 +16,7 @@ from jaxwalk.experiments.runs import Run, check_new, check_writable
 
 TUNABLE = (
     "updates", "environments", "steps", "minibatches",
-    "learning_rate", "discount", "gae_lambda", "clip", "reward_scale",
+    "learning_rate", "discount", "gae_lambda", "clip", "reward_scale", "chunk_rows",
 )  # fmt: skip
 """Options that are fields of `TrainConfig`."""
 GOES_WITH_RESUME = ("resume", "checkpoint_minutes")
@@ -57,6 +57,10 @@ def run(options: Train) -> int:
 
 def check(options: Train) -> None:
     """Raise for options that exclude each other, and for a folder that can't be written to."""
+    for name in ("minutes", "checkpoint_minutes"):
+        value = getattr(options, name)
+        if value is not None and not 0 < value < float("inf"):
+            raise UsageError(f"--{name.replace('_', '-')} must be above 0, not {value}")
     if options.resume and options.run_folder:
         raise UsageError("--run begins a training, --resume goes on with one; give one of them")
     if options.resume:
@@ -70,10 +74,6 @@ def check(options: Train) -> None:
         raise UsageError("--run DIR is missing: where to keep the training (or --resume DIR, to go on with one)")
     if options.minutes is not None and options.updates is not None:
         raise UsageError("--updates and --minutes both say how long to train; give one of them")
-    for name in ("minutes", "checkpoint_minutes"):
-        value = getattr(options, name)
-        if value is not None and not 0 < value < float("inf"):
-            raise UsageError(f"--{name.replace('_', '-')} must be above 0, not {value}")
     check_new(options.run_folder)
 
 

@@ -72,10 +72,10 @@ def replay(
     """The episode of one scenario of a seed, exactly as `evaluate` plays it with the same ``batch``.
 
     Raises:
-        ValueError: ``scenario`` is negative, ``batch`` or ``seed`` is impossible.
+        ValueError: ``scenario`` is negative or above 2^30, ``batch`` or ``seed`` is impossible.
     """
-    if scenario < 0:
-        raise ValueError(f"scenario must be 0 or more, not {scenario}")
+    if not 0 <= scenario < 2**30:
+        raise ValueError(f"scenario must lie in [0, 2^30), not {scenario}")
     _check(1, batch, seed)
     first = scenario // batch * batch
     trajectory = _play_batch(street, driver, pedestrians, seed, first, batch)

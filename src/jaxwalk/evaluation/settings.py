@@ -33,9 +33,9 @@ def with_mode(policy: P, *, sample: bool) -> P:
 def with_jaywalk_multiplier(street: Street, multiplier: float) -> Street:
     """The same street with P(jaywalk | decision) = tendency x ``multiplier``; nothing is compiled anew for it.
 
-    Raises ValueError for a negative multiplier.
+    Raises ValueError for a negative or infinite multiplier.
     """
-    if not multiplier >= 0:
+    if not 0 <= multiplier < float("inf"):
         raise ValueError(f"jaywalk_multiplier must be 0 or more, not {multiplier}")
     return eqx.tree_at(lambda s: s.jaywalk_multiplier, street, jnp.float32(multiplier))
 

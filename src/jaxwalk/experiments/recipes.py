@@ -42,7 +42,7 @@ class Experiment:
             raise ValueError("maps must name at least one map")
         if not 0 <= self.seed < 2**32:
             raise ValueError(f"seed must lie in [0, 2^32), not {self.seed}")
-        if not self.jaywalk_multiplier >= 0:
+        if not 0 <= self.jaywalk_multiplier < float("inf"):
             raise ValueError(f"jaywalk_multiplier must be 0 or more, not {self.jaywalk_multiplier}")
 
     @property

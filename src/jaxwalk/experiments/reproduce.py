@@ -4,8 +4,8 @@ runs/co-trained, runs/single-agent   the trainings, with equally many steps
 plan.json                            what was asked for
 results.json, episodes.csv           every driver among every population
 ablation.json                        the co-trained driver with less and more jaywalking
-episode.png, episode.svg             one episode
-provenance.json                      commit, hardware, minutes, versions
+episode.png, episode.svg, .json       one episode
+provenance.json, minutes.json        commit, hardware, versions; how long each part took
 report.html, figures/, tables/       `jaxwalk.report`
 """
 
@@ -220,8 +220,8 @@ def _tell(work: Reproduction, driver: str, people: str, played: int, episodes: i
 
 
 def _draw(work: Reproduction) -> None:
-    """The scenario, among the first, in which the co-trained car met the most crossings."""
-    if (work.folder / "episode.svg").is_file():
+    """The scenario, among the first, in which the co-trained car came nearest to a jaywalker and still arrived."""
+    if (work.folder / "episode.json").is_file():
         return
     street = _street(work)
     drivers, people = _policies(work, street)

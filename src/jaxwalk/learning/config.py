@@ -67,7 +67,7 @@ class TrainConfig:
     minibatches: int = 8
     """Parts into which an epoch divides the rollout's time steps (paper, Table II)."""
     updates: int = 5000
-    """Rollouts in the whole training (paper, Table II); only the annealing depends on it."""
+    """Rollouts in the whole training (paper, Table II): how long to train, and when an annealed rate reaches 0."""
     learning_rate: float = 3e-4
     """Adam's step size (paper, Table II)."""
     anneal: bool = False
@@ -103,6 +103,9 @@ class TrainConfig:
             _require(self, 0 < getattr(self, name) < math.inf, name, "must be above 0")
         for name in ("discount", "gae_lambda"):
             _require(self, 0 <= getattr(self, name) <= 1, name, "must lie in [0, 1]")
+        _require(self, self.updates < 2**31, "updates", "must be below 2^31")
+        alone = self.credit == "individual" or not any(self.role(role).gated for role in ROLES)
+        _require(self, alone, "gated", "goes with individual credit only", None)
         divides = self.steps % self.minibatches == 0
         _require(self, divides, "minibatches", f"must divide steps ({self.steps})")
         _require(self, self.credit in ("individual", "shared"), "credit", 'must be "individual" or "shared"')

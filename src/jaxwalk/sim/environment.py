@@ -61,7 +61,7 @@ class Street(eqx.Module):
         stacked = stack_maps([load_map(name, **spacing) for name in maps])
         weights = ByRole(dict(driver_weights or {}), dict(pedestrian_weights or {}))
         reward.check_weights(weights.driver, weights.pedestrian)
-        if not jaywalk_multiplier >= 0:
+        if not 0 <= jaywalk_multiplier < float("inf"):
             raise ValueError(f"jaywalk_multiplier must be 0 or more, not {jaywalk_multiplier}")
         return cls(
             maps=jax.tree.map(jnp.asarray, stacked),

@@ -42,8 +42,9 @@ def walk(
 ) -> PedestrianState:  # fmt: skip
     """One step: who goes moves along the committed path at their own speed; who waits stands.
 
-    What is left of the step at the end of a leg is carried into the next. What follows a leg depends on nothing that
-    happens during it, so it is worked out for everybody at once whenever somebody needs it: some tenth of the steps.
+    What is left of the step at the end of a leg is carried into the next (but not over a second end). What follows a
+    leg depends on nothing that happens during it, so it is worked out for everybody at once whenever somebody needs it:
+    some tenth of the steps.
     """
     stride = jnp.where(go, scenario.walking_speed(config) * config.dt, 0)
     carry = stride - people.remaining
@@ -56,7 +57,7 @@ def walk(
         leg=jax.tree.map(lambda new, old: jnp.where(finished, new, old), following, people.leg),
         following=following,
         planned=(people.planned | missing) & ~finished,
-        remaining=jnp.where(finished, following.length - carry, people.remaining - stride),
+        remaining=jnp.where(finished, jnp.maximum(following.length - carry, 0), people.remaining - stride),
         going=go,
         on_roadway=people.on_roadway,
         on_crosswalk=people.on_crosswalk,
@@ -74,7 +75,7 @@ def _on_surface(maps: RoadMap, scenario: Scenario, people: PedestrianState) -> P
 
 
 def velocity(config: SimConfig, scenario: Scenario, people: PedestrianState) -> tuple[Array, Array]:
-    """Velocity in the last step [m/s]: zero for who waited (and before the first step)."""
+    """Velocity [m/s], along the leg being walked: zero for who waited in the last step (and before the first)."""
     speed = jnp.where(people.going, scenario.walking_speed(config), 0)
     return speed * people.leg.cos, speed * people.leg.sin
 

@@ -48,11 +48,12 @@ class Scenario(eqx.Module):
 def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:
     """How many goals and how many crossings the fastest pedestrian could need: (goals, crossings).
 
-    It walks at most horizon x dt x top speed; goals are ``goal_spacing`` apart, and between two decisions lies at least
-    one crossing, ``shortest_crossing`` metres long.
+    It walks at most horizon x dt x top speed. Between two decisions lies at least one crossing, ``shortest_crossing``
+    metres long. Goals are ``goal_spacing`` apart along the graph; a jaywalk is shorter, but no shorter than a crossing.
     """
     reach = config.horizon * config.dt * config.fastest_walk
-    return 2 + math.floor(reach / config.goal_spacing), 2 + math.floor(reach / shortest_crossing)
+    apart = min(config.goal_spacing, shortest_crossing)
+    return 2 + math.floor(reach / apart), 2 + math.floor(reach / shortest_crossing)
 
 
 def draw(maps: RoadMap, config: SimConfig, sizes: tuple[int, int], key: Key[Array, ""]) -> Scenario:

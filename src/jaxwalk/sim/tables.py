@@ -120,7 +120,7 @@ def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     other = np.arange(len(real)) ^ 1
     landing, outer = np.clip(m["side_landing"], 0, None), np.clip(m["side_outer"], 0, None)
     x, y = m["node_x"][landing], m["node_y"][landing]
-    kerb = np.where(real, _kerb_distance(m, landing, following), 0)
+    kerb = np.where(real, _kerb_distance(m, landing, other), 0)
     columns = (x, y, m["side_ux"], m["side_uy"], m["zone_near"], m["zone_far"], x[other] - x, y[other] - y, kerb,
                m["zone_near"][other], m["zone_far"][other], landing[other], outer[other])  # fmt: skip
     edge = np.hypot(m["node_x"][outer] - x, m["node_y"][outer] - y)
@@ -129,9 +129,11 @@ def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return hop.astype(np.int32), np.stack(columns, 1).astype(np.float32), turn.astype(np.float32)
 
 
-def _kerb_distance(m: dict, landing: np.ndarray, following: np.ndarray) -> np.ndarray:
-    """From each landing straight to the roadway that its crosswalk crosses [m]."""
+def _kerb_distance(m: dict, landing: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """From each landing straight to the roadway that its crosswalk crosses, the one half-way across [m]."""
     x, y = m["node_x"][landing][:, None], m["node_y"][landing][:, None]
+    middle_x, middle_y = (x + x[other]) / 2, (y + y[other]) / 2
     x0, y0, x1, y1 = m["roads"].T
+    crossed = (x0 < middle_x) & (middle_x < x1) & (y0 < middle_y) & (middle_y < y1)
     away = np.hypot(np.maximum(np.maximum(x0 - x, x - x1), 0), np.maximum(np.maximum(y0 - y, y - y1), 0))
-    return away.min(axis=1)
+    return np.where(crossed, away, np.inf).min(axis=1)

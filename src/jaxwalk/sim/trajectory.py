@@ -46,7 +46,7 @@ class Trajectory(eqx.Module):
     """[m]"""
     ped_y: Float[np.ndarray, "frame episode ped"]
     ped_vx: Float[np.ndarray, "frame episode ped"]
-    """Velocity in the step that led to the frame [m/s]."""
+    """Velocity [m/s], along the leg that is being walked; 0 for who waited in the step that led to the frame."""
     ped_vy: Float[np.ndarray, "frame episode ped"]
     on_roadway: Bool[np.ndarray, "frame episode ped"]
     """Between the kerbs, on a crosswalk or off it."""
