@@ -21,7 +21,7 @@ def test_a_new_run_writes_its_configuration_alone(tmp_path):
 
 
 def test_an_empty_folder_may_be_used(tmp_path):
-    Run.create(tmp_path, RECIPES["fast"])
+    assert Run.create(tmp_path, RECIPES["fast"]).experiment == RECIPES["fast"]
 
 
 def test_a_run_is_not_overwritten(tmp_path):
