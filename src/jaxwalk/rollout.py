@@ -128,16 +128,14 @@ def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) 
     places = -(-count // RESTARTS_AT_ONCE)
 
     def some(stream: Stream) -> Stream:
-        (chosen,) = jnp.nonzero(stream.shown, size=places, fill_value=0)
-        place = jnp.cumsum(stream.shown) - 1
-        begins = stream.shown & (place < places)
+        (chosen,) = jnp.nonzero(stream.shown, size=places, fill_value=count)  # beyond the last: nobody
+        begins = jnp.zeros(count, bool).at[chosen].set(True, mode="drop")
         episode = stream.episode + begins
         drawn = draw_batch(environment, _scenario_key(stream.key[chosen], episode[chosen]))
         scenario, state = jax.lax.optimization_barrier((drawn, environment.reset(drawn)))  # once, not per environment
-        column = jnp.minimum(place, places - 1)
 
         def put(old: Array, new: Array) -> Array:
-            return jnp.where(begins, new[..., column], old)
+            return old.at[..., chosen].set(new, mode="drop")
 
         return Stream(
             key=stream.key,

@@ -100,7 +100,7 @@ def test_route_follower_keeps_every_route_s_lane_and_arrives(street):
             action, _ = driver.act(keys, None, street.observe(scenarios, state, "driver", "route"))
             standing = jnp.zeros(scenarios.start.shape, jnp.int32)
             state, outcome = street.step(scenarios, state, ByRole(action, standing))
-            return state, (vehicle.route_frame(street.maps, scenarios, state.vehicle)[0], outcome.events.goal)
+            return state, (vehicle.route_frame(state.vehicle)[0], outcome.events.goal)
 
         return jax.lax.scan(body, street.reset(scenarios), None, length=180)[1]
 

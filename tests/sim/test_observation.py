@@ -48,7 +48,7 @@ def test_an_unknown_set_is_refused(street, scenarios, midway):
 
 
 def test_the_papers_car(street, scenarios, moving, seen):
-    car, goal_xy = moving.vehicle, goal(street.maps, scenarios)
+    car, goal_xy = moving.vehicle, goal(street.tables, scenarios)
     x, y, cos, sin, speed = (np.asarray(v, float) for v in (car.x, car.y, car.cos, car.sin, car.speed))
     dx, dy = np.asarray(goal_xy[0], float) - x, np.asarray(goal_xy[1], float) - y
     own = np.stack([x / 120, y / 120, cos, sin, speed / 8.33, (dx * cos + dy * sin) / 60, (dy * cos - dx * sin) / 60,

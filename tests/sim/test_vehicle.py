@@ -141,7 +141,7 @@ def test_it_starts_in_the_right_hand_lane_and_is_sent_to_one(street, scenarios):
     np.testing.assert_allclose(x - PLACES[pairs[:, 0], 0], 2 * sin, atol=1e-4)
     np.testing.assert_allclose(y - PLACES[pairs[:, 0], 1], -2 * cos, atol=1e-4)
     assert (np.asarray(start.speed) == 0).all()
-    goal_x, goal_y = (np.asarray(v) for v in goal(street.maps, scenarios))
+    goal_x, goal_y = (np.asarray(v) for v in goal(street.tables, scenarios))
     end = np.round(np.asarray(street.maps.route_length[0])[scenarios.route] / 0.5).astype(int)
     where = (scenarios.route, end)
     cos, sin = np.asarray(street.maps.route_cos[0])[where], np.asarray(street.maps.route_sin[0])[where]

@@ -166,7 +166,7 @@ def _trajectory(
     length = np.asarray(game.state.step)
     frames = int(length.max()) + 1
     columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in blocks[0]}
-    goal_x, goal_y = _goal(street.maps, scenarios)
+    goal_x, goal_y = _goal(street.tables, scenarios)
     return Trajectory(
         dt=street.config.dt,
         scenario=np.arange(len(length)) if numbers is None else np.asarray(numbers),

@@ -129,7 +129,7 @@ class RouteFollower(eqx.Module):
     max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
     """The car's largest steering angle [rad]."""
     point: int = eqx.field(static=True, default=0)
-    """Which of the route's points it aims at: an index of ``prediction.POINTS``."""
+    """Which of the route's points it aims at: an index of ``jaxwalk.sim.tables.POINTS``."""
     observes: str = eqx.field(static=True, default="route")
     """Name of the observation set."""
 

@@ -17,8 +17,8 @@ from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
 from jaxwalk.sim.events import arrives, touches
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.state import State
-from jaxwalk.sim.tables import WalkTables, pack_walks
+from jaxwalk.sim.state import PedestrianState, State, VehicleState
+from jaxwalk.sim.tables import Tables, pack_tables
 
 
 class Events(eqx.Module):
@@ -36,7 +36,7 @@ class Street(eqx.Module):
 
     maps: RoadMap
     """Stacked maps; a scenario names one."""
-    tables: WalkTables
+    tables: Tables
     jaywalk_multiplier: Float[Array, ""]
     weights: ByRole[dict[str, Float[Array, ""]]]
     """Of the reward terms that are paid."""
@@ -65,7 +65,7 @@ class Street(eqx.Module):
             raise ValueError(f"jaywalk_multiplier must be 0 or more, not {jaywalk_multiplier}")
         return cls(
             maps=jax.tree.map(jnp.asarray, stacked),
-            tables=pack_walks(stacked),
+            tables=pack_tables(stacked),
             jaywalk_multiplier=jnp.float32(jaywalk_multiplier),
             weights=jax.tree.map(jnp.float32, weights),
             config=config,
@@ -86,30 +86,36 @@ class Street(eqx.Module):
     def reset(self, scenario: Scenario) -> State:
         """Car and people at their starts, standing."""
         zero = jnp.zeros_like(scenario.map)
-        car, people = vehicle.place(self.maps, scenario), pedestrian.place(self.maps, scenario)
-        return State(zero, car, people, foresee(self.maps, self.config, scenario, car, people))
+        return self._state(scenario, zero, vehicle.place(self.tables, scenario), pedestrian.place(self.maps, scenario))
+
+    @eqx.filter_jit
+    def refreshed(self, scenario: Scenario, state: State) -> State:
+        """A state in which somebody was moved by hand, with what follows from places and speeds worked out again."""
+        course = vehicle.course(self.tables, scenario, state.vehicle.along)
+        car = eqx.tree_at(lambda car: car.course, state.vehicle, course)
+        return self._state(scenario, state.step, car, state.pedestrian)
 
     @eqx.filter_jit
     def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
         """A named observation set (`jaxwalk.sim.observation.OBSERVATIONS`)."""
-        return observation.observe(role, name, (self.maps, self.config, scenario, state))
+        return observation.observe(role, name, (self.maps, self.tables, self.config, scenario, state))
 
     @eqx.filter_jit
     def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
         """What the paper's centralised critic sees."""
-        return observation.global_state(self.maps, self.config, scenario, state)
+        return observation.global_state(self.maps, self.tables, self.config, scenario, state)
 
     @eqx.filter_jit
     def step(self, scenario: Scenario, state: State, actions: ByRole[Array]) -> tuple[State, Outcome]:
         """One step: everybody moves, then events, then rewards. Deterministic; never resets."""
-        car = vehicle.drive(self.maps, self.config, scenario, state.vehicle, actions.driver)
+        car = vehicle.drive(self.maps, self.tables, self.config, scenario, state.vehicle, actions.driver)
         people = pedestrian.walk(
             self.maps, self.tables, self.config, self.jaywalk_multiplier, scenario, state.pedestrian,
             actions.pedestrian.astype(bool),
         )  # fmt: skip
-        after = State(state.step + 1, car, people, foresee(self.maps, self.config, scenario, car, people))
+        after = self._state(scenario, state.step + 1, car, people)
         events = self._events(scenario, after)
-        transition = reward.Transition(self.maps, self.config, scenario, state, after, events)
+        transition = reward.Transition(self.tables, self.config, scenario, state, after, events)
         over = events.collision | events.goal
         ended = over | events.timeout
         return after, Outcome(
@@ -122,10 +128,13 @@ class Street(eqx.Module):
             events=events,
         )
 
+    def _state(self, scenario: Scenario, step: Array, car: VehicleState, people: PedestrianState) -> State:
+        return State(step, car, people, foresee(self.config, scenario, car, people))
+
     def _events(self, scenario: Scenario, state: State) -> Events:
         car, people = state.vehicle, state.pedestrian
         touched = touches(people.x - car.x[None], people.y - car.y[None], self.config.collision_distance)
-        goal_x, goal_y = vehicle.goal(self.maps, scenario)
+        goal_x, goal_y = vehicle.goal(self.tables, scenario)
         collision = touched.any(axis=0)
         goal = arrives(car.x - goal_x, car.y - goal_y, self.config.goal_distance) & ~collision
         timeout = (state.step >= self.config.horizon) & ~collision & ~goal

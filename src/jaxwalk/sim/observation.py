@@ -15,25 +15,22 @@ from jaxwalk.maps import RoadMap
 from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.events import distance
+from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
-from jaxwalk.sim.tables import of_map
+from jaxwalk.sim.tables import POINT_SPACING, POINTS, Tables, for_everybody, index_of, of_map, with_index
 from jaxwalk.sim.trajectory import JAYWALK
 from jaxwalk.sim.vehicle import to_frame
 
-NEIGHBOURS = 6
-"""The car sees this many people, the nearest ones."""
-ABSENT = 60.0
-"""A neighbour that isn't there stands this far ahead [m]; distances are scaled by it."""
 KERB_CAR_DISTANCE = 40.0
 """A pedestrian at the kerb decides whether to wait only with the car within this distance [m]."""
 LONG = 8.0
 """Times are capped here [s]."""
 SPEED = 8.33
-"""Speeds are scaled by this [m/s]."""
+"""Speeds are scaled by this [m/s], distances by `ABSENT`."""
 
 Parts = list[Array]
-World = tuple[RoadMap, SimConfig, Scenario, State]
+World = tuple[RoadMap, Tables, SimConfig, Scenario, State]
 
 
 def observe(role: str, name: str, world: World) -> Float[Array, "feature ..."]:
@@ -41,18 +38,26 @@ def observe(role: str, name: str, world: World) -> Float[Array, "feature ..."]:
     sets = OBSERVATIONS[role]
     if name not in sets:
         raise ValueError(f"no observation set '{name}' for the {role}; there are: {', '.join(sets)}")
-    parts = sets[name](*world)
-    shape = jnp.broadcast_shapes(*(part.shape for part in parts))
-    return jnp.stack([jnp.broadcast_to(part, shape).astype(jnp.float32) for part in parts])
+    return _joined(sets[name](*world))
 
 
-def global_state(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
+def _joined(parts: Parts) -> Float[Array, "feature ..."]:
+    """Parts with one feature each, ``(*agents, *batch)``, or several, ``(feature, *agents, *batch)``, as one array."""
+    axes = min(part.ndim for part in parts)
+    several = [part if part.ndim > axes else part[None] for part in parts]
+    shape = jnp.broadcast_shapes(*(part.shape[1:] for part in several))
+    return jnp.concatenate([jnp.broadcast_to(x, (x.shape[0], *shape)).astype(jnp.float32) for x in several])
+
+
+def global_state(
+    maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State
+) -> Float[Array, "feature *batch"]:
     """What the paper's critic sees (section III-B), 4 numbers a pedestrian and 10: 58 for 12 people."""
     car, people = state.vehicle, state.pedestrian
     width, height = of_map(maps.width, scenario.map), of_map(maps.height, scenario.map)
     vx, vy = pedestrian.velocity(config, scenario, people)
     of_people = jnp.stack([people.x / width, people.y / height, distance(vx, vy) / 2, scenario.jaywalking_tendency])
-    goal_x, goal_y = vehicle.goal(maps, scenario)
+    goal_x, goal_y = vehicle.goal(tables, scenario)
     of_car = jnp.stack([
         car.x / width, car.y / height, car.cos, car.sin, car.speed / SPEED, car.steering / config.max_steering,
         goal_x / width, goal_y / height, distance(goal_x - car.x, goal_y - car.y) / ABSENT,
@@ -61,64 +66,43 @@ def global_state(maps: RoadMap, config: SimConfig, scenario: Scenario, state: St
     return jnp.concatenate([of_people.reshape(-1, *of_people.shape[2:]), of_car])
 
 
-def _driver_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+def _driver_paper(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
     """The paper's 34: own state and goal 8, lane 2, nearest 6 people x (relative position 2, velocity 2)."""
     car = state.vehicle
-    goal_x, goal_y = vehicle.goal(maps, scenario)
+    goal_x, goal_y = vehicle.goal(tables, scenario)
     ahead, left = to_frame(goal_x - car.x, goal_y - car.y, car.cos, car.sin)
-    lateral, heading_cos, heading_sin = vehicle.route_frame(maps, scenario, car)
+    lateral, heading_cos, heading_sin = vehicle.route_frame(car)
     return [
         car.x / of_map(maps.width, scenario.map), car.y / of_map(maps.height, scenario.map), car.cos, car.sin,
         car.speed / SPEED, ahead / ABSENT, left / ABSENT, distance(ahead, left) / ABSENT, lateral / 4,
-        jnp.arctan2(heading_sin, heading_cos) / jnp.pi, *_nearest_people(config, scenario, state),
+        jnp.arctan2(heading_sin, heading_cos) / jnp.pi, _nearest_people(state),
     ]  # fmt: skip
 
 
-def _driver_route(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+def _driver_route(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
     """The car in the frame of its route: lane keeping 6, route ahead 16, predicted clearances 4, nearest people 24."""
     car = state.vehicle
-    lateral, heading_cos, heading_sin = vehicle.route_frame(maps, scenario, car)
-    to_go = vehicle.route_length(maps, scenario) - car.along
-    away = [k * prediction.POINT_SPACING for k in prediction.POINTS]
-    ahead, left = state.foresight.route_x, state.foresight.route_y
-    route = [axis[i] / along for i, along in enumerate(away) for axis in (ahead, left)]
+    lateral, heading_cos, heading_sin = vehicle.route_frame(car)
+    to_go = vehicle.route_length(tables, scenario) - car.along
+    away = (jnp.array(POINTS) * POINT_SPACING).reshape(-1, 1, *(1,) * car.x.ndim)
+    route = jnp.stack([state.foresight.route_x, state.foresight.route_y], axis=1) / away
     clearance, conflict = state.foresight.clearance, state.foresight.conflict
     longest = prediction.MOMENTS * prediction.MOMENT
     return [
         car.speed / SPEED, car.steering / config.max_steering, lateral / 2, heading_cos, heading_sin,
-        jnp.minimum(to_go / ABSENT, 2), *route, *(clearance / prediction.FAR), conflict / longest,
-        *_nearest_people(config, scenario, state),
+        jnp.minimum(to_go / ABSENT, 2), route.reshape(-1, *car.x.shape), clearance / prediction.FAR, conflict / longest,
+        _nearest_people(state),
     ]  # fmt: skip
 
 
-def _nearest_people(config: SimConfig, scenario: Scenario, state: State) -> Parts:
-    """Relative position and velocity of the nearest people in the car's frame, 4 for each, nearest first.
-
-    A rank by counting who is nearer stands in for a sort, which is slow in this layout.
-    """
-    features = prediction.relative_people(config, scenario, state.vehicle, state.pedestrian)
-    squared = features[0] ** 2 + features[1] ** 2
-    people = squared.shape[0]
-    order = jnp.arange(people).reshape((-1,) + (1,) * (squared.ndim - 1))
-
-    def count(other: Array, rank: Array) -> Array:
-        its = squared[other][None]
-        return rank + ((its < squared) | ((its == squared) & (other < order)))
-
-    rank = jax.lax.fori_loop(0, people, count, jnp.zeros(squared.shape, jnp.int32))
-    wanted = jnp.arange(NEIGHBOURS).reshape((-1,) + (1,) * squared.ndim)
-    which = jnp.where(rank == wanted, order, 0).sum(axis=1)
-    missing = jnp.arange(NEIGHBOURS).reshape((-1,) + (1,) * (squared.ndim - 1)) >= people
-    absent = (ABSENT, 0.0, 0.0, 0.0)
-    scales = (ABSENT, ABSENT, SPEED, SPEED)
-    rows = [
-        jnp.where(missing, default, jnp.take_along_axis(feature, which, axis=0)) / scale
-        for feature, default, scale in zip(features, absent, scales, strict=True)
-    ]
-    return [row[k] for k in range(NEIGHBOURS) for row in rows]
+def _nearest_people(state: State) -> Float[Array, "feature *batch"]:
+    """Relative position and velocity of the nearest people in the car's frame, 4 for each, nearest first."""
+    seen = state.foresight.nearest
+    rows = jnp.stack([seen.ahead / ABSENT, seen.left / ABSENT, seen.ahead_speed / SPEED, seen.left_speed / SPEED], 1)
+    return rows.reshape(-1, *rows.shape[2:])
 
 
-def _pedestrian_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+def _pedestrian_paper(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
     """The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's
     relative position 2 and velocity 2, nearest other pedestrian 2. Relative means in the map's axes, from oneself."""
     car, people = state.vehicle, state.pedestrian
@@ -126,7 +110,7 @@ def _pedestrian_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, stat
     other_x, other_y = _nearest_other(people.x, people.y)
     return [
         people.x / of_map(maps.width, scenario.map), people.y / of_map(maps.height, scenario.map), vx / 2, vy / 2,
-        *scenario.traits, (people.leg.end_x - people.x) / ABSENT, (people.leg.end_y - people.y) / ABSENT,
+        scenario.traits, (people.leg.end_x - people.x) / ABSENT, (people.leg.end_y - people.y) / ABSENT,
         ~people.on_roadway, people.on_roadway & people.on_crosswalk, people.on_roadway & ~people.on_crosswalk,
         people.leg.kind == pedestrian.ACROSS,
         (car.x[None] - people.x) / ABSENT, (car.y[None] - people.y) / ABSENT,
@@ -135,14 +119,14 @@ def _pedestrian_paper(maps: RoadMap, config: SimConfig, scenario: Scenario, stat
     ]  # fmt: skip
 
 
-def _pedestrian_kerb(maps: RoadMap, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+def _pedestrian_kerb(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
     """What bears on stepping into the road: whether there is anything to decide 1, the car as it comes 7, the times at
     which both would be where their ways cross 3, how close they would come if one goes now 2, oneself 6.
 
     There is something to decide at the kerb with the car within 40 m. Vectors are in the car's frame.
     """
     car, people = state.vehicle, state.pedestrian
-    ahead, left = to_frame(people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
+    ahead, left = state.foresight.people.ahead, state.foresight.people.left
     along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
     pace, speed = scenario.walking_speed(config), jnp.broadcast_to(car.speed[None], ahead.shape)
     decides = pedestrian.at_kerb(config, people) & (ahead * ahead + left * left < KERB_CAR_DISTANCE**2)
@@ -166,19 +150,21 @@ def _pedestrian_kerb(maps: RoadMap, config: SimConfig, scenario: Scenario, state
 
 def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"]) -> tuple[Array, Array]:
     """Vector from each pedestrian to the nearest other one [m]; 60 m ahead where nobody is nearer."""
-    people = x.shape[0]
-    order = jnp.arange(people).reshape((-1,) + (1,) * (x.ndim - 1))
+    people, order = x.shape[0], jnp.arange(x.shape[0]).reshape((-1,) + (1,) * (x.ndim - 1))
 
-    def compare(other: Array, nearest: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        best, best_x, best_y = nearest
-        dx, dy = x[other][None] - x, y[other][None] - y
-        squared = dx * dx + dy * dy
-        nearer = (squared < best) & (other != order)
-        return jnp.where(nearer, squared, best), jnp.where(nearer, dx, best_x), jnp.where(nearer, dy, best_y)
+    def compare(other: Array, nearest: Array) -> Array:
+        squared = (x[other][None] - x) ** 2 + (y[other][None] - y) ** 2
+        key = with_index(squared, other, people)
+        return jnp.where((key < nearest) & (other != order), key, nearest)
 
-    nobody = (jnp.full_like(x, ABSENT**2), jnp.full_like(x, ABSENT), jnp.zeros_like(x))
-    _, near_x, near_y = jax.lax.fori_loop(0, people, compare, nobody)
-    return near_x, near_y
+    nobody = jnp.broadcast_to(with_index(jnp.float32(ABSENT**2), jnp.int32(people), people), x.shape)
+    key = for_everybody(people, compare, nobody)
+
+    def pick(other: Array, found: tuple[Array, Array]) -> tuple[Array, Array]:
+        chosen = index_of(key, people) == other
+        return jnp.where(chosen, x[other][None] - x, found[0]), jnp.where(chosen, y[other][None] - y, found[1])
+
+    return for_everybody(people, pick, (jnp.full_like(x, ABSENT), jnp.zeros_like(x)))
 
 
 OBSERVATIONS: dict[str, dict[str, Callable[..., Parts]]] = {
@@ -194,7 +180,7 @@ LAYOUTS: dict[str, dict[str, dict[str, int]]] = {
             "people": 4 * NEIGHBOURS,
         },
         "route": {
-            "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(prediction.POINTS),
+            "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(POINTS),
             "clearance": 3, "conflict": 1, "people": 4 * NEIGHBOURS,
         },
     },

@@ -13,7 +13,7 @@ from jaxwalk.maps import RoadMap
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Leg, PedestrianState
-from jaxwalk.sim.tables import WalkTables, inside, look_up, look_up_each, unpack_hop
+from jaxwalk.sim.tables import Tables, inside, look_up, look_up_each, unpack_hop
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, NO_CROSSING
 
 SIDEWALK, ON_CROSSWALK, TO_ZONE, ACROSS = 0, 1, 2, 3
@@ -37,7 +37,7 @@ def place(maps: RoadMap, scenario: Scenario) -> PedestrianState:
 
 
 def walk(
-    maps: RoadMap, tables: WalkTables, config: SimConfig, multiplier: Float[Array, ""], scenario: Scenario,
+    maps: RoadMap, tables: Tables, config: SimConfig, multiplier: Float[Array, ""], scenario: Scenario,
     people: PedestrianState, go: Bool[Array, "ped *batch"],
 ) -> PedestrianState:  # fmt: skip
     """One step: who goes moves along the committed path at their own speed; who waits stands.
@@ -85,7 +85,7 @@ def at_kerb(config: SimConfig, people: PedestrianState) -> Bool[Array, "ped *bat
     return (people.to_kerb > 0) & (people.to_kerb <= config.kerb_distance)
 
 
-def next_leg(maps: RoadMap, tables: WalkTables, multiplier: Float[Array, ""], scenario: Scenario, leg: Leg) -> Leg:
+def next_leg(maps: RoadMap, tables: Tables, multiplier: Float[Array, ""], scenario: Scenario, leg: Leg) -> Leg:
     """What follows a leg.
 
     Someone who has come to where a jaywalk begins goes across; everybody else continues along the graph: to the next
@@ -154,7 +154,7 @@ class Jaywalk(NamedTuple):
 
 
 def _jaywalk(
-    maps: RoadMap, tables: WalkTables, scenario: Scenario, leg: Leg, goal: Int[Array, "ped *batch"],
+    maps: RoadMap, tables: Tables, scenario: Scenario, leg: Leg, goal: Int[Array, "ped *batch"],
     side: Int[Array, "ped *batch"],
 ) -> Jaywalk:  # fmt: skip
     """The jaywalk that someone at the end of a leg would make at a side.

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
-from jaxwalk.maps import RoadMap
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.state import Foresight, PedestrianState, VehicleState
+from jaxwalk.sim.state import Foresight, Motion, PedestrianState, VehicleState
+from jaxwalk.sim.tables import POINT_SPACING, POINTS, for_everybody, with_index
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
-from jaxwalk.sim.vehicle import route_point, to_frame
+from jaxwalk.sim.vehicle import to_frame
 
 BRAKE, HOLD, ACCELERATE = 0, 1, 2
 """The three manoeuvres that are predicted."""
+NEIGHBOURS = 6
+"""The car sees this many people, the nearest ones."""
+ABSENT = 60.0
+"""A neighbour that isn't there stands this far ahead [m]."""
 MOMENTS, MOMENT = 8, 0.375
 """The prediction looks at 8 moments, 0.375 s apart: 3 s ahead."""
-POINT_SPACING = 2.5
-"""The route ahead is shown at multiples of this distance [m] ..."""
-POINTS = (1, 2, 3, 4, 5, 6, 8, 10)
-"""... namely these."""
 CONFLICT = 2.5
 """Predicted centres closer than this are a conflict [m]."""
 FAR = 10.0
@@ -30,61 +30,76 @@ CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
 """People on the roadway this far ahead of the car and this far aside [m] call for caution."""
 
 
-def relative_people(
-    config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState
-) -> tuple[Array, Array, Array, Array]:
-    """People in the car's frame: where they are, ahead and left [m], and their velocities, ahead and left [m/s].
-
-    Arrays ``(ped, *batch)``.
-    """
+def relative_people(config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Motion:
+    """People in the car's frame; arrays ``(ped, *batch)``."""
     ahead, left = to_frame(people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
     vx, vy = pedestrian.velocity(config, scenario, people)
-    ahead_speed, left_speed = to_frame(vx, vy, car.cos[None], car.sin[None])
-    return ahead, left, ahead_speed, left_speed
+    return Motion(ahead, left, *to_frame(vx, vy, car.cos[None], car.sin[None]))
 
 
-def foresee(
-    maps: RoadMap, config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState
-) -> Foresight:
-    """The route ahead, the smallest predicted distance to anybody for each manoeuvre, the time until a conflict, and
-    whether somebody crosses close ahead.
+def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Foresight:
+    """People as the car sees them, the route ahead, the smallest predicted distance to anybody for each manoeuvre, the
+    time until a conflict, and whether somebody crosses close ahead.
 
     The car follows its route (straight from each shown point of it to the next), people keep their velocity. Clearances
     are capped at 10 m, the time at 3 s. One pedestrian after the other is compared with all moments, so that nothing
     large is ever stored.
     """
-    route_x, route_y = _route_ahead(maps, scenario, car)
+    route_x, route_y = to_frame(car.course.ahead_x - car.x, car.course.ahead_y - car.y, car.cos, car.sin)
     car_x, car_y = _predicted_car(config, car, route_x, route_y)
-    motion = jax.lax.optimization_barrier(relative_people(config, scenario, car, people))
+    time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, 1, *(1,) * car.x.ndim)
+    motion = relative_people(config, scenario, car, people)
     on_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
     jaywalks = people.on_roadway & (people.crossing == JAYWALK)
 
-    def compare(person: Array, found: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
-        nearest, conflict, crosswalk_user, jaywalker = found
-        x, y, vx, vy = (of_all[person] for of_all in motion)
+    def compare(person: Array, found: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        closest, crosswalk_user, jaywalker = found
+        x, y, vx, vy = (of_all[person] for of_all in (motion.ahead, motion.left, motion.ahead_speed, motion.left_speed))
+        away = (x + vx * time - car_x) ** 2 + (y + vy * time - car_y) ** 2
         ahead = (x > 0) & (x < CAUTION_AHEAD) & (jnp.abs(y) < CAUTION_ASIDE)
-        for k in range(MOMENTS):
-            time = (k + 1) * MOMENT
-            away = (x + vx * time - car_x[k]) ** 2 + (y + vy * time - car_y[k]) ** 2
-            nearest = jnp.where(away < nearest, away, nearest)
-            conflict = jnp.where((away[HOLD] < CONFLICT**2) & (time < conflict), time, conflict)
-        crosswalk_user, jaywalker = (
+        return (
+            jnp.where(away < closest, away, closest),
             crosswalk_user | (ahead & on_crosswalk[person]),
             jaywalker | (ahead & jaywalks[person]),
         )
-        return nearest, conflict, crosswalk_user, jaywalker
 
     nobody = jnp.zeros(car.x.shape, bool)
-    nothing = (jnp.full((3, *car.x.shape), FAR**2), jnp.full(car.x.shape, MOMENTS * MOMENT), nobody, nobody)
-    nearest, conflict, crosswalk_user, jaywalker = jax.lax.fori_loop(0, people.going.shape[0], compare, nothing)
-    return Foresight(route_x, route_y, jnp.sqrt(nearest), conflict, crosswalk_user, jaywalker)
+    nothing = (jnp.full(car_x.shape, FAR**2), nobody, nobody)
+    closest, crosswalk_user, jaywalker = for_everybody(people.going.shape[0], compare, nothing)
+    conflict = jnp.where(closest[:, HOLD] < CONFLICT**2, time[:, 0], MOMENTS * MOMENT).min(axis=0)
+    return Foresight(
+        people=motion,
+        nearest=nearest_people(motion),
+        route_x=route_x,
+        route_y=route_y,
+        clearance=jnp.sqrt(closest.min(axis=0)),
+        conflict=conflict,
+        crosswalk_user=crosswalk_user,
+        jaywalker=jaywalker,
+    )
 
 
-def _route_ahead(maps: RoadMap, scenario: Scenario, car: VehicleState) -> tuple[Array, Array]:
-    """Points of the route in the car's frame, ahead and left [m]: two arrays ``(point, *batch)``."""
-    steps = jnp.array(POINTS) * POINT_SPACING
-    x, y, _, _ = route_point(maps, scenario, car.along + steps.reshape((-1,) + (1,) * car.along.ndim))
-    return jax.lax.optimization_barrier(to_frame(x - car.x, y - car.y, car.cos, car.sin))
+def nearest_people(motion: Motion) -> Motion:
+    """The nearest `NEIGHBOURS` of them, nearest first; where there are fewer, somebody stands far ahead.
+
+    A rank by counting who is nearer stands in for a sort, which is slow in this layout.
+    """
+    squared = motion.ahead**2 + motion.left**2
+    people, *batch = squared.shape
+    keys = with_index(squared, jnp.arange(people).reshape(-1, *(1,) * len(batch)), people)
+    place = jnp.arange(NEIGHBOURS).reshape(-1, *(1,) * len(batch))
+
+    def count(other: Array, rank: Array) -> Array:
+        return rank + (keys[other][None] < keys)
+
+    rank = for_everybody(people, count, jnp.zeros(squared.shape, jnp.int32))
+
+    def pick(person: Array, found: Motion) -> Motion:
+        chosen = rank[person][None] == place
+        return jax.tree.map(lambda of_all, kept: jnp.where(chosen, of_all[person][None], kept), motion, found)
+
+    absent = Motion(*(jnp.full((NEIGHBOURS, *batch), default) for default in (ABSENT, 0.0, 0.0, 0.0)))
+    return for_everybody(people, pick, absent)
 
 
 def _predicted_car(config: SimConfig, car: VehicleState, route_x: Array, route_y: Array) -> tuple[Array, Array]:
@@ -102,10 +117,19 @@ def _predicted_car(config: SimConfig, car: VehicleState, route_x: Array, route_y
         ],
         axis=1,
     )
-    x = y = jnp.zeros(travelled.shape)
-    begin, from_x, from_y = 0.0, jnp.zeros(car.x.shape), jnp.zeros(car.x.shape)
-    for k, end in enumerate(POINT_SPACING * point for point in POINTS):
-        share = jnp.clip((travelled - begin) / (end - begin), 0, 1)
-        x, y = x + share * (route_x[k] - from_x), y + share * (route_y[k] - from_y)
-        begin, from_x, from_y = end, route_x[k], route_y[k]
-    return jax.lax.optimization_barrier((x, y))
+    return _along(route_x, travelled), _along(route_y, travelled)
+
+
+def _along(route: Float[Array, "point *batch"], travelled: Array) -> Array:
+    """A coordinate of the place that far along the straight pieces between the shown points of the route.
+
+    It is the first piece continued, and at each point the change of slope from there on.
+    """
+    ends = [POINT_SPACING * point for point in POINTS]
+    begins = [0.0, *ends[:-1]]
+    slope = [(to - at) / (end - begin) for to, at, begin, end in
+             zip(route, [jnp.zeros(route.shape[1:]), *route[:-1]], begins, ends, strict=True)]  # fmt: skip
+    place = slope[0] * travelled
+    for begin, new, old in zip(begins[1:], slope[1:], slope[:-1], strict=True):
+        place += (new - old) * jnp.maximum(travelled - begin, 0)
+    return place

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.maps import RoadMap
 from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.events import closing_speed, distance
+from jaxwalk.sim.events import distance
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
+from jaxwalk.sim.tables import Tables
 
 NEAR_WAIT = 8.0
 """Waiting for the car is rewarded with it within this distance [m] ..."""
@@ -28,7 +28,7 @@ COMFORTABLE = 3.0
 class Transition(NamedTuple):
     """A step, as rewards see it."""
 
-    maps: RoadMap
+    tables: Tables
     config: SimConfig
     scenario: Scenario
     before: State
@@ -46,7 +46,7 @@ def reward(
 
 def _crow_progress(t: Transition) -> Array:
     """Metres nearer to the goal, as the crow flies."""
-    goal_x, goal_y = vehicle.goal(t.maps, t.scenario)
+    goal_x, goal_y = vehicle.goal(t.tables, t.scenario)
     before, after = t.before.vehicle, t.after.vehicle
     return distance(goal_x - before.x, goal_y - before.y) - distance(goal_x - after.x, goal_y - after.y)
 
@@ -58,13 +58,13 @@ def _speeding(t: Transition, somebody: Array) -> Array:
 
 def _off_lane(t: Transition) -> Array:
     """Offset from the lane centre in metres, squared, at most 4."""
-    lateral, _, _ = vehicle.route_frame(t.maps, t.scenario, t.after.vehicle)
+    lateral, _, _ = vehicle.route_frame(t.after.vehicle)
     return jnp.minimum(lateral**2, 4)
 
 
 def _misaligned(t: Transition) -> Array:
     """One minus the cosine of the heading error."""
-    _, cos, _ = vehicle.route_frame(t.maps, t.scenario, t.after.vehicle)
+    _, cos, _ = vehicle.route_frame(t.after.vehicle)
     return 1 - cos
 
 
@@ -75,12 +75,10 @@ def _closeness(t: Transition) -> Array:
 
 
 def _waiting(t: Transition) -> Array:
-    """Waiting at the kerb for a car within 8 m, faster than 2 m/s and closing in."""
-    car, people = t.before.vehicle, t.before.pedestrian
-    dx, dy = car.x[None] - people.x, car.y[None] - people.y
-    closing = closing_speed(dx, dy, (car.speed * car.cos)[None], (car.speed * car.sin)[None]) > 0
-    near = (distance(dx, dy) < NEAR_WAIT) & (car.speed > FAST_CAR)[None] & closing
-    return near & pedestrian.at_kerb(t.config, people) & ~t.after.pedestrian.going
+    """Waiting at the kerb for a car within 8 m, faster than 2 m/s and closing in: with oneself ahead of it."""
+    car, seen = t.before.vehicle, t.before.foresight.people
+    near = (seen.ahead**2 + seen.left**2 < NEAR_WAIT**2) & (seen.ahead > 0) & (car.speed > FAST_CAR)
+    return near & pedestrian.at_kerb(t.config, t.before.pedestrian) & ~t.after.pedestrian.going
 
 
 def _walked(t: Transition) -> Array:

@@ -6,6 +6,20 @@ import equinox as eqx
 from jaxtyping import Array, Bool, Float, Int
 
 
+class Course(eqx.Module):
+    """The route of the car at its nearest point, in the map's axes."""
+
+    x: Float[Array, "*batch"]
+    """That point [m] ..."""
+    y: Float[Array, "*batch"]
+    cos: Float[Array, "*batch"]
+    """... and the direction of travel there."""
+    sin: Float[Array, "*batch"]
+    ahead_x: Float[Array, "point *batch"]
+    """Points of the route ahead [m] (`jaxwalk.sim.tables.POINTS`)."""
+    ahead_y: Float[Array, "point *batch"]
+
+
 class VehicleState(eqx.Module):
     """The car, about its centre."""
 
@@ -24,6 +38,8 @@ class VehicleState(eqx.Module):
     """Commanded in the last step [m/s2]."""
     along: Float[Array, "*batch"]
     """How far it has come along its lane route [m]."""
+    course: Course
+    """Its route there."""
 
 
 class Leg(eqx.Module):
@@ -110,8 +126,27 @@ class PedestrianState(eqx.Module):
         return self.leg.arrivals
 
 
+class Motion(eqx.Module):
+    """People in the car's frame."""
+
+    ahead: Float[Array, "_ *batch"]
+    """Where they are: ahead [m] ..."""
+    left: Float[Array, "_ *batch"]
+    """... and to the left [m]."""
+    ahead_speed: Float[Array, "_ *batch"]
+    """Their velocity over ground, along the car [m/s] ..."""
+    left_speed: Float[Array, "_ *batch"]
+    """... and across it [m/s]."""
+
+
 class Foresight(eqx.Module):
-    """What lies ahead of the car (`jaxwalk.sim.prediction`); kept, because it is used more than once and dear."""
+    """What the car sees and what lies ahead of it (`jaxwalk.sim.prediction`); kept, because it is used more than once
+    and dear."""
+
+    people: Motion
+    """Everybody; arrays ``(ped, *batch)``."""
+    nearest: Motion
+    """The `NEIGHBOURS` nearest people, nearest first; arrays ``(neighbour, *batch)``."""
 
     route_x: Float[Array, "point *batch"]
     """Points of the route ahead, in the car's frame: ahead [m] ..."""

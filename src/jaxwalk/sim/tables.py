@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -11,13 +12,21 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from jaxwalk.maps import RoadMap
+from jaxwalk.maps.road_map import ROUTE_SPACING
 
 SIDE_BITS, NODE_BITS = 12, 12
 NO_SIDE = (1 << SIDE_BITS) - 1
 
 
-class WalkTables(eqx.Module):
-    """What a pedestrian needs to know at the end of a leg, packed so that it is one look-up each."""
+POINT_SPACING = 2.5
+"""The route ahead is shown at multiples of this distance [m] ..."""
+POINTS = (1, 2, 3, 4, 5, 6, 8, 10)
+"""... namely these."""
+
+
+class Tables(eqx.Module):
+    """What a step needs to know of the maps, packed so that it is one look-up each: for people at the end of a leg, and
+    for the car on its route."""
 
     hop: Int[Array, "map node goal"]
     """Bits: next node; whether that node, and whether the node itself, is a crosswalk's midpoint; the crosswalk side
@@ -27,6 +36,10 @@ class WalkTables(eqx.Module):
     turn: Float[Array, "map side goal"]
     """After a jaywalk that ends this far or less from the landing of a side [m], the shortest way to a goal leads by
     that landing, else by the zone's outer node."""
+    course: Float[Array, "map route point column"]
+    """At each point of a route: position [m], direction, then x and then y of the `POINTS` ahead [m]."""
+    finish: Float[Array, "map route 3"]
+    """Of each route: x and y of the goal, in its lane, and metres from start to goal."""
     shortest_crossing: float = eqx.field(static=True)
     """Shortest distance between the two landings of a crosswalk [m]."""
 
@@ -40,7 +53,7 @@ from the landing to the kerb [m], zone of the opposite side [m], and that side's
 
 
 class Hop(eqx.Module):
-    """An unpacked entry of ``WalkTables.hop``."""
+    """An unpacked entry of ``Tables.hop``."""
 
     node: Array
     to_midpoint: Array
@@ -64,6 +77,39 @@ def look_up_each(tables: Sequence[Array], *index: Array) -> list[Array]:
     return [table.reshape(-1).at[places].get(mode="promise_in_bounds").reshape(flat.shape) for table in tables]
 
 
+def look_up_row(table: Array, *index: Array) -> Array:
+    """``table[index]`` for a table with one axis more than there are indices; that axis leads in the result."""
+    flat = jnp.zeros((), jnp.int32)
+    for size, i in zip(table.shape[:-1], index, strict=True):
+        flat = flat * size + i
+    rows = table.reshape(-1, table.shape[-1]).at[flat.reshape(-1)].get(mode="promise_in_bounds")
+    return jax.lax.optimization_barrier(rows.T).reshape(-1, *flat.shape)  # transposed once, not by every reader
+
+
+def for_everybody(people: int, body: Callable[[Array, Any], Any], begin: Any) -> Any:
+    """``body(person, found)`` for one person after the other: neighbours and minima without an array of all pairs.
+
+    Three turns at a time are written out, so that one pass over the environments does them; between passes the
+    compiler keeps ``found``, where it would otherwise work out again what goes into it, for every reader.
+    """
+    return jax.lax.fori_loop(0, people, body, begin, unroll=3)
+
+
+def with_index(squared: Array, index: Array, people: int) -> Array:
+    """Squared distances as integers in the same order, with an index 0 .. ``people`` in the last bits (`index_of`).
+
+    So no two are the same, and the smallest one says whose it is. Distances nearer to each other than 1 part in 16,000
+    (200 people; a million, for 12) may be taken for equal.
+    """
+    mask = (1 << people.bit_length()) - 1
+    return (jax.lax.bitcast_convert_type(squared, jnp.int32) & ~mask) | index.astype(jnp.int32)
+
+
+def index_of(key: Array, people: int) -> Array:
+    """The index that `with_index` put into it."""
+    return key & ((1 << people.bit_length()) - 1)
+
+
 def of_map(table: Array, map_index: Array) -> Array:
     """Each episode's own entry of a small table: ``(map, ...)`` to ``(..., *batch)``."""
     if table.shape[0] == 1:
@@ -81,7 +127,7 @@ def inside(rectangles: Float[Array, "map rectangle 4"], map_index: Array, x: Arr
 
 
 def unpack_hop(entry: Array) -> Hop:
-    """Undo the packing of `pack_walks`."""
+    """Undo the packing of `pack_tables`."""
     side = (entry >> (NODE_BITS + 2)) & NO_SIDE
     return Hop(
         node=entry & ((1 << NODE_BITS) - 1),
@@ -91,14 +137,36 @@ def unpack_hop(entry: Array) -> Hop:
     )
 
 
-def pack_walks(maps: RoadMap) -> WalkTables:
+def pack_tables(maps: RoadMap) -> Tables:
     """Make the tables of stacked maps, once, in NumPy."""
     count = np.asarray(maps.roads).shape[0]
     one = [_pack_map(_entry(maps, i)) for i in range(count)]
     widths = np.concatenate([np.hypot(side[:, 6], side[:, 7])[side[:, 8] > 0] for _, side, _ in one])
     hop, side, turn = (np.stack(tables) for tables in zip(*one, strict=True))
-    columns = {name: jnp.asarray(side[..., i]) for i, name in enumerate(SIDE_COLUMNS)}
-    return WalkTables(jnp.asarray(hop), columns, jnp.asarray(turn), float(widths.min()))
+    course, finish = _pack_routes(maps)
+    return Tables(
+        hop=jnp.asarray(hop),
+        side={name: jnp.asarray(side[..., i]) for i, name in enumerate(SIDE_COLUMNS)},
+        turn=jnp.asarray(turn),
+        course=jnp.asarray(course),
+        finish=jnp.asarray(finish),
+        shortest_crossing=float(widths.min()),
+    )
+
+
+def _pack_routes(maps: RoadMap) -> tuple[np.ndarray, np.ndarray]:
+    """The tables ``course`` and ``finish``; beyond its last point a route stays there."""
+    x, y, cos, sin, length = (
+        np.asarray(field) for field in (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin, maps.route_length)
+    )
+    ahead = np.round(np.array(POINTS) * POINT_SPACING / ROUTE_SPACING).astype(int)
+    seen = np.minimum(np.arange(x.shape[-1])[:, None] + ahead, x.shape[-1] - 1)
+    course = np.concatenate([np.stack([x, y, cos, sin], -1), x[..., seen], y[..., seen]], -1)
+    last = np.round(length / ROUTE_SPACING).astype(int)
+    beyond = length - last * ROUTE_SPACING
+    at = [np.take_along_axis(field, last[..., None], -1)[..., 0] for field in (x, y, cos, sin)]
+    finish = np.stack([at[0] + at[2] * beyond, at[1] + at[3] * beyond, length], -1)
+    return course.astype(np.float32), finish.astype(np.float32)
 
 
 def _entry(maps: RoadMap, i: int):

@@ -9,20 +9,23 @@ from jaxwalk.maps import RoadMap
 from jaxwalk.maps.road_map import ROUTE_SPACING
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.state import VehicleState
-from jaxwalk.sim.tables import inside, look_up, look_up_each, of_map
+from jaxwalk.sim.state import Course, VehicleState
+from jaxwalk.sim.tables import POINTS, Tables, inside, look_up_row, of_map
 
 
-def place(maps: RoadMap, scenario: Scenario) -> VehicleState:
+def place(tables: Tables, scenario: Scenario) -> VehicleState:
     """The car at the start of its route, standing, facing along it."""
-    x, y, cos, sin = route_point(maps, scenario, jnp.zeros(scenario.route.shape))
-    zero = jnp.zeros_like(x)
-    return VehicleState(x=x, y=y, cos=cos, sin=sin, speed=zero, steering=zero, acceleration=zero, along=zero)
+    zero = jnp.zeros(scenario.route.shape)
+    at = course(tables, scenario, zero)
+    return VehicleState(
+        x=at.x, y=at.y, cos=at.cos, sin=at.sin, speed=zero, steering=zero, acceleration=zero, along=zero, course=at
+    )
 
 
 def drive(
-    maps: RoadMap, config: SimConfig, scenario: Scenario, vehicle: VehicleState, action: Float[Array, "2 *batch"]
-) -> VehicleState:
+    maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, vehicle: VehicleState,
+    action: Float[Array, "2 *batch"],
+) -> VehicleState:  # fmt: skip
     """One step of the bicycle model (Polack et al. 2017), then the projection onto the road.
 
     ``action`` is acceleration and steering as shares of their limits in [-1, 1]; what lies outside is clipped. The slip
@@ -40,8 +43,8 @@ def drive(
     cos, sin = _rotate(vehicle.cos, vehicle.sin, jnp.cos(turn), jnp.sin(turn))
     x, y, off = onto_road(maps, config, scenario, x, y)
     speed = jnp.where(off, config.offroad_speed * speed, speed)
-    along = _progress(maps, scenario, vehicle.along, x, y)
-    return VehicleState(x, y, cos, sin, speed, steering, acceleration, along)
+    along = _progress(tables, vehicle, x, y)
+    return VehicleState(x, y, cos, sin, speed, steering, acceleration, along, course(tables, scenario, along))
 
 
 def onto_road(maps: RoadMap, config: SimConfig, scenario: Scenario, x: Array, y: Array) -> tuple[Array, Array, Array]:
@@ -59,35 +62,30 @@ def onto_road(maps: RoadMap, config: SimConfig, scenario: Scenario, x: Array, y:
     return new_x, new_y, off
 
 
-def route_point(
-    maps: RoadMap, scenario: Scenario, along: Float[Array, "*any"]
-) -> tuple[Float[Array, "*any"], Float[Array, "*any"], Float[Array, "*any"], Float[Array, "*any"]]:
-    """Position and direction (x, y, cos, sin) of the route's sample nearest to ``along`` [m]."""
-    last = maps.route_x.shape[-1] - 1
+def course(tables: Tables, scenario: Scenario, along: Float[Array, "*batch"]) -> Course:
+    """The car's route at its point nearest to ``along`` [m]."""
+    last = tables.course.shape[-2] - 1
     index = jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, last)
-    tables = (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)
-    x, y, cos, sin = look_up_each(tables, scenario.map, scenario.route, index)
-    return x, y, cos, sin
+    columns = look_up_row(tables.course, scenario.map, scenario.route, index)
+    return Course(*columns[:4], *jnp.split(columns[4:], (len(POINTS),)))
 
 
-def goal(maps: RoadMap, scenario: Scenario) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
+def goal(tables: Tables, scenario: Scenario) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
     """Where the car is to go [m]: the end of its route, in its lane."""
-    length = route_length(maps, scenario)
-    x, y, cos, sin = route_point(maps, scenario, length)
-    beyond = length - jnp.round(length / ROUTE_SPACING) * ROUTE_SPACING
-    return x + cos * beyond, y + sin * beyond
+    x, y, _ = look_up_row(tables.finish, scenario.map, scenario.route)
+    return x, y
 
 
-def route_length(maps: RoadMap, scenario: Scenario) -> Float[Array, "*batch"]:
+def route_length(tables: Tables, scenario: Scenario) -> Float[Array, "*batch"]:
     """Metres from the start of the car's route to its goal."""
-    return look_up(maps.route_length, scenario.map, scenario.route)
+    return look_up_row(tables.finish, scenario.map, scenario.route)[2]
 
 
-def route_frame(maps: RoadMap, scenario: Scenario, vehicle: VehicleState) -> tuple[Array, Array, Array]:
+def route_frame(vehicle: VehicleState) -> tuple[Array, Array, Array]:
     """The car seen from its route: offset to the left [m], cosine and sine of the heading relative to the route's."""
-    x, y, cos, sin = route_point(maps, scenario, vehicle.along)
-    lateral = (vehicle.y - y) * cos - (vehicle.x - x) * sin
-    relative_cos, relative_sin = to_frame(vehicle.cos, vehicle.sin, cos, sin)
+    at = vehicle.course
+    lateral = (vehicle.y - at.y) * at.cos - (vehicle.x - at.x) * at.sin
+    relative_cos, relative_sin = to_frame(vehicle.cos, vehicle.sin, at.cos, at.sin)
     return lateral, relative_cos, relative_sin
 
 
@@ -103,10 +101,10 @@ def _rotate(cos: Array, sin: Array, cos_turn: Array, sin_turn: Array) -> tuple[A
     return new_cos * scale, new_sin * scale
 
 
-def _progress(maps: RoadMap, scenario: Scenario, along: Array, x: Array, y: Array) -> Array:
+def _progress(tables: Tables, vehicle: VehicleState, x: Array, y: Array) -> Array:
     """Foot of the position on the route near the last one: a step moves the car by less than a metre."""
-    point_x, point_y, cos, sin = route_point(maps, scenario, along)
+    along, at = vehicle.along, vehicle.course
     at_point = jnp.round(along / ROUTE_SPACING) * ROUTE_SPACING
-    ahead, _ = to_frame(x - point_x, y - point_y, cos, sin)
-    longest = (maps.route_x.shape[-1] - 1) * ROUTE_SPACING
+    ahead, _ = to_frame(x - at.x, y - at.y, at.cos, at.sin)
+    longest = (tables.course.shape[-2] - 1) * ROUTE_SPACING
     return jnp.clip(jnp.clip(at_point + ahead, along - 1.0, along + 1.0), 0, longest)
