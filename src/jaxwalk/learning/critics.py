@@ -22,6 +22,10 @@ SHARED = "shared"
 """Name of the one critic of shared credit; the others are named after their roles."""
 
 
+FORWARD_CHUNKS = 4
+"""Judging keeps nothing for a gradient, so chunks may be this many times larger: large products are quicker."""
+
+
 class Critic(eqx.Module):
     """A value for each agent of a role, or one for everybody."""
 
@@ -90,9 +94,9 @@ def make_critics(environment: Environment, config: TrainConfig, views: Views, ke
 
 def judge(config: TrainConfig, critic: Critic, played: Step, final: Views) -> Judgement:
     """Values of all states of the rollout and of the ``final`` one after it, and the advantages."""
-    chunks = plan_chunks(
-        agents=math.prod(critic.agents), environments=config.environments, steps=config.steps, rows=config.chunk_rows
-    )
+    rows = FORWARD_CHUNKS * config.chunk_rows
+    agents = math.prod(critic.agents)
+    chunks = plan_chunks(agents=agents, environments=config.environments, steps=config.steps, rows=rows)
     values = map_chunks(critic, critic.select(played.record.views), chunks=chunks)
     whose = "driver" if critic.role == SHARED else critic.role
     valid = by_agent(played.valid, values)

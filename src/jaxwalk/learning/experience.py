@@ -9,7 +9,7 @@ import jax
 from jaxtyping import Array, Float, Key
 
 from jaxwalk.interfaces import ByRole, Environment, Policy
-from jaxwalk.learning.actor import Actor
+from jaxwalk.learning.actor import Actor, glance
 from jaxwalk.learning.config import GLOBAL, ROLES, TrainConfig
 from jaxwalk.rollout import Act
 
@@ -61,7 +61,7 @@ def make_act(
             role_key = jax.vmap(jax.random.fold_in, in_axes=(0, None))(key, index)
             memories[role] = getattr(memory, role)
             if role in actors:
-                choice = actors[role](views.observations[role][actors[role].observes])
+                choice = glance(actors[role], views.observations[role][actors[role].observes])
                 raw[role] = choice.sample(role_key)  # type: ignore[reportArgumentType]
                 log_prob[role] = choice.log_prob(raw[role])
                 actions[role] = choice.action(raw[role])

@@ -21,7 +21,7 @@ import safetensors
 import safetensors.numpy
 from jaxtyping import Array, Float, Key
 
-from jaxwalk.learning.actor import DISCRETE, GATED, Actor
+from jaxwalk.learning.actor import DISCRETE, GATED, Actor, glance
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.networks import MLP
 
@@ -80,7 +80,7 @@ class LearnedPolicy(eqx.Module):
         self, key: Key[Array, "*batch"], memory: None, observation: Float[Array, "feature ..."]
     ) -> tuple[Array, None]:
         """The action of every agent."""
-        choice = self.actor(observation)
+        choice = glance(self.actor, observation)
         return choice.action(choice.sample(key) if self.sample else choice.mode()), memory  # pyright: ignore
 
 

@@ -1,0 +1,51 @@
+"""The packed tables say what the map's arrays say, and keys keep the order of what they were made of."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jaxwalk.sim.tables import POINT_SPACING, POINTS, for_everybody, index_of, look_up_row, with_index
+
+
+def test_the_course_is_the_route_and_the_points_ahead(street):
+    maps, course = street.maps, np.asarray(street.tables.course)[0]
+    last = maps.route_x.shape[-1] - 1
+    for column, field in enumerate((maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)):
+        np.testing.assert_array_equal(course[..., column], np.asarray(field)[0])
+    for k, point in enumerate(POINTS):
+        there = np.minimum(np.arange(last + 1) + round(point * POINT_SPACING / 0.5), last)
+        np.testing.assert_array_equal(course[..., 4 + k], np.asarray(maps.route_x)[0][:, there])
+        np.testing.assert_array_equal(course[..., 4 + len(POINTS) + k], np.asarray(maps.route_y)[0][:, there])
+
+
+def test_a_row_leads_in_the_result():
+    table = jnp.arange(2 * 3 * 4).reshape(2, 3, 4)
+    first, second = np.array([[0, 1], [1, 1], [0, 0]]), np.array([[2, 0], [1, 2], [0, 1]])
+    found = look_up_row(table, jnp.asarray(first), jnp.asarray(second))
+    np.testing.assert_array_equal(found, np.moveaxis(np.asarray(table)[first, second], -1, 0))
+
+
+@given(st.lists(st.floats(0, 4e4, width=32), min_size=1, max_size=200))
+@settings(max_examples=50, deadline=None)
+def test_keys_hold_their_index_and_the_order(squared):
+    people = len(squared)
+    keys = with_index(jnp.asarray(squared, jnp.float32), jnp.arange(people), people)
+    np.testing.assert_array_equal(index_of(keys, people), np.arange(people))
+    assert len(np.unique(keys)) == people
+    in_order = np.asarray(squared, float)[np.argsort(np.asarray(keys), kind="stable")]
+    resolution = 2.0 ** (people.bit_length() - 23)
+    assert (in_order[1:] >= in_order[:-1] * (1 - resolution) - 1e-37).all()
+
+
+@pytest.mark.parametrize("people", [1, 2, 3, 7, 12, 96])
+def test_everybody_is_met_once_in_order(people):
+    values = jnp.arange(people, dtype=jnp.float32) + 1
+
+    def body(person, found):
+        total, last = found
+        return total + values[person], jnp.where(person > last, person, -99)
+
+    total, last = for_everybody(people, body, (jnp.float32(0), jnp.int32(-1)))
+    assert (float(total), int(last)) == (people * (people + 1) / 2, people - 1)
