@@ -51,8 +51,8 @@ format: install  ## let ruff tidy the code
 reproduce: install  ## the paper's tables and figures again, into runs/reproduce
 	$(BIN)/jaxwalk reproduce --out runs/reproduce
 
-bench: install  ## how fast the environment is on this machine
-	$(BIN)/python -m benchmarks.environment
+bench: install  ## how fast simulator and training are on this machine: some minutes
+	$(BIN)/jaxwalk bench
 
 wheel: install  ## build dist/*.whl
 	rm -rf dist

@@ -14,7 +14,7 @@ import jax
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.cli.options import Evaluate, Play, Reproduce, Train
+from jaxwalk.cli.options import Bench, Evaluate, Play, Reproduce, Train
 from jaxwalk.experiments.recipes import RECIPES, with_training
 from jaxwalk.experiments.runs import Run
 from jaxwalk.interfaces import Box
@@ -111,6 +111,13 @@ BAD = {
     "reproduce for no time": ("reproduce --out r --minutes 0", "minutes must be above 0"),
     "reproduce nothing": ("reproduce --out r --episodes 0", "episodes must be at least 1, not 0"),
     "reproduce elsewhere": ("reproduce --out foreign", "no `jaxwalk reproduce` made it"),
+    "bench nothing": ("bench --environments 64 0", "environments must be at least 1, not 0"),
+    "bench nobody": ("bench --pedestrians 0", "pedestrians must be at least 1, not 0"),
+    "bench backwards": ("bench --seconds -1", "seconds must be 0 or more, not -1.0"),
+    "bench half a row": ("bench --chunk-rows 0", "chunk_rows must be at least 1, not 0"),
+    "bench an unknown part": ("bench --only all", "all"),
+    "bench seed": ("bench --seed -1", "seed must lie in [0, 2^31), not -1"),
+    "bench below a file": ("bench --out file/bench", "is a file, so nothing can be put into it"),
     "report on nothing": ("report foreign", "foreign: has no plan.json"),
 }
 
@@ -154,7 +161,7 @@ def test_version(capsys):
     assert capsys.readouterr().out == f"jaxwalk {version('jaxwalk')}\n"
 
 
-@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce])
+@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, Bench])
 def test_help_says_every_default(command, capsys):
     assert main([command.__name__.lower(), "--help"]) == 0
     text = capsys.readouterr().out
@@ -196,6 +203,28 @@ def test_play_draws(place, capsys):
     assert main(["play", "--driver", "rule-based", "--scenario", "2", "--out", "there/episode.png"]) == 0
     assert (place / "there" / "episode.png").read_bytes().startswith(b"\x89PNG")
     assert "scenario 2 of seed 0" in capsys.readouterr().out
+
+
+def test_bench_prints_one_document_and_keeps_it(place, capfd):
+    command = "bench --only env --environments 8 --seconds 0.05 --json --out bench"
+    assert main(command.split()) == 0
+    out, err = capfd.readouterr()
+    document = json.loads(out)
+    assert (place / "bench" / "bench.json").read_text() == out
+    assert document["figures"]["env_steps_per_s"]["value"] == document["rows"]["env"][0]["env_steps_per_s"] > 0
+    assert document["hardware"].keys() >= {"processor", "cores", "memory_bytes", "accelerator"}
+    assert document["provenance"]["versions"].keys() >= {"jax", "jaxlib", "python"}
+    assert "sets JAX_NUM_CPU_DEVICES=" in err
+
+
+def test_bench_prints_a_table(capfd, monkeypatch):
+    from jaxwalk.experiments.benchmark import document
+
+    monkeypatch.setattr(document, "starts", lambda: {"import_s": 0.25, "help_s": 0.5})
+    assert main(["bench", "--only", "compile"]) == 0
+    out = capfd.readouterr().out
+    assert "import_s" in out
+    assert "0.25 s" in out
 
 
 def test_ctrl_c_leaves_a_run_that_resumes(place):

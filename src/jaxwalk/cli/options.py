@@ -26,6 +26,8 @@ def _tuned(name: str, kind: str) -> Any:
     return _option(f"the recipe's: {values}", kind)
 
 
+BenchPart = Literal["env", "train", "compile", "pedestrians"]
+"""What `jaxwalk bench` can measure."""
 Flag = tyro.conf.FlagCreatePairsOff[bool]
 """An option without a value."""
 
@@ -186,11 +188,48 @@ class Report:
         return remake(self.folder)
 
 
+@dataclass(frozen=True)
+class Bench:
+    """How fast is jaxwalk on this machine? Simulator, training, first minute, crowds: some minutes.
+
+    For example: jaxwalk bench --out bench
+    """
+
+    only: Annotated[tuple[BenchPart, ...], _option("all", "PART [PART ...]")] = ()
+    """env: the simulator alone; train: training and the machine's peak; compile: the first minute; pedestrians: the
+    cost of a crowd."""
+    quick: Flag = False
+    """Few sizes and short times: shows that everything can be measured, and measures little."""
+    environments: Annotated[tuple[int, ...], _option("64 to 16384", "N [N ...]")] = ()
+    """Environments side by side, a row each, of the simulator alone."""
+    training_environments: Annotated[tuple[int, ...], _option("128 512 2048", "N [N ...]")] = ()
+    """The same, of training with the recipe fast."""
+    pedestrians: Annotated[tuple[int, ...], _option("12 24 48 96", "N [N ...]")] = ()
+    """People in an episode, a row each."""
+    seconds: Annotated[float | None, _option("3", "S")] = None
+    """Measure each row for so long, compiling not included."""
+    chunk_rows: Annotated[int | None, _option("the recipe's; on an accelerator a whole minibatch", "N")] = None
+    """Rows whose gradient is taken at once in training."""
+    seed: Annotated[int, _option("0", "N")] = 0
+    """Of scenarios, networks and actions."""
+    out: Annotated[Path | None, _option("none", "DIR")] = None
+    """Folder for bench.json, bench.md, scaling.svg and scaling.png; files of an earlier time are replaced."""
+    json: Flag = False
+    """Print one JSON document instead of the table."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.bench import run
+
+        return run(self)
+
+
 Command = (
     Annotated[Train, tyro.conf.subcommand("train")]
     | Annotated[Evaluate, tyro.conf.subcommand("evaluate")]
     | Annotated[Play, tyro.conf.subcommand("play")]
     | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
     | Annotated[Report, tyro.conf.subcommand("report")]
+    | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 """What the command line can ask for."""

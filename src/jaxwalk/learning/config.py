@@ -144,7 +144,7 @@ FAST = TrainConfig(
         critic_hidden=(256, 256),
         critic_observes=("route", GLOBAL),
         entropy=0.001,
-        epochs=3,
+        epochs=2,
         initial_std=0.5,
     ),
     pedestrian=RoleConfig(observes="kerb", gated=True, critic_observes=("kerb",), entropy=0.003, epochs=0.25),

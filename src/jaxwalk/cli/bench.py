@@ -1,0 +1,39 @@
+"""``jaxwalk bench``."""
+
+from __future__ import annotations
+
+from rich.console import Console
+
+from jaxwalk.cli.options import Bench
+from jaxwalk.cli.train import bad_values
+from jaxwalk.experiments.benchmark.document import as_text, benchmark, write
+from jaxwalk.experiments.benchmark.settings import QUICK, Settings
+from jaxwalk.experiments.benchmark.showing import table
+from jaxwalk.experiments.runs import check_writable
+
+TUNABLE = ("environments", "training_environments", "pedestrians", "seconds", "chunk_rows", "only")
+"""Options that, where given, replace a field of `Settings`."""
+
+
+def run(options: Bench) -> int:
+    """Measure and show; nothing is written unless ``--out`` says where."""
+    settings = make_settings(options)
+    if options.out:
+        check_writable(options.out)
+    document = benchmark(settings)
+    if options.out:
+        write(options.out, document)
+    if options.json:
+        print(as_text(document), end="")
+    else:
+        console = Console()
+        console.width = max(console.width, 100)  # the numbers need it; a narrower terminal wraps
+        console.print(table(document))
+    return 0
+
+
+def make_settings(options: Bench) -> Settings:
+    """What the options ask for."""
+    given = {name: getattr(options, name) for name in TUNABLE if getattr(options, name) not in (None, ())}
+    with bad_values():
+        return Settings(**{**(QUICK if options.quick else {}), **given, "seed": options.seed})

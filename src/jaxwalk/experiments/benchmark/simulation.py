@@ -1,0 +1,176 @@
+"""The simulator alone: fresh actions every step, restarts on, everything that could be seen or paid is computed.
+
+Every observation set and every reward term of both roles is reduced into the result, so that nothing can be left out.
+No learning. The processor's cores each play a share of the environments, as devices of one `shard_map`.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
+
+from jaxwalk.experiments.benchmark.processes import tell
+from jaxwalk.experiments.benchmark.settings import Settings
+from jaxwalk.interfaces import ByRole
+from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.observation import OBSERVATIONS
+from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
+
+WARM_STEPS = 64
+"""Steps before the clock starts: away from the beginning, where all episodes are in step."""
+
+
+def over_environments(settings: Settings) -> list[dict[str, Any]]:
+    """A row for each number of environments."""
+    street = paid_street(SimConfig())
+    return [measure(street, count, settings) for count in settings.environments]
+
+
+def over_pedestrians(settings: Settings) -> list[dict[str, Any]]:
+    """A row for each number of pedestrians."""
+    return [
+        measure(paid_street(SimConfig(pedestrians=count)), settings.crowd_environments, settings)
+        for count in settings.pedestrians
+    ]
+
+
+def paid_street(config: SimConfig) -> Street:
+    """The paper's map, with every reward term."""
+    return Street.create(
+        config=config,
+        driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0),
+        pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0),
+    )
+
+
+def measure(street: Street, count: int, settings: Settings) -> dict[str, Any]:
+    """One row: rate, memory and how it came about."""
+    program = build(street, count, settings.steps, settings.seed)
+    timing = play(program, street, settings)
+    row = {
+        "environments": count,
+        "pedestrians": street.config.pedestrians,
+        "shards": program.shards,
+        "steps": settings.steps,
+        **timing,
+        "compile_s": round(program.compile_s, 2),
+        "temporary_bytes": program.temporary_bytes,
+        "state_bytes": program.state_bytes,
+        "kept_bytes": program.kept_bytes,
+    }
+    tell(
+        f"{count:>6,} environments, {street.config.pedestrians:>2} pedestrians: {row['env_steps_per_s']:>10,} steps/s, "
+        f"{program.temporary_bytes / 1e6:,.1f} MB, compiled in {program.compile_s:.1f} s"
+    )
+    return row
+
+
+@dataclass
+class Program:
+    """A compiled rollout, and the memory that it takes."""
+
+    call: Callable[[Street, Stream], tuple[Stream, Any]]
+    stream: Stream
+    shards: int
+    compile_s: float
+    """It took so long, unless it was found in the cache of compiled code [s]."""
+    temporary_bytes: int
+    """What all shards together hold while it runs, besides what goes in and comes out [B]."""
+    state_bytes: int
+    """What goes in: scenarios, states and keys [B]."""
+    kept_bytes: int
+    """What the rollout keeps of every step [B]."""
+
+
+def build(street: Street, count: int, steps: int, seed: int) -> Program:
+    """Compile a rollout of so many environments, shared out among as many devices as divide them evenly."""
+    shards = math.gcd(count, len(jax.devices()))
+    mesh = Mesh(np.array(jax.devices()[:shards]), ("env",))
+    act = look_and_act(street)
+
+    def play(street: Street, stream: Stream) -> tuple[Stream, Any]:
+        stream, kept = rollout(street, act, stream, steps, keep=keep)
+        return stream, tuple(x.sum(axis=0) for x in kept)
+
+    stream = jax.jit(start)(street, environment_keys(seed_key(seed, TRAINING), 0, count))
+    specs = jax.tree.map(lambda x: PartitionSpec(*(None,) * (x.ndim - 1), "env") if x.ndim else PartitionSpec(), stream)
+    stream = jax.tree.map(lambda x, spec: jax.device_put(x, NamedSharding(mesh, spec)), stream, specs)
+    shared = jax.shard_map(
+        play, mesh=mesh, in_specs=(PartitionSpec(), specs), out_specs=(specs, PartitionSpec("env")), check_vma=False
+    )
+    begun = time.perf_counter()
+    call = jax.jit(shared, donate_argnums=1).lower(street, stream).compile()
+    compile_s = time.perf_counter() - begun
+    kept = jax.eval_shape(lambda stream: rollout(street, act, stream, steps, keep=keep)[1], stream)
+    used: Any = call.memory_analysis()
+    return Program(
+        call, stream, shards, compile_s, shards * used.temp_size_in_bytes, _bytes(stream), _bytes(kept)
+    )  # fmt: skip
+
+
+def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]:
+    """The median rate; steps in which an ended episode idles until its restart don't count."""
+    stream = program.stream
+    for _ in range(max(1, WARM_STEPS // settings.steps)):
+        stream, result = program.call(street, stream)
+    jax.block_until_ready(stream)
+    times: list[float] = []
+    ended = valid = steps = 0
+    while sum(times) < settings.seconds or len(times) < 3:
+        begun = time.perf_counter()
+        stream, result = jax.block_until_ready(program.call(street, stream))
+        times.append(time.perf_counter() - begun)
+        if not all(np.isfinite(np.asarray(x)).all() for x in result):
+            raise FloatingPointError("the simulator gave numbers that are not finite")
+        steps += result[3].size * settings.steps
+        ended += int(result[2].sum())
+        valid += int(result[3].sum())
+    played = valid / len(times)
+    return {
+        "env_steps_per_s": round(played / statistics.median(times)),
+        "best_env_steps_per_s": round(played / min(times)),
+        "valid_share": round(valid / steps, 4),
+        "episodes": ended,
+    }
+
+
+def look_and_act(street: Street) -> Act:
+    """A policy that acts at random and looks at everything; it records one number for each street."""
+    people = jnp.arange(street.config.pedestrians, dtype=jnp.uint32)
+
+    def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[ByRole, Any, jax.Array]:
+        seen = [street.observe(scenario, state, role, name) for role, sets in OBSERVATIONS.items() for name in sets]
+        seen.append(street.global_state(scenario, state))
+        words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random numbers: 64 fresh bits are enough
+        action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1
+        go = words[1][None] >> people[:, None] % 32 & 1
+        looked = sum(jnp.ones(x[..., 0].size) @ x.reshape(-1, x.shape[-1]) for x in seen)  # a sum, as a product
+        return ByRole(action, go.astype(jnp.int32)), memory, jnp.asarray(looked)
+
+    return act
+
+
+def keep(step: Step) -> tuple[jax.Array, ...]:
+    """Of a step, for each street: all that was paid, all that was seen, whether an episode ended, whether it counts."""
+    terms = [*step.outcome.rewards.driver.values(), *step.outcome.rewards.pedestrian.values()]
+    paid = sum(term.astype(jnp.float32).sum(axis=tuple(range(term.ndim - 1))) for term in terms)
+    return jnp.asarray(paid * step.valid), step.record, step.outcome.ended, step.valid
+
+
+def _bytes(tree: Any) -> int:
+    """Size of all arrays; keys are two 32-bit words."""
+    return sum(
+        x.size * (8 if jnp.issubdtype(x.dtype, jax.dtypes.prng_key) else x.dtype.itemsize)
+        for x in jax.tree.leaves(tree)
+    )

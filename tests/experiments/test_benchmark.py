@@ -1,0 +1,253 @@
+"""The benchmark: what its figures say of rows made up by hand, and that each part can be measured."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict, replace
+
+import pytest
+
+from jaxwalk.experiments.benchmark import document as documents
+from jaxwalk.experiments.benchmark import training
+from jaxwalk.experiments.benchmark.figures import FIGURES, exponent, figures, nonlinearity
+from jaxwalk.experiments.benchmark.processes import BenchmarkError, measure_apart, variables
+from jaxwalk.experiments.benchmark.products import peak_products
+from jaxwalk.experiments.benchmark.settings import PARTS, QUICK, Settings
+from jaxwalk.experiments.benchmark.showing import shown, table
+from jaxwalk.experiments.benchmark.starting import watch
+from jaxwalk.experiments.provenance import cores
+
+
+def _simulated(environments, rate, temporary, pedestrians=12):
+    return {
+        "environments": environments, "pedestrians": pedestrians, "env_steps_per_s": rate, "compile_s": 1.0,
+        "temporary_bytes": temporary, "state_bytes": 100 * environments, "kept_bytes": 50 * environments,
+    }  # fmt: skip
+
+
+def _trained(recipe, environments, rate, *, single_agent=False):
+    return {
+        "recipe": recipe, "single_agent": single_agent, "environments": environments, "steps": 4,
+        "train_steps_per_s": rate, "agent_transitions_per_s": 13.0 * rate, "flop_per_step": 2e6, "flops": 2e6 * rate,
+        "first_update_s": 5.0,
+    }  # fmt: skip
+
+
+ROWS = {
+    "env": [_simulated(64, 1000, 64 * 75), _simulated(512, 4000, 512 * 300), _simulated(16384, 3000, 16384 * 75)],
+    "training": [
+        _trained("fast", 512, 40.0) | {"peak_memory_bytes": 10**9},
+        _trained("fast", 512, 90.0, single_agent=True),
+        _trained("fast", 2048, 50.0),
+        _trained("paper", 512, 20.0),
+    ],
+    "products": [
+        {"side": 512, "precision": "default", "flops": 1e8},
+        {"side": 1024, "precision": "default", "flops": 1.6e8},
+        {"side": 1024, "precision": "default", "flops": 1.5e8},
+    ],
+    "starts": [{"name": "import_s", "seconds": 0.2}, {"name": "first_update_warm_s", "seconds": 4.0}],
+    "pedestrians": [_simulated(256, 4000, 256, 12), _simulated(256, 2000, 1024, 24), _simulated(256, 1000, 4096, 48)],
+}
+
+DOCUMENT = {
+    "schema": 1,
+    "options": asdict(Settings()),
+    "hardware": {"cores": 2},
+    "provenance": {"commit": "abc", "hardware": "an abacus", "versions": {"jax": "0.10"}},
+    "seconds": 90.0,
+    "figures": figures(ROWS),
+    "rows": ROWS,
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("environments", ()),
+        ("environments", (64, 0)),
+        ("training_environments", (-1,)),
+        ("pedestrians", (0,)),
+        ("seconds", -1.0),
+        ("seconds", float("nan")),
+        ("seed", -1),
+        ("only", ()),
+        ("only", ("env", "sleep")),
+        ("chunk_rows", 0),
+    ],
+)
+def test_what_cannot_be_measured_is_refused_by_name(name, value):
+    with pytest.raises(ValueError, match=f"^{name} "):
+        Settings(**{name: value})
+
+
+def test_quick_is_less_of_everything():
+    quick, whole = Settings(**QUICK), Settings()
+    assert quick.only == whole.only
+    for name in ("environments", "training_environments", "pedestrians", "products"):
+        assert sum(getattr(quick, name)) < sum(getattr(whole, name))
+
+
+def test_an_exponent_is_a_slope():
+    x = [12, 24, 48, 96]
+    assert exponent(x, [3 * n**1.7 for n in x]) == pytest.approx(1.7)
+    assert exponent([12, 12], [1, 2]) is None
+
+
+def test_a_line_has_no_nonlinearity():
+    assert nonlinearity([64, 512, 16384], [1000 + 7 * n for n in (64, 512, 16384)]) == pytest.approx(0, abs=1e-9)
+    assert nonlinearity([1, 2], [5, 9]) is None
+
+
+def test_nonlinearity_is_the_largest_relative_distance():
+    # by symmetry the line is flat, at a: 2 (a - 1)^2 + (a / 2 - 1)^2 is least where a = 10 / 9
+    assert nonlinearity([0, 1, 2], [1, 2, 1]) == pytest.approx(4 / 9)
+
+
+def test_figures_of_rows():
+    found = {name: figure["value"] for name, figure in figures(ROWS).items()}
+    assert found["env_steps_per_s"] == 4000
+    assert found["env_steps_per_s_at_16384"] == 3000
+    assert found["env_share_at_16384"] == 0.75
+    assert found["env_temporary_memory_ratio"] == 2.0  # 300 / (100 + 50)
+    assert found["memory_environments_nonlinearity"] > 0.1
+    assert found["train_steps_per_s_fast"] == 40
+    assert found["train_steps_per_s_fast_best"] == 50
+    assert found["train_steps_per_s_fast_single_agent"] == 90
+    assert found["train_steps_per_s_paper"] == 20
+    assert found["agent_transitions_per_s_fast"] == 520
+    assert found["peak_memory_train_fast"] == 10**9
+    assert found["matmul_peak_flops"] == 1.6e8
+    assert found["share_of_peak_fast"] == 0.5  # 40 x 2 MFLOP over 160 MFLOP/s
+    assert found["share_of_peak_paper"] == 0.25
+    assert found["first_update_warm_s"] == 4
+    assert found["pedestrian_time_exponent"] == pytest.approx(1)
+    assert found["pedestrian_memory_exponent"] == pytest.approx(2)
+
+
+def test_what_was_not_measured_has_no_figure():
+    found = figures(ROWS)
+    assert not {"peak_memory_train_paper", "matmul_peak_flops_highest", "train_steps_per_s_paper_best"} & set(found)
+    assert set(figures({"starts": ROWS["starts"]})) == {"import_s", "first_update_warm_s"}
+    assert "share_of_peak_fast" not in figures({"training": ROWS["training"]})
+    assert figures({}) == {}
+
+
+def test_every_figure_says_what_it_is():
+    for name, figure in figures(ROWS).items():
+        assert (figure["unit"], figure["what"]) == FIGURES[name]
+        assert figure["what"].endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (2_345_678.4, "steps/s", "2,345,678 steps/s"),
+        (0.612, "share", "61.2 %"),
+        (9.61e6, "FLOP", "9.6 MFLOP"),
+        (290.04e9, "FLOP/s", "290.0 GFLOP/s"),
+        (1.25e9, "B", "1.2 GB"),
+        (4.123, "s", "4.12 s"),
+        (1.5, "exponent", "1.50"),
+    ],
+)
+def test_figures_are_shown_for_people(value, unit, text):
+    assert shown(value, unit) == text
+
+
+def test_the_folder_holds_everything(tmp_path):
+    documents.write(tmp_path / "there", DOCUMENT)
+    names = {path.name for path in (tmp_path / "there").iterdir()}
+    assert names == {"bench.json", "bench.md", "scaling.svg", "scaling.png"}
+    assert json.loads((tmp_path / "there" / "bench.json").read_text()) == json.loads(json.dumps(DOCUMENT))
+    page = (tmp_path / "there" / "bench.md").read_text()
+    assert "| `share_of_peak_fast` | 50.0 % |" in page
+    assert "| 16,384 | 3,000 |" in page
+    assert "an abacus; commit abc; jax 0.10" in page
+    assert "(scaling.svg)" in page
+    assert "slope 2.00" in (tmp_path / "there" / "scaling.svg").read_text()
+
+
+def test_a_part_alone_is_a_folder_too(tmp_path):
+    rows = {"starts": ROWS["starts"]}
+    documents.write(tmp_path, DOCUMENT | {"rows": rows, "figures": figures(rows)})
+    assert {path.name for path in tmp_path.iterdir()} == {"bench.json", "bench.md"}
+    assert "scaling.svg" not in (tmp_path / "bench.md").read_text()
+
+
+def test_the_table_has_a_row_for_each_figure():
+    assert table(DOCUMENT).row_count == len(DOCUMENT["figures"])
+
+
+def test_a_document_of_parts(monkeypatch, quiet):
+    """Each part in its turn; nothing is measured here."""
+    asked = []
+
+    def measured(part, settings):
+        asked.append(part)
+        if part == "machine":
+            return {name: DOCUMENT[name] for name in ("hardware", "provenance")}
+        training = [row for row in ROWS["training"] if part.endswith(row["recipe"])]
+        return ROWS[part] if part in ROWS else {"rows": training, "products": ROWS["products"][:1]}
+
+    monkeypatch.setattr(documents, "measure_apart", measured)
+    monkeypatch.setattr(documents, "starts", lambda: {x["name"]: x["seconds"] for x in ROWS["starts"]})
+    found = documents.benchmark(Settings(), quiet)
+    assert asked == ["machine", "env", "train-fast", "train-paper", "pedestrians"]
+    assert found["figures"].keys() == DOCUMENT["figures"].keys()
+    assert set(found["rows"]) == set(ROWS)
+    told = quiet.file.getvalue()
+    assert f"sets JAX_NUM_CPU_DEVICES={cores()}" in told
+    assert all(f"{number}/{len(PARTS)}" in told for number in range(1, 1 + len(PARTS)))
+    asked.clear()
+    documents.benchmark(Settings(only=("pedestrians",)), quiet)
+    assert asked == ["machine", "pedestrians"]
+
+
+def test_devices_are_set_for_the_simulator_alone(monkeypatch):
+    monkeypatch.delenv("XLA_FLAGS", raising=False)
+    monkeypatch.delenv("JAX_NUM_CPU_DEVICES", raising=False)
+    assert variables("env") == variables("pedestrians") == {"JAX_NUM_CPU_DEVICES": str(cores())}
+    assert variables("train-fast") == variables("machine") == {}
+    monkeypatch.setenv("XLA_FLAGS", "--xla_force_host_platform_device_count=1")
+    assert variables("env") == {}
+
+
+def test_a_part_that_fails_is_named():
+    with pytest.raises(BenchmarkError, match="part nothing could not be measured"):
+        measure_apart("nothing", Settings())
+
+
+def test_a_training_is_measured(tiny):
+    row = training.measure(tiny, 0.0)
+    assert (row["environments"], row["steps"], row["updates"]) == (8, 8, 3)
+    assert row["train_steps_per_s"] == pytest.approx(64 / row["update_s"])
+    assert row["agent_transitions_per_s"] == pytest.approx(13 * row["train_steps_per_s"])
+    parts = row["flop_per_step_acting"] + row["flop_per_step_judging"] + sum(row["flop_per_step_fits"].values())
+    assert row["flop_per_step"] == pytest.approx(parts)
+    json.dumps(row, allow_nan=False)
+
+
+def test_recipes_keep_their_size_unless_it_is_quick(tiny):
+    assert training.own_size(tiny, Settings(seed=3)) == replace(tiny, seed=3)
+    assert training.own_size(tiny, Settings(**QUICK)).train.environments == QUICK["recipe_environments"]
+    assert training.own_size(tiny, Settings(chunk_rows=64)).train.chunk_rows == 64
+
+
+def test_products_are_timed():
+    (row,) = peak_products((64,), 0.0)
+    assert row["side"] == 64
+    assert row["flops"] > 1e6
+
+
+def test_a_start_is_timed_until_the_metrics_are_there(tmp_path):
+    metrics = tmp_path / "metrics.jsonl"
+    code = "import sys, time; open(sys.argv[1], 'w').write('{}'); time.sleep(1)"
+    learned, ended = watch([sys.executable, "-c", code, str(metrics)], metrics, tmp_path / "said", {})
+    assert 0 < learned < ended - 0.5
+
+
+def test_a_start_that_fails_says_why(tmp_path):
+    with pytest.raises(BenchmarkError, match="exit code 3: no street"):
+        watch([sys.executable, "-c", "print('no street'); exit(3)"], tmp_path / "m", tmp_path / "said", {})

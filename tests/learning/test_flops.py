@@ -1,0 +1,81 @@
+"""Operations counted by hand: two for each weight and row, and three times that, less the first layer's, in a fit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from jaxwalk.learning.actor import GLANCE_PART
+from jaxwalk.learning.config import FAST, PAPER, RoleConfig, TrainConfig
+from jaxwalk.learning.flops import Sizes, fit_flops, forward_flops, network_flops, passes, sizes_of
+from jaxwalk.learning.mappo import GATED_PART
+
+SIZES = Sizes(
+    observations={"driver": {"paper": 5}, "pedestrian": {"paper": 3}},
+    world=7,
+    actions={"driver": 2, "pedestrian": 2},
+    agents={"driver": 1, "pedestrian": 4},
+)
+SMALL = {"environments": 10, "steps": 8, "minibatches": 4}
+
+
+def test_one_row():
+    assert forward_flops((3, 4, 2)) == 2 * (12 + 8)
+    assert fit_flops((3, 4, 2)) == 2 * (2 * 12 + 3 * 8)  # no gradient of the three inputs
+
+
+@pytest.mark.parametrize(("epochs", "made"), [(4, 4.0), (0.5, 0.5), (0.3, 0.25), (0.01, 0.25), (1.5, 1.5)])
+def test_a_broken_epoch_is_whole_minibatches(epochs, made):
+    assert passes(TrainConfig(**SMALL), epochs) == made
+
+
+def test_individual_credit():
+    driver = RoleConfig(actor_hidden=(4,), critic_hidden=(6,), critic_observes=("paper", "global"), epochs=2)
+    pedestrian = RoleConfig(actor_hidden=(8,), critic_hidden=(2,), epochs=1)
+    found = network_flops(TrainConfig(driver=driver, pedestrian=pedestrian, **SMALL), SIZES)
+    # layers: 5-4-2 and 3-8-2 act, 12-6-1 and 3-2-1 judge
+    assert found.acting == 2 * (20 + 8) + 4 * 2 * (24 + 16)
+    assert found.judging == pytest.approx(9 / 8 * (2 * (72 + 6) + 4 * 2 * (6 + 2)))
+    assert found.fits == {
+        "driver": 2 * 2 * (2 * 20 + 3 * 8),
+        "driver critic": 2 * 2 * (2 * 72 + 3 * 6),
+        "pedestrian": 4 * 2 * (2 * 24 + 3 * 16),
+        "pedestrian critic": 4 * 2 * (2 * 6 + 3 * 2),
+    }
+    assert found.total == pytest.approx(found.acting + found.judging + 256 + 648 + 768 + 144)
+
+
+def test_a_gated_role_costs_part_of_its_rows():
+    pedestrian = RoleConfig(actor_hidden=(8,), gated=True, epochs=1)
+    config = TrainConfig(pedestrian=pedestrian, **SMALL)
+    whole, found = network_flops(TrainConfig(**SMALL), SIZES), network_flops(config, SIZES)
+    driver = whole.acting - 4 * forward_flops((3, 128, 128, 2))
+    glanced, fitted = -(-40 // GLANCE_PART) / 10, -(-40 // GATED_PART) / 10
+    assert found.acting == pytest.approx(driver + glanced * 2 * (24 + 16))
+    assert found.fits["pedestrian"] == pytest.approx(fitted * 2 * (2 * 24 + 3 * 16))
+
+
+def test_a_role_that_does_not_learn_costs_nothing():
+    alone = TrainConfig(pedestrian=RoleConfig(learns=False), **SMALL)
+    assert set(network_flops(alone, SIZES).fits) == {"driver", "driver critic"}
+
+
+def test_the_paper_recipe(street):
+    """On the paper's street: 0.77 MFLOP in the rollout, 2.21 in an epoch, 9.6 in all."""
+    found = network_flops(PAPER, sizes_of(street, PAPER))
+    rollout = found.acting + found.judging
+    assert rollout == pytest.approx(0.77e6, rel=0.01)
+    assert sum(found.fits.values()) / 4 == pytest.approx(2.21e6, rel=0.01)
+    assert found.total == pytest.approx(9.6e6, rel=0.01)
+    assert found.fits["pedestrian"] / found.total == pytest.approx(0.55, abs=0.01)
+
+
+def test_sizes_are_those_of_what_is_read(street):
+    sizes = sizes_of(street, FAST)
+    assert set(sizes.observations["driver"]) == {"route"}
+    assert set(sizes.observations["pedestrian"]) == {"kerb"}
+    assert sizes.agents == {"driver": 1, "pedestrian": 12}
+    assert sizes.actions == {"driver": 2, "pedestrian": 2}
+    no_world = replace(FAST, driver=replace(FAST.driver, critic_observes=("route",)))
+    assert sizes_of(street, no_world).world == 0
