@@ -57,7 +57,8 @@ def _rates(axis: Axes, rows: Rows) -> None:
         trained = [row for row in rows.get("training", ()) if row["recipe"] == recipe and not row["single_agent"]]
         _line(axis, trained, "train_steps_per_s", f"training, {recipe}", colour)
     axis.set(title="steps per second", xlabel="environments", xscale="log", yscale="log")
-    axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:,.0f}"))
+    for numbers in (axis.xaxis, axis.yaxis):
+        numbers.set_major_formatter(FuncFormatter(lambda x, _: f"{x:,.0f}"))
     axis.legend()
 
 
@@ -74,5 +75,7 @@ def _growth(axis: Axes, rows: Sequence[Mapping[str, Any]], values: list[float], 
     axis.set(title=title, xlabel="pedestrians", xscale="log", yscale="log")
     axis.set_xticks(people, [str(n) for n in people])
     axis.xaxis.set_minor_formatter(NullFormatter())
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
+    axis.yaxis.set_minor_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
     if slope is not None:
         axis.legend()
