@@ -123,7 +123,7 @@ def _predicted_car(config: SimConfig, car: VehicleState, route_x: Array, route_y
 def _along(route: Float[Array, "point *batch"], travelled: Array) -> Array:
     """A coordinate of the place that far along the straight pieces between the shown points of the route.
 
-    It is the first piece continued, and at each point the change of slope from there on; so beyond the last, straight on.
+    It is the first piece continued, and at each point the change of slope from there on: beyond the last, straight on.
     """
     ends = [POINT_SPACING * point for point in POINTS]
     begins = [0.0, *ends[:-1]]
