@@ -131,7 +131,8 @@ def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) 
         (chosen,) = jnp.nonzero(stream.shown, size=places, fill_value=count)  # beyond the last: nobody
         begins = jnp.zeros(count, bool).at[chosen].set(True, mode="drop")
         episode = stream.episode + begins
-        drawn = draw_batch(environment, _scenario_key(stream.key[chosen], episode[chosen]))
+        some_or_last = jnp.minimum(chosen, count - 1)
+        drawn = draw_batch(environment, _scenario_key(stream.key[some_or_last], episode[some_or_last]))
         scenario, state = jax.lax.optimization_barrier((drawn, environment.reset(drawn)))  # once, not per environment
 
         def put(old: Array, new: Array) -> Array:

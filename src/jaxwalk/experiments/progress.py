@@ -20,7 +20,7 @@ class TrainingProgress:
     def __init__(self, console: Console, name: str, *, done: int, planned: int, steps_per_update: int) -> None:
         """For updates ``done`` + 1 to ``planned``."""
         self._console, self._name = console, name
-        self._begun, self._first, self._planned = time.monotonic(), done, planned
+        self._begun, self._first, self._made, self._planned = time.monotonic(), done, done, planned
         self._steps_per_update = steps_per_update
         self._said = -PLAIN_EVERY
         self._means: dict[str, float] = {}
@@ -39,9 +39,9 @@ class TrainingProgress:
             self._bar.stop()
 
     def restart(self, planned: int) -> None:
-        """Count time from now: what came before was preparation."""
-        self._begun, self._planned = time.monotonic(), planned
-        self._bar.reset(self._task, total=planned, news="")
+        """A new plan: count time and updates from now."""
+        self._begun, self._planned, self._first = time.monotonic(), planned, self._made
+        self._bar.reset(self._task, total=planned, completed=self._made, news="")
 
     def show(self, updates: int, metrics: Mapping[str, float]) -> None:
         """So many updates are made, and these were the last one's metrics."""
@@ -49,6 +49,7 @@ class TrainingProgress:
             if name in metrics and metrics.get("episodes", 1):
                 last = self._means.get(name, metrics[name])
                 self._means[name] = MEMORY * last + (1 - MEMORY) * metrics[name]
+        self._made = updates
         passed = max(time.monotonic() - self._begun, 1e-9)
         rate = (updates - self._first) * self._steps_per_update / passed
         news = f"{rate / 1000:,.1f} k steps/s, " + self._rates()

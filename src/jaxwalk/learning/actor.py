@@ -46,10 +46,10 @@ class Actor(eqx.Module):
 
 
 def glance(actor: Actor, observation: Float[Array, "feature *rest"]) -> Distribution:
-    """The same as ``actor(observation)``, sooner, but it can't be differentiated.
+    """It says the same as ``actor(observation)``, sooner, but can't be differentiated.
 
     Few of a gated role's agents have anything to decide at a time, so its network sees only those, some columns at
-    once, until all are seen.
+    once, until all are seen. Logits are 0 where there is nothing to decide.
     """
     if actor.kind != GATED:
         return actor(observation)

@@ -1,7 +1,7 @@
 """How many floating-point operations the networks cost, by formula: what a training can be measured against.
 
 Only matrix products count, two operations for each weight and row; the simulation, the optimiser and whatever is done
-to every number on its own come on top, and make the share of a machine's peak look smaller, never larger.
+to every number on its own come on top. What gated roles compute only to fill their room is counted, as it is computed.
 """
 
 from __future__ import annotations

@@ -98,8 +98,8 @@ def for_everybody(people: int, body: Callable[[Array, Any], Any], begin: Any) ->
 def with_index(squared: Array, index: Array, people: int) -> Array:
     """Squared distances as integers in the same order, with an index 0 .. ``people`` in the last bits (`index_of`).
 
-    So no two are the same, and the smallest one says whose it is. Distances nearer to each other than 1 part in 16,000
-    (200 people; a million, for 12) may be taken for equal.
+    So no two are the same, and the smallest one says whose it is. Distances nearer to each other than 1 part in 65,000
+    (200 people; a million, for 12) may be taken for equal. They must be finite.
     """
     mask = (1 << people.bit_length()) - 1
     return (jax.lax.bitcast_convert_type(squared, jnp.int32) & ~mask) | index.astype(jnp.int32)

@@ -25,8 +25,8 @@ PROGRAMS = {
 def main(part: str, settings: str) -> int:
     """Measure one part."""
     module, name = PROGRAMS[part]
-    program: Callable[[Settings], Any] = getattr(import_module(f"jaxwalk.experiments.benchmark.{module}"), name)
     try:
+        program: Callable[[Settings], Any] = getattr(import_module(f"jaxwalk.experiments.benchmark.{module}"), name)
         print(json.dumps(program(TypeAdapter(Settings).validate_json(settings)), allow_nan=False))
     except KeyboardInterrupt:
         return 130

@@ -52,11 +52,11 @@ def benchmark(settings: Settings, console: Console | None = None) -> dict[str, A
 
 
 def write(folder: Path, document: dict[str, Any]) -> None:
-    """Write bench.json, bench.md and, where something was measured at several sizes, scaling.svg and .png."""
+    """Write bench.json, bench.md and, where rates or a crowd were measured, scaling.svg and .png."""
     folder.mkdir(parents=True, exist_ok=True)
-    draw(document["rows"], folder)
-    write_whole(folder / "bench.md", markdown(document))
     write_whole(folder / "bench.json", as_text(document))
+    write_whole(folder / "bench.md", markdown(document))
+    draw(document["rows"], folder)
 
 
 def as_text(document: dict[str, Any]) -> str:

@@ -22,10 +22,12 @@ DRAWN = ("env", "training", "pedestrians")
 
 
 def draw(rows: Rows, folder: Path) -> None:
-    """Write scaling.svg and scaling.png; nothing if nothing was measured at several sizes."""
+    """Write scaling.svg and scaling.png; where nothing of `DRAWN` was measured, remove those of an earlier time."""
     with drawing(NAME), TemporaryDirectory(prefix=".", dir=folder) as scratch:
         figure = scaling(rows)
         if figure is None:
+            for suffix in (".svg", ".png"):
+                (folder / f"{NAME}{suffix}").unlink(missing_ok=True)
             return
         save(figure, Path(scratch), NAME)
         for file in Path(scratch).iterdir():

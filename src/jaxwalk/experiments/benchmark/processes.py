@@ -30,7 +30,10 @@ def measure_apart(part: str, settings: Settings) -> Any:
     )
     if done.returncode:
         raise BenchmarkError(f"the part {part} could not be measured (exit code {done.returncode}); see above")
-    return json.loads(done.stdout.splitlines()[-1])  # a library may have printed something before
+    try:
+        return json.loads(done.stdout.splitlines()[-1])  # a library may have printed something before
+    except (IndexError, ValueError) as error:
+        raise BenchmarkError(f"the part {part} gave no document; see above") from error
 
 
 def variables(part: str) -> dict[str, str]:

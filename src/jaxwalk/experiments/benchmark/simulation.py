@@ -6,7 +6,6 @@ No learning. The processor's cores each play a share of the environments, as dev
 
 from __future__ import annotations
 
-import math
 import statistics
 import time
 from collections.abc import Callable
@@ -95,7 +94,7 @@ class Program:
 
 def build(street: Street, count: int, steps: int, seed: int) -> Program:
     """Compile a rollout of so many environments, shared out among as many devices as divide them evenly."""
-    shards = math.gcd(count, len(jax.devices()))
+    shards = max(n for n in range(1, len(jax.devices()) + 1) if count % n == 0)
     mesh = Mesh(np.array(jax.devices()[:shards]), ("env",))
     act = look_and_act(street)
 

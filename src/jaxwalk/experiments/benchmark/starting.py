@@ -74,6 +74,8 @@ def _median(command: list[str]) -> float:
     times = []
     for _ in range(1 + REPEATS):
         begun = time.perf_counter()
-        subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, check=True)
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
         times.append(time.perf_counter() - begun)
+        if done.returncode:
+            raise BenchmarkError(f"{' '.join(command[1:])}: exit code {done.returncode}: {done.stderr.strip()[-500:]}")
     return statistics.median(times[1:])
