@@ -22,7 +22,9 @@ from jaxwalk.sim.trajectory import JAYWALK
 from jaxwalk.sim.vehicle import to_frame
 
 KERB_CAR_DISTANCE = 40.0
-"""A pedestrian at the kerb decides whether to wait only with the car within this distance [m]."""
+"""A pedestrian at the kerb decides whether to wait only with the car within this distance [m] ..."""
+PASSED = 2.5
+"""... and not yet this far past [m]: a car does not come back."""
 LONG = 8.0
 """Times are capped here [s]."""
 SPEED = 8.33
@@ -122,26 +124,27 @@ def _pedestrian_kerb(maps: RoadMap, tables: Tables, config: SimConfig, scenario:
     """What bears on stepping into the road: whether there is anything to decide 1, the car as it comes 7, the times at
     which both would be where their ways cross 3, how close they would come if one goes now 2, oneself 6.
 
-    There is something to decide at the kerb with the car within 40 m. Vectors are in the car's frame.
+    There is something to decide on the last metre before the roadway, with the car within 40 m and not yet past.
+    Vectors are in the car's frame.
     """
     car, people = state.vehicle, state.pedestrian
     ahead, left = state.foresight.people.ahead, state.foresight.people.left
     along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
     pace, speed = scenario.walking_speed(config), jnp.broadcast_to(car.speed[None], ahead.shape)
-    decides = pedestrian.at_kerb(config, people) & (ahead * ahead + left * left < KERB_CAR_DISTANCE**2)
+    close = (ahead * ahead + left * left < KERB_CAR_DISTANCE**2) & (ahead > -PASSED)
+    decides = pedestrian.at_kerb(config, people) & pedestrian.enters_roadway(people) & close
 
     crossing_speed = pace * across
     toward = left * crossing_speed < 0
     own_time = jnp.where(toward, -left / jnp.where(toward, crossing_speed, 1), LONG)
     car_time = ahead / jnp.maximum(speed, 0.5)
-    vx, vy = pace * along - speed, crossing_speed
-    closest = jnp.clip(-(ahead * vx + left * vy) / jnp.maximum(vx * vx + vy * vy, 1e-6), 0, LONG)
-    miss = distance(ahead + vx * closest, left + vy * closest)
+    miss, closest = prediction.predicted_miss(config, scenario, state)
     return [
         decides, ahead / KERB_CAR_DISTANCE, left / KERB_CAR_DISTANCE, speed / SPEED,
         (car.acceleration / config.max_acceleration)[None], (car.steering / config.max_steering)[None], along, across,
         jnp.clip(car_time, -LONG, LONG) / LONG, jnp.minimum(own_time, LONG) / LONG,
-        jnp.clip(car_time - own_time, -LONG, LONG) / LONG, jnp.minimum(miss, 10) / 10, closest / LONG, pace / 2,
+        jnp.clip(car_time - own_time, -LONG, LONG) / LONG, jnp.minimum(miss, 10) / 10,
+        jnp.minimum(closest, LONG) / LONG, pace / 2,
         scenario.traits[0], scenario.traits[2], scenario.traits[3], people.crossing == JAYWALK,
         jnp.clip(people.to_kerb, -1, config.kerb_distance),
     ]  # fmt: skip

@@ -85,6 +85,11 @@ def at_kerb(config: SimConfig, people: PedestrianState) -> Bool[Array, "ped *bat
     return (people.to_kerb > 0) & (people.to_kerb <= config.kerb_distance)
 
 
+def enters_roadway(people: PedestrianState) -> Bool[Array, "ped *batch"]:
+    """The leg being walked leads into a roadway: whoever goes on turns no more before it."""
+    return people.leg.kerb < 0
+
+
 def next_leg(maps: RoadMap, tables: Tables, multiplier: Float[Array, ""], scenario: Scenario, leg: Leg) -> Leg:
     """What follows a leg.
 

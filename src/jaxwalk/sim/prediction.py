@@ -8,8 +8,9 @@ from jaxtyping import Array, Float
 
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.events import distance
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.state import Foresight, Motion, PedestrianState, VehicleState
+from jaxwalk.sim.state import Foresight, Motion, PedestrianState, State, VehicleState
 from jaxwalk.sim.tables import POINT_SPACING, POINTS, for_everybody, with_index
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from jaxwalk.sim.vehicle import to_frame
@@ -77,6 +78,18 @@ def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: Pe
         crosswalk_user=crosswalk_user,
         jaywalker=jaywalker,
     )
+
+
+def predicted_miss(config: SimConfig, scenario: Scenario, state: State) -> tuple[Array, Array]:
+    """How close each pedestrian's centre and the car's would come if it went on along its leg from now and the car kept
+    its velocity [m], and when [s]; ``(ped, *batch)``. Now, if they are moving apart."""
+    car, people, motion = state.vehicle, state.pedestrian, state.foresight.people
+    along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
+    pace = scenario.walking_speed(config)
+    vx, vy = pace * along - car.speed[None], pace * across
+    when = -(motion.ahead * vx + motion.left * vy) / jnp.maximum(vx * vx + vy * vy, 1e-6)
+    when = jnp.maximum(when, 0)
+    return distance(motion.ahead + vx * when, motion.left + vy * when), when
 
 
 def nearest_people(motion: Motion) -> Motion:
