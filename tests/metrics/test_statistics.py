@@ -10,9 +10,11 @@ from jaxwalk.metrics import statistics
 from jaxwalk.metrics.statistics import (
     bootstrap_by_episode,
     episode_sums,
+    interquartile_mean,
     interval,
     kaplan_meier_median,
     mcnemar,
+    over_seeds,
     quantile,
     ratio,
     wilson,
@@ -86,6 +88,51 @@ def test_chunks_do_not_change_the_draws(monkeypatch):
 def test_ratio_and_interval_of_what_is_undefined():
     assert np.isnan(ratio(np.array([1.0, 0.0]), np.zeros(2))).all()
     assert interval(np.array([np.nan, 1.0]), 3).value is None
+
+
+def test_interquartile_mean_drops_a_quarter_at_either_end():
+    assert interquartile_mean(np.array([100.0, 1, 2, 3, -50])) == 2
+    assert interquartile_mean(np.array([0.0, 1, 5])) == 2  # a quarter of three is nobody
+    assert interquartile_mean(np.array([[1.0, 2, 3, 9], [4, 4, 4, np.nan]])).tolist()[0] == 2.5
+    assert np.isnan(interquartile_mean(np.array([4.0, 4, 4, np.nan])))
+
+
+def test_over_seeds_of_one_seed_is_the_bootstrap_by_episode():
+    over, under = np.random.default_rng(2).random((2, 1, 50))
+    found = over_seeds(over, under)
+    alone = bootstrap_by_episode(over[0], under[0])
+    assert (found.mean.value, found.mean.low, found.mean.high) == (alone.value, alone.low, alone.high)
+    assert found.iqm == found.mean
+    assert found.each == (alone.value,)
+
+
+def test_over_seeds_where_only_seeds_differ():
+    """No episode matters: the ends are quantiles of means of five seeds drawn from 0, 0, 0, 0 and 1."""
+    rates = np.repeat(np.eye(5)[0][:, None], 40, axis=1)
+    found = over_seeds(rates, np.ones_like(rates), resamples=4000)
+    assert (found.mean.value, found.iqm.value, found.mean.count) == (0.2, 0, 5)
+    assert found.each == (1, 0, 0, 0, 0)
+    often = stats.binom(5, 0.2).ppf([0.025, 0.975]) / 5
+    assert (found.mean.low, found.mean.high) == pytest.approx(tuple(often))
+
+
+def test_over_seeds_where_only_scenarios_differ():
+    """Every seed ends alike in the same scenario: more seeds tell nothing more."""
+    ends = (np.random.default_rng(3).random(400) < 0.3).astype(float)
+    found = over_seeds(np.tile(ends, (5, 1)), np.ones((5, 400)))
+    alone = over_seeds(ends[None], np.ones((1, 400)))
+    assert (found.mean.low, found.mean.high) == pytest.approx((alone.mean.low, alone.mean.high))
+
+
+def test_two_seeds_do_not_tell_how_much_seeds_differ():
+    found = over_seeds(np.ones((2, 30)), np.ones((2, 30)))
+    assert (found.mean.value, found.mean.low, found.iqm.low) == (1, None, None)
+
+
+def test_a_seed_without_a_number_leaves_none_over_seeds():
+    found = over_seeds(np.ones((3, 4)), np.array([[0.0] * 4, [1] * 4, [2] * 4]))
+    assert (found.mean.value, found.iqm.value) == (None, None)
+    assert found.each == (None, 1, 0.5)
 
 
 def test_quantile_interval_covers():

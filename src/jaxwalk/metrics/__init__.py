@@ -2,17 +2,30 @@
 
 from jaxwalk.metrics.measurement import Summary, measure, summarise
 from jaxwalk.metrics.rows import Rows
-from jaxwalk.metrics.statistics import Estimate, Rate, bootstrap_by_episode, kaplan_meier_median, mcnemar, wilson
+from jaxwalk.metrics.statistics import (
+    Estimate,
+    OverSeeds,
+    Rate,
+    bootstrap_by_episode,
+    interquartile_mean,
+    kaplan_meier_median,
+    mcnemar,
+    over_seeds,
+    wilson,
+)
 
 __all__ = [
     "Estimate",
+    "OverSeeds",
     "Rate",
     "Rows",
     "Summary",
     "bootstrap_by_episode",
+    "interquartile_mean",
     "kaplan_meier_median",
     "mcnemar",
     "measure",
+    "over_seeds",
     "summarise",
     "wilson",
 ]

@@ -18,6 +18,8 @@ RESAMPLES = 1000
 """Bootstrap resamples unless told otherwise."""
 CHUNK = 2**22
 """Resampling counts held in memory at once (32 MiB)."""
+FEWEST_SEEDS = 3
+"""Fewer training seeds (but more than one) give no interval: how much they spread is not known."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,17 @@ class Estimate:
     high: float | None
     count: int
     """How many observations the number stands on; of what, its place in the summary says."""
+
+
+@dataclass(frozen=True)
+class OverSeeds:
+    """A number of several training seeds; the counts are of seeds."""
+
+    mean: Estimate
+    iqm: Estimate
+    """Interquartile mean."""
+    each: tuple[float | None, ...]
+    """The number of each seed."""
 
 
 def wilson(successes: SupportsInt, trials: SupportsInt, confidence: float = 0.95) -> Rate:
@@ -134,6 +147,44 @@ def bootstrap_by_episode(
     sums = episode_sums({"over": numerator, "under": denominator}, resamples=resamples, seed=seed)
     count = int(np.count_nonzero(denominator))
     return interval(ratio(sums["over"], sums["under"]), count, confidence=confidence)
+
+
+def interquartile_mean(values: Float[np.ndarray, "*draw seed"]) -> Float[np.ndarray, "*draw"]:
+    """The mean without the lowest and the highest quarter of the values (whole values: of fewer than four, none).
+
+    Agarwal et al. (2021), *Deep reinforcement learning at the edge of the statistical precipice*.
+    """
+    return np.asarray(stats.trim_mean(np.asarray(values, np.float64), 0.25, axis=-1))
+
+
+def over_seeds(
+    numerator: Shaped[np.ndarray, "seed episode"],
+    denominator: Shaped[np.ndarray, "seed episode"],
+    *,
+    resamples: int = RESAMPLES,
+    confidence: float = 0.95,
+    seed: int = 0,
+) -> OverSeeds:
+    """Each training seed's sum of numerators over sum of denominators; their mean and interquartile mean.
+
+    Percentile intervals; seeds are resampled, and episodes. All seeds play the same scenarios, so a scenario that is
+    drawn is drawn for every seed (Owen, 2007, *The pigeonhole bootstrap*): drawn for each seed apart, what scenarios
+    share would seem to average out over seeds. With one seed the interval is that over episodes; with more, but fewer
+    than `FEWEST_SEEDS`, there is none.
+    """
+    columns = {"over": np.transpose(numerator), "under": np.transpose(denominator)}
+    sums = episode_sums(columns, resamples=resamples, seed=seed)
+    values = ratio(sums["over"], sums["under"])
+    each, seeds = values[0], values.shape[1]
+    drawn = np.random.default_rng((seed, seeds)).integers(0, seeds, values[1:].shape)
+    values[1:] = np.take_along_axis(values[1:], drawn, axis=1)
+    if 1 < seeds < FEWEST_SEEDS:
+        values[1:] = np.nan
+    return OverSeeds(
+        mean=interval(values.mean(axis=1), seeds, confidence=confidence),
+        iqm=interval(interquartile_mean(values), seeds, confidence=confidence),
+        each=tuple(_finite(value) for value in each),
+    )
 
 
 def quantile(values: Shaped[np.ndarray, "observation"], p: float, *, confidence: float = 0.95) -> Estimate:
