@@ -5,19 +5,23 @@ from jaxwalk.evaluation.game import play
 from jaxwalk.evaluation.results import Cell, Results, compare, write_rows
 from jaxwalk.evaluation.scenarios import BATCH, draw_scenarios, evaluate, replay, scenario_hash
 from jaxwalk.evaluation.settings import SAMPLES, mode, with_jaywalk_multiplier, with_mode
+from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
 
 __all__ = [
     "BATCH",
     "SAMPLES",
     "Cell",
     "Comparison",
+    "Match",
     "Paired",
     "Results",
     "compare",
     "draw_scenarios",
     "evaluate",
     "mode",
+    "over_training_seeds",
     "paired",
+    "paired_over_seeds",
     "play",
     "replay",
     "scenario_hash",

@@ -24,8 +24,10 @@ SCHEMA = 1
 """Version of the JSON document."""
 CONTACT_NAMES = ("", "crosswalk", "jaywalk", "sidewalk")
 """Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
-COLUMNS = ("scenario", "driver", "pedestrians", "outcome", "contact", "impact_speed", "duration")
-"""Of the file with a row per episode; speeds in m/s, durations in s."""
+NAMES = ("driver", "pedestrians")
+"""What a row of the file with a row per episode is of, unless told otherwise."""
+ENDING = ("outcome", "contact", "impact_speed", "duration")
+"""How it went; speeds in m/s, durations in s."""
 
 
 @dataclass(frozen=True)
@@ -143,30 +145,35 @@ def make_cell(
     )
 
 
-def write_rows(path: str | Path, cells: Iterable[tuple[str, str, Rows]]) -> None:
-    """Write a CSV file with a row per episode of (driver, pedestrians, rows); it appears whole or not at all.
+def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tuple[str, ...] = NAMES) -> None:
+    """Write a CSV file with a row per episode; it appears whole or not at all.
 
-    The columns are `COLUMNS`; ``contact`` and ``impact_speed`` are empty without a collision.
+    The columns are ``scenario``, the names and `ENDING`; without a collision, contact and impact speed are empty.
+
+    Args:
+        path: the file.
+        cells: for each, a value for every name (None: empty), and last its `Rows`.
+        names: columns that tell cells apart.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for driver, pedestrians, rows in cells:
-        writer.writerows(_episode_rows(driver, pedestrians, rows))
+    writer.writerow(("scenario", *names, *ENDING))
+    for *values, rows in cells:
+        writer.writerows(_episode_rows(values, rows))
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     unfinished.write_text(text.getvalue(), encoding="utf-8")
     unfinished.replace(path)
 
 
-def _episode_rows(driver: str, pedestrians: str, rows: Rows) -> Iterable[tuple[Any, ...]]:
+def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
     table = rows.episodes
     outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
     for i in range(len(outcome)):
         contact = CONTACT_NAMES[table.contact[i]]
         impact = f"{table.impact_speed[i]:.3f}" if table.collision[i] else ""
         duration = f"{table.steps[i] * rows.dt:.1f}"
-        yield int(table.scenario[i]), driver, pedestrians, str(outcome[i]), contact, impact, duration
+        yield int(table.scenario[i]), *values, str(outcome[i]), contact, impact, duration
 
 
 def _with_interval(number: Rate | Estimate) -> dict[str, float | None]:

@@ -1,0 +1,75 @@
+"""Numbers over training seeds agree with those of one; pairs are of the same scenarios."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import pytest
+
+from jaxwalk.evaluation import Match, over_training_seeds, paired, paired_over_seeds
+from jaxwalk.evaluation.training_seeds import MEASURES
+from jaxwalk.metrics import over_seeds
+
+
+@pytest.fixture(scope="module")
+def matches(compared):
+    """Route-follower and random among always-go, as if they were one driver trained with seeds 3 and 4, and 5."""
+    results, rows = compared
+    cells = {name: results.cell(name, "always-go") for name in ("route-follower", "random")}
+    trained = [(3, "route-follower"), (4, "random"), (5, "route-follower")]
+    return [
+        Match(dataclasses.replace(cells[name], driver="learner"), rows[name, "always-go"], seed)
+        for seed, name in trained
+    ]
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_every_measure_is_the_cells(matches, name):
+    measure = MEASURES[name]
+    for match in matches:
+        over, under = measure.parts(match.rows)
+        expected = measure.of_one(match.cell.summary).value
+        assert over_seeds(over[None], under[None]).each == (pytest.approx(expected),)
+
+
+def test_numbers_over_seeds(matches):
+    (found,) = over_training_seeds(matches)
+    names = ["driver", "pedestrians", "jaywalk_multiplier", "training_seeds"]
+    assert list(found) == [*names, *MEASURES]
+    assert [found[name] for name in names] == ["learner", "always-go", 0.25, [3, 4, 5]]
+    goal = found["goal_rate"]
+    rates = [match.rows.episodes.goal.mean() for match in matches]
+    assert list(goal["each"]) == pytest.approx(rates)
+    assert goal["mean"]["value"] == pytest.approx(sum(rates) / 3)
+    assert goal["mean"]["low"] < goal["mean"]["value"] < goal["mean"]["high"]
+    json.dumps(found, allow_nan=False)
+
+
+def test_one_seed_keeps_the_cells_intervals(matches):
+    (found,) = over_training_seeds(matches[:1])
+    rate = matches[0].cell.summary.outcomes.goal
+    assert found["goal_rate"]["mean"] == {"value": rate.value, "low": rate.low, "high": rate.high, "count": 1}
+    assert found["goal_rate"]["iqm"] == found["goal_rate"]["mean"]
+
+
+def test_a_cell_tells_its_training_seed(matches):
+    document = matches[1].as_dict()
+    assert list(document)[:4] == ["driver", "pedestrians", "training_seed", "driver_mode"]
+    assert document["training_seed"] == 4
+    assert document["episodes"] == 24
+
+
+def test_pairs_pool_the_seeds(matches, rows):
+    follower, random, _ = matches
+    one = paired_over_seeds("goal", [follower], [random])
+    expected = paired(follower.rows, random.rows).goal
+    assert (one["only_a"], one["only_b"], one["p"]) == (expected.only_a, expected.only_b, expected.p)
+    assert one["difference"]["value"] == pytest.approx(one["b"]["rate"] - one["a"]["rate"])
+    # the only match of A stands for every seed of B: against itself it differs in nothing
+    found = paired_over_seeds("goal", [follower], matches)
+    assert (found["training_seeds"], found["pairs"]) == (3, 72)
+    assert (found["only_a"], found["only_b"]) == (expected.only_a, expected.only_b)
+    assert found["difference"]["low"] <= found["difference"]["value"] <= found["difference"]["high"] <= 0
+    with pytest.raises(ValueError, match="same scenarios"):
+        paired_over_seeds("goal", [follower], [dataclasses.replace(random, rows=rows)])
