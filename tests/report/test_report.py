@@ -10,12 +10,12 @@ from html.parser import HTMLParser
 import pytest
 from markupsafe import escape
 
-from jaxwalk.evaluation import Cell, Results
+from jaxwalk.evaluation import Cell, Match, Results, over_training_seeds, paired_over_seeds
 from jaxwalk.metrics import measure, summarise
 from jaxwalk.report import ReportError, write_report
 from jaxwalk.report.figures import FIGURES
 from jaxwalk.report.sections import SECTIONS
-from jaxwalk.report.tables import TABLES
+from jaxwalk.report.tables import SEVERAL_SEEDS, TABLES
 from jaxwalk.report.verdicts import Versus, verdict
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
@@ -31,41 +31,59 @@ DRIVERS = (
 )
 
 
+PEOPLE = [
+    Walk(30.0, -4.0, vy=1.0, crossings=[(2, 40, CROSSWALK)]),
+    Walk(40.0, 4.0, vy=-1.0, crossings=[(5, 45, JAYWALK)]),
+]
+REACHED = Scene(50, PEOPLE, goal=True)
+HIT = Scene(50, [Walk(25.0, 0.0, crossings=[(20, 50, JAYWALK)]), PEOPLE[0]], touched=[0])
+SCENES = {5: (REACHED, HIT, REACHED), 6: (REACHED, HIT, HIT), 7: (HIT, HIT, HIT)}
+"""What every driver met, by training seed."""
+
+
 @pytest.fixture(scope="module")
 def documents():
-    people = [
-        Walk(30.0, -4.0, vy=1.0, crossings=[(2, 40, CROSSWALK)]),
-        Walk(40.0, 4.0, vy=-1.0, crossings=[(5, 45, JAYWALK)]),
-    ]
-    reached = Scene(50, people, goal=True)
-    hit = Scene(50, [Walk(25.0, 0.0, crossings=[(20, 50, JAYWALK)]), people[0]], touched=[0])
-    summary = summarise(measure(trajectory(reached, hit, reached)), resamples=20)
-    results = _results(summary, DRIVERS, (0.25,))
+    return _documents(1)
+
+
+def _documents(seeds):
+    rows = {seed: measure(trajectory(*scenes)) for seed, scenes in SCENES.items() if seed < 5 + seeds}
     lines = [
         {"update": n, "steps": 64 * n, "seconds": 1.0 * n, "episodes": float(n)}
         | {"goal_rate": 0.5, "collision_rate": 0.25, "timeout_rate": 0.25}
         for n in range(1, 9)
     ]
     return {
-        "results": results,
-        "ablation": _results(summary, ("co-trained",), (0.0, 0.1, 0.25, 0.6, 1.0)),
-        "curves": {"co-trained": lines, "single-agent": lines},
+        "results": _results(rows, DRIVERS, (0.25,)),
+        "ablation": _results(rows, ("co-trained",), (0.0, 0.1, 0.25, 0.6, 1.0)),
+        "curves": {name: dict.fromkeys(rows, lines) for name in ("co-trained", "single-agent")},
         "provenance": {"commit": "abc123", "hardware": "an abacus", "versions": {"jax": "0.10.2"}},
-        "plan": {"recipe": "fast", "seed": 5, "episodes": 3},
+        "plan": {"recipe": "fast", "seed": 5, "seeds": seeds, "episodes": 3},
         "minutes": {"evaluate": 1.5},
-        "episode": {"scenario": 2, "seed": 5},
+        "episode": {"scenario": 2, "seed": 5, "training_seed": 5},
         "episode_svg": '<?xml version="1.0"?><svg width="9pt" height="9pt"><path id="p" clip-path="url(#p)"/></svg>',
     }
 
 
-def _results(summary, drivers, multipliers):
-    cells = [
-        Cell(driver, people, "mode", "sample", multiplier, summary)
+def _results(rows, drivers, multipliers):
+    summaries = {seed: summarise(found, resamples=20) for seed, found in rows.items()}
+    matches = [
+        Match(Cell(driver, people, "mode", "sample", multiplier, summaries[seed]), rows[seed], seed)
         for driver in drivers
         for multiplier in multipliers
         for people in ("always-go", "learned")
+        for seed in rows
+        if seed == 5 or not _untrained(driver, people)
     ]
-    return json.loads(Results(5, 3, "0123456789abcdef", tuple(cells)).to_json())
+    by_name = {driver: [m for m in matches if m.names == (driver, "always-go")] for driver in drivers}
+    pairs = [paired_over_seeds("collision", by_name[drivers[0]], by_name[drivers[-1]])]
+    document = Results(5, 3, "0123456789abcdef", ()).as_dict()
+    document |= {"cells": [m.as_dict() for m in matches], "over_seeds": over_training_seeds(matches), "paired": pairs}
+    return json.loads(json.dumps(document, allow_nan=False))
+
+
+def _untrained(driver, people):
+    return people == "always-go" and driver not in ("single-agent", "co-trained")
 
 
 @pytest.fixture(scope="module")
@@ -80,24 +98,47 @@ def page(folder):
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
-def test_every_section_table_and_figure_is_in_the_page(page):
+@pytest.fixture(scope="module")
+def several(tmp_path_factory):
+    """The folder of a report on three training seeds."""
+    folder = tmp_path_factory.mktemp("several")
+    write_report(folder, _documents(3))
+    return folder
+
+
+def _table(folder, name):
+    with (folder / "tables" / f"{name}.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_section_table_and_figure_is_in_the_page(page, several):
     for section in SECTIONS:
-        assert f"<h2>{escape(section.heading)}" in page
+        expected = section.table not in SEVERAL_SEEDS
+        assert (f"<h2>{escape(section.heading)}" in page) == expected
+        assert f"<h2>{escape(section.heading)}" in (several / "report.html").read_text(encoding="utf-8")
     shown = [section.table for section in SECTIONS if section.table]
     assert sorted(shown) == sorted(TABLES)
-    assert page.count("<table>") == len(TABLES)
+    assert page.count("<table>") == len(TABLES) - len(SEVERAL_SEEDS)
     assert page.count("<svg") == len(FIGURES) + 1
 
 
 def test_files_of_every_table_and_figure(folder):
-    assert {p.stem for p in (folder / "tables").iterdir()} == set(TABLES)
+    assert {p.stem for p in (folder / "tables").iterdir()} == set(TABLES) - set(SEVERAL_SEEDS)
     assert {p.name for p in (folder / "figures").iterdir()} == {
         f"{n}.{kind}" for n in FIGURES for kind in ("svg", "png")
     }
 
 
 def test_where_it_comes_from_is_said(page):
-    for fact in ("fast, seed 5", "0123456789abcdef", "an abacus", "abc123", "512 steps in 0.1 minutes", "jax 0.10.2"):
+    for fact in (
+        "<dd>fast</dd>",
+        "one training seed, 5",
+        "0123456789abcdef",
+        "an abacus",
+        "abc123",
+        "512 steps in 0.1 minutes",
+        "jax 0.10.2",
+    ):
         assert fact in page
 
 
@@ -123,10 +164,41 @@ def test_numbers_in_tables(folder):
     with (folder / "tables" / "co_training.csv").open() as file:
         rows = list(csv.reader(file))
     assert rows[1][:2] == ["single-agent", "always-go"]
-    assert rows[1][2].startswith("66.7 [")
+    assert rows[1][2] == "66.7 [20.8, 93.9]"  # Wilson's interval of 2 in 3
     assert [rows[1][3], rows[1][5]] == ["65", "20"]
-    with (folder / "tables" / "ablation.csv").open() as file:
-        assert len(list(csv.reader(file))) == 11
+    assert len(_table(folder, "ablation")) == 10
+
+
+def test_tables_of_several_seeds(several):
+    rule, *_, learned = _table(several, "matrix")
+    assert rule["goal %"] == "66.7 [20.8, 93.9]"  # nobody was trained: as with one seed
+    assert learned["goal %"].startswith("33.3 [0.0, ")  # of 2, 1 and 0 in 3
+    assert (learned["goal %, IQM"], learned["collision %, IQM"]) == ("33.3", "66.7")
+    assert [row["training seed"] for row in _table(several, "training_seeds")] == ["5", "6", "7"] * 4
+    assert [row["collision %"][:4] for row in _table(several, "training_seeds")[:3]] == ["33.3", "66.7", "100."]
+    (pair,) = _table(several, "pairs")
+    assert (pair["A"], pair["B"]) == ("random among always-go", "co-trained among always-go")
+    # three pairs for each seed; the second and third seed hit 1 and 2 more than always-go's one match
+    assert (pair["A %"], pair["B %"], pair["A alone"], pair["B alone"]) == ("33.3", "66.7", "0", "3")
+    assert pair["p"] == "0.250"
+
+
+def test_what_a_report_of_several_seeds_says(several, page):
+    text = (several / "report.html").read_text(encoding="utf-8")
+    assert "3 training seeds, 5 to 7" in text
+    first = "Shown for training seed 5, the first of several."
+    assert text.count(first) == sum(not section.over_seeds for section in SECTIONS)
+    assert first not in page
+    assert ">each seed<" in text
+    assert ">goal, IQM<" in text
+
+
+def test_two_seeds_give_no_interval(tmp_path):
+    write_report(tmp_path, _documents(2))
+    assert "2 training seeds, 5 to 6: rates are means over them, without intervals" in (
+        tmp_path / "report.html"
+    ).read_text(encoding="utf-8")
+    assert _table(tmp_path, "matrix")[-1]["goal %"] == "50.0"
 
 
 def test_the_same_results_make_the_same_report(documents, folder, tmp_path):

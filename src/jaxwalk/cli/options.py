@@ -153,19 +153,22 @@ class Play:
 class Reproduce:
     """The whole experiment: two trainings, every driver among every population, the ablation and the report.
 
-    About 15 minutes on two CPU cores. Run it again to go on where it was interrupted: what is finished is kept.
+    About 15 minutes on two CPU cores, and 8 more for each further training seed. Run it again to go on where it was
+    interrupted: what is finished is kept.
     """
 
     out: Annotated[Path, _option("runs/reproduce", "DIR")] = Path("runs/reproduce")
     """Folder for everything; open report.html in it."""
     minutes: Annotated[float, _option("4", "MIN")] = 4.0
-    """For the co-training; the single-agent driver is trained with as many steps."""
+    """For the first co-training; all others are trained with as many steps."""
     updates: Annotated[int | None, _option("none", "N")] = None
     """Train so many updates instead."""
     episodes: Annotated[int, _option("1000", "N")] = 1000
     """Scenarios in each cell."""
     seed: Annotated[int, _option("0", "N")] = 0
-    """Of trainings and scenarios."""
+    """Of the scenarios, and the first training seed."""
+    seeds: Annotated[int, _option("1", "N")] = 1
+    """Train both drivers with so many training seeds: seed, seed + 1, and so on; 5 show how much a seed matters."""
 
     def run(self) -> int:
         """Do it."""

@@ -1,12 +1,13 @@
 """The paper's whole experiment as a plain list of parts. A part whose file is there is not made again.
 
-runs/co-trained, runs/single-agent   the trainings, with equally many steps
-plan.json                            what was asked for
-results.json, episodes.csv           every driver among every population
-ablation.json                        the co-trained driver with less and more jaywalking
-episode.png, episode.svg, .json       one episode
-provenance.json, minutes.json        commit, hardware, versions; how long each part took
-report.html, figures/, tables/       `jaxwalk.report`
+runs/co-trained/seed-0, ...      the trainings of car and pedestrians, one for each training seed
+runs/single-agent/seed-0, ...    those of the car alone, with equally many steps
+plan.json                        what was asked for
+results.json, episodes.csv       every driver among every population (`jaxwalk.experiments.tournament`)
+ablation.json                    the co-trained drivers with less and more jaywalking
+episode.png, episode.svg, .json   one episode
+provenance.json, minutes.json    commit, hardware, versions; how long each part took
+report.html, figures/, tables/   `jaxwalk.report`
 """
 
 from __future__ import annotations
@@ -15,30 +16,22 @@ import json
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from jaxwalk.evaluation import compare, with_jaywalk_multiplier, write_rows
-from jaxwalk.experiments.contestants import contestant
+from jaxwalk.evaluation import write_rows
 from jaxwalk.experiments.episodes import draw_episode
 from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.experiments.runs import Run, RunError, check_writable, write_whole
+from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
 from jaxwalk.experiments.training import train
 from jaxwalk.interfaces import Policy
-from jaxwalk.policies import DRIVERS
-from jaxwalk.report import write_report
+from jaxwalk.report import CO_TRAINED, SINGLE_AGENT, write_report
 from jaxwalk.sim.environment import Street
 
-CO_TRAINED, SINGLE_AGENT = "co-trained", "single-agent"
-"""Names of the trained drivers, and of their run folders."""
-LEARNED = "learned"
-"""Name of the co-trained pedestrians."""
-MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
-"""Jaywalk multipliers of the ablation (paper, section IV-D)."""
 INTERESTING = 200
 """The episode to be drawn is chosen among so many scenarios."""
 
@@ -54,13 +47,15 @@ class Plan:
     recipe: str = "fast"
     """Of both trainings."""
     minutes: float = 4.0
-    """For the co-training [min]; ignored where ``updates`` is given."""
+    """For each co-training [min]; ignored where ``updates`` is given."""
     updates: int | None = None
     """Updates of each training."""
     episodes: int = 1000
     """Scenarios in each cell."""
     seed: int = 0
-    """Of trainings and scenarios."""
+    """Of the first trainings, and of the scenarios."""
+    seeds: int = 1
+    """Training seeds: ``seed``, ``seed`` + 1, ..."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be done."""
@@ -70,8 +65,17 @@ class Plan:
             raise ValueError(f"updates must be at least 1, not {self.updates}")
         if self.episodes < 1:
             raise ValueError(f"episodes must be at least 1, not {self.episodes}")
+        if self.seeds < 1:
+            raise ValueError(f"seeds must be at least 1, not {self.seeds}")
         if not 0 <= self.seed < 2**31:
             raise ValueError(f"seed must lie in [0, 2^31), not {self.seed}")
+        if self.seed + self.seeds > 2**31:
+            raise ValueError(f"seed + seeds must be at most 2^31, not {self.seed} + {self.seeds}")
+
+    @property
+    def training_seeds(self) -> range:
+        """All of them."""
+        return range(self.seed, self.seed + self.seeds)
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,11 @@ class Reproduction:
     plan: Plan
     console: Console
     base: Experiment
-    """What both trainings start from."""
+    """What all trainings start from."""
+
+    def run(self, name: str, seed: int) -> Path:
+        """Folder of a training."""
+        return run_folder(self.folder, name, seed)
 
     def json(self, name: str) -> Any:
         """A part that is finished; None if it isn't."""
@@ -102,8 +110,7 @@ def reproduce(folder: Path, plan: Plan, *, console: Console | None = None, base:
 
     ``base``: what to train instead of the plan's recipe.
     """
-    base = replace(base or RECIPES[plan.recipe], seed=plan.seed)
-    work = Reproduction(folder, plan, console or Console(stderr=True), base)
+    work = Reproduction(folder, plan, console or Console(stderr=True), base or RECIPES[plan.recipe])
     _begin(work)
     steps: list[tuple[str, Callable[[Reproduction], None]]] = [
         ("co-training car and pedestrians", _co_train),
@@ -119,6 +126,11 @@ def reproduce(folder: Path, plan: Plan, *, console: Console | None = None, base:
         step(work)
         _count_minutes(work, step.__name__.strip("_"), time.monotonic() - begun)
     return folder / "report.html"
+
+
+def run_folder(folder: Path, name: str, seed: int) -> Path:
+    """Where a training is kept in a folder of `jaxwalk reproduce`."""
+    return folder / "runs" / name / f"seed-{seed}"
 
 
 def read_json(path: Path) -> Any:
@@ -139,99 +151,90 @@ def _begin(work: Reproduction) -> None:
         raise RunError(f"{folder}: the folder is not empty and no `jaxwalk reproduce` made it; name another one")
     if there is not None and there != asked:
         name = next((n for n in asked if not isinstance(there, dict) or there.get(n) != asked[n]), "plan")
-        raise RunError(f"{folder}: was begun with another {name}; ask for the same again, or name another folder")
+        raise RunError(
+            f"{folder}: was begun with another value of {name}; ask for the same again, or name another folder"
+        )
     check_writable(folder)
     folder.mkdir(parents=True, exist_ok=True)
     work.keep("plan.json", asked)
 
 
 def _co_train(work: Reproduction) -> None:
+    """The first by minutes or updates, the others with as many updates as the first one made."""
     plan = work.plan
-    experiment = with_training(work.base, updates=plan.updates)
-    _train(work, CO_TRAINED, experiment, None if plan.updates else plan.minutes)
+    first = with_training(work.base, updates=plan.updates)
+    _train(work, CO_TRAINED, first, plan.seed, None if plan.updates else plan.minutes)
+    for seed in plan.training_seeds[1:]:
+        _train(work, CO_TRAINED, with_training(work.base, updates=_made(work)), seed, None)
 
 
 def _train_alone(work: Reproduction) -> None:
-    """As many updates of as many steps as the co-training made."""
-    made = Run.open(work.folder / "runs" / CO_TRAINED).experiment.train.updates
-    _train(work, SINGLE_AGENT, with_training(single_agent(work.base), updates=made), None)
+    """As many updates of as many steps as the co-trainings made."""
+    for seed in work.plan.training_seeds:
+        _train(work, SINGLE_AGENT, with_training(single_agent(work.base), updates=_made(work)), seed, None)
 
 
-def _train(work: Reproduction, name: str, experiment: Experiment, minutes: float | None) -> None:
-    folder = work.folder / "runs" / name
+def _made(work: Reproduction) -> int:
+    """Updates of the first co-training."""
+    return Run.open(work.run(CO_TRAINED, work.plan.seed)).experiment.train.updates
+
+
+def _train(work: Reproduction, name: str, experiment: Experiment, seed: int, minutes: float | None) -> None:
+    folder, said = work.run(name, seed), f"    {name}, seed {seed}"
     begun = (folder / "config.json").is_file()
-    run = Run.open(folder) if begun else Run.create(folder, experiment)
+    run = Run.open(folder) if begun else Run.create(folder, replace(experiment, seed=seed))
     lines = run.metrics()
     if lines and lines[-1]["update"] >= run.experiment.train.updates and run.policy.is_file():
-        work.say(f"    {name}: there already, {lines[-1]['steps']:,} steps")
+        work.say(f"{said}: there already, {lines[-1]['steps']:,} steps")
         return
     resume = begun and run.checkpoints.is_dir()
-    trained = train(run, minutes=None if resume else minutes, resume=begun, console=work.console, name=f"    {name}")
+    trained = train(run, minutes=None if resume else minutes, resume=begun, console=work.console, name=said)
     if trained.interrupted:
         raise Interrupted
-    work.say(f"    {name}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")
-
-
-def _policies(work: Reproduction, street: Street) -> tuple[dict[str, Policy], dict[str, Policy]]:
-    """All drivers and all populations, by name."""
-    runs = {name: str(work.folder / "runs" / name) for name in (SINGLE_AGENT, CO_TRAINED)}
-    drivers = {name: contestant(street, "driver", runs.get(name, name)) for name in (*DRIVERS, *runs)}
-    learned = contestant(street, "pedestrian", runs[CO_TRAINED])
-    return drivers, {"always-go": contestant(street, "pedestrian", "always-go"), LEARNED: learned}
+    work.say(f"{said}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")
 
 
 def _street(work: Reproduction) -> Street:
     return Street.create(work.base.maps, work.base.sim, jaywalk_multiplier=work.base.jaywalk_multiplier)
 
 
+def _trained(work: Reproduction, street: Street, seed: int) -> Trained:
+    return load_trained(street, seed, {name: work.run(name, seed) for name in (SINGLE_AGENT, CO_TRAINED)})
+
+
 def _evaluate(work: Reproduction) -> None:
     if work.json("results.json") is not None:
         work.say("    there already")
         return
-    street = _street(work)
-    drivers, people = _policies(work, street)
-    told = partial(_tell, work)
-    found, rows = compare(street, drivers, people, episodes=work.plan.episodes, seed=work.plan.seed, progress=told)
-    write_rows(work.folder / "episodes.csv", [(*pair, played) for pair, played in rows.items()])
-    work.keep("results.json", found.as_dict())
+    street, scenarios = _street(work), Scenarios(work.plan.episodes, work.plan.seed)
+    trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
+    document, matches = tournament(street, trained, scenarios, work.say)
+    names = ("driver", "pedestrians", "training_seed")
+    write_rows(work.folder / "episodes.csv", [(*m.names, m.training_seed, m.rows) for m in matches], names=names)
+    work.keep("results.json", document)
 
 
 def _ablate(work: Reproduction) -> None:
     if work.json("ablation.json") is not None:
         work.say("    there already")
         return
-    street = _street(work)
-    drivers, people = _policies(work, street)
-    driver = {CO_TRAINED: drivers[CO_TRAINED]}
-    documents = []
-    for multiplier in MULTIPLIERS:
-        work.say(f"    multiplier {multiplier:g}")
-        there = with_jaywalk_multiplier(street, multiplier)
-        told = partial(_tell, work)
-        found, _ = compare(there, driver, people, episodes=work.plan.episodes, seed=work.plan.seed, progress=told)
-        documents.append(found.as_dict())
-    cells = [cell for document in documents for cell in document["cells"]]
-    work.keep("ablation.json", {**documents[0], "cells": cells})
-
-
-def _tell(work: Reproduction, driver: str, people: str, played: int, episodes: int) -> None:
-    if played >= episodes:
-        work.say(f"    {driver} among {people}: {played:,} episodes")
+    street, scenarios = _street(work), Scenarios(work.plan.episodes, work.plan.seed)
+    trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
+    work.keep("ablation.json", ablation(street, trained, scenarios, work.say))
 
 
 def _draw(work: Reproduction) -> None:
-    """The scenario, among the first, in which the co-trained car came nearest to a jaywalker and still arrived."""
+    """Of the first training seed: the scenario in which the car came nearest to a jaywalker and still arrived."""
     if (work.folder / "episode.json").is_file():
         return
-    street = _street(work)
-    drivers, people = _policies(work, street)
-    scenario, frame = _interesting(work, street, drivers[CO_TRAINED], people[LEARNED])
+    street, seed = _street(work), work.plan.seed
+    trained = _trained(work, street, seed)
+    driver = trained.drivers[CO_TRAINED]
+    scenario, frame = _interesting(work, street, driver, trained.learned)
     for kind in ("png", "svg"):
         file = work.folder / f"episode.{kind}"
-        draw_episode(
-            street, drivers[CO_TRAINED], people[LEARNED], file, scenario=scenario, seed=work.plan.seed, frame=frame
-        )
-    work.keep("episode.json", {"scenario": scenario, "seed": work.plan.seed, "frame": frame})
+        draw_episode(street, driver, trained.learned, file, scenario=scenario, seed=seed, frame=frame)
+    work.keep("episode.json", {"scenario": scenario, "seed": seed, "training_seed": seed, "frame": frame})
 
 
 def _interesting(work: Reproduction, street: Street, driver: Policy, people: Policy) -> tuple[int, int]:
@@ -267,10 +270,21 @@ def report(folder: Path) -> Path:
     missing = [name for name, document in documents.items() if document is None]
     if missing:
         raise RunError(f"{folder}: has no {missing[0]}.json; make it with: jaxwalk reproduce --out {folder}")
-    curves = {name: Run.open(folder / "runs" / name).metrics() for name in (CO_TRAINED, SINGLE_AGENT)}
+    curves = {name: _curves(folder, name, documents["plan"]) for name in (CO_TRAINED, SINGLE_AGENT)}
     drawing = folder / "episode.svg"
     documents["episode_svg"] = drawing.read_text(encoding="utf-8") if drawing.is_file() else None
     return write_report(folder, documents | {"curves": curves})
+
+
+def _curves(folder: Path, name: str, plan: Any) -> dict[int, list[dict[str, Any]]]:
+    """Metrics of each update, by training seed."""
+    try:
+        seeds = Plan(**plan).training_seeds
+    except (TypeError, ValueError) as error:
+        raise RunError(
+            f"{folder / 'plan.json'}: damaged ({error}); run `jaxwalk reproduce` in another folder"
+        ) from error
+    return {seed: Run.open(run_folder(folder, name, seed)).metrics() for seed in seeds}
 
 
 _PARTS = ("plan", "results", "ablation", "provenance", "minutes", "episode")

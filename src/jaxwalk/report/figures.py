@@ -7,10 +7,12 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from jaxwalk.metrics import interquartile_mean
 from jaxwalk.report import published
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, Material, Number
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PAPER, PURPLE, RED, SKY, drawing, panels, save
@@ -37,19 +39,30 @@ def baselines(material: Material) -> Figure:
     """Goals and collisions of every driver, among both populations."""
     figure, axes = panels(2, height=4.2, sharey=True)
     names = material.drivers
-    for axis, (rate, label, place) in zip(axes, RATES, strict=True):
+    for axis, (rate, unit, place) in zip(axes, RATES, strict=True):
         for k, people in enumerate(POPULATIONS):
-            ours = [material.cell(name, people)[rate] for name in names]
+            ours = [material.over_seeds(name, people)[rate] for name in names]
             where = [i + 0.17 * (2 * k - 1) for i in range(len(names))]
-            _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100.0, flat=True)
+            means, label = [number["mean"] for number in ours], f"ours, among {people}"
+            _points(axis, means, where, color=COLOURS[people], label=label, scale=100.0, flat=True)
+            if material.several:
+                _each_seed(axis, ours, where)
         for i, name in enumerate(names):
             for value in _published(name, place):
                 axis.plot(value, i, **_DIAMOND, label="paper" if i == 0 else None)
-        axis.set(xlabel=label, xlim=(-2, 102))
+        axis.set(xlabel=unit, xlim=(-2, 102))
     axes[0].set_yticks(range(len(names)), names)
     axes[0].invert_yaxis()
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
+
+
+def _each_seed(axis: Axes, ours: list[Number], where: list[float]) -> None:
+    """A dot for each training seed."""
+    dots = [(100 * value, place) for number, place in zip(ours, where, strict=True) for value in number["each"]]
+    axis.plot(
+        *zip(*dots, strict=True), color=INK, marker=".", markersize=3, linestyle="none", zorder=5, label="each seed"
+    )
 
 
 def _published(driver: str, place: int) -> list[float]:
@@ -156,7 +169,7 @@ def ablation(material: Material) -> Figure:
     figure, axes = panels(2)
     for axis, (rate, label, place) in zip(axes, RATES, strict=True):
         for k, people in enumerate(POPULATIONS):
-            ours = [material.ablated(m, people)[rate] for m in material.multipliers]
+            ours = [material.ablated(m, people)[rate]["mean"] for m in material.multipliers]
             where = [m + 0.01 * (2 * k - 1) for m in material.multipliers]
             _points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100.0, line=True)
         theirs = [pair[place] for pair in published.ABLATION.values()]
@@ -170,16 +183,30 @@ def ablation(material: Material) -> Figure:
 def learning_curves(material: Material) -> Figure:
     """Goals and collisions during training, of the episodes that ended in each update."""
     figure, axes = panels(2, sharey=True)
-    for axis, (name, lines) in zip(axes, material.curves.items(), strict=True):
-        steps = [line["steps"] for line in lines]
-        for rate, colour in (("goal_rate", GREEN), ("collision_rate", RED), ("timeout_rate", GRID)):
-            found = _running_mean([line[rate] for line in lines], [line["episodes"] for line in lines])
-            axis.plot(steps, [100 * x for x in found], color=colour, label=rate.removesuffix("_rate"))
+    shown = ENDINGS[:2] if material.several else ENDINGS
+    for axis, (name, curves) in zip(axes, material.curves.items(), strict=True):
+        for rate, colour in shown:
+            _curve(axis, list(curves.values()), rate, colour)
         axis.set(title=name, xlabel="environment steps [million]", ylim=(0, 100))
         axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x / 1e6:g}"))
     axes[0].set_ylabel("episodes [%]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
+
+
+ENDINGS = (("goal_rate", GREEN), ("collision_rate", RED), ("timeout_rate", GRID))
+"""Of the learning curves, with their colours; timeouts only where there is room, with one training seed."""
+
+
+def _curve(axis: Axes, curves: list[list[dict[str, Any]]], rate: str, colour: str) -> None:
+    """The interquartile mean over training seeds and, if there are several, a thin line for each."""
+    steps = [line["steps"] for line in curves[0]]
+    seeds = [_running_mean([line[rate] for line in lines], [line["episodes"] for line in lines]) for lines in curves]
+    found = 100 * np.transpose(seeds)
+    if len(curves) > 1:
+        axis.plot(steps, found, color=colour, lw=0.6, alpha=0.5)
+    label = rate.removesuffix("_rate") + (", IQM" if len(curves) > 1 else "")
+    axis.plot(steps, interquartile_mean(found), color=colour, lw=2.0 if len(curves) > 1 else None, label=label)
 
 
 def _running_mean(values: list[float], weights: list[float]) -> list[float]:

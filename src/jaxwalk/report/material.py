@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,19 +25,20 @@ class Material:
     """Everything that is shown."""
 
     results: Mapping[str, Any]
-    """The document of every driver among every population (`jaxwalk.evaluation.Results.as_dict`)."""
+    """Every driver among every population: ``scenarios``, ``cells`` (as `jaxwalk.evaluation.Results` has them, with
+    ``training_seed``), ``over_seeds`` and ``paired`` (`jaxwalk.evaluation.training_seeds`)."""
     ablation: Mapping[str, Any]
-    """The same of the co-trained driver, with several jaywalk multipliers."""
-    curves: Mapping[str, list[dict[str, Any]]]
-    """Metrics of each update, by name of the trained driver."""
+    """The same of the co-trained driver, with several jaywalk multipliers; nothing is paired."""
+    curves: Mapping[str, Mapping[int, list[dict[str, Any]]]]
+    """Metrics of each update, by name of the trained driver and training seed."""
     provenance: Mapping[str, Any]
     """``commit``, ``hardware`` and ``versions``."""
     plan: Mapping[str, Any]
-    """What was asked for: ``recipe``, ``seed``, ``episodes``."""
+    """What was asked for: ``recipe``, ``seed``, ``seeds``, ``episodes``."""
     minutes: Mapping[str, float]
     """What each part took [min]."""
     episode: Mapping[str, Any] | None = None
-    """Which episode is drawn: ``scenario`` and ``seed``."""
+    """Which episode is drawn: ``scenario``, ``seed`` and ``training_seed``."""
     episode_svg: str | None = None
     """Its drawing."""
 
@@ -46,13 +47,27 @@ class Material:
         """Names in the order of evaluation."""
         return tuple(dict.fromkeys(cell["driver"] for cell in self.results["cells"]))
 
-    def cell(self, driver: str, pedestrians: str) -> Mapping[str, Any]:
-        """The results of a driver among a population."""
-        return _find(self.results, driver=driver, pedestrians=pedestrians)
+    @property
+    def training_seeds(self) -> tuple[int, ...]:
+        """All of them, from the first on."""
+        return tuple(range(self.plan["seed"], self.plan["seed"] + self.plan["seeds"]))
+
+    @property
+    def several(self) -> bool:
+        """There is more than one training seed."""
+        return len(self.training_seeds) > 1
+
+    def cell(self, driver: str, pedestrians: str, **wanted: Any) -> Mapping[str, Any]:
+        """The results of a driver among a population: of the first training seed, unless told otherwise."""
+        return _find(self.results["cells"], driver=driver, pedestrians=pedestrians, **wanted)
+
+    def over_seeds(self, driver: str, pedestrians: str) -> Mapping[str, Any]:
+        """Numbers of a driver among a population over all training seeds, each with ``mean``, ``iqm`` and ``each``."""
+        return _find(self.results["over_seeds"], driver=driver, pedestrians=pedestrians)
 
     def ablated(self, multiplier: float, pedestrians: str) -> Mapping[str, Any]:
-        """The results of the co-trained driver with that jaywalk multiplier."""
-        return _find(self.ablation, jaywalk_multiplier=multiplier, pedestrians=pedestrians)
+        """The same of the co-trained driver with that jaywalk multiplier."""
+        return _find(self.ablation["over_seeds"], jaywalk_multiplier=multiplier, pedestrians=pedestrians)
 
     @property
     def multipliers(self) -> tuple[float, ...]:
@@ -60,8 +75,8 @@ class Material:
         return tuple(dict.fromkeys(cell["jaywalk_multiplier"] for cell in self.ablation["cells"]))
 
 
-def _find(document: Mapping[str, Any], **wanted: Any) -> Mapping[str, Any]:
-    for cell in document["cells"]:
+def _find(cells: Sequence[Mapping[str, Any]], **wanted: Any) -> Mapping[str, Any]:
+    for cell in cells:
         if all(cell[name] == value for name, value in wanted.items()):
             return cell
     raise ReportError(f"the results lack {' among '.join(str(x) for x in wanted.values())}; evaluate again")

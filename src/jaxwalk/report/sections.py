@@ -15,6 +15,8 @@ class Section:
     caption: str
     figure: str | None = None
     table: str | None = None
+    over_seeds: bool = False
+    """It shows all training seeds; else the first one's drivers and pedestrians."""
 
 
 INTERVALS = "Bars and brackets: 95 % intervals. Open diamonds: the paper."
@@ -28,6 +30,7 @@ SECTIONS = (
         "drove; its trained drivers have a diamond for each population.",
         "baselines",
         "baselines",
+        over_seeds=True,
     ),
     Section(
         "Co-training against training alone",
@@ -35,12 +38,33 @@ SECTIONS = (
         "The car trained alone (among always-go) and the one trained with its pedestrians, with equally many "
         "environment steps, each among both populations.",
         table="co_training",
+        over_seeds=True,
     ),
     Section(
         "Every driver among every population",
         "",
         "What neither reaches the goal nor collides in 50 s has timed out.",
         table="matrix",
+        over_seeds=True,
+    ),
+    Section(
+        "Each training seed",
+        "",
+        "The same trainings with other random numbers: networks at the start, scenarios, actions. Intervals are over "
+        "the scenarios of the evaluation.",
+        table="training_seeds",
+        over_seeds=True,
+    ),
+    Section(
+        "The same scenarios in pairs",
+        "",
+        "Do people who learned to wait lower a driver's collisions, and does co-training? A pair is a scenario (of a "
+        "training seed, if there are several); the last counts are of pairs that end so on one side alone. p is the "
+        "exact McNemar test over all pairs, as if they were independent: it is about these very policies. The "
+        "difference's interval is by bootstrap over scenarios and, of several, over training seeds: then it is about "
+        "training again. Nothing is corrected for the number of comparisons.",
+        table="pairs",
+        over_seeds=True,
     ),
     Section(
         "Speed near jaywalkers and near crosswalk users",
@@ -87,6 +111,7 @@ SECTIONS = (
         f"The co-trained driver, evaluated but not retrained, with other jaywalk multipliers. {INTERVALS}",
         "ablation",
         "ablation",
+        over_seeds=True,
     ),
     Section(
         "How the two drivers learned",
@@ -95,6 +120,7 @@ SECTIONS = (
         "training the car samples its actions, and at first only short episodes have ended: the evaluation has the "
         "numbers to go by.",
         "learning_curves",
+        over_seeds=True,
     ),
 )
 """The report, from top to bottom; the page adds the summary before and one episode after."""

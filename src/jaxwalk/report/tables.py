@@ -2,68 +2,48 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from jaxwalk.report import published, verdicts
 from jaxwalk.report.figures import SHARES
-from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, SINGLE_AGENT, Material, Number
+from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, SINGLE_AGENT, Material
+from jaxwalk.report.seed_tables import pairs, training_seeds
+from jaxwalk.report.table import NONE, Table, shown
 from jaxwalk.report.verdicts import Versus, verdict
 
-NONE = "–"
-"""Stands for what does not exist."""
 QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
 
 
-@dataclass(frozen=True)
-class Table:
-    """One table."""
-
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    verdict: str = ""
-    """How ours compares with the paper's, in a sentence."""
-
-
 def make_all(material: Material) -> dict[str, Table]:
-    """Every table, by name."""
-    return {name: make(material) for name, make in TABLES.items()}
-
-
-def write_csv(tables: dict[str, Table], folder: Path) -> None:
-    """A CSV file for each table."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, table in tables.items():
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(table.columns)
-        writer.writerows(table.rows)
-        (folder / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
-
-
-def shown(ours: Number, scale: float = 100.0, digits: int = 1) -> str:
-    """As in ``14.0 [11.2, 17.3]``."""
-    if ours["value"] is None:
-        return NONE
-    value = f"{scale * ours['value']:.{digits}f}"
-    if ours["low"] is None or ours["high"] is None:
-        return value
-    return f"{value} [{scale * ours['low']:.{digits}f}, {scale * ours['high']:.{digits}f}]"
+    """Every table, by name; those that compare training seeds only if there are several."""
+    return {name: make(material) for name, make in TABLES.items() if material.several or name not in SEVERAL_SEEDS}
 
 
 def matrix(material: Material) -> Table:
     """Every driver among every population."""
-    columns = ("driver", "pedestrians", "goal %", "collision %", "timeout %", "collisions per km", "time to goal [s]")
+    rates = ("goal", "collision", "timeout")
+    percents = (column for rate in rates for column in _columns(material, rate))
+    columns = ("driver", "pedestrians", *percents, "collisions per km", "time to goal [s]")
     rows = []
-    for cell in (material.cell(name, people) for name in material.drivers for people in POPULATIONS):
-        outcomes = cell["outcomes"]
-        rates = (shown(outcomes[name]) for name in ("goal", "collision", "timeout"))
-        per_km, time = shown(outcomes["all"]["per_km"], 1.0, 2), shown(outcomes["time_to_goal"], 1.0)
-        rows.append((cell["driver"], cell["pedestrians"], *rates, per_km, time))
+    for name, people in ((name, people) for name in material.drivers for people in POPULATIONS):
+        found = material.over_seeds(name, people)
+        percents = (text for rate in rates for text in _shown(material, found[f"{rate}_rate"]))
+        per_km, time = found["collisions_per_km"]["mean"], found["mean_time_to_goal"]["mean"]
+        rows.append((name, people, *percents, shown(per_km, 1.0, 2), shown(time, 1.0)))
     return Table(columns, tuple(rows))
+
+
+def _columns(material: Material, rate: str) -> tuple[str, ...]:
+    """Of a rate: the mean over training seeds and, if there are several, their interquartile mean."""
+    return (f"{rate} %", f"{rate} %, IQM") if material.several else (f"{rate} %",)
+
+
+def _shown(material: Material, number: Mapping[str, Any]) -> tuple[str, ...]:
+    """What stands in these columns."""
+    mean = shown(number["mean"])
+    iqm = {**number["iqm"], "low": None}  # its interval, much like the mean's, is in results.json
+    return (mean, shown(iqm)) if material.several else (mean,)
 
 
 def baselines(material: Material) -> Table:
@@ -76,7 +56,7 @@ def baselines(material: Material) -> Table:
     for name in material.drivers:
         row = [name]
         for place, rate in enumerate(("goal_rate", "collision_rate")):
-            ours = {people: material.cell(name, people)[rate] for people in POPULATIONS}
+            ours = {people: material.over_seeds(name, people)[rate]["mean"] for people in POPULATIONS}
             row += [shown(x) for x in ours.values()]
             row.append(f"{theirs[name][place]:g}" if name in theirs else NONE)
             if name in published.BASELINES:
@@ -88,14 +68,15 @@ def baselines(material: Material) -> Table:
 
 def co_training(material: Material) -> Table:
     """The paper's two by two: single-agent and co-trained driver, among always-go and among learned pedestrians."""
-    columns = ("driver", "pedestrians", "goal %", "paper", "collision %", "paper")
+    goals, collisions = (_columns(material, rate) for rate in ("goal", "collision"))
+    columns = ("driver", "pedestrians", *goals, "paper", *collisions, "paper")
     rows, against = [], []
     for (driver, people), (goal, collision) in published.TRAINED.items():
-        cell = material.cell(driver, people)
-        ours = (cell["goal_rate"], cell["collision_rate"])
-        rows.append((driver, people, shown(ours[0]), f"{goal:g}", shown(ours[1]), f"{collision:g}"))
-        against.append(Versus(f"goals of {driver} among {people}", ours[0], goal))
-        against.append(Versus(f"collisions of {driver} among {people}", ours[1], collision))
+        found = material.over_seeds(driver, people)
+        goals, collisions = (_shown(material, found[rate]) for rate in ("goal_rate", "collision_rate"))
+        rows.append((driver, people, *goals, f"{goal:g}", *collisions, f"{collision:g}"))
+        against.append(Versus(f"goals of {driver} among {people}", found["goal_rate"]["mean"], goal))
+        against.append(Versus(f"collisions of {driver} among {people}", found["collision_rate"]["mean"], collision))
     return Table(columns, tuple(rows), verdict(against, verdicts.TRAINED))
 
 
@@ -241,11 +222,11 @@ def ablation(material: Material) -> Table:
     rows, against = [], []
     for multiplier in material.multipliers:
         for people in POPULATIONS:
-            cell = material.ablated(multiplier, people)
-            share = shown(cell["attribution"]["per_crossing"]["share"])
+            found = material.ablated(multiplier, people)
+            share = shown(found["jaywalk_share"]["mean"])
             pair = published.ABLATION[multiplier] if people == ALWAYS_GO else None
             theirs = [NONE, NONE] if pair is None else [f"{x:g}" for x in pair]
-            goal, collision = cell["goal_rate"], cell["collision_rate"]
+            goal, collision = found["goal_rate"]["mean"], found["collision_rate"]["mean"]
             said = f"{published.JAYWALK_SHARE[multiplier]:g}"
             rows.append((f"{multiplier:g}", share, said, people, shown(goal), theirs[0], shown(collision), theirs[1]))
             if pair:
@@ -258,6 +239,8 @@ TABLES: dict[str, Callable[[Material], Table]] = {
     "baselines": baselines,
     "co_training": co_training,
     "matrix": matrix,
+    "training_seeds": training_seeds,
+    "pairs": pairs,
     "speed_differential": speed_differential,
     "attribution": attribution,
     "contacts": contacts,
@@ -267,3 +250,5 @@ TABLES: dict[str, Callable[[Material], Table]] = {
     "ablation": ablation,
 }
 """Every table, by name of its file."""
+SEVERAL_SEEDS = ("training_seeds",)
+"""Tables that compare training seeds."""

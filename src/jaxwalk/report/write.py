@@ -8,11 +8,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from jaxwalk.metrics.statistics import FEWEST_SEEDS
 from jaxwalk.report.figures import draw_all
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material, ReportError
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.style import inline
-from jaxwalk.report.tables import make_all, shown, write_csv
+from jaxwalk.report.table import shown, write_csv
+from jaxwalk.report.tables import make_all
 
 
 def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
@@ -31,7 +33,9 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
     write_csv(tables, folder / "tables")
     figures = draw_all(material, folder / "figures")
     page = _page(
-        sections=SECTIONS, tables=tables, figures=figures, facts=facts, summary=summary, episode=material.episode,
+        sections=[section for section in SECTIONS if section.table is None or section.table in tables],
+        first_seed=material.training_seeds[0] if material.several else None,
+        tables=tables, figures=figures, facts=facts, summary=summary, episode=material.episode,
         drawing=inline(material.episode_svg, "episode") if material.episode_svg else None,
     )  # fmt: skip
     path = folder / "report.html"
@@ -56,25 +60,38 @@ def _summary(material: Material) -> list[dict[str, str]]:
     return [
         {
             "title": f"{driver} among {people}",
-            "goal": shown(cell["goal_rate"]),
-            "collision": shown(cell["collision_rate"]),
+            "goal": shown(found["goal_rate"]["mean"]),
+            "collision": shown(found["collision_rate"]["mean"]),
         }
         for driver in (CO_TRAINED, SINGLE_AGENT)
         for people in (ALWAYS_GO, LEARNED)
-        for cell in [material.cell(driver, people)]
+        for found in [material.over_seeds(driver, people)]
     ]
+
+
+def _seeds(material: Material) -> str:
+    """How many there are, and what the intervals are over."""
+    seeds = material.training_seeds
+    if not material.several:
+        return f"one training seed, {seeds[0]}: intervals are over scenarios, and say nothing about training again"
+    said = f"{len(seeds)} training seeds, {seeds[0]} to {seeds[-1]}: rates are means over them"
+    if len(seeds) < FEWEST_SEEDS:
+        return f"{said}, without intervals: so few don't tell how much seeds differ"
+    return f"{said}, intervals over training seeds and scenarios"
 
 
 def _facts(material: Material) -> list[tuple[str, str]]:
     """Where the numbers come from."""
     scenarios, made = material.results["scenarios"], material.provenance
     facts = [
-        ("Recipe and seed", f"{material.plan['recipe']}, seed {material.plan['seed']}"),
+        ("Recipe", material.plan["recipe"]),
+        ("Training seeds", _seeds(material)),
         ("Scenarios", f"{scenarios['count']:,} in each cell, seed {scenarios['seed']}, hash {scenarios['hash']}"),
     ]
-    for name, lines in material.curves.items():
-        last = lines[-1]
-        facts.append((f"Training, {name}", f"{last['steps']:,} steps in {last['seconds'] / 60:.1f} minutes"))
+    for name, curves in material.curves.items():
+        last = [lines[-1] for lines in curves.values()]
+        times = ", ".join(f"{line['seconds'] / 60:.1f}" for line in last)
+        facts.append((f"Training, {name}", f"{last[0]['steps']:,} steps in {times} minutes"))
     whole = sum(material.minutes.values())
     facts += [
         ("Minutes in all", f"{whole:.1f}"),

@@ -1,0 +1,41 @@
+"""The tables of each training seed, and of pairs of the same scenarios."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jaxwalk.report.material import CO_TRAINED, POPULATIONS, SINGLE_AGENT, Material
+from jaxwalk.report.table import Table, shown
+
+
+def training_seeds(material: Material) -> Table:
+    """The trained drivers of each training seed, with intervals over scenarios."""
+    columns = (
+        "driver", "pedestrians", "training seed", "goal %", "collision %",
+        "speed difference within 3 m [m/s]", "jaywalking's share of collisions %",
+    )  # fmt: skip
+    rows = []
+    for driver, people in ((driver, people) for driver in (SINGLE_AGENT, CO_TRAINED) for people in POPULATIONS):
+        for seed in material.training_seeds:
+            cell = material.cell(driver, people, training_seed=seed)
+            rates = (shown(cell[name]) for name in ("goal_rate", "collision_rate"))
+            gap = shown(cell["speed_differential"][0]["pooled"]["difference"], 1.0, 2)
+            rows.append((driver, people, str(seed), *rates, gap, shown(cell["attribution"]["share"])))
+    return Table(columns, tuple(rows))
+
+
+def pairs(material: Material) -> Table:
+    """Endings of the same scenarios: of each driver by population, and of the two trained drivers."""
+    columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p")
+    return Table(columns, tuple(_pair(found) for found in material.results["paired"]))
+
+
+def _pair(found: dict[str, Any]) -> tuple[str, ...]:
+    names = (f"{found[side]['driver']} among {found[side]['pedestrians']}" for side in ("a", "b"))
+    rates = (f"{100 * found[side]['rate']:.1f}" for side in ("a", "b"))
+    counts = (f"{found[name]:,}" for name in ("only_a", "only_b"))
+    return f"{found['ending']}s", *names, *rates, shown(found["difference"]), *counts, _p_value(found["p"])
+
+
+def _p_value(p: float) -> str:
+    return "< 0.001" if p < 0.001 else f"{p:.3f}"

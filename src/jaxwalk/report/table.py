@@ -1,0 +1,44 @@
+"""What a table is, how a number is shown in it, and its file."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+from jaxwalk.report.material import Number
+
+NONE = "–"
+"""Stands for what does not exist."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    verdict: str = ""
+    """How ours compares with the paper's, in a sentence."""
+
+
+def write_csv(tables: dict[str, Table], folder: Path) -> None:
+    """A CSV file for each table."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, table in tables.items():
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(table.columns)
+        writer.writerows(table.rows)
+        (folder / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
+
+
+def shown(ours: Number, scale: float = 100.0, digits: int = 1) -> str:
+    """As in ``14.0 [11.2, 17.3]``."""
+    if ours["value"] is None:
+        return NONE
+    value = f"{scale * ours['value']:.{digits}f}"
+    if ours["low"] is None or ours["high"] is None:
+        return value
+    return f"{value} [{scale * ours['low']:.{digits}f}, {scale * ours['high']:.{digits}f}]"

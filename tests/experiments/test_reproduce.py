@@ -1,0 +1,156 @@
+"""The whole experiment with two training seeds, very small: what is made, from what, and that it goes on."""
+
+import csv
+import io
+import json
+from dataclasses import replace
+from functools import partial
+
+import pytest
+from rich.console import Console
+
+from jaxwalk.evaluation import compare, evaluate, replay
+from jaxwalk.experiments import reproduce as module
+from jaxwalk.experiments import tournament
+from jaxwalk.experiments.reproduce import Interrupted, Plan, report, reproduce
+from jaxwalk.experiments.runs import Run, RunError
+from jaxwalk.experiments.training import Session
+from jaxwalk.policies import DRIVERS, read_metadata
+
+PLAN = Plan(updates=3, episodes=8, seed=3, seeds=2)
+
+
+@pytest.fixture(scope="module")
+def made(tiny, tmp_path_factory):
+    """The folder of two training seeds, interrupted in the second co-training; and what was said."""
+    folder, said = tmp_path_factory.mktemp("reproduce") / "out", io.StringIO()
+    again = partial(reproduce, folder, PLAN, base=tiny, console=Console(file=said, width=200))
+    with pytest.MonkeyPatch.context() as patch:
+        _play_little(patch)
+        _interrupt_second(patch)
+        with pytest.raises(Interrupted):
+            again()
+        patch.setattr(Session, "record", _RECORD)
+        again()
+    return folder, said.getvalue()
+
+
+_RECORD = Session.record
+RULES = {name: DRIVERS[name] for name in ("random", "route-follower")}
+MULTIPLIERS = (0.25, 1.0)
+
+
+def _play_little(patch):
+    """Two rules, two multipliers, and no more episodes at once than there are."""
+    patch.setattr(tournament, "DRIVERS", RULES)
+    patch.setattr(tournament, "MULTIPLIERS", MULTIPLIERS)
+    patch.setattr(tournament, "compare", partial(compare, batch=PLAN.episodes))
+    patch.setattr("jaxwalk.evaluation.evaluate", partial(evaluate, batch=PLAN.episodes))
+    patch.setattr("jaxwalk.experiments.episodes.replay", partial(replay, batch=PLAN.episodes))
+
+
+def _interrupt_second(patch):
+    """Ctrl-C in the first update of the second training."""
+
+    def record(self, metrics, updates):
+        _RECORD(self, metrics, updates)
+        self.stop.requested |= self.run.path.name == "seed-4"
+
+    patch.setattr(Session, "record", record)
+
+
+def _json(folder, name):
+    return json.loads((folder / name).read_text(encoding="utf-8"))
+
+
+def test_a_training_for_each_seed_and_driver(made):
+    folder, said = made
+    for name in ("co-trained", "single-agent"):
+        runs = sorted((folder / "runs" / name).iterdir())
+        assert [run.name for run in runs] == ["seed-3", "seed-4"]
+        for run, seed in zip(runs, PLAN.training_seeds, strict=True):
+            metadata = read_metadata(Run.open(run).policy)
+            assert (metadata["seed"], metadata["single_agent"]) == (seed, name == "single-agent")
+            assert [line["update"] for line in Run.open(run).metrics()] == [1, 2, 3]
+    assert "co-trained, seed 3: there already, 192 steps" in said
+    assert "single-agent, seed 4: 192 steps" in said
+
+
+def test_every_cell_once_for_each_seed(made):
+    folder, said = made
+    rules, trained = list(RULES), ["single-agent", "co-trained"]
+    expected = [(d, p, s) for d in rules for p, s in (("always-go", None), ("learned", 3), ("learned", 4))]
+    expected += [(d, p, s) for d in trained for p in ("always-go", "learned") for s in (3, 4)]
+    document = _json(folder, "results.json")
+    assert [(c["driver"], c["pedestrians"], c["training_seed"]) for c in document["cells"]] == expected
+    assert document["scenarios"]["seed"] == 3
+    over = [(found["driver"], found["pedestrians"], found["training_seeds"]) for found in document["over_seeds"]]
+    assert over[:2] == [("random", "always-go", [None]), ("random", "learned", [3, 4])]
+    assert over[-2:] == [("co-trained", "always-go", [3, 4]), ("co-trained", "learned", [3, 4])]
+    with (folder / "episodes.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    found = dict.fromkeys((row["driver"], row["pedestrians"], row["training_seed"]) for row in rows)
+    assert list(found) == [(d, p, "" if s is None else str(s)) for d, p, s in expected]
+    assert len(rows) == 8 * len(expected)
+    assert "co-trained among learned, seed 4: 8 episodes" in said
+    assert "random among always-go: 8 episodes" in said
+
+
+def test_each_seed_has_its_own_policies(made):
+    cells = _json(made[0], "results.json")["cells"]
+    found = {tuple(cell.values())[:3]: list(cell.values())[3:] for cell in cells}
+    for driver, people in (("co-trained", "always-go"), ("single-agent", "always-go"), ("route-follower", "learned")):
+        assert found[driver, people, 3] != found[driver, people, 4]
+
+
+def test_pairs(made):
+    pairs = _json(made[0], "results.json")["paired"]
+    names = [(p["ending"], *(tuple(p[side].values())[:2] for side in ("a", "b"))) for p in pairs]
+    drivers = [*RULES, "single-agent", "co-trained"]
+    assert names[:-2] == [("collision", (d, "always-go"), (d, "learned")) for d in drivers]
+    assert names[-2:] == [
+        (e, ("single-agent", "always-go"), ("co-trained", "always-go")) for e in ("collision", "goal")
+    ]
+    assert {(p["training_seeds"], p["pairs"]) for p in pairs} == {(2, 16)}
+
+
+def test_the_ablation_has_every_seed(made):
+    document = _json(made[0], "ablation.json")
+    cells = [(c["jaywalk_multiplier"], c["pedestrians"], c["training_seed"]) for c in document["cells"]]
+    assert cells == [(m, p, s) for m in MULTIPLIERS for p in ("always-go", "learned") for s in (3, 4)]
+    assert [found["training_seeds"] for found in document["over_seeds"]] == [[3, 4]] * 4
+
+
+def test_the_report_can_be_made_again(made):
+    folder, _ = made
+    (folder / "report.html").unlink()
+    table = (folder / "tables" / "training_seeds.csv").read_bytes()
+    assert "2 training seeds, 3 to 4" in report(folder).read_text(encoding="utf-8")
+    assert (folder / "tables" / "training_seeds.csv").read_bytes() == table
+
+
+def test_another_number_of_seeds_needs_another_folder(made, tiny, quiet):
+    with pytest.raises(RunError, match="was begun with another value of seeds"):
+        reproduce(made[0], replace(PLAN, seeds=3), base=tiny, console=quiet)
+
+
+def test_later_co_trainings_are_as_long_as_the_first(tiny, tmp_path, quiet, monkeypatch):
+    """The minutes are for the first one alone: the number that it planned is asked of the others."""
+    asked = []
+
+    def train(run, *, minutes, resume, console, name):
+        if minutes is not None:
+            run.describe(module.with_training(run.experiment, updates=17))
+        asked.append((name.strip(), minutes, run.experiment.train.updates, run.experiment.seed))
+        return module_trained
+
+    module_trained = type("Trained", (), {"interrupted": False, "steps": 1, "seconds": 1.0})()
+    monkeypatch.setattr(module, "train", train)
+    work = module.Reproduction(tmp_path, Plan(minutes=5.0, seeds=3), quiet, tiny)
+    module._co_train(work)
+    module._train_alone(work)
+    assert asked == [("co-trained, seed 0", 5.0, 17, 0)] + [
+        (f"{name}, seed {seed}", None, 17, seed)
+        for name, seeds in (("co-trained", (1, 2)), ("single-agent", (0, 1, 2)))
+        for seed in seeds
+    ]
