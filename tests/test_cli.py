@@ -110,6 +110,8 @@ BAD = {
     "play to nothing": ("play --driver random --out episode.doc", "must end in one of .png"),
     "reproduce for no time": ("reproduce --out r --minutes 0", "minutes must be above 0"),
     "reproduce nothing": ("reproduce --out r --episodes 0", "episodes must be at least 1, not 0"),
+    "reproduce untrained": ("reproduce --out r --seeds 0", "seeds must be at least 1, not 0"),
+    "reproduce beyond the last seed": ("reproduce --out r --seed 2147483647 --seeds 2", "seed + seeds must be at most"),
     "reproduce elsewhere": ("reproduce --out foreign", "no `jaxwalk reproduce` made it"),
     "bench nothing": ("bench --environments 64 0", "environments must be at least 1, not 0"),
     "bench nobody": ("bench --pedestrians 0", "pedestrians must be at least 1, not 0"),

@@ -53,6 +53,18 @@ def test_one_seed_keeps_the_cells_intervals(matches):
     assert found["goal_rate"]["iqm"] == found["goal_rate"]["mean"]
 
 
+def test_what_never_happens_has_the_interval_of_one_seed(matches):
+    """A bootstrap of zeros would end at zero, as if the rate were known to be none."""
+    follower = matches[0]
+    rate = follower.cell.summary.outcomes.timeout
+    assert rate.value == 0
+    (found,) = over_training_seeds([dataclasses.replace(follower, training_seed=seed) for seed in (1, 2, 3)])
+    never = found["timeout_rate"]
+    assert never == {"mean": never["mean"], "iqm": never["mean"], "each": (0, 0, 0)}
+    assert never["mean"] == {"value": 0, "low": 0, "high": rate.high, "count": 3}
+    assert rate.high > 0.1
+
+
 def test_a_cell_tells_its_training_seed(matches):
     document = matches[1].as_dict()
     assert list(document)[:4] == ["driver", "pedestrians", "training_seed", "driver_mode"]

@@ -129,6 +129,23 @@ def test_the_report_can_be_made_again(made):
     assert (folder / "tables" / "training_seeds.csv").read_bytes() == table
 
 
+@pytest.mark.parametrize(
+    ("plan", "message"),
+    [
+        ({"seed": 0, "updates": 3}, "of another version"),
+        ({"seeds": 0}, "damaged .seeds must be at least 1, not 0."),
+        ({"sed": 1}, "damaged"),
+        ([], "damaged"),
+    ],
+)
+def test_a_report_needs_a_whole_plan(plan, message, tmp_path):
+    for name in ("results", "ablation", "provenance", "minutes", "episode"):
+        (tmp_path / f"{name}.json").write_text("{}")
+    (tmp_path / "plan.json").write_text(json.dumps(plan))
+    with pytest.raises(RunError, match=f"plan.json: {message}"):
+        report(tmp_path)
+
+
 def test_another_number_of_seeds_needs_another_folder(made, tiny, quiet):
     with pytest.raises(RunError, match="was begun with another value of seeds"):
         reproduce(made[0], replace(PLAN, seeds=3), base=tiny, console=quiet)

@@ -189,13 +189,13 @@ def test_what_a_report_of_several_seeds_says(several, page):
     first = "Shown for training seed 5, the first of several."
     assert text.count(first) == sum(not section.over_seeds for section in SECTIONS)
     assert first not in page
-    assert ">each seed<" in text
+    assert text.count(">each training seed<") == 1
     assert ">goal, IQM<" in text
 
 
 def test_two_seeds_give_no_interval(tmp_path):
     write_report(tmp_path, _documents(2))
-    assert "2 training seeds, 5 to 6: rates are means over them, without intervals" in (
+    assert "2 training seeds, 5 to 6: rates are their means (IQM: interquartile means), without intervals" in (
         tmp_path / "report.html"
     ).read_text(encoding="utf-8")
     assert _table(tmp_path, "matrix")[-1]["goal %"] == "50.0"

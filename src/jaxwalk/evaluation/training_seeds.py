@@ -11,6 +11,7 @@ import numpy as np
 from jaxwalk.evaluation.comparison import paired
 from jaxwalk.evaluation.results import Cell
 from jaxwalk.metrics import Estimate, OverSeeds, Rate, Rows, Summary, over_seeds
+from jaxwalk.metrics.statistics import FEWEST_SEEDS
 
 
 @dataclass(frozen=True)
@@ -86,11 +87,13 @@ def over_training_seeds(matches: Sequence[Match]) -> list[dict[str, Any]]:
 
 
 def _over_seeds(measure: Measure, group: list[Match]) -> OverSeeds:
-    """One cell alone keeps its own interval, over scenarios."""
-    if len(group) == 1:
-        number = measure.of_one(group[0].cell.summary)
-        one = Estimate(number.value, number.low, number.high, 1)
-        return OverSeeds(one, one, (number.value,))
+    """One cell alone keeps its own interval, over scenarios; so do rates of 0 or 1 everywhere: no bootstrap has one."""
+    number = measure.of_one(group[0].cell.summary)
+    each = tuple(measure.of_one(match.cell.summary).value for match in group)
+    never_or_always = len(group) >= FEWEST_SEEDS and set(each) in ({0.0}, {1.0})
+    if len(group) == 1 or never_or_always:
+        same = Estimate(number.value, number.low, number.high, len(group))
+        return OverSeeds(same, same, each)
     over, under = zip(*(measure.parts(match.rows) for match in group), strict=True)
     return over_seeds(np.stack(over), np.stack(under))
 

@@ -278,13 +278,14 @@ def report(folder: Path) -> Path:
 
 def _curves(folder: Path, name: str, plan: Any) -> dict[int, list[dict[str, Any]]]:
     """Metrics of each update, by training seed."""
+    file = folder / "plan.json"
     try:
-        seeds = Plan(**plan).training_seeds
+        read = Plan(**plan)
     except (TypeError, ValueError) as error:
-        raise RunError(
-            f"{folder / 'plan.json'}: damaged ({error}); run `jaxwalk reproduce` in another folder"
-        ) from error
-    return {seed: Run.open(run_folder(folder, name, seed)).metrics() for seed in seeds}
+        raise RunError(f"{file}: damaged ({error}); run `jaxwalk reproduce` in another folder") from error
+    if asdict(read) != plan:
+        raise RunError(f"{file}: of another version of jaxwalk; run `jaxwalk reproduce` in another folder")
+    return {seed: Run.open(run_folder(folder, name, seed)).metrics() for seed in read.training_seeds}
 
 
 _PARTS = ("plan", "results", "ablation", "provenance", "minutes", "episode")

@@ -45,8 +45,7 @@ def baselines(material: Material) -> Figure:
             where = [i + 0.17 * (2 * k - 1) for i in range(len(names))]
             means, label = [number["mean"] for number in ours], f"ours, among {people}"
             _points(axis, means, where, color=COLOURS[people], label=label, scale=100.0, flat=True)
-            if material.several:
-                _each_seed(axis, ours, where)
+            _each_seed(axis, ours, where, "each training seed" if k == 0 and material.several else None)
         for i, name in enumerate(names):
             for value in _published(name, place):
                 axis.plot(value, i, **_DIAMOND, label="paper" if i == 0 else None)
@@ -57,12 +56,12 @@ def baselines(material: Material) -> Figure:
     return figure
 
 
-def _each_seed(axis: Axes, ours: list[Number], where: list[float]) -> None:
-    """A dot for each training seed."""
-    dots = [(100 * value, place) for number, place in zip(ours, where, strict=True) for value in number["each"]]
-    axis.plot(
-        *zip(*dots, strict=True), color=INK, marker=".", markersize=3, linestyle="none", zorder=5, label="each seed"
-    )
+def _each_seed(axis: Axes, ours: list[Number], where: list[float], label: str | None) -> None:
+    """A dot for each training seed, where there are several."""
+    several = [(number["each"], place) for number, place in zip(ours, where, strict=True) if len(number["each"]) > 1]
+    values = [100 * value for each, _ in several for value in each]
+    places = [place for each, place in several for _ in each]
+    axis.plot(values, places, color=INK, marker=".", markersize=4, linestyle="none", zorder=5, label=label)
 
 
 def _published(driver: str, place: int) -> list[float]:

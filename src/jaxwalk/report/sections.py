@@ -116,7 +116,8 @@ SECTIONS = (
     Section(
         "How the two drivers learned",
         "",
-        "Endings of the episodes that ended in each update (running mean over a twentieth of the training). In "
+        "Endings of the episodes that ended in each update (running mean over a twentieth of the training); of several "
+        "training seeds, a thin line for each, and their interquartile mean. In "
         "training the car samples its actions, and at first only short episodes have ended: the evaluation has the "
         "numbers to go by.",
         "learning_curves",

@@ -74,7 +74,7 @@ def _seeds(material: Material) -> str:
     seeds = material.training_seeds
     if not material.several:
         return f"one training seed, {seeds[0]}: intervals are over scenarios, and say nothing about training again"
-    said = f"{len(seeds)} training seeds, {seeds[0]} to {seeds[-1]}: rates are means over them"
+    said = f"{len(seeds)} training seeds, {seeds[0]} to {seeds[-1]}: rates are their means (IQM: interquartile means)"
     if len(seeds) < FEWEST_SEEDS:
         return f"{said}, without intervals: so few don't tell how much seeds differ"
     return f"{said}, intervals over training seeds and scenarios"
