@@ -34,7 +34,7 @@ DRIVERS = (
 @pytest.fixture(scope="module")
 def documents():
     people = [
-        Walk(30.0, -4.0, vy=1.0, crossings=[(2, 40, CROSSWALK)]),
+        Walk(30.0, -4.0, vy=1.0, crossings=[(2, 40, CROSSWALK)], kerb=[0, 1], waits=[1], miss=1.0, arrivals=[45]),
         Walk(40.0, 4.0, vy=-1.0, crossings=[(5, 45, JAYWALK)]),
     ]
     reached = Scene(50, people, goal=True)
@@ -127,6 +127,14 @@ def test_numbers_in_tables(folder):
     assert [rows[1][3], rows[1][5]] == ["65", "20"]
     with (folder / "tables" / "ablation.csv").open() as file:
         assert len(list(csv.reader(file))) == 11
+    with (folder / "tables" / "waiting.csv").open() as file:
+        header, *rows = csv.reader(file)
+    route_follower = dict(zip(header, rows[4], strict=True))
+    assert route_follower["driver"] == "route-follower"
+    assert route_follower["waits in danger %"].startswith("50.0 [")
+    assert route_follower["goals per hour"].startswith("360.0 [")  # one each 5 s of two people
+    assert route_follower["of always-go's %"] == "100"
+    assert (route_follower["harmless %"], rows[4][-1]) == ("–", "0")
 
 
 def test_the_same_results_make_the_same_report(documents, folder, tmp_path):
