@@ -63,8 +63,8 @@ RECIPES: dict[str, Experiment] = {
         driver_weights={
             "progress": 0.5,
             "goal": 20.0,
-            "collision": -50.0,
-            "closeness": -0.5,
+            "collision": -100.0,
+            "closeness": -1.0,
             "off_lane": -0.02,
             "misaligned": -0.1,
             "time": -0.02,
