@@ -64,8 +64,8 @@ def model_card(file: Path) -> str:
         "",
         *_result_lines(about["results"]),
         "",
-        "What it knows: one car, people who walk shortest ways and sometimes jaywalk. It has met no other cars, no lights",
-        "and no weather, and says nothing about any real vehicle.",
+        "What it knows: one car, people who walk shortest ways and sometimes jaywalk. It has met no other cars, no",
+        "lights and no weather, and says nothing about any real vehicle.",
         "",
     ]
     return "\n".join(lines)
