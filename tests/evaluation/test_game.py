@@ -8,10 +8,12 @@ import pytest
 
 from jaxwalk.evaluation import draw_scenarios, play, with_jaywalk_multiplier
 from jaxwalk.interfaces import ByRole
+from jaxwalk.metrics import measure, summarise
 from jaxwalk.policies import AlwaysGo, ConstantSpeed
-from jaxwalk.sim import pedestrian
+from jaxwalk.sim import pedestrian, prediction
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.observation import part
 
 HORIZON = 110  # some arrive earlier, some do not; and it ends within a block of steps
 
@@ -51,6 +53,8 @@ def test_frames_are_those_of_stepping_by_hand(short, driver, undecided, batch, p
             "car_x": car.x, "car_speed": car.speed, "car_acceleration": car.acceleration, "ped_x": people.x,
             "ped_vx": pedestrian.velocity(short.config, scenarios, people)[0], "on_roadway": people.on_roadway,
             "going": people.going, "decisions": people.decisions, "at_kerb": pedestrian.at_kerb(short.config, people),
+            "enters_roadway": pedestrian.enters_roadway(people), "arrivals": people.arrivals,
+            "predicted_miss": prediction.predicted_miss(short.config, scenarios, state)[0],
         }  # fmt: skip
         return state, memory, outcome.events, seen
 
@@ -66,6 +70,23 @@ def test_frames_are_those_of_stepping_by_hand(short, driver, undecided, batch, p
         np.testing.assert_array_equal(played.touched[ends], events.touched.T[ends])
         under_way &= ~ends
     assert not under_way.any()
+
+
+class Careful(AlwaysGo):
+    """Waits at the kerb if going now would bring the centres closer than 2.5 m."""
+
+    observes: str = eqx.field(static=True, default="kerb")
+
+    def act(self, key, memory, observation):
+        decides, miss = (observation[part("pedestrian", "kerb", name).start] for name in ("decides", "miss"))
+        return 1 - ((decides > 0) & (miss < 0.25)).astype(jnp.int32), memory
+
+
+def test_who_waits_in_danger_alone_is_measured_so(short, driver, batch):
+    found = summarise(measure(play(short, driver, Careful(), *batch))).waiting
+    assert (found.danger.value, found.harmless.value) == (1, 0)
+    assert min(found.danger.count, found.harmless.count) > 10
+    assert found.longest_stand == 0
 
 
 def test_frame_0_is_the_reset(short, batch, played):

@@ -34,7 +34,7 @@ def test_the_document_is_as_promised(compared):
         assert cell[name]["low"] <= cell[name]["value"] <= cell[name]["high"]
     assert cell["goal_rate"]["value"] == rows["route-follower", "always-go"].episodes.goal.mean()
     assert sum(cell[name]["value"] for name in ("goal_rate", "collision_rate", "timeout_rate")) == pytest.approx(1)
-    assert {"outcomes", "speed_differential", "attribution", "encounters", "jaywalk_rate"} < set(cell)
+    assert {"outcomes", "speed_differential", "attribution", "encounters", "jaywalk_rate", "waiting"} < set(cell)
 
 
 IN_ANOTHER_PROCESS = """

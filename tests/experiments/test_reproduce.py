@@ -65,15 +65,17 @@ def _json(folder, name):
 
 def test_a_training_for_each_seed_and_driver(made):
     folder, said = made
-    for name in ("co-trained", "single-agent"):
+    both = ("co-trained", "single-agent")
+    for name in both:
         runs = sorted((folder / "runs" / name).iterdir())
         assert [run.name for run in runs] == ["seed-3", "seed-4"]
         for run, seed in zip(runs, PLAN.training_seeds, strict=True):
             metadata = read_metadata(Run.open(run).policy)
             assert (metadata["seed"], metadata["single_agent"]) == (seed, name == "single-agent")
             assert [line["update"] for line in Run.open(run).metrics()] == [1, 2, 3]
-    assert "co-trained, seed 3: there already, 192 steps" in said
-    assert "single-agent, seed 4: 192 steps" in said
+    steps = {name: 3 * Run.open(folder / "runs" / name / "seed-4").experiment.steps_per_update for name in both}
+    assert f"co-trained, seed 3: there already, {steps['co-trained']:,} steps" in said
+    assert f"single-agent, seed 4: {steps['single-agent']:,} steps" in said
 
 
 def test_every_cell_once_for_each_seed(made):

@@ -1,4 +1,4 @@
-"""A gated actor that looks only where there is something to decide says the same as one that looks everywhere."""
+"""A gated actor: its network sees only those who decide, and what was decided stands for a while."""
 
 import jax
 import jax.numpy as jnp
@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 
 from jaxwalk.interfaces import Box, Discrete
-from jaxwalk.learning.actor import GLANCE_PART, glance, make_actor
+from jaxwalk.learning.actor import GLANCE_PART, decide, glance, make_actor, no_memory
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.rollout import environment_keys
 
 AGENTS, BATCH = 12, 16
-GATED = make_actor(jax.random.key(0), 5, Discrete(2), RoleConfig(gated=True, actor_hidden=(8,)))
+KEYS = environment_keys(jax.random.key(1), 0, BATCH)
+
+
+def gated(hold=1):
+    return make_actor(jax.random.key(0), 5, Discrete(2), RoleConfig(gated=True, hold=hold, actor_hidden=(8,)))
 
 
 def observations(deciding):
@@ -24,27 +28,46 @@ def observations(deciding):
 
 
 @pytest.mark.parametrize("deciding", [0, 1, AGENTS * BATCH // GLANCE_PART, AGENTS * BATCH // GLANCE_PART + 1, 100, 192])
-def test_a_glance_sees_everybody_who_decides(deciding):
-    seen = observations(deciding)
-    quick, full = jax.jit(glance)(GATED, seen), GATED(seen)
-    np.testing.assert_array_equal(quick.decides, full.decides)
-    assert int(quick.decides.sum()) == deciding
-    where = np.asarray(full.decides)
-    np.testing.assert_allclose(
-        np.asarray(quick.choice.logits)[:, where], np.asarray(full.choice.logits)[:, where], atol=1e-7
-    )
+def test_a_glance_sees_everybody_who_counts_and_nobody_else(deciding):
+    seen, network = observations(deciding), gated().network
+    where = np.asarray(seen[0] > 0)
+    quick, full = (np.asarray(x) for x in (jax.jit(glance)(network, seen, jnp.asarray(where)), network(seen)))
+    np.testing.assert_allclose(quick[:, where], full[:, where], atol=1e-7)
+    assert not quick[:, ~where].any()
 
 
-def test_what_is_sampled_and_how_likely_it_was_are_the_same():
-    seen, keys = observations(60), environment_keys(jax.random.key(1), 0, BATCH)
-    quick, full = glance(GATED, seen), GATED(seen)
-    raw = full.sample(keys)
-    np.testing.assert_array_equal(quick.sample(keys), raw)
-    np.testing.assert_allclose(quick.log_prob(raw), full.log_prob(raw), atol=1e-6)
-    assert 0 < int(raw.sum()) < raw.size
+def test_a_gated_choice_is_as_likely_as_the_network_says_and_go_elsewhere():
+    seen, actor = observations(60), gated()
+    choice, _ = decide(actor, KEYS, no_memory(actor, (AGENTS,), (BATCH,)), seen, sample=True)
+    where = np.asarray(seen[0] > 0)
+    np.testing.assert_array_equal(choice.decided, where)
+    np.testing.assert_allclose(choice.log_prob[where], actor(seen).log_prob(choice.raw)[where], atol=1e-6)
+    assert np.asarray(choice.action)[~where].all()
+    assert 0 < int(np.asarray(choice.action)[where].sum()) < where.sum()
 
 
-def test_other_kinds_look_everywhere():
+def test_a_decision_stands_for_its_time_and_no_longer_than_there_is_anything_to_decide():
+    actor = gated(hold=3)
+    may = np.array([[1, 1], [1, 1], [1, 0], [1, 1], [1, 1], [1, 1], [1, 1]])  # (step, agent)
+    memory, decided, actions = no_memory(actor, (2,), ()), [], []
+    for step, row in enumerate(may):
+        seen = jnp.concatenate([jnp.asarray(row[None], jnp.float32), jnp.full((4, 2), float(step))])
+        choice, memory = decide(actor, jax.random.key(step), memory, seen, sample=True)
+        decided.append(choice.decided.tolist()), actions.append(choice.action.tolist())
+    assert np.array(decided)[:, 0].tolist() == [True, False, False, True, False, False, True]
+    assert np.array(decided)[:, 1].tolist() == [True, False, False, True, False, False, True]
+    actions = np.array(actions)
+    assert actions[0, 0] == actions[1, 0] == actions[2, 0]
+    assert actions[3, 0] == actions[4, 0] == actions[5, 0]
+    assert actions[0, 1] == actions[1, 1]
+    assert actions[2, 1] == 1
+
+
+def test_other_kinds_decide_always_and_remember_nothing():
     actor = make_actor(jax.random.key(0), 5, Box(2), RoleConfig(actor_hidden=(8,)))
+    assert no_memory(actor, (), (BATCH,)) is None
     seen = observations(3)[:, 0]
-    np.testing.assert_array_equal(glance(actor, seen).mean, actor(seen).mean)
+    choice, memory = decide(actor, KEYS, None, seen, sample=False)
+    np.testing.assert_array_equal(choice.raw, actor(seen).mean)
+    assert memory is None
+    assert choice.decided is None

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jaxwalk.learning.advantages import generalised_advantage, normalised, temporal_difference
+from jaxwalk.learning.advantages import generalised_advantage, normalised
 
 NO = jnp.zeros(3, bool)
 YES = jnp.ones(3, bool)
@@ -17,13 +17,7 @@ VALUE = jnp.array([10.0, 20.0, 30.0, 40.0])
 def advantage(terminated=NO, truncated=NO, valid=YES, discount=0.5, gae_lambda=0.5):
     return generalised_advantage(
         REWARD, VALUE, terminated, truncated, valid, discount=discount, gae_lambda=gae_lambda
-    ).tolist()
-
-
-def test_residual_by_hand():
-    ends = jnp.array([False, True])
-    residual = temporal_difference(jnp.ones(2), jnp.full(2, 3.0), jnp.full(2, 10.0), ends, discount=0.5)
-    assert residual.tolist() == [1 + 5 - 3, 1 - 3]
+    ).advantage.tolist()
 
 
 def test_unbroken_by_hand():
@@ -48,7 +42,7 @@ def test_nothing_flows_over_a_restart_even_if_its_numbers_are_nonsense():
     reward = jnp.array([1.0, 2.0, jnp.nan, 4.0])
     value = jnp.array([10.0, 20.0, 30.0, 40.0, 50.0])
     out = generalised_advantage(reward, value, ends, ~ends & False, valid, discount=0.5, gae_lambda=0.5)
-    assert out.tolist() == [1 - 18 / 4, -18, 0, 4 + 25 - 40]
+    assert out.advantage.tolist() == [1 - 18 / 4, -18, 0, 4 + 25 - 40]
 
 
 def test_one_agent_terminates_while_another_is_truncated():
@@ -57,7 +51,36 @@ def test_one_agent_terminates_while_another_is_truncated():
         jnp.ones((1, 2, 1)), jnp.full((2, 2, 1), 10.0), terminated, ~terminated, jnp.ones((1, 1, 1), bool),
         discount=0.5, gae_lambda=0.9,
     )  # fmt: skip
-    assert out[0, :, 0].tolist() == [-9, -4]
+    assert out.advantage[0, :, 0].tolist() == [-9, -4]
+
+
+def test_a_decision_lasts_until_the_next_one_by_hand():
+    # decided in steps 0 and 2, each worth 10 and 30 there; values elsewhere are never asked
+    decided = jnp.array([True, False, True])
+    value = jnp.array([10.0, jnp.nan, 30.0, 40.0])
+    out = generalised_advantage(REWARD, value, NO, NO, YES, decided, discount=0.5, gae_lambda=0.1)
+    second = 3 + 20 - 30
+    first = 1 + 0.5 * 2 + 0.25 * 30 - 10 + 0.1 * 0.25 * second
+    np.testing.assert_allclose(out.advantage[jnp.array([0, 2])], [first, second])
+    np.testing.assert_allclose(out.target[jnp.array([0, 2])], [10 + first, 23])
+
+
+def test_what_a_step_between_decisions_should_have_expected():
+    decided = jnp.array([True, False, True])
+    out = generalised_advantage(REWARD, VALUE, NO, NO, YES, decided, discount=0.5, gae_lambda=0.1)
+    assert float(out.target[1]) == pytest.approx(2 + 0.5 * 30 + 0.1 * 0.5 * (3 + 20 - 30))
+
+
+@pytest.mark.parametrize("ends", ["terminated", "truncated"])
+def test_a_decision_ends_with_the_episode(ends):
+    # decided in step 0 only; step 1 ends, step 2 shows the final state, worth 30
+    no, over = jnp.zeros(3, bool), jnp.array([False, True, False])
+    flags = {"terminated": no, "truncated": no} | {ends: over}
+    out = generalised_advantage(
+        REWARD, VALUE, **flags, valid=jnp.array([True, True, False]), decided=jnp.array([True, False, True]),
+        discount=0.5, gae_lambda=1.0,
+    )  # fmt: skip
+    assert float(out.advantage[0]) == 1 + 0.5 * 2 + (0.25 * 30 if ends == "truncated" else 0) - 10
 
 
 numbers = st.lists(st.floats(-10, 10, width=32), min_size=2, max_size=12)
@@ -69,8 +92,8 @@ def test_lambda_zero_is_the_residual(rewards, discount):
     reward, value = jnp.array(rewards), jnp.arange(len(rewards) + 1.0)
     no, yes = jnp.zeros(len(rewards), bool), jnp.ones(len(rewards), bool)
     out = generalised_advantage(reward, value, no, no, yes, discount=discount, gae_lambda=0.0)
-    expected = temporal_difference(reward, value[:-1], value[1:], no, discount=discount)
-    np.testing.assert_allclose(out, expected, rtol=1e-5, atol=1e-5)
+    expected = reward + discount * value[1:] - value[:-1]
+    np.testing.assert_allclose(out.advantage, expected, rtol=1e-5, atol=1e-5)
 
 
 @settings(max_examples=25, deadline=None)
@@ -80,7 +103,7 @@ def test_lambda_one_is_the_discounted_return_less_the_value(rewards, discount):
     no, yes = jnp.zeros(len(rewards), bool), jnp.ones(len(rewards), bool)
     out = generalised_advantage(reward, value, no, no, yes, discount=discount, gae_lambda=1.0)
     returned = float(value[-1])
-    for reward_, value_, got in zip(rewards[::-1], value[:-1][::-1], out[::-1], strict=True):
+    for reward_, value_, got in zip(rewards[::-1], value[:-1][::-1], out.advantage[::-1], strict=True):
         returned = reward_ + discount * returned
         assert float(got) == pytest.approx(returned - float(value_), rel=1e-4, abs=1e-3)
 

@@ -38,8 +38,8 @@ def test_impossible_values_are_refused_by_name(kind, name, value):
 
 
 def test_somebody_must_learn():
-    idle = RoleConfig(learns=False)
-    with pytest.raises(ValueError, match="learns"):
+    idle = RoleConfig(fixed=1.0)
+    with pytest.raises(ValueError, match="fixed must be below 1"):
         TrainConfig(driver=idle, pedestrian=idle)
 
 
@@ -63,7 +63,7 @@ def test_roles_and_their_order():
     from jaxwalk.interfaces import ByRole
 
     assert tuple(f.name for f in dataclasses.fields(ByRole)) == ROLES
-    single = dataclasses.replace(FAST, pedestrian=dataclasses.replace(FAST.pedestrian, learns=False))
+    single = dataclasses.replace(FAST, pedestrian=dataclasses.replace(FAST.pedestrian, fixed=1.0, early=0.0))
     assert single.learning_roles == ("driver",)
 
 

@@ -7,7 +7,7 @@ import pytest
 import scipy.stats
 from scipy.integrate import quad
 
-from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Gated, TanhGaussian
+from jaxwalk.learning.distributions import Categorical, ClippedGaussian, TanhGaussian
 
 KEYS = jax.random.split(jax.random.key(0), 20_000)
 MEAN, STD = 0.4, 0.7
@@ -35,16 +35,6 @@ def test_categorical_against_scipy():
         assert float(choice.log_prob(jnp.array([n]))[0]) == pytest.approx(np.log(p[n]), rel=1e-5)
     assert float(choice.entropy(jnp.array([0]))[0]) == pytest.approx(scipy.stats.entropy(p), rel=1e-5)
     assert choice.mode().tolist() == [1]
-
-
-def test_a_gated_choice_is_certain_where_there_is_none():
-    choice = Gated(Categorical(jnp.zeros((2, 20_000))), jnp.arange(20_000) % 2 == 0)
-    sampled = np.asarray(choice.sample(KEYS))
-    assert sampled[1::2].all()
-    assert sampled[::2].mean() == pytest.approx(0.5, abs=0.02)
-    raw = jnp.asarray(sampled)
-    np.testing.assert_allclose(choice.log_prob(raw)[:4], [np.log(0.5), 0, np.log(0.5), 0], atol=1e-6)
-    np.testing.assert_allclose(choice.entropy(raw)[:4], [np.log(2), 0, np.log(2), 0], atol=1e-6)
 
 
 def test_categorical_samples_have_its_probabilities():

@@ -8,7 +8,7 @@ import pytest
 
 from jaxwalk.interfaces import ByRole
 from jaxwalk.learning.config import RoleConfig, TrainConfig
-from jaxwalk.learning.experience import make_act
+from jaxwalk.learning.experience import fresh_memory, make_act
 from jaxwalk.learning.mappo import init
 from jaxwalk.rollout import RESTART_EVERY, rollout
 from learning import games
@@ -21,9 +21,11 @@ CONFIG = TrainConfig(driver=ROLE, pedestrian=ROLE, environments=3, steps=8 * RES
 def test_the_step_after_an_episodes_last_shows_its_final_state_and_does_not_count(length):
     game = games.game("bandit", length=length, timeout=True)
     learner = init(game, CONFIG, jax.random.key(0))
-    act = make_act(game, CONFIG, learner.actors, ByRole(None, None))
-    _, played = rollout(game, act, learner.stream, CONFIG.steps, fresh_memory=ByRole(None, None))
-    time = np.asarray(played.record.views.observations["driver"]["paper"])[:, 1]
+    others = ByRole(None, None)
+    act = make_act(game, CONFIG, learner.actors, learner.early, others)
+    memory = fresh_memory(game, CONFIG, learner.actors, others)
+    _, played = rollout(game, act, learner.stream, CONFIG.steps, fresh_memory=memory)
+    time = np.asarray(played.record.views["driver"]["paper"])[:, 1]
     last = np.asarray(played.outcome.ended & played.valid)[:-1]
     assert last.any()
     np.testing.assert_array_equal(time[1:][last], length)

@@ -12,8 +12,7 @@ from jaxwalk.learning.flops import Sizes, fit_flops, forward_flops, network_flop
 from jaxwalk.learning.mappo import GATED_PART
 
 SIZES = Sizes(
-    observations={"driver": {"paper": 5}, "pedestrian": {"paper": 3}},
-    world=7,
+    observations={"driver": {"paper": 5, "global": 7}, "pedestrian": {"paper": 3}},
     actions={"driver": 2, "pedestrian": 2},
     agents={"driver": 1, "pedestrian": 4},
 )
@@ -54,10 +53,21 @@ def test_a_gated_role_costs_part_of_its_rows():
     glanced, fitted = -(-40 // GLANCE_PART) / 10, -(-40 // GATED_PART) / 10
     assert found.acting == pytest.approx(driver + glanced * 2 * (24 + 16))
     assert found.fits["pedestrian"] == pytest.approx(fitted * 2 * (2 * 24 + 3 * 16))
+    assert found.fits["pedestrian critic"] == pytest.approx(fitted * fit_flops((3, 128, 128, 1)))
+    judged = whole.judging - 9 / 8 * 4 * forward_flops((3, 128, 128, 1))
+    assert found.judging == pytest.approx(judged + (glanced + 4 / 8) * forward_flops((3, 128, 128, 1)))
+
+
+def test_stand_ins_leave_fewer_rows():
+    driver = RoleConfig(actor_hidden=(4,), fixed=0.2, early=0.3)
+    found = network_flops(TrainConfig(driver=driver, **SMALL), SIZES)
+    whole = network_flops(TrainConfig(driver=replace(driver, fixed=0.0, early=0.0), **SMALL), SIZES)
+    assert found.fits["driver"] == 0.5 * whole.fits["driver"]
+    assert whole.acting - found.acting == pytest.approx(0.2 * 2 * (20 + 8))
 
 
 def test_a_role_that_does_not_learn_costs_nothing():
-    alone = TrainConfig(pedestrian=RoleConfig(learns=False), **SMALL)
+    alone = TrainConfig(pedestrian=RoleConfig(fixed=1.0), **SMALL)
     assert set(network_flops(alone, SIZES).fits) == {"driver", "driver critic"}
 
 
@@ -73,9 +83,11 @@ def test_the_paper_recipe(street):
 
 def test_sizes_are_those_of_what_is_read(street):
     sizes = sizes_of(street, FAST)
-    assert set(sizes.observations["driver"]) == {"route"}
-    assert set(sizes.observations["pedestrian"]) == {"kerb"}
+    assert {reader: set(seen) for reader, seen in sizes.observations.items()} == {
+        "driver": {"route", "global"},
+        "pedestrian": {"kerb"},
+    }
     assert sizes.agents == {"driver": 1, "pedestrian": 12}
     assert sizes.actions == {"driver": 2, "pedestrian": 2}
     no_world = replace(FAST, driver=replace(FAST.driver, critic_observes=("route",)))
-    assert sizes_of(street, no_world).world == 0
+    assert set(sizes_of(street, no_world).observations["driver"]) == {"route"}

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.interfaces import Box, ByRole
+from jaxwalk.learning.actor import decide, no_memory
 from jaxwalk.learning.checkpoint import CheckpointError, latest, restore, save
 from jaxwalk.learning.config import RoleConfig, TrainConfig
 from jaxwalk.learning.critics import blended_reward
@@ -48,7 +49,8 @@ def play(game, config=CONFIG, *, updates=40, seed=0):
 
 def values(game, config, learner, critic):
     """What a critic says of its environments' present states."""
-    return np.asarray(learner.critics[critic](look(game, config, learner.stream.scenario, learner.stream.state)))
+    seen = look(game, config, learner.stream.scenario, learner.stream.state)
+    return np.asarray(learner.critics[critic](seen))
 
 
 class AlwaysGo(eqx.Module):
@@ -75,9 +77,11 @@ def test_bandit(credit):
 def test_gated_people_decide_only_where_they_may():
     config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(CONFIG.pedestrian, gated=True))
     learner, metrics = play(games.game("holding"), config)
-    wait = learner.actors["pedestrian"](jnp.array([[1.0, -1.0], [0.0, 0.0], [0.0, 0.0]]))  # may decide, may not
-    assert wait.mode().tolist() == [0, 1]
-    assert float(jnp.exp(wait.choice.log_prob(jnp.array([0, 0])))[0]) > 0.95
+    actor, may = learner.actors["pedestrian"], jnp.array([[1.0, -1.0], [0.0, 0.0], [0.0, 0.0]])  # the first one may
+    wait, _ = decide(actor, jax.random.key(0), no_memory(actor, (2,), ()), may, sample=False)
+    assert wait.action.tolist() == [0, 1]
+    assert wait.decided.tolist() == [True, False]
+    assert float(jnp.exp(wait.log_prob)[0]) > 0.95
     assert 0.4 < metrics["reward/pedestrian"] < 0.6  # half of the scenarios let them decide
 
 
@@ -124,7 +128,7 @@ def test_the_driver_learns_to_match_what_people_do():
 
 @pytest.mark.parametrize("credit", ["individual", "shared"])
 def test_a_role_that_does_not_learn_has_no_networks_and_pays_nobody(credit):
-    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(ROLE, learns=False), credit=credit)
+    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(ROLE, fixed=1.0), credit=credit)
     game = games.game("bandit", length=3)
     learner = init(game, config, jax.random.key(0), others=ByRole(None, AlwaysGo()))
     for _ in range(3):
@@ -133,14 +137,14 @@ def test_a_role_that_does_not_learn_has_no_networks_and_pays_nobody(credit):
     assert set(learner.critics) == {"shared" if credit == "shared" else "driver"}
     assert float(metrics["reward/pedestrian"]) == 1
     # its memory starts anew with every episode
-    assert (learner.stream.memory.pedestrian == learner.stream.state["time"]).all()
+    assert (learner.stream.memory.pedestrian[0] == learner.stream.state["time"]).all()
 
 
 def test_who_plays_must_be_said_exactly_once():
-    game, idle = games.game("bandit"), dataclasses.replace(ROLE, learns=False)
+    game, idle = games.game("bandit"), dataclasses.replace(ROLE, fixed=1.0)
     with pytest.raises(ValueError, match="pedestrian learns"):
         init(game, CONFIG, jax.random.key(0), others=ByRole(None, AlwaysGo()))
-    with pytest.raises(ValueError, match="pedestrian doesn't learn"):
+    with pytest.raises(ValueError, match="must play the pedestrian"):
         init(game, dataclasses.replace(CONFIG, pedestrian=idle), jax.random.key(0))
 
 

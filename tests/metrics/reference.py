@@ -1,4 +1,4 @@
-"""Encounters, braking and near speeds once more, in plain Python loops written from the spec, to compare with."""
+"""Encounters, braking, near speeds and waiting once more, in plain Python loops, to compare with."""
 
 from __future__ import annotations
 
@@ -92,3 +92,34 @@ def near_speeds(t):
     for (key, kind, place), speeds in within.items():
         by_encounter.setdefault((key[0], kind, place), []).append(sum(speeds) / len(speeds))
     return pooled, by_encounter
+
+
+def kerb_moments(t, distances, speeds, misses):
+    """Counts by (episode, setting), (episode, distance bin, miss bin) and (episode, speed bin, miss bin)."""
+    names = ("moments", "waits", "distance_moments", "distance_waits", "speed_moments", "speed_waits")
+    found = {name: {} for name in names}
+
+    def bin_of(value, lower):
+        return max(i for i, edge in enumerate(lower) if value >= edge)
+
+    def count(name, waited, cell):
+        for kind in ("moments", "waits")[: 1 + waited]:
+            full = f"{name}{kind}"
+            found[full][cell] = found[full].get(cell, 0) + 1
+
+    for e in range(len(t.length)):
+        for p in range(t.ped_x.shape[2]):
+            for k in range(t.length[e]):
+                if not (t.at_kerb[k, e, p] and t.enters_roadway[k, e, p]):
+                    continue
+                waited, far, miss = not t.going[k + 1, e, p], distance(t, k, e, p), t.predicted_miss[k, e, p]
+                dx, dy = t.ped_x[k, e, p] - t.car_x[k, e], t.ped_y[k, e, p] - t.car_y[k, e]
+                ahead, speed = dx * t.car_cos[k, e] + dy * t.car_sin[k, e], t.car_speed[k, e]
+                danger = far < 40 and ahead > 0 and speed > 2 and miss < 2.5
+                harmless = far >= 40 or ahead < -2.5
+                count("", waited, (e, 0 if danger else 1 if harmless else 2))
+                if far < 40 and ahead > 0:
+                    gap = bin_of(miss, misses)
+                    count("distance_", waited, (e, bin_of(far, distances[:-1]), gap))
+                    count("speed_", waited, (e, bin_of(speed, speeds[:-1]), gap))
+    return found

@@ -12,7 +12,8 @@ from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
 DT = 0.1
 PADDED = ("car_x", "car_y", "car_cos", "car_sin", "car_speed", "car_acceleration")
 PLACES = ("ped_x", "ped_y", "ped_vx", "ped_vy", "on_roadway", "on_crosswalk")
-PADDED_PEDS = (*PLACES, "crossing", "decisions", "at_kerb", "going")
+CHOICES = ("at_kerb", "enters_roadway", "going", "predicted_miss", "arrivals")
+PADDED_PEDS = (*PLACES, "crossing", "decisions", *CHOICES)
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,14 @@ class Walk:
     vy: float = 0.0
     crossings: Sequence[tuple[int, int, int]] = ()
     tau: float = 0.5
+    kerb: Sequence[int] = ()
+    """Frames at the kerb, about to enter a roadway."""
+    waits: Sequence[int] = ()
+    """Frames to which a wait led."""
+    miss: float = 10.0
+    """Predicted, in every frame [m]."""
+    arrivals: Sequence[int] = ()
+    """Frames in which a goal is reached."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +99,9 @@ def _person(walk: Walk, frames: int) -> dict[str, np.ndarray]:
         decisions[frame >= max(first - 1, 0)] += 1
     x, y = walk.x + DT * walk.vx * frame, walk.y + DT * walk.vy * frame
     vx, vy = np.where(frame > 0, walk.vx, 0.0), np.where(frame > 0, walk.vy, 0.0)
-    values = (x, y, vx, vy, on, on_crosswalk, crossing, decisions, np.zeros(frames, bool), np.ones(frames, bool))
+    at_kerb, waits = np.isin(frame, walk.kerb), np.isin(frame, walk.waits)
+    choices = (at_kerb, at_kerb, ~waits, np.full(frames, walk.miss), np.isin(frame, walk.arrivals).cumsum())
+    values = (x, y, vx, vy, on, on_crosswalk, crossing, decisions, *choices)
     return dict(zip(PADDED_PEDS, values, strict=True))
 
 
@@ -127,8 +138,11 @@ def random_trajectory(seed: int, *, episodes: int, frames: int, people: int) -> 
         on_crosswalk=on & (rng.random(each) < 0.5),
         crossing=rng.choice([0, CROSSWALK, JAYWALK], (1, episodes, people)) * np.ones(each, int),
         decisions=np.cumsum(rng.random(each) < 0.2, axis=0),
-        at_kerb=np.zeros(each, bool),
-        going=np.ones(each, bool),
+        at_kerb=rng.random(each) < 0.8,
+        enters_roadway=rng.random(each) < 0.8,
+        going=rng.random(each) < 0.5,
+        predicted_miss=rng.integers(0, 13, each) / 2,
+        arrivals=np.cumsum(rng.random(each) < 0.1, axis=0),
     )
 
 

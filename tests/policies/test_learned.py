@@ -52,7 +52,7 @@ def test_sampling_differs_from_the_mode_and_stays_in_the_box(actors):
 def test_metadata_comes_back(file):
     metadata = read_metadata(file)
     assert (metadata["recipe"], metadata["seed"], metadata["results"]) == ("fast", 3, {"goal": 0.98})
-    assert metadata["roles"]["driver"] == {"observes": "route", "kind": "clipped", "sizes": (4, 8, 6, 2)}
+    assert metadata["roles"]["driver"] == {"observes": "route", "kind": "clipped", "sizes": (4, 8, 6, 2), "hold": 1}
 
 
 def test_a_save_leaves_nothing_beside_the_file(file):

@@ -32,7 +32,7 @@ DRIVERS = (
 
 
 PEOPLE = [
-    Walk(30.0, -4.0, vy=1.0, crossings=[(2, 40, CROSSWALK)]),
+    Walk(30.0, -4.0, vy=1.0, crossings=[(2, 40, CROSSWALK)], kerb=[0, 1], waits=[1], miss=1.0, arrivals=[45]),
     Walk(40.0, 4.0, vy=-1.0, crossings=[(5, 45, JAYWALK)]),
 ]
 REACHED = Scene(50, PEOPLE, goal=True)
@@ -167,6 +167,12 @@ def test_numbers_in_tables(folder):
     assert rows[1][2] == "66.7 [20.8, 93.9]"  # Wilson's interval of 2 in 3
     assert [rows[1][3], rows[1][5]] == ["65", "20"]
     assert len(_table(folder, "ablation")) == 10
+    route_follower = _table(folder, "waiting")[4]
+    assert route_follower["driver"] == "route-follower"
+    assert route_follower["waits in danger %"].startswith("50.0 [")
+    assert route_follower["goals per hour"].startswith("360.0 [")  # one each 5 s of two people
+    assert route_follower["of always-go's %"] == "100"
+    assert (route_follower["harmless %"], route_follower["longest stand on a roadway [steps]"]) == ("–", "0")
 
 
 def test_tables_of_several_seeds(several):

@@ -192,6 +192,31 @@ class Report:
 
 
 @dataclass(frozen=True)
+class Share:
+    """Make one file of a training's policies to share, which knows its results, and a model card beside it.
+
+    For example: jaxwalk share runs/first --out first.safetensors --pedestrians always-go runs/first
+    """
+
+    run_folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")] = field()
+    """The run folder of the training."""
+    out: Annotated[Path | None, _option("needed", "FILE")] = None
+    """FILE.safetensors; the card is FILE.md. Existing ones are replaced."""
+    pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
+    """Among whom the driver is evaluated: always-go, learned, run folders or policy files."""
+    episodes: Annotated[int, _option("2000", "N")] = 2000
+    """Scenarios among each."""
+    seed: Annotated[int, _option("0", "N")] = 0
+    """Which set of scenarios; none is ever met in training."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.share import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
 class Bench:
     """How fast is jaxwalk on this machine? Simulator, training, first minute, crowds: some minutes.
 
@@ -233,6 +258,7 @@ Command = (
     | Annotated[Play, tyro.conf.subcommand("play")]
     | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
     | Annotated[Report, tyro.conf.subcommand("report")]
+    | Annotated[Share, tyro.conf.subcommand("share")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 """What the command line can ask for."""

@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Int, Key
 
 from jaxwalk.interfaces import ByRole, Policy
 from jaxwalk.rollout import FIRST_ACTION_KEY
-from jaxwalk.sim import pedestrian, vehicle
+from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
@@ -151,7 +151,10 @@ def _frame(street: Street, scenarios: Scenario, state: State) -> Frame:
         "crossing": people.crossing.astype(jnp.int8),
         "decisions": people.decisions.astype(jnp.int16),
         "at_kerb": pedestrian.at_kerb(street.config, people),
+        "enters_roadway": pedestrian.enters_roadway(people),
         "going": people.going,
+        "predicted_miss": prediction.predicted_miss(street.config, scenarios, state)[0],
+        "arrivals": people.arrivals.astype(jnp.int16),
     }
 
 

@@ -49,7 +49,7 @@ def evaluate(
         pedestrians: decides for all people.
         episodes: how many scenarios; at least 1.
         seed: which set of scenarios; never meets one of a training.
-        batch: episodes played at once; memory grows with it (about 0.15 MB an episode).
+        batch: episodes played at once; memory grows with it (about 0.2 MB an episode).
         progress: called after every batch with the episodes played so far and ``episodes``.
 
     Raises:
@@ -141,5 +141,7 @@ def _episodes(trajectory: Trajectory, first: int, count: int) -> Trajectory:
     return Trajectory(dt=trajectory.dt, **{name: cut(name, x) for name, x in columns.items()})
 
 
-_PER_FRAME = ("car_", "ped_", "on_", "crossing", "decisions", "at_kerb", "going")
+_PER_FRAME = (
+    "car_", "ped_", "on_", "crossing", "decisions", "at_kerb", "enters_roadway", "going", "predicted_miss", "arrivals",
+)  # fmt: skip
 """How the names of a trajectory's columns that begin with a frame axis begin."""

@@ -1,4 +1,4 @@
-"""Drivers and populations by what people call them: a rule's name, a run folder or a policy file."""
+"""Drivers and populations by what people call them: a rule's or shipped policy's name, a run folder or policy file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import jax
 from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.interfaces import Policy
-from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
+from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
 
@@ -26,9 +26,8 @@ class ContestantError(ValueError):
 
 def world_of(names: Sequence[str], maps: Sequence[str]) -> Street:
     """The street to evaluate on: the given maps, else those that the run folders among the names were trained on."""
-    runs = [
-        Run.open(name).experiment for name in names if name not in {**DRIVERS, **POPULATIONS} and Path(name).is_dir()
-    ]
+    known = {name for role, rules in RULES.items() for name in (*rules, *SHIPPED[role])}
+    runs = [Run.open(name).experiment for name in names if name not in known and Path(name).is_dir()]
     trained = list(dict.fromkeys(run.maps for run in runs))
     if not maps and len(trained) > 1:
         raise ContestantError(f"the run folders were trained on different maps ({trained}); choose some with --map")
@@ -51,6 +50,9 @@ def contestant(street: Street, role: str, name: str, *, sample: bool | None = No
 
 
 def _policy_file(role: str, name: str) -> Path:
+    shipped = shipped_policy(role, name)
+    if shipped is not None:
+        return shipped
     path = Path(name)
     if path.is_dir():
         file = Run.open(path).policy
@@ -60,7 +62,7 @@ def _policy_file(role: str, name: str) -> Path:
         return file
     if path.is_file():
         return path
-    known = ", ".join(RULES[role])
+    known = ", ".join((*RULES[role], *SHIPPED[role]))
     raise ContestantError(f"{name}: no {role} of that name ({known}), and no run folder or policy file; check the name")
 
 

@@ -63,8 +63,8 @@ RECIPES: dict[str, Experiment] = {
         driver_weights={
             "progress": 0.5,
             "goal": 20.0,
-            "collision": -50.0,
-            "closeness": -0.5,
+            "collision": -100.0,
+            "closeness": -1.0,
             "off_lane": -0.02,
             "misaligned": -0.1,
             "time": -0.02,
@@ -90,9 +90,14 @@ RECIPES: dict[str, Experiment] = {
 
 
 def single_agent(experiment: Experiment) -> Experiment:
-    """The same, but the car learns alone, among pedestrians who always go."""
+    """The same, but the car learns alone, among pedestrians who always go: from as many environments as before.
+
+    Without pedestrians to teach, nobody needs other drivers.
+    """
     train = experiment.train
-    return replace(experiment, train=replace(train, pedestrian=replace(train.pedestrian, learns=False)))
+    own = round(train.environments * (1 - train.driver.fixed - train.driver.early))
+    driver, pedestrian = replace(train.driver, fixed=0.0, early=0.0), replace(train.pedestrian, fixed=1.0, early=0.0)
+    return replace(experiment, train=replace(train, environments=own, driver=driver, pedestrian=pedestrian))
 
 
 def with_training(experiment: Experiment, **changes: Any) -> Experiment:

@@ -134,6 +134,7 @@ def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
     experiment = run.experiment
     made = {"updates": updates, "steps": updates * experiment.steps_per_update}
     chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}
+    chosen["maps"] = list(experiment.maps)
     return chosen | made | provenance()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from jaxwalk.experiments.recipes import Experiment
 from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.policies.drivers import Careless
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.sim.environment import Street
 
@@ -20,5 +21,9 @@ def make_street(experiment: Experiment) -> Street:
 
 
 def fixed_policies(experiment: Experiment) -> ByRole[Policy | None]:
-    """Who plays the roles that don't learn."""
-    return ByRole(driver=None, pedestrian=AlwaysGo() if experiment.single_agent else None)
+    """Who plays a role where its learner doesn't."""
+    train = experiment.train
+    return ByRole(
+        driver=Careless() if train.driver.fixed else None,
+        pedestrian=AlwaysGo() if train.pedestrian.fixed else None,
+    )

@@ -7,20 +7,20 @@ import math
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Key
+from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.config import RoleConfig
-from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distribution, Gated, TanhGaussian
+from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distribution, TanhGaussian
 from jaxwalk.learning.networks import MLP, make_mlp
 
 DISCRETE, GATED = "discrete", "gated"
 """The kinds of policy that choose among n, everywhere or where the first feature of the observation is above 0; the
 kinds of continuous policies are `RoleConfig.noise`."""
-
-
+OTHERWISE = 1
+"""What a gated policy does where there is nothing to decide."""
 GLANCE_PART = 16
-"""A gated network sees this part (1 / 16) of the agents at once: somewhat more than have to decide at a time."""
+"""`glance` shows a network this part (1 / 16) of the columns at once: somewhat more than count at a time."""
 
 
 class Actor(eqx.Module):
@@ -34,39 +34,87 @@ class Actor(eqx.Module):
     """The observation set it reads."""
     kind: str = eqx.field(static=True)
     """``discrete``, ``gated``, ``clipped`` or ``tanh``."""
+    hold: int = eqx.field(static=True, default=1)
+    """Steps for which a gated policy's decision stands."""
 
     def __call__(self, observation: Float[Array, "feature *rest"]) -> Distribution:
-        """The distribution of every agent's action."""
-        out = self.network(observation)
+        """The distribution of every agent's action; of a gated policy, where it decides."""
+        outputs = self.network(observation)
         if self.log_std is None:
-            return Gated(Categorical(out), observation[0] > 0) if self.kind == GATED else Categorical(out)
+            return Categorical(outputs)
         if self.kind == "clipped":
-            return ClippedGaussian(jnp.tanh(out), self.log_std)
-        return TanhGaussian(out, self.log_std)
+            return ClippedGaussian(jnp.tanh(outputs), self.log_std)
+        return TanhGaussian(outputs, self.log_std)
 
 
-def glance(actor: Actor, observation: Float[Array, "feature *rest"]) -> Distribution:
-    """It says the same as ``actor(observation)``, sooner, but can't be differentiated.
+class Held(eqx.Module):
+    """What a gated policy remembers: arrays ``(*agents, *batch)``."""
 
-    Few of a gated role's agents have anything to decide at a time, so its network sees only those, some columns at
-    once, until all are seen. Logits are 0 where there is nothing to decide.
+    choice: Int[Array, "*rest"]
+    """Its last decision."""
+    left: Int[Array, "*rest"]
+    """Steps for which that still stands, if there is anything to decide."""
+
+
+class Choice(eqx.Module):
+    """What an actor does and how it came to it."""
+
+    action: Array
+    """What the environment gets."""
+    raw: Array
+    """What was sampled, before clipping or squashing."""
+    log_prob: Float[Array, "*rest"]
+    """Its log-probability, where it was decided now."""
+    decided: Bool[Array, "*rest"] | None
+    """Whether it was; None for all."""
+
+
+def no_memory(actor: Actor, agents: tuple[int, ...], batch: tuple[int, ...]) -> Held | None:
+    """What an actor remembers at the start of an episode."""
+    nothing = jnp.zeros((*agents, *batch), jnp.int32)
+    return Held(nothing, nothing) if actor.kind == GATED else None
+
+
+def decide(
+    actor: Actor, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature *rest"], *,
+    sample: bool,
+) -> tuple[Choice, Held | None]:  # fmt: skip
+    """Every agent's action and what is remembered; without ``sample`` the likeliest one. Can't be differentiated."""
+    if memory is None:
+        choice = actor(observation)
+        raw = choice.sample(key) if sample else choice.mode()
+        return Choice(choice.action(raw), raw, choice.log_prob(raw), None), None
+    may = observation[0] > 0
+    now = may & (memory.left == 0)
+    choice = Categorical(glance(actor.network, observation, now))
+    new = choice.sample(key) if sample else choice.mode()
+    kept = jnp.where(now, new, memory.choice)
+    left = jnp.where(now, actor.hold - 1, memory.left - 1)
+    action = jnp.where(may, kept, OTHERWISE)
+    return Choice(action, action, choice.log_prob(action), now), Held(kept, jnp.where(may, left, 0))
+
+
+def glance(
+    network: MLP, columns: Float[Array, "feature *rest"], which: Bool[Array, "*rest"]
+) -> Float[Array, "out *rest"]:
+    """The network's outputs where ``which``, 0 elsewhere. Can't be differentiated.
+
+    Where few columns count, the network sees only those, some at once, until all are seen.
     """
-    if actor.kind != GATED:
-        return actor(observation)
-    columns = observation.reshape(observation.shape[0], -1)
-    count = columns.shape[1]
+    flat = columns.reshape(columns.shape[0], -1)
+    count = flat.shape[1]
     places = -(-count // GLANCE_PART)
 
     def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
-        waiting, logits = left
+        waiting, found = left
         (chosen,) = jnp.nonzero(waiting, size=places, fill_value=count)  # beyond the last: nobody
-        seen = actor.network(columns.at[:, chosen].get(mode="fill", fill_value=0))
-        return waiting.at[chosen].set(False, mode="drop"), logits.at[:, chosen].set(seen, mode="drop")
+        seen = network(flat.at[:, chosen].get(mode="fill", fill_value=0))
+        return waiting.at[chosen].set(False, mode="drop"), found.at[:, chosen].set(seen, mode="drop")
 
-    outputs = actor.network.sizes[-1]
-    begin = (columns[0] > 0, jnp.zeros((outputs, count), columns.dtype))
-    _, logits = jax.lax.while_loop(lambda left: left[0].any(), some, begin)
-    return Gated(Categorical(logits.reshape(outputs, *observation.shape[1:])), observation[0] > 0)
+    outputs = network.sizes[-1]
+    begin = (which.reshape(-1), jnp.zeros((outputs, count), columns.dtype))
+    _, found = jax.lax.while_loop(lambda left: left[0].any(), some, begin)
+    return found.reshape(outputs, *columns.shape[1:])
 
 
 def make_actor(key: Key[Array, ""], observation_size: int, action: Box | Discrete, config: RoleConfig) -> Actor:
@@ -76,4 +124,4 @@ def make_actor(key: Key[Array, ""], observation_size: int, action: Box | Discret
     network = make_mlp(key, (observation_size, *config.actor_hidden, outputs), final_scale=0.01)
     log_std = None if discrete else jnp.full(outputs, math.log(config.initial_std), jnp.float32)
     kind = (GATED if config.gated else DISCRETE) if discrete else config.noise
-    return Actor(network, log_std, observes=config.observes, kind=kind)
+    return Actor(network, log_std, observes=config.observes, kind=kind, hold=config.hold)

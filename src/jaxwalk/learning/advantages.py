@@ -2,41 +2,53 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 
-def temporal_difference(
-    reward: Float[Array, "..."], value: Float[Array, "..."], next_value: Float[Array, "..."],
-    terminated: Bool[Array, "..."], *, discount: float,
-) -> Float[Array, "..."]:  # fmt: skip
-    """The residual ``r + discount V' - V``, 0 for V' after a terminating step (Schulman 2016, eq. 9)."""
-    return reward + discount * jnp.where(terminated, 0.0, next_value) - value
+class Estimate(NamedTuple):
+    """What a rollout says of returns; arrays ``(time, ...)``."""
+
+    advantage: Float[Array, "time ..."]
+    """How much better than expected the decision was; without meaning where there was none."""
+    target: Float[Array, "time ..."]
+    """The lambda-return: what a critic should have expected."""
 
 
 def generalised_advantage(
     reward: Float[Array, "time ..."], value: Float[Array, "time+1 ..."], terminated: Bool[Array, "time ..."],
-    truncated: Bool[Array, "time ..."], valid: Bool[Array, "time ..."], *, discount: float, gae_lambda: float,
-) -> Float[Array, "time ..."]:  # fmt: skip
-    """Sums of residuals, each later one weighted by ``discount x gae_lambda`` (Schulman 2016, eq. 16).
+    truncated: Bool[Array, "time ..."], valid: Bool[Array, "time ..."], decided: Bool[Array, "time ..."] | None = None,
+    *, discount: float, gae_lambda: float,
+) -> Estimate:  # fmt: skip
+    """Sums of temporal differences, each later one weighted by lambda (Schulman 2016, eq. 16).
+
+    Without ``decided``, every step is a decision. With it, a decision lasts until the next one (Sutton 1999, options):
+    the difference spans all its steps, lambda applies once for each decision, and ``value`` matters only where
+    something is decided, in final states, and after the last step.
 
     ``value[t + 1]`` is the value of the state that step t led to, before any reset: a rollout shows a final state in
     the step after it, which only restarts and is not ``valid``. So a truncated step bootstraps from ``value[t + 1]``,
     a terminated one from 0; neither takes anything from the steps after; and a restarting step has advantage 0.
     """
-    residual = temporal_difference(reward, value[:-1], value[1:], terminated, discount=discount)
-    residual, terminated, truncated, valid = jnp.broadcast_arrays(residual, terminated, truncated, valid)
+    decided = jnp.ones((), bool) if decided is None else decided
+    steps = jnp.broadcast_arrays(reward, value[:-1], terminated, terminated | truncated, valid, decided)
 
-    def backwards(later: Array, step: tuple[Array, Array, Array]) -> tuple[Array, Array]:
-        residual, ends, valid = step
-        advantage = residual + discount * gae_lambda * jnp.where(ends, 0.0, later)
-        advantage = jnp.where(valid, advantage, 0.0)
-        return advantage, advantage
+    def backwards(later: tuple[Array, Array], step: list[Array]) -> tuple[tuple[Array, Array], Estimate]:
+        reward, value, terminated, ends, valid, decided = step
+        expected, advantage = later  # as seen from here: of the next decision, discounted to the next step
+        expected = reward + discount * jnp.where(terminated, 0.0, expected)
+        surplus = discount * jnp.where(ends, 0.0, advantage)
+        advantage = jnp.where(valid, expected - value + gae_lambda * surplus, 0.0)
+        expected = jnp.where(valid & ~decided, expected, value)
+        carried = jnp.where(valid & ~decided, surplus, advantage)
+        return (expected, carried), Estimate(advantage, value + advantage)
 
-    steps = (residual, terminated | truncated, valid)
-    _, advantage = jax.lax.scan(backwards, jnp.zeros_like(residual[0]), steps, reverse=True)
-    return advantage
+    last = jnp.broadcast_to(value[-1], steps[0].shape[1:])
+    _, found = jax.lax.scan(backwards, (last, jnp.zeros_like(last)), steps, reverse=True)
+    return found
 
 
 def normalised(x: Float[Array, "..."], weight: Float[Array, "..."]) -> Float[Array, "..."]:

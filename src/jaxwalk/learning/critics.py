@@ -7,20 +7,18 @@ import math
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Key
+from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Environment
+from jaxwalk.learning.actor import GLANCE_PART
 from jaxwalk.learning.advantages import generalised_advantage
-from jaxwalk.learning.config import GLOBAL, TrainConfig
+from jaxwalk.learning.config import GLOBAL, ROLES, SHARED, TrainConfig
 from jaxwalk.learning.experience import Views
-from jaxwalk.learning.fit import map_chunks, plan_chunks
+from jaxwalk.learning.fit import map_chunks, plan_chunks, take_rows
 from jaxwalk.learning.monitor import by_agent
 from jaxwalk.learning.networks import MLP, make_mlp
+from jaxwalk.learning.players import columns_of, width
 from jaxwalk.rollout import Step
-
-SHARED = "shared"
-"""Name of the one critic of shared credit; the others are named after their roles."""
-
 
 FORWARD_CHUNKS = 4
 """Judging keeps nothing for a gradient, so chunks may be this many times larger: large products are quicker."""
@@ -40,39 +38,36 @@ class Critic(eqx.Module):
 
     def __call__(self, views: Views) -> Float[Array, "..."]:
         """Values ``(*agents, *batch)``."""
-        return self.network(critic_input(views, self.role, self.reads, self.agents))[0]
+        return self.network(critic_input(views[self.role], self.reads, self.agents))[0]
 
     def select(self, views: Views) -> Views:
         """The part of ``views`` that it reads."""
-        own = {name: x for name, x in views.observations.get(self.role, {}).items() if name in self.reads}
-        return Views({self.role: own}, views.world if GLOBAL in self.reads else None)
+        return {self.role: {name: views[self.role][name] for name in self.reads}}
 
 
 class Judgement(eqx.Module):
     """What a critic makes of a rollout; arrays ``(time, *agents, env)``."""
 
     value: Float[Array, "..."]
-    """What it expected of the state before the step."""
+    """What it expected of the state before the step, where it was asked."""
     advantage: Float[Array, "..."]
-    """How much better the step was."""
-
-    @property
-    def target(self) -> Float[Array, "..."]:
-        """What it should have expected: the lambda-return."""
-        return self.value + self.advantage
+    """How much better what was decided was."""
+    target: Float[Array, "..."]
+    """What it should have expected: the lambda-return."""
+    weight: Float[Array, "..."]
+    """1 where it should learn that, 0 elsewhere."""
 
 
 def critic_input(
-    views: Views, role: str, names: tuple[str, ...], agents: tuple[int, ...]
+    seen: dict[str, Float[Array, "_ ..."]], names: tuple[str, ...], agents: tuple[int, ...]
 ) -> Float[Array, "feature ..."]:
-    """The named observation sets of the role, one after the other; the global state for every agent."""
+    """The named observation sets, one after the other; the global state for every agent."""
 
     def view(name: str) -> Array:
         if name != GLOBAL:
-            return views.observations[role][name]
-        assert views.world is not None
-        feature, *batch = views.world.shape
-        spread = views.world.reshape(feature, *(1,) * len(agents), *batch)
+            return seen[name]
+        feature, *batch = seen[name].shape
+        spread = seen[name].reshape(feature, *(1,) * len(agents), *batch)
         return jnp.broadcast_to(spread, (feature, *agents, *batch))
 
     return jnp.concatenate([view(name) for name in names], axis=0)
@@ -87,29 +82,64 @@ def make_critics(environment: Environment, config: TrainConfig, views: Views, ke
         reads = (GLOBAL,) if shared else config.role(name).critic_observes
         agents = () if shared else getattr(environment.roles, name).agents
         hidden = config.shared_critic_hidden if shared else config.role(name).critic_hidden
-        size = critic_input(views, name, reads, agents).shape[0]
+        size = critic_input(views[name], reads, agents).shape[0]
         critics[name] = Critic(make_mlp(k, (size, *hidden, 1), final_scale=1.0), name, reads, agents)
     return critics
 
 
 def judge(config: TrainConfig, critic: Critic, played: Step, final: Views) -> Judgement:
-    """Values of all states of the rollout and of the ``final`` one after it, and the advantages."""
-    rows = FORWARD_CHUNKS * config.chunk_rows
-    agents = math.prod(critic.agents)
-    chunks = plan_chunks(agents=agents, environments=config.environments, steps=config.steps, rows=rows)
-    values = map_chunks(critic, critic.select(played.record.views), chunks=chunks)
-    whose = "driver" if critic.role == SHARED else critic.role
-    valid = by_agent(played.valid, values)
-    advantage = generalised_advantage(
-        jnp.where(valid, _reward(config, critic.role, played), 0.0),
+    """Values of the rollout's states and of the ``final`` one after it, the advantages, and what to learn from.
+
+    Where a role is gated, only states in which something is decided are judged, and those at an end. From such
+    states alone a critic would know nothing of others, in which a rollout may end: so it learns from the first ones
+    of the rollout too, whatever they are.
+    """
+    role = ROLES[0] if critic.role == SHARED else critic.role
+    own = columns_of(config, role).own
+    views = critic.select(played.record.views)
+    decided = played.record.choices[role].decided
+    if decided is None:
+        values = _values(config, critic, views, own)
+    else:
+        final_shown = jnp.roll(played.valid & played.outcome.ended, 1, axis=0)
+        values = _sparse_values(critic, views, decided, final_shown[:, own])
+    valid = by_agent(played.valid[:, own], values)
+    estimate = generalised_advantage(
+        jnp.where(valid, _reward(config, critic.role, played, own), 0.0),
         jnp.concatenate([values, critic(final)[None]]),
-        getattr(played.outcome.terminated, whose),
-        getattr(played.outcome.truncated, whose),
+        getattr(played.outcome.terminated, role)[..., own],
+        getattr(played.outcome.truncated, role)[..., own],
         valid,
+        decided,
         discount=config.discount,
         gae_lambda=config.gae_lambda,
     )
-    return Judgement(values, advantage)
+    learns = valid if decided is None else valid & decided.at[0].set(True)
+    return Judgement(values, estimate.advantage, estimate.target, learns.astype(jnp.float32))
+
+
+def _values(config: TrainConfig, critic: Critic, views: Views, own: slice) -> Float[Array, "time *agents env"]:
+    """Of all states of a rollout."""
+    rows, agents = FORWARD_CHUNKS * config.chunk_rows, math.prod(critic.agents)
+    chunks = plan_chunks(agents=agents, environments=width(own), steps=config.steps, rows=rows)
+    return map_chunks(critic, views, chunks=chunks)
+
+
+def _sparse_values(
+    critic: Critic, views: Views, decided: Bool[Array, "time *agents env"], final: Bool[Array, "time env"]
+) -> Float[Array, "time *agents env"]:
+    """Where something is decided, in final states and in the first ones; 0 elsewhere."""
+    asked = (decided | by_agent(final, decided)).at[0].set(True)
+    room = -(-asked.size // GLANCE_PART)
+
+    def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
+        waiting, values = left
+        rows = jnp.nonzero(waiting, size=room, fill_value=waiting.shape[0])  # beyond the last: none
+        found = critic.network(critic_input(take_rows(views[critic.role], rows), critic.reads, ()))[0]
+        return waiting.at[rows].set(False, mode="drop"), values.at[rows].set(found, mode="drop")
+
+    _, values = jax.lax.while_loop(lambda left: left[0].any(), some, (asked, jnp.zeros(asked.shape)))
+    return values
 
 
 def blended_reward(rewards: dict[str, Float[Array, "time ..."]]) -> Float[Array, "time env"]:
@@ -118,9 +148,9 @@ def blended_reward(rewards: dict[str, Float[Array, "time ..."]]) -> Float[Array,
     return jnp.mean(jnp.stack(means), axis=0)
 
 
-def _reward(config: TrainConfig, name: str, played: Step) -> Float[Array, "time ..."]:
+def _reward(config: TrainConfig, name: str, played: Step, own: slice) -> Float[Array, "time ..."]:
     """What that critic predicts the sum of. A role that doesn't learn pays into no shared reward."""
     rewards = {
         role: sum(getattr(played.outcome.rewards, role).values(), start=jnp.zeros(())) for role in config.learning_roles
     }
-    return config.reward_scale * (blended_reward(rewards) if name == SHARED else rewards[name])
+    return config.reward_scale * (blended_reward(rewards) if name == SHARED else rewards[name])[..., own]

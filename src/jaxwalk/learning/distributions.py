@@ -13,7 +13,7 @@ from collections.abc import Callable
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int, Key
+from jaxtyping import Array, Float, Int, Key
 
 
 class Categorical(eqx.Module):
@@ -45,33 +45,6 @@ class Categorical(eqx.Module):
         """Exact; ``raw`` is not needed."""
         log_p = jax.nn.log_softmax(self.logits, axis=0)
         return -jnp.sum(jnp.exp(log_p) * log_p, axis=0)
-
-
-class Gated(eqx.Module):
-    """A choice between 0 and 1 where there is anything to decide; elsewhere it is 1, and certain."""
-
-    choice: Categorical
-    decides: Bool[Array, "*rest"]
-
-    def sample(self, keys: Key[Array, "*batch"]) -> Int[Array, "*rest"]:
-        """The choice, or 1."""
-        return jnp.where(self.decides, self.choice.sample(keys), 1)
-
-    def mode(self) -> Int[Array, "*rest"]:
-        """The likeliest choice, or 1."""
-        return jnp.where(self.decides, self.choice.mode(), 1)
-
-    def action(self, raw: Int[Array, "*rest"]) -> Int[Array, "*rest"]:
-        """What the environment gets."""
-        return raw
-
-    def log_prob(self, raw: Int[Array, "*rest"]) -> Float[Array, "*rest"]:
-        """Of the choice; 0 where there was none."""
-        return jnp.where(self.decides, self.choice.log_prob(raw), 0.0)
-
-    def entropy(self, raw: Int[Array, "*rest"]) -> Float[Array, "*rest"]:
-        """Of the choice; 0 where there was none."""
-        return jnp.where(self.decides, self.choice.entropy(raw), 0.0)
 
 
 class ClippedGaussian(eqx.Module):
@@ -138,7 +111,7 @@ class TanhGaussian(eqx.Module):
         return _normal_entropy(self.log_std) + jnp.sum(_log_tanh_slope(self.mean + std * noise), axis=0)
 
 
-Distribution = Categorical | Gated | ClippedGaussian | TanhGaussian
+Distribution = Categorical | ClippedGaussian | TanhGaussian
 
 
 def _noise(sampler: Callable[..., Array], keys: Key[Array, "*batch"], shape: tuple[int, ...]) -> Array:

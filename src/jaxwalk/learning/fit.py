@@ -17,9 +17,10 @@ import optax
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.learning.config import TrainConfig
-from jaxwalk.learning.losses import Actions
+from jaxwalk.learning.losses import Actions, Targets
 
 Network = TypeVar("Network")
+Entries = TypeVar("Entries", bound=Actions | Targets)
 Loss = Callable[[Any, Any], tuple[Array, dict[str, Array]]]
 """From network and chunk to the summed loss, and sums to report: ``weight`` (what to divide by) among them."""
 
@@ -63,20 +64,35 @@ def map_chunks(function: Callable[[Any], Array], data: Any, *, chunks: Chunks) -
     return out.reshape(length, *out.shape[2:-2], -1)
 
 
-def only_weighty(data: Actions, *, columns: int) -> Actions:
+def take_rows(data: Any, rows: tuple[Int[Array, " row"], ...]) -> Any:
+    """From arrays ``(time, feature, *agents, env)`` those rows, each named by time, agents and env: ``(feature, row)``.
+
+    An array without the agents' axes is the same for all of them.
+    """
+
+    def take(x: Array) -> Array:
+        time, *agents, env = rows
+        agents = agents if x.ndim == len(rows) + 1 else []
+        return x[(time, slice(None), *agents, env)].T
+
+    return jax.tree.map(take, data)
+
+
+def only_weighty(data: Entries, *, columns: int) -> Entries:
     """The entries with weight of data ``(time, ..., *agents, env)``, dealt out over ``(time, ..., columns)``.
 
     What is left of the room has no weight; if it is too small, the last entries are left out.
     """
     length = data.weight.shape[0]
     room = length * columns
-    (rows,) = jnp.nonzero(data.weight.reshape(-1) > 0, size=room, fill_value=0)
+    rows = jnp.nonzero(data.weight > 0, size=room, fill_value=0)
     held = jnp.arange(room) < jnp.sum(data.weight > 0)
 
     def deal(x: Array) -> Array:
-        features = x.ndim - data.weight.ndim
-        flat = jnp.moveaxis(x, 0, features).reshape(*x.shape[1 : 1 + features], -1)
-        return jnp.moveaxis(flat[..., rows].reshape(*flat.shape[:-1], columns, length), -1, 0)
+        single = x.ndim == len(rows)
+        flat = take_rows(x[:, None] if single else x, rows)
+        dealt = jnp.moveaxis(flat.reshape(-1, columns, length), -1, 0)
+        return dealt[:, 0] if single else dealt
 
     dealt = jax.tree.map(deal, data)
     weight = jnp.where(jnp.moveaxis(held.reshape(columns, length), -1, 0), dealt.weight, 0.0)

@@ -16,8 +16,7 @@ import jax
 
 from jaxwalk.interfaces import Discrete, Environment
 from jaxwalk.learning.actor import GLANCE_PART
-from jaxwalk.learning.config import GLOBAL, TrainConfig
-from jaxwalk.learning.critics import SHARED
+from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig
 from jaxwalk.learning.experience import look
 from jaxwalk.learning.mappo import GATED_PART
 from jaxwalk.rollout import draw_batch
@@ -28,9 +27,7 @@ class Sizes:
     """What an environment brings: how many numbers the networks read and give, and for how many agents."""
 
     observations: Mapping[str, Mapping[str, int]]
-    """Of each learning role, the features of each observation set that is read."""
-    world: int
-    """Features of the global state; 0 if no critic reads it."""
+    """Of each learning role (or the shared critic), the features of each observation set that is read."""
     actions: Mapping[str, int]
     """Of each role, numbers that its actor gives for each agent."""
     agents: Mapping[str, int]
@@ -64,10 +61,7 @@ def sizes_of(environment: Environment, config: TrainConfig) -> Sizes:
     views = eqx.filter_eval_shape(view)
     roles = {role: getattr(environment.roles, role) for role in config.learning_roles}
     return Sizes(
-        observations={
-            role: {name: x.shape[0] for name, x in views.observations[role].items()} for role in config.learning_roles
-        },
-        world=0 if views.world is None else views.world.shape[0],
+        observations={reader: {name: x.shape[0] for name, x in seen.items()} for reader, seen in views.items()},
         actions={r: s.action.n if isinstance(s.action, Discrete) else s.action.size for r, s in roles.items()},
         agents={role: math.prod(spec.agents) for role, spec in roles.items()},
     )
@@ -75,16 +69,16 @@ def sizes_of(environment: Environment, config: TrainConfig) -> Sizes:
 
 def network_flops(config: TrainConfig, sizes: Sizes) -> NetworkFlops:
     """What is computed for each environment step, rows that have no weight in a loss included."""
-    acting, fits = 0.0, {}
+    acting, judging, fits = 0.0, 0.0, {}
     for role in config.learning_roles:
         layers = _actor_layers(config, sizes, role)
         acting += acted_rows(config, sizes, role) * forward_flops(layers)
         fits[role] = passes(config, config.role(role).epochs) * fitted_rows(config, sizes, role) * fit_flops(layers)
-    judging = 0.0
     for name in (SHARED,) if config.credit == "shared" else config.learning_roles:
-        layers, rows = _critic_layers(config, sizes, name), 1 if name == SHARED else sizes.agents[name]
+        layers = _critic_layers(config, sizes, name)
         epochs = max(config.role(role).epochs for role in (config.learning_roles if name == SHARED else (name,)))
-        judging += (config.steps + 1) / config.steps * rows * forward_flops(layers)
+        judging += judged_rows(config, sizes, name) * forward_flops(layers)
+        rows = 1 if name == SHARED else fitted_rows(config, sizes, name)
         fits[f"{name} critic"] = passes(config, epochs) * rows * fit_flops(layers)
     return NetworkFlops(acting, judging, fits)
 
@@ -108,24 +102,35 @@ def passes(config: TrainConfig, epochs: int | float) -> float:
 
 
 def acted_rows(config: TrainConfig, sizes: Sizes, role: str) -> float:
-    """Rows of a role's actor in a rollout, for each environment step: a gated role's are seen by one glance.
+    """Rows of a role's actor in a rollout, for each environment step, earlier versions' included.
 
-    If more have to decide than one glance sees, the further ones are not counted: see GLANCE_PART.
+    A gated role's are seen by one glance; if more have to decide, the further ones are not counted: see GLANCE_PART.
     """
-    return _rows(config, sizes, role, GLANCE_PART)
+    return _rows(config, sizes, role, 1 - config.role(role).fixed, GLANCE_PART)
 
 
 def fitted_rows(config: TrainConfig, sizes: Sizes, role: str) -> float:
-    """Rows of a role's actor in a pass over a rollout, for each environment step: those that a gated role has room for.
-
-    The room is filled up with rows of no weight, which cost the same: see GATED_PART.
+    """Rows of a role's actor or critic in a pass over a rollout, for each environment step: those that a gated role has
+    room for, filled up with rows of no weight, which cost the same: see GATED_PART.
     """
-    return _rows(config, sizes, role, GATED_PART)
+    return _rows(config, sizes, role, _own_share(config, role), GATED_PART)
 
 
-def _rows(config: TrainConfig, sizes: Sizes, role: str, part: int) -> float:
-    """For each environment step, all of a role's agents, or of a gated role one in ``part``, rounded up in all."""
-    rows = sizes.agents[role] * config.environments
+def judged_rows(config: TrainConfig, sizes: Sizes, name: str) -> float:
+    """Rows that a critic values, for each environment step: the rollout's and, all of them, those after the last."""
+    if name == SHARED:
+        return (config.steps + 1) / config.steps
+    share = _own_share(config, name)
+    return _rows(config, sizes, name, share, GLANCE_PART) + share * sizes.agents[name] / config.steps
+
+
+def _own_share(config: TrainConfig, role: str) -> float:
+    return 1 - config.role(role).fixed - config.role(role).early
+
+
+def _rows(config: TrainConfig, sizes: Sizes, role: str, share: float, part: int) -> float:
+    """For each environment step, a role's agents in that share of environments; of a gated role one in ``part``."""
+    rows = round(sizes.agents[role] * config.environments * share)
     return (-(-rows // part) if config.role(role).gated else rows) / config.environments
 
 
@@ -136,7 +141,6 @@ def _actor_layers(config: TrainConfig, sizes: Sizes, role: str) -> tuple[int, ..
 
 def _critic_layers(config: TrainConfig, sizes: Sizes, name: str) -> tuple[int, ...]:
     if name == SHARED:
-        return sizes.world, *config.shared_critic_hidden, 1
+        return sizes.observations[SHARED][GLOBAL], *config.shared_critic_hidden, 1
     choice = config.role(name)
-    reads = (sizes.world if x == GLOBAL else sizes.observations[name][x] for x in choice.critic_observes)
-    return sum(reads), *choice.critic_hidden, 1
+    return sum(sizes.observations[name][x] for x in choice.critic_observes), *choice.critic_hidden, 1

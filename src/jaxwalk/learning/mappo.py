@@ -19,16 +19,17 @@ from jaxtyping import Array, Int, Key
 from jaxwalk.interfaces import ByRole, Environment, Policy
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
-from jaxwalk.learning.config import ROLES, TrainConfig
-from jaxwalk.learning.critics import SHARED, Critic, Judgement, judge, make_critics
+from jaxwalk.learning.config import ROLES, SHARED, TrainConfig
+from jaxwalk.learning.critics import Critic, Judgement, judge, make_critics
 from jaxwalk.learning.experience import fresh_memory, look, make_act
-from jaxwalk.learning.fit import fit, learning_rate, only_weighty, optimiser
+from jaxwalk.learning.fit import Loss, fit, learning_rate, only_weighty, optimiser
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
 from jaxwalk.learning.monitor import by_agent, episode_metrics, reward_metrics
+from jaxwalk.learning.players import columns_of, part_of, remember, snapshots
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, start
 
-GATED_PART = 8
-"""A gated role learns from at most this part (1 / 8) of its rows, which hold its decisions; they are far fewer."""
+GATED_PART = 16
+"""A gated role learns from at most this part (1 / 16) of its rows, which hold its decisions; they are far fewer."""
 NOBODY: ByRole[Policy | None] = ByRole(driver=None, pedestrian=None)
 """No fixed policies: every role learns."""
 
@@ -40,6 +41,8 @@ class Learner(eqx.Module):
     """By role; only of roles that learn."""
     critics: dict[str, Critic]
     """By role, or the one named ``shared``."""
+    early: dict[str, tuple[Actor, ...]]
+    """By role, what the actor was after each of `SNAPSHOTS` updates; empty where that plays nowhere."""
     actor_memories: dict[str, optax.OptState]
     """What the actors' optimisers remember."""
     critic_memories: dict[str, optax.OptState]
@@ -63,21 +66,22 @@ def init(
     """An untrained learner, its environments at the start of their first episodes."""
     _check_others(config, others)
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
-    memory = fresh_memory(environment, config, others)
-    stream = start(environment, environment_keys(stream_key, 0, config.environments), memory)
+    stream = start(environment, environment_keys(stream_key, 0, config.environments))
     views = look(environment, config, stream.scenario, stream.state)
     actors = {}
     for role, k in zip(config.learning_roles, jax.random.split(actor_key, len(config.learning_roles)), strict=True):
-        size = views.observations[role][config.role(role).observes].shape[0]
+        size = views[role][config.role(role).observes].shape[0]
         actors[role] = make_actor(k, size, getattr(environment.roles, role).action, config.role(role))
     critics = make_critics(environment, config, views, critic_key)
+    memory = fresh_memory(environment, config, actors, others)
     learner = Learner(
         actors=actors,
         critics=critics,
+        early=snapshots(config, actors),
         actor_memories={name: optimiser(config).init(actor) for name, actor in actors.items()},  # pyright: ignore
         critic_memories={name: optimiser(config).init(critic) for name, critic in critics.items()},  # pyright: ignore
         others=others,
-        stream=stream,
+        stream=eqx.tree_at(lambda s: s.memory, stream, memory, is_leaf=lambda x: x is None),
         key=shuffle_key,
         updates=jnp.zeros((), jnp.int32),
         planned=jnp.asarray(config.updates, jnp.int32),
@@ -91,8 +95,8 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
 
     Nothing is donated: what goes in stays usable, and it is small beside the rollout.
     """
-    act = make_act(environment, config, learner.actors, learner.others)
-    memory = fresh_memory(environment, config, learner.others)
+    act = make_act(environment, config, learner.actors, learner.early, learner.others)
+    memory = fresh_memory(environment, config, learner.actors, learner.others)
     stream, played = rollout(environment, act, learner.stream, config.steps, fresh_memory=memory)
     final = look(environment, config, stream.scenario, stream.state)
     judgements = {name: judge(config, critic, played, final) for name, critic in learner.critics.items()}
@@ -101,24 +105,36 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     critics, critic_memories, critic_metrics = _improve_critics(config, learner, played, judgements)
     metrics = actor_metrics | critic_metrics
     metrics["finite"] = jnp.all(jnp.isfinite(jnp.stack(list(metrics.values())))).astype(jnp.float32)
-    valid = played.valid.astype(jnp.float32)
-    metrics |= reward_metrics(played.outcome.rewards, valid) | episode_metrics(played.outcome, valid)
+    metrics |= _rollout_metrics(config, played)
     metrics["learning_rate"] = learning_rate(config, learner.updates, learner.planned)
     updates = learner.updates + 1
     metrics["steps"] = updates.astype(jnp.float32) * (config.steps * config.environments)
+    early = {role: remember(learner.early[role], actor, updates) for role, actor in actors.items()}
     learner = Learner(
-        actors, critics, actor_memories, critic_memories, learner.others, stream, learner.key, updates, learner.planned
-    )
+        actors, critics, early, actor_memories, critic_memories, learner.others, stream, learner.key, updates,
+        learner.planned,
+    )  # fmt: skip
     return learner, metrics
+
+
+def _rollout_metrics(config: TrainConfig, played: Step) -> dict[str, Array]:
+    """Of the environments in which the learners play: rewards of each role's, endings of the first learning role's."""
+    metrics = {}
+    for role in ROLES:
+        own = columns_of(config, role).own if config.role(role).learns else slice(None)
+        valid = played.valid[:, own].astype(jnp.float32)
+        metrics |= reward_metrics(role, part_of(getattr(played.outcome.rewards, role), own), valid)
+    own = columns_of(config, config.learning_roles[0]).own
+    return metrics | episode_metrics(part_of(played.outcome, own), played.valid[:, own].astype(jnp.float32))
 
 
 def _check_others(config: TrainConfig, others: ByRole[Policy | None]) -> None:
     for role in ROLES:
-        given = getattr(others, role) is not None
-        if given and config.role(role).learns:
-            raise ValueError(f"others: the {role} learns, so no fixed policy can play it")
-        if not given and not config.role(role).learns:
-            raise ValueError(f"others: the {role} doesn't learn, so a fixed policy must play it")
+        given, share = getattr(others, role) is not None, config.role(role).fixed
+        if given and not share:
+            raise ValueError(f"others: the {role} learns everywhere (fixed is 0), so no fixed policy can play it")
+        if share and not given:
+            raise ValueError(f"others: a fixed policy must play the {role} (fixed is {share:g})")
 
 
 def _strongly_typed(x: Any) -> Any:
@@ -136,34 +152,30 @@ def _improve_actors(
     environment: Environment, config: TrainConfig, learner: Learner, played: Step, judgements: dict[str, Judgement]
 ) -> tuple[dict[str, Actor], dict[str, optax.OptState], dict[str, Array]]:
     """Fit every actor to the rollout."""
-    weight = played.valid.astype(jnp.float32)
     actors, memories, metrics = {}, {}, {}
     for (role, actor), key in zip(learner.actors.items(), _shuffle_keys(learner, 0, len(learner.actors)), strict=True):
         advantage = judgements[SHARED if config.credit == "shared" else role].advantage
-        observation = played.record.views.observations[role][actor.observes]
-        counts = by_agent(weight, advantage) * (observation[:, 0] > 0 if actor.kind == GATED else 1.0)
+        choice, own = played.record.choices[role], columns_of(config, role).own
+        counts = by_agent(played.valid[:, own].astype(jnp.float32), advantage)
+        counts = counts if choice.decided is None else counts * choice.decided
         data = Actions(
-            observation=observation,
-            raw=played.record.raw[role],
-            log_prob=played.record.log_prob[role],
+            observation=played.record.views[role][actor.observes],
+            raw=choice.raw,
+            log_prob=choice.log_prob,
             advantage=normalised(advantage, counts),
             weight=counts,
         )
-        agents, environments = math.prod(getattr(environment.roles, role).agents), config.environments
-        if actor.kind == GATED:
-            agents, environments = 1, -(-agents * environments // GATED_PART)
-            data = only_weighty(data, columns=environments)
-        actors[role], memories[role], report = fit(
+        actors[role], memories[role], report = _fit(
+            config,
+            learner,
             partial(actor_loss, clip=config.clip, entropy=config.role(role).entropy),
             actor,
             learner.actor_memories[role],
             data,
             key=key,
-            rate=learning_rate(config, learner.updates, learner.planned),
             epochs=config.role(role).epochs,
-            agents=agents,
-            environments=environments,
-            config=config,
+            agents=getattr(environment.roles, role).agents,
+            gated=actor.kind == GATED,
         )
         metrics |= {f"{role}/{name}": x for name, x in report.items()}
         if actor.log_std is not None:
@@ -175,26 +187,40 @@ def _improve_critics(
     config: TrainConfig, learner: Learner, played: Step, judgements: dict[str, Judgement]
 ) -> tuple[dict[str, Critic], dict[str, optax.OptState], dict[str, Array]]:
     """Fit every critic to the rollout; a shared one as often as the role with the most epochs."""
-    weight = played.valid.astype(jnp.float32)
     critics, memories, metrics = {}, {}, {}
     for (name, critic), key in zip(
         learner.critics.items(), _shuffle_keys(learner, 1, len(learner.critics)), strict=True
     ):
         judgement = judgements[name]
         roles = config.learning_roles if name == SHARED else (name,)
-        critics[name], memories[name], report = fit(
+        critics[name], memories[name], report = _fit(
+            config,
+            learner,
             partial(critic_loss, coefficient=config.value_coefficient),
             critic,
             learner.critic_memories[name],
-            Targets(critic.select(played.record.views), judgement.target, weight),
+            Targets(critic.select(played.record.views), judgement.target, judgement.weight),
             key=key,
-            rate=learning_rate(config, learner.updates, learner.planned),
             epochs=max(config.role(role).epochs for role in roles),
-            agents=math.prod(critic.agents),
-            environments=config.environments,
-            config=config,
+            agents=critic.agents,
+            gated=name != SHARED and config.role(name).gated,
         )
-        valid = by_agent(weight, judgement.target)
         metrics |= {f"{name}/critic_{key}": x for key, x in report.items()}
-        metrics[f"{name}/explained_variance"] = explained_variance(judgement.value, judgement.target, valid)
+        metrics[f"{name}/explained_variance"] = explained_variance(judgement.value, judgement.target, judgement.weight)
     return critics, memories, metrics
+
+
+def _fit(
+    config: TrainConfig, learner: Learner, loss: Loss, network: Any, memory: optax.OptState, data: Actions | Targets,
+    *, key: Key[Array, ""], epochs: int | float, agents: tuple[int, ...], gated: bool,
+) -> tuple[Any, optax.OptState, dict[str, Array]]:  # fmt: skip
+    """`fit` to the data; of a gated role, to the rows that have weight."""
+    rows, environments = math.prod(agents), data.weight.shape[-1]
+    if gated:
+        rows, environments = 1, -(-rows * environments // GATED_PART)
+        data = only_weighty(data, columns=environments)
+    rate = learning_rate(config, learner.updates, learner.planned)
+    return fit(
+        loss, network, memory, data,
+        key=key, rate=rate, epochs=epochs, agents=rows, environments=environments, config=config,
+    )  # fmt: skip

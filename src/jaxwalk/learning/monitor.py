@@ -7,8 +7,7 @@ from typing import Any
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.interfaces import ByRole, Outcome
-from jaxwalk.learning.config import ROLES
+from jaxwalk.interfaces import Outcome
 from jaxwalk.learning.losses import weighted_mean
 
 ENDINGS = ("goal", "collision", "timeout")
@@ -20,15 +19,11 @@ def by_agent(x: Array, like: Array) -> Array:
     return x.reshape(x.shape[0], *(1,) * (like.ndim - 2), x.shape[-1])
 
 
-def reward_metrics(rewards: ByRole[dict[str, Array]], valid: Array) -> dict[str, Float[Array, ""]]:
+def reward_metrics(role: str, terms: dict[str, Array], valid: Array) -> dict[str, Float[Array, ""]]:
     """Each named term's mean per agent and step, and their sum's, unscaled."""
-    metrics = {}
-    for role in ROLES:
-        terms = getattr(rewards, role)
-        means = {name: weighted_mean(term, by_agent(valid, term)) for name, term in terms.items()}
-        metrics |= {f"reward/{role}/{name}": mean for name, mean in means.items()}
-        metrics[f"reward/{role}"] = jnp.sum(jnp.stack(list(means.values()))) if means else jnp.zeros(())
-    return metrics
+    means = {name: weighted_mean(term, by_agent(valid, term)) for name, term in terms.items()}
+    total = jnp.sum(jnp.stack(list(means.values()))) if means else jnp.zeros(())
+    return {f"reward/{role}/{name}": mean for name, mean in means.items()} | {f"reward/{role}": total}
 
 
 def episode_metrics(outcome: Outcome, valid: Array) -> dict[str, Float[Array, ""]]:

@@ -83,7 +83,7 @@ def find_crossings(trajectory: Trajectory) -> tuple[Crossings, RoadSteps]:
     """All crossings of a trajectory, and all steps of them."""
     on_road = trajectory.on_roadway & real_frames(trajectory)[..., None]
     episode, ped, frame = np.nonzero(np.ascontiguousarray(on_road.transpose(1, 2, 0)))
-    first, crossing = _runs(episode, ped, frame)
+    first, crossing = runs(episode, ped, frame)
     last = np.append(first[1:], len(frame))[: len(first)] - 1
     begin = frame[first], episode[first], ped[first]
     crossings = Crossings(
@@ -111,7 +111,7 @@ def find_crossings(trajectory: Trajectory) -> tuple[Crossings, RoadSteps]:
     return crossings, steps
 
 
-def _runs(episode: np.ndarray, ped: np.ndarray, frame: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def runs(episode: np.ndarray, ped: np.ndarray, frame: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where unbroken stays begin (rows), and which stay each row belongs to."""
     begins = np.ones(len(frame), bool)
     begins[1:] = (np.diff(frame) != 1) | (np.diff(ped) != 0) | (np.diff(episode) != 0)

@@ -13,6 +13,7 @@ from jaxwalk.metrics.outcomes import Outcomes, measure_outcomes, outcome_columns
 from jaxwalk.metrics.rows import Rows
 from jaxwalk.metrics.speed_differential import SpeedBin, measure_near_speeds, speed_columns, summarise_speeds
 from jaxwalk.metrics.statistics import RESAMPLES, episode_sums
+from jaxwalk.metrics.waiting import Waiting, measure_waiting, summarise_waiting, waiting_columns
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -28,6 +29,7 @@ class Summary:
     attribution: Attribution
     encounters: ByType[EncounterSummary]
     jaywalk_rate: JaywalkRate
+    waiting: Waiting
 
     def as_dict(self) -> dict[str, Any]:
         """Plain nested dicts, tuples, numbers and None: ready for JSON."""
@@ -50,6 +52,7 @@ def measure(trajectory: Trajectory, *, moving_speed: float = SimConfig.moving_sp
         episodes=measure_outcomes(trajectory, moving_speed=moving_speed),
         exposure=measure_exposure(trajectory, crossings, steps),
         near_speeds=measure_near_speeds(trajectory, steps),
+        waiting=measure_waiting(trajectory),
         crossings=crossings,
         encounters=find_encounters(trajectory, crossings, steps),
         decisions=find_decisions(trajectory),
@@ -63,6 +66,7 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
     columns |= exposure_columns(rows.exposure, dt=rows.dt)
     columns |= encounter_columns(rows.encounters, episodes=episodes)
     columns |= speed_columns(rows.near_speeds)
+    columns |= waiting_columns(rows.waiting, dt=rows.dt)
     sums = episode_sums(columns, resamples=resamples, seed=seed)
     return Summary(
         episodes=episodes,
@@ -71,4 +75,5 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
         attribution=summarise_attribution(sums),
         encounters=summarise_encounters(rows.encounters, sums),
         jaywalk_rate=summarise_decisions(rows.decisions),
+        waiting=summarise_waiting(rows.waiting, sums),
     )

@@ -14,6 +14,7 @@ from jaxwalk.metrics.decisions import Decisions
 from jaxwalk.metrics.encounters import Encounters
 from jaxwalk.metrics.outcomes import Episodes
 from jaxwalk.metrics.speed_differential import NearSpeeds
+from jaxwalk.metrics.waiting import KerbMoments
 
 Table = TypeVar("Table")
 
@@ -28,6 +29,8 @@ class Rows:
     exposure: Exposure
     """One row per episode."""
     near_speeds: NearSpeeds
+    """One row per episode."""
+    waiting: KerbMoments
     """One row per episode."""
     crossings: Crossings
     encounters: Encounters

@@ -16,9 +16,11 @@ _HOMES = {
     "RouteFollower": "drivers",
     "RuleBased": "drivers",
     "RuleBasedBraking": "drivers",
+    "SHIPPED": "shipped",
     "load_policy": "learned",
     "read_metadata": "learned",
     "save_policy": "learned",
+    "shipped_policy": "shipped",
 }
 """Public names and the modules of this package that define them."""
 

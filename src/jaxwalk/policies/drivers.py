@@ -16,7 +16,7 @@ from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Policy
 from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, part
+from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, SPEED, part
 from jaxwalk.sim.prediction import POINT_SPACING, POINTS
 
 FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
@@ -145,6 +145,36 @@ class RouteFollower(eqx.Module):
         angle = jnp.arctan(2 * self.wheelbase * left / reach)
         steering = jnp.clip(angle / self.max_steering, -1, 1)
         return _action(jnp.full_like(steering, FULL_THROTTLE), steering), memory
+
+
+class Careless(eqx.Module):
+    """Drives like `RouteFollower`, but every environment's car keeps to a speed of its own between 3 and 8.33 m/s.
+
+    Pedestrians learn to wait among all sorts of cars; in an evaluation nobody drives so.
+    """
+
+    follower: RouteFollower = eqx.field(default_factory=RouteFollower)
+    """Steers, and speeds up."""
+    slowest: float = eqx.field(static=True, default=3.0)
+    """[m/s]"""
+
+    @property
+    def observes(self) -> str:
+        """Name of the observation set."""
+        return self.follower.observes
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Float[Array, "*batch"]:
+        """The speed each keeps to [m/s], evenly spread over any stretch of environments (golden ratio)."""
+        share = (jnp.arange(math.prod(batch)) * 0.618034) % 1
+        return (self.slowest + share * (SPEED - self.slowest)).reshape(batch)
+
+    def act(
+        self, key: Key[Array, "*batch"], memory: Float[Array, "*batch"], observation: Observation
+    ) -> tuple[Action, Float[Array, "*batch"]]:
+        """Full throttle up to its speed."""
+        (_, steering), _ = self.follower.act(key, None, observation)
+        (speed,) = observation[part("driver", "route", "speed")] * SPEED
+        return _action(jnp.where(speed < memory, FULL_THROTTLE, 0.0), steering), memory
 
 
 DRIVERS: dict[str, Callable[[], Policy]] = {

@@ -21,7 +21,7 @@ import safetensors
 import safetensors.numpy
 from jaxtyping import Array, Float, Key
 
-from jaxwalk.learning.actor import DISCRETE, GATED, Actor, glance
+from jaxwalk.learning.actor import DISCRETE, GATED, Actor, Held, decide, no_memory
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.networks import MLP
 
@@ -45,6 +45,8 @@ class RoleHeader:
     """What its outputs mean: `Actor.kind`."""
     sizes: tuple[int, ...]
     """Numbers in, units of each hidden layer, outputs."""
+    hold: int = 1
+    """Steps for which a gated policy's decision stands."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class Header:
 
 
 class LearnedPolicy(eqx.Module):
-    """An actor that decides for all agents of its role. It has no memory."""
+    """An actor that decides for all agents of its role."""
 
     actor: Actor
     """The network and its distribution."""
@@ -72,16 +74,16 @@ class LearnedPolicy(eqx.Module):
         """Name of the observation set it reads."""
         return self.actor.observes
 
-    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
-        return None
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Held | None:
+        """No decision yet; None for a policy that decides anew at every step."""
+        return no_memory(self.actor, agents, batch)
 
     def act(
-        self, key: Key[Array, "*batch"], memory: None, observation: Float[Array, "feature ..."]
-    ) -> tuple[Array, None]:
+        self, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature ..."]
+    ) -> tuple[Array, Held | None]:
         """The action of every agent."""
-        choice = glance(self.actor, observation)
-        return choice.action(choice.sample(key) if self.sample else choice.mode()), memory  # pyright: ignore
+        choice, memory = decide(self.actor, key, memory, observation, sample=self.sample)
+        return choice.action, memory
 
 
 def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadata: Mapping[str, Any]) -> None:
@@ -91,7 +93,7 @@ def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadat
     """
     actors = actors.actors if isinstance(actors, Learner) else actors
     arrays = {f"{role}.{name}": x for role, actor in actors.items() for name, x in _arrays(actor).items()}
-    roles = {role: RoleHeader(x.observes, x.kind, x.network.sizes) for role, x in actors.items()}  # pyright: ignore
+    roles = {role: RoleHeader(x.observes, x.kind, x.network.sizes, x.hold) for role, x in actors.items()}  # pyright: ignore
     header = json.dumps(asdict(Header(FORMAT, roles, dict(metadata))), sort_keys=True)
     content = safetensors.numpy.save(arrays, {HEADER: header})
     path = Path(path)
@@ -176,4 +178,4 @@ def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray
         raise PolicyError(f"{path}: its arrays don't match its header ({wrong}); copy or download it again")
     loaded = {name: jnp.asarray(x) for name, x in arrays.items()}
     network = MLP(tuple(loaded[f"layer{i}.weight"] for i in layers), tuple(loaded[f"layer{i}.bias"] for i in layers))
-    return Actor(network, loaded.get("log_std"), observes=described.observes, kind=kind)
+    return Actor(network, loaded.get("log_std"), observes=described.observes, kind=kind, hold=described.hold)

@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter
 
 from jaxwalk.metrics import interquartile_mean
 from jaxwalk.report import published
-from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, Material, Number
+from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, ROUTE_FOLLOWER, Material, Number
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PAPER, PURPLE, RED, SKY, drawing, panels, save
 
 RATES = (("goal_rate", "goals [%]", 0), ("collision_rate", "collisions [%]", 1))
@@ -163,6 +163,35 @@ def quarters(material: Material) -> Figure:
     return figure
 
 
+def waiting(material: Material) -> Figure:
+    """Wait rate at the kerb by the car's distance and by its speed, for each predicted miss; a driver in each row."""
+    figure, axes = panels(2, rows=len(KERB_DRIVERS), height=3.0 * len(KERB_DRIVERS) + 0.4, sharey=True)
+    places = [(driver, by, label) for driver in KERB_DRIVERS for by, label in KERB_AXES.items()]
+    for axis, (driver, by, label) in zip(axes, places, strict=True):
+        bins = material.cell(driver, LEARNED)["waiting"][by]
+        width = bins[0]["end"] - bins[0]["begin"]
+        for k, (name, colour) in enumerate(MISSES.items()):
+            known = [b for b in bins if b["rates"][k]["count"] >= FEWEST]
+            where = [(b["begin"] + b["end"]) / 2 + 0.08 * width * (k - 1.5) for b in known]
+            _points(axis, [b["rates"][k] for b in known], where, color=colour, label=name, scale=100.0, line=True)
+        axis.set(title=f"before {driver}", xlabel=label, ylim=(-3, 103))
+        edges = [0, *(b["end"] for b in bins)]
+        axis.set_xticks(edges, [f"{x:g}" for x in edges])
+    for axis in axes[::2]:
+        axis.set_ylabel("waits at the kerb [%]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, title="predicted miss")
+    return figure
+
+
+KERB_DRIVERS = (ROUTE_FOLLOWER, CO_TRAINED)
+"""Before whom people wait: the driver that heeds nobody, and the one that learned with them."""
+KERB_AXES = {"by_distance": "distance of the car [m]", "by_speed": "speed of the car [m/s]"}
+MISSES = {"below 1 m": RED, "1 to 2.5 m": ORANGE, "2.5 to 5 m": SKY, "5 m or more": GRID}
+"""The predicted misses, in the order of a bin's rates."""
+FEWEST = 20
+"""Bins of fewer kerb moments are not drawn: if nobody waited there, the bootstrap would call that certain."""
+
+
 def ablation(material: Material) -> Figure:
     """Goals and collisions of the co-trained driver by jaywalk multiplier."""
     figure, axes = panels(2)
@@ -259,6 +288,7 @@ FIGURES: dict[str, Callable[[Material], Figure]] = {
     "speed_differential": speed_differential,
     "attribution": attribution,
     "quarters": quarters,
+    "waiting": waiting,
     "ablation": ablation,
     "learning_curves": learning_curves,
 }

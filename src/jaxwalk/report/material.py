@@ -8,6 +8,8 @@ from typing import Any
 
 CO_TRAINED, SINGLE_AGENT = "co-trained", "single-agent"
 """The trained drivers."""
+ROUTE_FOLLOWER = "route-follower"
+"""The driver that is blind to people."""
 ALWAYS_GO, LEARNED = "always-go", "learned"
 """The populations."""
 POPULATIONS = (ALWAYS_GO, LEARNED)

@@ -92,6 +92,17 @@ SECTIONS = (
         "quarters",
     ),
     Section(
+        "Who waits at the kerb",
+        "",
+        "How often learned pedestrians about to step into a roadway wait, by the car's distance and speed and by how "
+        "close the two would come if they went on (predicted miss), with themselves ahead of the car and within 40 m. "
+        "Bars and brackets: 95 % intervals. In the table, danger: the car also faster than 2 m/s, and a predicted miss "
+        "below 2.5 m; harmless: it is farther than 40 m, or past. Bins of fewer than 20 moments are not drawn. The "
+        "share of all steps is the price of waiting; goals (the pedestrians') are so far that few are reached.",
+        "waiting",
+        "waiting",
+    ),
+    Section(
         "How near the car comes",
         "section IV-B",
         "An encounter: a crossing with the car within 20 m and closing, until the pedestrian leaves the road.",

@@ -48,11 +48,13 @@ def drawing(name: str) -> Iterator[None]:
         yield
 
 
-def panels(count: int, *, width: float = 8.0, height: float = 3.4, **options) -> tuple[Figure, list[Axes]]:
-    """A figure of so many panels side by side [inches]."""
+def panels(
+    count: int, *, rows: int = 1, width: float = 8.0, height: float = 3.4, **options
+) -> tuple[Figure, list[Axes]]:
+    """A figure of so many panels side by side, in each of ``rows`` [inches]; they come row by row."""
     figure = Figure(figsize=(width, height))
-    axes = figure.subplots(1, count, squeeze=False, **options)
-    return figure, list(axes[0])
+    axes = figure.subplots(rows, count, squeeze=False, **options)
+    return figure, list(axes.flat)
 
 
 def save(figure: Figure, folder: Path, name: str) -> str:

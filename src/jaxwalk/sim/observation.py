@@ -27,6 +27,8 @@ PASSED = 2.5
 """... and not yet this far past [m]: a car does not come back."""
 LONG = 8.0
 """Times are capped here [s]."""
+MARGINS = (1.0, 2.0, 3.0)
+"""Where the metres begin in which the car sees predicted clearances in detail [m]."""
 SPEED = 8.33
 """Speeds are scaled by this [m/s], distances by `ABSENT`."""
 
@@ -81,18 +83,23 @@ def _driver_paper(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Sc
 
 
 def _driver_route(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
-    """The car in the frame of its route: lane keeping 6, route ahead 16, predicted clearances 4, nearest people 24."""
+    """The car in the frame of its route: lane keeping 6, route ahead 16, predicted clearances 13, nearest people 24.
+
+    Clearances come once more as shares of the metres from 1 to 4, one by one: there a touch is decided, and the whole
+    range in one number is too coarse for a network to learn that soon.
+    """
     car = state.vehicle
     lateral, heading_cos, heading_sin = vehicle.route_frame(car)
     to_go = vehicle.route_length(tables, scenario) - car.along
     away = (jnp.array(POINTS) * POINT_SPACING).reshape(-1, 1, *(1,) * car.x.ndim)
     route = jnp.stack([state.foresight.route_x, state.foresight.route_y], axis=1) / away
     clearance, conflict = state.foresight.clearance, state.foresight.conflict
+    margin = jnp.concatenate([jnp.clip(clearance - metre, 0, 1) for metre in MARGINS])
     longest = prediction.MOMENTS * prediction.MOMENT
     return [
         car.speed / SPEED, car.steering / config.max_steering, lateral / 2, heading_cos, heading_sin,
-        jnp.minimum(to_go / ABSENT, 2), route.reshape(-1, *car.x.shape), clearance / prediction.FAR, conflict / longest,
-        _nearest_people(state),
+        jnp.minimum(to_go / ABSENT, 2), route.reshape(-1, *car.x.shape), clearance / prediction.FAR, margin,
+        conflict / longest, _nearest_people(state),
     ]  # fmt: skip
 
 
@@ -183,7 +190,8 @@ LAYOUTS: dict[str, dict[str, dict[str, int]]] = {
         },
         "route": {
             "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(POINTS),
-            "clearance": 3, "conflict": 1, "people": 4 * NEIGHBOURS,
+            "clearance": 3, "margin": 3 * len(MARGINS),
+            "conflict": 1, "people": 4 * NEIGHBOURS,
         },
     },
     "pedestrian": {

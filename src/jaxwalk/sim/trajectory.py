@@ -58,5 +58,11 @@ class Trajectory(eqx.Module):
     """How many crossings the pedestrian has decided about so far."""
     at_kerb: Bool[np.ndarray, "frame episode ped"]
     """On a sidewalk, about to enter a roadway (within ``kerb_distance`` of walking)."""
+    enters_roadway: Bool[np.ndarray, "frame episode ped"]
+    """The leg being walked leads into a roadway: whoever goes on turns no more before it."""
     going: Bool[np.ndarray, "frame episode ped"]
     """The go (true) or wait output in the step that led to the frame; true in frame 0."""
+    predicted_miss: Float[np.ndarray, "frame episode ped"]
+    """How close the centres would come if the pedestrian went on now and the car kept its velocity [m]."""
+    arrivals: Int[np.ndarray, "frame episode ped"]
+    """Goals reached so far."""

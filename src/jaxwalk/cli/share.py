@@ -1,0 +1,32 @@
+"""``jaxwalk share``."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.progress import Progress
+
+from jaxwalk.cli.options import Share, UsageError
+from jaxwalk.cli.train import bad_values
+from jaxwalk.experiments.runs import check_writable
+from jaxwalk.experiments.sharing import share
+
+
+def run(options: Share) -> int:
+    """Evaluate the driver, then write the file and its card."""
+    if options.out is None or options.out.suffix != ".safetensors":
+        raise UsageError("--out FILE.safetensors is missing: where to write the policies")
+    if not options.pedestrians:
+        raise UsageError("--pedestrians is missing: always-go, a run folder or a policy file")
+    if options.episodes < 1:
+        raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
+    if not 0 <= options.seed < 2**31:
+        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
+    check_writable(options.out.parent)
+    with bad_values(), Progress(console=Console(stderr=True), transient=True) as bar:
+        tasks = {name: bar.add_task(f"among {name}", total=options.episodes) for name in options.pedestrians}
+        card = share(
+            options.run_folder, options.out, options.pedestrians, episodes=options.episodes, seed=options.seed,
+            progress=lambda driver, name, played, total: bar.update(tasks[name], completed=played),
+        )  # fmt: skip
+    print(f"{options.out} and {card}")
+    return 0

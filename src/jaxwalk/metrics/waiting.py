@@ -1,0 +1,198 @@
+"""Whether people at the kerb wait: before a car that they would walk into, before any other, and at what price.
+
+A *kerb moment* is a frame in which a pedestrian at the kerb walks straight at a roadway. What it does then shows in the
+next frame, so an episode's last frame is no moment. The limits below are the metric's own: it must not move when what
+people see, or are paid for, is changed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.metrics.crossings import real_frames, runs
+from jaxwalk.metrics.statistics import Estimate, interval, ratio
+from jaxwalk.sim import events
+from jaxwalk.sim.trajectory import Trajectory
+
+NEAR = 40.0
+"""A car this far away or farther [m] ..."""
+PAST = 2.5
+"""... or more than this past the pedestrian [m] is harmless."""
+FAST = 2.0
+"""A nearer car with the pedestrian ahead of it is dangerous if it is faster than this [m/s] ..."""
+CONFLICT = 2.5
+"""... and would come closer than this if the pedestrian went on [m]."""
+DANGER, HARMLESS, OTHER = SETTINGS = range(3)
+"""What the car is to a pedestrian at the kerb; an axis ``setting`` is in this order."""
+
+DISTANCES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, NEAR)
+"""Edges of the distance bins [m]; each holds its lower edge."""
+SPEEDS = (0.0, 2.0, 4.0, 6.0, 8.33)
+"""Edges of the speed bins [m/s]; the last also holds anything faster."""
+MISSES = (0.0, 1.0, 2.5, 5.0)
+"""Lower edges of the bins of the predicted miss [m]; the last has no end."""
+
+
+@dataclass(frozen=True)
+class KerbMoments:
+    """One row per episode: kerb moments and how many of them were waited through, by what the car is and does."""
+
+    moments: Int[np.ndarray, "episode setting"]
+    waits: Int[np.ndarray, "episode setting"]
+    distance_moments: Int[np.ndarray, "episode distance miss"]
+    """With the pedestrian ahead of the car and within 40 m."""
+    distance_waits: Int[np.ndarray, "episode distance miss"]
+    speed_moments: Int[np.ndarray, "episode speed miss"]
+    """The same moments by the car's speed."""
+    speed_waits: Int[np.ndarray, "episode speed miss"]
+    arrivals: Int[np.ndarray, "episode"]
+    """Goals that all pedestrians together reached."""
+    ped_steps: Int[np.ndarray, "episode"]
+    """Steps played, times pedestrians."""
+    ped_waits: Int[np.ndarray, "episode"]
+    """How many of them were waits, wherever."""
+    longest_stand: Int[np.ndarray, "episode"]
+    """Most steps on end that anybody stood still on a roadway."""
+
+
+@dataclass(frozen=True)
+class WaitBin:
+    """Wait rates in one bin of the car's distance or speed; each count is of kerb moments."""
+
+    begin: float
+    """The bin holds values from this [m or m/s] ..."""
+    end: float
+    """... to below this."""
+    rates: tuple[Estimate, ...]
+    """By predicted miss: [0, 1), [1, 2.5), [2.5, 5) m, and 5 m or more."""
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """Shares of kerb moments that were waited through (each count is of moments), and what waiting costs."""
+
+    danger: Estimate
+    """The car within 40 m, the pedestrian ahead of it, faster than 2 m/s, predicted miss below 2.5 m."""
+    harmless: Estimate
+    """The car 40 m away or more, or more than 2.5 m past."""
+    other: Estimate
+    by_distance: tuple[WaitBin, ...]
+    """Of moments with the pedestrian ahead of the car and within 40 m."""
+    by_speed: tuple[WaitBin, ...]
+    """Of the same moments."""
+    waypoint_rate: Estimate
+    """Goals reached per second and pedestrian [1/s]; the count is of goals. Lower in short episodes: goals are far."""
+    waited: Estimate
+    """Share of all pedestrians' steps that were waits, wherever; the count is of steps."""
+    longest_stand: int
+    """Most steps on end that anybody stood still on a roadway."""
+
+
+def measure_waiting(trajectory: Trajectory) -> KerbMoments:
+    """Kerb moments of each episode."""
+    episodes, people = len(trajectory.length), trajectory.ped_x.shape[2]
+    at_kerb = trajectory.at_kerb[:-1] & trajectory.enters_roadway[:-1]
+    played = real_frames(trajectory)[1:, :, None]
+    frame, episode, ped = where = np.nonzero(at_kerb & played)
+    waited = ~trajectory.going[frame + 1, episode, ped]
+    distance, ahead = _from_car(trajectory, *where)
+    speed, miss = trajectory.car_speed[frame, episode], trajectory.predicted_miss[where]
+
+    close = (distance < NEAR) & (ahead > 0)
+    danger = close & (speed > FAST) & (miss < CONFLICT)
+    harmless = (distance >= NEAR) | (ahead < -PAST)
+    setting = np.where(danger, DANGER, np.where(harmless, HARMLESS, OTHER))
+    moments, waits = _tally(waited, (episode, setting), (episodes, len(SETTINGS)))
+
+    waited, episode, distance, speed, miss = (x[close] for x in (waited, episode, distance, speed, miss))
+    gap = _bin(miss, MISSES)
+    by_distance, by_speed = (
+        _tally(waited, (episode, _bin(values, edges[:-1]), gap), (episodes, len(edges) - 1, len(MISSES)))
+        for values, edges in ((distance, DISTANCES), (speed, SPEEDS))
+    )
+    return KerbMoments(
+        moments=moments,
+        waits=waits,
+        distance_moments=by_distance[0],
+        distance_waits=by_distance[1],
+        speed_moments=by_speed[0],
+        speed_waits=by_speed[1],
+        arrivals=trajectory.arrivals[trajectory.length, np.arange(episodes)].sum(axis=1).astype(np.int32),
+        ped_steps=(trajectory.length * people).astype(np.int32),
+        ped_waits=(~trajectory.going[1:] & played).sum(axis=(0, 2)).astype(np.int32),
+        longest_stand=_longest_stand(trajectory),
+    )
+
+
+def _from_car(trajectory: Trajectory, frame, episode, ped) -> tuple[np.ndarray, np.ndarray]:
+    """Distance of a pedestrian from the car, and how far ahead of it, for the given rows [m]."""
+    car, person = (frame, episode), (frame, episode, ped)
+    dx = trajectory.ped_x[person] - trajectory.car_x[car]
+    dy = trajectory.ped_y[person] - trajectory.car_y[car]
+    return events.distance(dx, dy), dx * trajectory.car_cos[car] + dy * trajectory.car_sin[car]
+
+
+def _bin(values: np.ndarray, edges: tuple[float, ...]) -> Int[np.ndarray, "row"]:
+    """The last of the lower edges that each value reaches."""
+    return np.digitize(values, edges) - 1
+
+
+def _tally(
+    waited: Bool[np.ndarray, "row"], cell: tuple[np.ndarray, ...], shape: tuple[int, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """How many moments each cell of ``shape`` has, and how many of them were waited through."""
+    flat, size = np.ravel_multi_index(cell, shape), math.prod(shape)
+    moments, waits = (np.bincount(rows, minlength=size).reshape(shape) for rows in (flat, flat[waited]))
+    return moments.astype(np.int32), waits.astype(np.int32)
+
+
+def _longest_stand(trajectory: Trajectory) -> Int[np.ndarray, "episode"]:
+    """Most steps on end that anybody stood still on a roadway."""
+    stood = trajectory.on_roadway & ~trajectory.going & real_frames(trajectory)[..., None]
+    frame, episode, ped = np.nonzero(stood)
+    order = np.lexsort((frame, ped, episode))  # (few stand there: cheaper than to turn the whole array round)
+    frame, episode, ped = frame[order], episode[order], ped[order]
+    first, _ = runs(episode, ped, frame)
+    longest = np.zeros(len(trajectory.length), np.int32)
+    np.maximum.at(longest, episode[first], np.diff(first, append=len(frame)))
+    return longest
+
+
+def waiting_columns(table: KerbMoments, *, dt: float) -> dict[str, np.ndarray]:
+    """The counts to be resampled, and the time that all pedestrians together lived [s]."""
+    names = ("moments", "waits", "distance_moments", "distance_waits", "speed_moments", "speed_waits", "arrivals")
+    columns = {f"kerb_{name}": getattr(table, name) for name in names}
+    return columns | {"ped_steps": table.ped_steps, "ped_time": table.ped_steps * dt, "ped_waits": table.ped_waits}
+
+
+def summarise_waiting(table: KerbMoments, sums: dict[str, np.ndarray]) -> Waiting:
+    """Wait rates; ``sums`` are the resampled sums of ``waiting_columns``."""
+    by_setting = _rates(sums["kerb_waits"], sums["kerb_moments"])
+    arrivals = sums["kerb_arrivals"]
+    return Waiting(
+        danger=by_setting[DANGER],
+        harmless=by_setting[HARMLESS],
+        other=by_setting[OTHER],
+        by_distance=_bins(DISTANCES, sums["kerb_distance_waits"], sums["kerb_distance_moments"]),
+        by_speed=_bins(SPEEDS, sums["kerb_speed_waits"], sums["kerb_speed_moments"]),
+        waypoint_rate=interval(ratio(arrivals, sums["ped_time"]), arrivals[0]),
+        waited=interval(ratio(sums["ped_waits"], sums["ped_steps"]), sums["ped_steps"][0]),
+        longest_stand=int(table.longest_stand.max(initial=0)),
+    )
+
+
+def _rates(waits: Float[np.ndarray, "draw bin"], moments: Float[np.ndarray, "draw bin"]) -> tuple[Estimate, ...]:
+    """The share of moments that were waited through, in each bin."""
+    return tuple(interval(ratio(w, m), m[0]) for w, m in zip(waits.T, moments.T, strict=True))
+
+
+def _bins(edges: tuple[float, ...], waits: np.ndarray, moments: np.ndarray) -> tuple[WaitBin, ...]:
+    """Wait rates between each two edges, of resampled sums (draw, bin, miss)."""
+    return tuple(
+        WaitBin(begin=edges[i], end=edges[i + 1], rates=_rates(waits[:, i], moments[:, i]))
+        for i in range(len(edges) - 1)
+    )

@@ -1,0 +1,105 @@
+"""Stand-ins: who plays where, and that a learner learns only from what it did itself."""
+
+from dataclasses import replace
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.interfaces import ByRole, Discrete
+from jaxwalk.learning.actor import make_actor
+from jaxwalk.learning.config import SNAPSHOTS, RoleConfig, TrainConfig
+from jaxwalk.learning.experience import fresh_memory, make_act
+from jaxwalk.learning.mappo import init, update
+from jaxwalk.learning.players import columns_of, remember
+from jaxwalk.rollout import rollout
+from learning import games
+
+ROLE = RoleConfig(actor_hidden=(8,), critic_hidden=(8,))
+CONFIG = TrainConfig(
+    driver=replace(ROLE, fixed=0.25, early=0.25), pedestrian=replace(ROLE, fixed=0.5), environments=16, steps=8,
+    minibatches=4, learning_rate=1e-2, discount=0.9,
+)  # fmt: skip
+
+
+class Always(eqx.Module):
+    """Always the same choice; remembers how often it was made."""
+
+    choice: int
+    observes: str = eqx.field(static=True, default="paper")
+
+    def init(self, agents, batch):
+        return jnp.zeros((*agents, *batch), jnp.int32)
+
+    def act(self, key, memory, observation):
+        return jnp.full(observation.shape[1:], self.choice, jnp.int32), memory + 1
+
+
+OTHERS = ByRole(Always(0), Always(1))
+
+
+def test_stand_ins_of_the_two_roles_are_at_different_ends():
+    driver, pedestrian = columns_of(CONFIG, "driver"), columns_of(CONFIG, "pedestrian")
+    assert (driver.fixed, driver.own) == (slice(0, 4), slice(8, 16))
+    assert driver.early == (slice(4, 6), slice(6, 8))
+    assert (pedestrian.own, pedestrian.fixed) == (slice(0, 8), slice(8, 16))
+    assert columns_of(replace(CONFIG, driver=ROLE), "driver").own == slice(0, 16)
+
+
+def test_each_plays_its_environments_and_only_the_learners_are_recorded():
+    game = games.game("bandit", length=3)
+    learner = init(game, CONFIG, jax.random.key(0), others=OTHERS)
+    act = make_act(game, CONFIG, learner.actors, learner.early, OTHERS)
+    memory = fresh_memory(game, CONFIG, learner.actors, OTHERS)
+    _, played = rollout(game, act, learner.stream, 2, fresh_memory=memory)
+    paid = ByRole(
+        *(np.asarray(terms["pay"]) for terms in (played.outcome.rewards.driver, played.outcome.rewards.pedestrian))
+    )
+    assert not paid.driver[:, :4].any()
+    assert paid.pedestrian[..., 8:].all()
+    for role, own in (("driver", slice(8, 16)), ("pedestrian", slice(0, 8))):
+        np.testing.assert_array_equal(played.record.choices[role].raw, getattr(paid, role)[..., own])
+        assert played.record.views[role]["paper"].shape[-1] == 8
+
+
+def test_learning_goes_on_beside_stand_ins():
+    game = games.game("bandit", length=3)
+    learner = init(game, CONFIG, jax.random.key(0), others=OTHERS)
+    for _ in range(40):
+        learner, metrics = update(game, CONFIG, learner)
+    assert float(metrics["reward/driver/pay"]) > 0.9
+    assert float(metrics["reward/pedestrian/pay"]) > 0.9
+    fixed, *_ = learner.stream.memory.driver
+    assert (fixed[:4] == learner.stream.state["time"][:4]).all()  # a stand-in's memory starts anew with every episode
+    assert len(learner.early["driver"]) == len(SNAPSHOTS)
+    assert learner.early["pedestrian"] == ()
+
+
+def test_a_snapshot_follows_until_its_time_has_come():
+    first, second = (make_actor(jax.random.key(k), 3, Discrete(2), ROLE) for k in (0, 1))
+    until, after = (remember((first, first), second, jnp.int32(SNAPSHOTS[0] + more)) for more in (0, 1))
+    assert eqx.tree_equal(until, (second, second))
+    assert eqx.tree_equal(after, (first, second))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"fixed": 1.5}, "fixed must lie"),
+        ({"fixed": 0.5, "early": 0.5}, "early leaves nothing"),
+        ({"hold": 2}, "hold must be 1"),
+        ({"gated": True, "hold": 0}, "hold must be 1"),
+    ],
+)
+def test_impossible_shares(changes, message):
+    with pytest.raises(ValueError, match=message):
+        RoleConfig(**changes)
+
+
+def test_shared_credit_goes_without_stand_ins():
+    with pytest.raises(ValueError, match="fixed"):
+        replace(CONFIG, credit="shared", driver=replace(ROLE, fixed=0.25))
+    with pytest.raises(ValueError, match="early"):
+        replace(CONFIG, credit="shared", driver=replace(ROLE, early=0.25), pedestrian=ROLE)
