@@ -60,7 +60,7 @@ def documents():
 
 def _results(summary, drivers, multipliers):
     cells = [
-        Cell(driver, people, "mode", "sample", multiplier, summary)
+        Cell(driver, people, "mode", "sample", multiplier, summary, "route", "kerb")
         for driver in drivers
         for multiplier in multipliers
         for people in ("always-go", "learned")

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import LAYOUTS, OBSERVATIONS
+from jaxwalk.sim.observation import LAYOUTS
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, reset, with_car
 
-DRIVER = [f"driver {name}" for name in OBSERVATIONS["driver"]]
+DRIVER = [f"{role} {name}" for role, name in SETS if role == "driver"]
 
 
 @pytest.fixture(scope="module")
