@@ -26,6 +26,8 @@ def test_the_document_is_as_promised(compared):
     assert pairs == [(d, p) for d in ("route-follower", "random") for p in ("undecided", "always-go")]
     modes = [(cell["driver_mode"], cell["pedestrian_mode"]) for cell in document["cells"]]
     assert modes == [(d, p) for d in ("mode", "sample") for p in ("sample", "mode")]
+    observes = [(cell["driver_observes"], cell["pedestrian_observes"]) for cell in document["cells"]]
+    assert observes == [(d, "paper") for d in ("route", "paper") for _ in range(2)]
     cell = document["cells"][1]
     assert cell["jaywalk_multiplier"] == 0.25
     assert cell["episodes"] == 24

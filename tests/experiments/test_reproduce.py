@@ -15,7 +15,7 @@ from jaxwalk.experiments import tournament
 from jaxwalk.experiments.reproduce import Interrupted, Plan, report, reproduce
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.training import Session
-from jaxwalk.policies import DRIVERS, read_metadata
+from jaxwalk.policies import AlwaysGo, ConstantSpeed, read_metadata
 
 PLAN = Plan(updates=3, episodes=8, seed=3, seeds=2)
 
@@ -36,13 +36,13 @@ def made(tiny, tmp_path_factory):
 
 
 _RECORD = Session.record
-RULES = {name: DRIVERS[name] for name in ("random", "route-follower")}
+RULES = ["random", "route-follower"]
 MULTIPLIERS = (0.25, 1.0)
 
 
 def _play_little(patch):
     """Two rules, two multipliers, and no more episodes at once than there are."""
-    patch.setattr(tournament, "DRIVERS", RULES)
+    patch.setattr(tournament, "RULES", RULES)
     patch.setattr(tournament, "MULTIPLIERS", MULTIPLIERS)
     patch.setattr(tournament, "compare", partial(compare, batch=PLAN.episodes))
     patch.setattr("jaxwalk.evaluation.evaluate", partial(evaluate, batch=PLAN.episodes))
@@ -80,7 +80,7 @@ def test_a_training_for_each_seed_and_driver(made):
 
 def test_every_cell_once_for_each_seed(made):
     folder, said = made
-    rules, trained = list(RULES), ["single-agent", "co-trained"]
+    rules, trained = RULES, ["single-agent", "co-trained"]
     expected = [(d, p, s) for d in rules for p, s in (("always-go", None), ("learned", 3), ("learned", 4))]
     expected += [(d, p, s) for d in trained for p in ("always-go", "learned") for s in (3, 4)]
     document = _json(folder, "results.json")
@@ -101,8 +101,36 @@ def test_every_cell_once_for_each_seed(made):
 def test_each_seed_has_its_own_policies(made):
     cells = _json(made[0], "results.json")["cells"]
     found = {tuple(cell.values())[:3]: list(cell.values())[3:] for cell in cells}
-    for driver, people in (("co-trained", "always-go"), ("single-agent", "always-go"), ("route-follower", "learned")):
-        assert found[driver, people, 3] != found[driver, people, 4]
+    for driver in ("co-trained", "single-agent"):
+        assert found[driver, "always-go", 3] != found[driver, "always-go", 4]
+
+
+def test_everybody_meets_the_pedestrians_of_the_seed(street, monkeypatch):
+    rounds = []
+
+    def play(street, found, scenarios, say):
+        rounds.extend(found)
+        raise Interrupted
+
+    monkeypatch.setattr(tournament, "_play", play)
+    people = {seed: AlwaysGo() for seed in (3, 4)}
+    cars = {seed: {"single-agent": ConstantSpeed(), "co-trained": ConstantSpeed()} for seed in people}
+    trained = [tournament.Trained(seed, cars[seed], people[seed]) for seed in people]
+    for play_all in (tournament.tournament, tournament.ablation):
+        with pytest.raises(Interrupted):
+            play_all(street, trained, tournament.Scenarios(8, 0), print)
+    assert [(seed, list(drivers), list(among)) for seed, drivers, among in rounds] == [
+        (None, tournament.RULES, ["always-go"]),
+        (3, tournament.RULES, ["learned"]),
+        (3, ["single-agent", "co-trained"], ["always-go", "learned"]),
+        (4, tournament.RULES, ["learned"]),
+        (4, ["single-agent", "co-trained"], ["always-go", "learned"]),
+        (3, ["co-trained"], ["always-go", "learned"]),
+        (4, ["co-trained"], ["always-go", "learned"]),
+    ]
+    for seed, drivers, among in rounds:
+        assert "learned" not in among or among["learned"] is people[seed]
+        assert "co-trained" not in drivers or drivers["co-trained"] is cars[seed]["co-trained"]
 
 
 def test_pairs(made):

@@ -9,6 +9,7 @@ import pytest
 from jaxwalk.evaluation import draw_scenarios
 from jaxwalk.interfaces import ByRole, Policy
 from jaxwalk.policies import DRIVERS, POPULATIONS, RouteFollower, RuleBased, RuleBasedBraking
+from jaxwalk.policies.drivers import Careless
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.observation import ABSENT, LAYOUTS, NEIGHBOURS, SPEED, part
 from jaxwalk.sim.prediction import POINT_SPACING, POINTS
@@ -125,13 +126,26 @@ def test_layouts_say_where_things_are(street, role, name):
         np.testing.assert_array_equal(seen[part(role, name, "traits")], scenarios.traits[shown])
         return
     np.testing.assert_allclose(seen[part(role, name, "speed")], [[4 / SPEED] * 3])
-    people = seen[part(role, name, "people")].reshape(NEIGHBOURS, 4, 3)
-    away = jnp.hypot(state.pedestrian.x - state.vehicle.x, state.pedestrian.y - state.vehicle.y)
-    np.testing.assert_allclose(
-        jnp.hypot(people[:, 0], people[:, 1]), jnp.sort(away, axis=0)[:NEIGHBOURS] / ABSENT, rtol=1e-4
-    )
-    if name == "route":
+    if name != "privileged":
+        people = seen[part(role, name, "people")].reshape(NEIGHBOURS, 4, 3)
+        away = jnp.hypot(state.pedestrian.x - state.vehicle.x, state.pedestrian.y - state.vehicle.y)
+        np.testing.assert_allclose(
+            jnp.hypot(people[:, 0], people[:, 1]), jnp.sort(away, axis=0)[:NEIGHBOURS] / ABSENT, rtol=1e-4
+        )
+    if name != "paper":
         route = seen[part(role, name, "route")].reshape(len(POINTS), 2, 3)
         np.testing.assert_allclose(route[:2], [[[1] * 3, [0] * 3]] * 2, atol=1e-4)  # routes begin straight ahead
     with pytest.raises(KeyError):
         part(role, name, "traits of others")
+
+
+def test_careless_cars_keep_to_speeds_of_their_own(street):
+    driver = Careless()
+    speeds = driver.init((), (1000,))
+    assert 3 <= speeds.min() < 3.1 < 8.2 < speeds.max() <= 8.33
+    assert np.abs(np.sort(speeds[:100]) - np.linspace(3, 8.33, 100)).max() < 0.2  # any stretch holds all of them
+    seen = np.zeros((SIZES["route"], 2), np.float32)
+    seen[part("driver", "route", "speed")] = 5 / SPEED
+    action, memory = driver.act(KEYS[:2], jnp.array([4.9, 5.1]), jnp.asarray(seen))
+    np.testing.assert_array_equal(action[0], [0, 1])
+    np.testing.assert_array_equal(memory, jnp.array([4.9, 5.1]))

@@ -68,7 +68,7 @@ def _documents(seeds):
 def _results(rows, drivers, multipliers):
     summaries = {seed: summarise(found, resamples=20) for seed, found in rows.items()}
     matches = [
-        Match(Cell(driver, people, "mode", "sample", multiplier, summaries[seed]), rows[seed], seed)
+        Match(Cell(driver, people, "mode", "sample", multiplier, summaries[seed], "route", "kerb"), rows[seed], seed)
         for driver in drivers
         for multiplier in multipliers
         for people in ("always-go", "learned")

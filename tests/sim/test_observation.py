@@ -9,11 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.sim.observation import LAYOUTS, OBSERVATIONS
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.observation import LAYOUTS
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, reset, with_car
 
-DRIVER = [f"driver {name}" for name in OBSERVATIONS["driver"]]
+DRIVER = [f"{role} {name}" for role, name in SETS if role == "driver"]
 
 
 @pytest.fixture(scope="module")
@@ -166,3 +167,25 @@ def test_what_people_have_in_mind_does_not_show(change, paid_street, scenarios):
             differs |= (view_one[name] != view_two[name]).any(axis=0)
         secrets += (alike & differs).sum()
     assert secrets > (100 if change == "multiplier" else 10)
+
+
+def test_who_decides_at_the_kerb(scenarios, midway):
+    """The last metre before the roadway, on the leg that leads there, with the car within 40 m and not past."""
+    random, walkers = np.random.default_rng(3), midway.pedestrian
+    lead = random.choice([-0.5, 0.5], walkers.remaining.shape).astype(np.float32)  # from the leg's end to the roadway
+    walkers = eqx.tree_at(
+        lambda p: (p.leg.kerb, p.remaining),
+        walkers,
+        (jnp.asarray(lead), jnp.asarray(random.uniform(0, 3, lead.shape), jnp.float32)),
+    )
+    state = eqx.tree_at(lambda s: s.pedestrian, midway, walkers)
+    street = Street.create()
+    state = street.refreshed(scenarios, state)
+    decides = np.asarray(street.observe(scenarios, state, "pedestrian", "kerb")[0], bool)
+    to_kerb = lead + np.asarray(walkers.remaining)
+    dx, dy = (np.asarray(of_all) - np.asarray(of_car) for of_all, of_car in
+              ((walkers.x, midway.vehicle.x), (walkers.y, midway.vehicle.y)))  # fmt: skip
+    ahead = dx * np.asarray(midway.vehicle.cos) + dy * np.asarray(midway.vehicle.sin)
+    close = (np.hypot(dx, dy) < 40) & (ahead > -2.5)
+    np.testing.assert_array_equal(decides, (lead < 0) & (to_kerb > 0) & (to_kerb <= 1.5) & close)
+    assert 0 < decides.sum() < decides.size

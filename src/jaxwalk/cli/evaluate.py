@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.box import SIMPLE
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
@@ -19,6 +20,7 @@ from jaxwalk.experiments.runs import check_writable, write_whole
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.observation import PRIVILEGED
 
 Played = dict[tuple[str, str], Rows]
 
@@ -41,7 +43,7 @@ def run(options: Evaluate) -> int:
         print(text, end="")
     else:
         console = Console()
-        console.width = max(console.width, 100)  # the numbers need it; a narrower terminal wraps
+        console.width = max(console.width, 120)  # the numbers need it; a narrower terminal wraps
         console.print(table(document), document_line(document), sep="\n")
     return 0
 
@@ -102,15 +104,18 @@ def _keep(out: Path, text: str, streets: list[Street], rows: list[Played]) -> No
 def table(document: dict[str, Any]) -> Table:
     """The cells as a table with 95 % intervals."""
     multipliers = {cell["jaywalk_multiplier"] for cell in document["cells"]}
-    shown = Table("driver", "pedestrians", title="95 % intervals in brackets", box=SIMPLE, padding=(0, 1))
+    shown = Table(title="95 % intervals in brackets", box=SIMPLE, padding=(0, 1))
+    for name in ("driver", "pedestrians"):
+        shown.add_column(name, overflow="fold")
     if len(multipliers) > 1:
         shown.add_column("multiplier", justify="right")
     for name in ("goal %", "collision %", "timeout %", "time to goal [s]"):
-        shown.add_column(name, justify="right", no_wrap=True)
+        shown.add_column(escape(name), justify="right", no_wrap=True)
     for cell in document["cells"]:
         extra = [f"{cell['jaywalk_multiplier']:g}"] if len(multipliers) > 1 else []
         rates = [percent(cell[name]) for name in ("goal_rate", "collision_rate", "timeout_rate")]
-        shown.add_row(cell["driver"], cell["pedestrians"], *extra, *rates, seconds(cell["mean_time_to_goal"]))
+        driver = cell["driver"] + (f" ({PRIVILEGED})" if cell["driver_observes"] == PRIVILEGED else "")
+        shown.add_row(driver, cell["pedestrians"], *extra, *rates, seconds(cell["mean_time_to_goal"]))
     return shown
 
 

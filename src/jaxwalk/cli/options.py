@@ -93,7 +93,7 @@ class Evaluate:
     """
 
     driver: Annotated[tuple[str, ...], _option("needed", "D [D ...]")] = ()
-    """random, constant-speed, rule-based, rule-based-braking, route-follower, run folders or policy files."""
+    """random, constant-speed, rule-based, rule-based-braking, route-follower, oracle, run folders or policy files."""
     pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
     """always-go, run folders or policy files."""
     episodes: Annotated[int, _option("2000", "N")] = 2000
@@ -128,7 +128,7 @@ class Play:
     """
 
     driver: Annotated[str, _option("needed", "D")] = ""
-    """random, constant-speed, rule-based, rule-based-braking, route-follower, a run folder or a policy file."""
+    """random, constant-speed, rule-based, rule-based-braking, route-follower, oracle, a run folder or a policy file."""
     pedestrians: Annotated[str, _option("always-go", "P")] = "always-go"
     """always-go, a run folder or a policy file."""
     scenario: Annotated[int, _option("0", "N")] = 0

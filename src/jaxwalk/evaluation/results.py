@@ -43,6 +43,9 @@ class Cell:
     pedestrian_mode: str
     jaywalk_multiplier: float
     summary: Summary
+    driver_observes: str
+    """Name of the observation set; `jaxwalk.sim.observation.PRIVILEGED` is one that no real car could have."""
+    pedestrian_observes: str
 
     def as_dict(self) -> dict[str, Any]:
         """Plain dicts, lists and numbers: the headline first, then everything of the summary."""
@@ -52,6 +55,8 @@ class Cell:
             "pedestrians": self.pedestrians,
             "driver_mode": self.driver_mode,
             "pedestrian_mode": self.pedestrian_mode,
+            "driver_observes": self.driver_observes,
+            "pedestrian_observes": self.pedestrian_observes,
             "jaywalk_multiplier": self.jaywalk_multiplier,
             "goal_rate": _with_interval(outcomes.goal),
             "collision_rate": _with_interval(outcomes.collision),
@@ -142,6 +147,8 @@ def make_cell(
         pedestrian_mode=mode(pedestrians),
         jaywalk_multiplier=jaywalk_multiplier(street),
         summary=summarise(rows),
+        driver_observes=driver.observes,
+        pedestrian_observes=pedestrians.observes,
     )
 
 

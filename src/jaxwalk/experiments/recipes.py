@@ -69,7 +69,7 @@ RECIPES: dict[str, Experiment] = {
             "misaligned": -0.1,
             "time": -0.02,
         },
-        pedestrian_weights={"waited": -0.05, "collision": -100.0},
+        pedestrian_weights={"waited": -0.02, "collision": -100.0},
     ),
     "paper": Experiment(
         recipe="paper",

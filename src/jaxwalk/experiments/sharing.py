@@ -89,15 +89,13 @@ def _result_lines(results: Results) -> list[str]:
         "",
         "| among | goal % | collision % | timeout % | time to goal [s] |",
         "| --- | --- | --- | --- | --- |",
-        *(
-            f"| {name} | " + " | ".join(_shown(cell[x], 1 if x == "mean_time_to_goal" else 100) for x in FIGURES) + " |"
-            for name, cell in results["among"].items()
-        ),
+        *(f"| {name} | {' | '.join(_shown(x, cell[x]) for x in FIGURES)} |" for name, cell in results["among"].items()),
     ]
 
 
-def _shown(number: dict[str, float | None], scale: float) -> str:
+def _shown(figure: str, number: dict[str, float | None]) -> str:
     if number["value"] is None:
         return "–"
+    scale = 100 if figure.endswith("_rate") else 1
     value, low, high = (scale * float(number[x] or 0) for x in ("value", "low", "high"))
     return f"{value:.1f} [{low:.1f}, {high:.1f}]"

@@ -12,7 +12,7 @@ GLOBAL = "global"
 """The name by which a critic asks for the environment's global state."""
 SHARED = "shared"
 """Name of the one critic of shared credit; the others are named after their roles."""
-SNAPSHOTS = (16, 64)
+SNAPSHOTS = (10, 30)
 """After so many updates a role is remembered as it is, for `RoleConfig.early`."""
 
 
@@ -168,8 +168,8 @@ FAST = TrainConfig(
         entropy=0.001,
         epochs=2,
         initial_std=0.5,
-        fixed=1 / 6,
-        early=1 / 6,
+        fixed=1 / 4,
+        early=1 / 12,
     ),
     pedestrian=RoleConfig(
         observes="kerb", gated=True, hold=10, critic_observes=("kerb",), entropy=0.003, epochs=1, fixed=1 / 3

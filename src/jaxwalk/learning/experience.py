@@ -14,7 +14,7 @@ from jaxtyping import Array, Float, Key
 from jaxwalk.interfaces import ByRole, Environment, Policy
 from jaxwalk.learning.actor import Actor, Choice, decide, no_memory
 from jaxwalk.learning.config import GLOBAL, ROLES, SHARED, TrainConfig
-from jaxwalk.learning.players import columns_of, part_of, snapshots
+from jaxwalk.learning.players import columns_of, part_of, snapshots, width
 from jaxwalk.rollout import Act
 
 Views = dict[str, dict[str, Float[Array, "_ ..."]]]
@@ -76,7 +76,7 @@ def players(
         for where, actor in versions:
             sample = partial(decide, actor, sample=True)
             found.append(Player(where, actor.observes, partial(no_memory, actor), sample))
-    return sorted(found, key=lambda player: player.columns.start)
+    return sorted((x for x in found if width(x.columns)), key=lambda player: player.columns.start)
 
 
 def make_act(

@@ -11,6 +11,7 @@ _HOMES = {
     "AlwaysGo": "pedestrians",
     "ConstantSpeed": "drivers",
     "LearnedPolicy": "learned",
+    "Oracle": "oracle",
     "PolicyError": "learned",
     "Random": "drivers",
     "RouteFollower": "drivers",

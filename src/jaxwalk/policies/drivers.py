@@ -1,4 +1,5 @@
-"""Drivers that are rules, to compare trained ones with. Each is a `jaxwalk.interfaces.Policy` without memory.
+"""Drivers that are rules, to compare trained ones with. Each is a `jaxwalk.interfaces.Policy` without memory; the one
+that plans ahead, with knowledge of the future, is in `oracle.py`.
 
 An action is (acceleration, steering), each a share of its limit in [-1, 1]; positive steering is to the left. The
 rules know the car's default limits (`SimConfig`); a street with other limits wants them passed on.
@@ -15,9 +16,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Policy
+from jaxwalk.policies.oracle import Oracle
+from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, SPEED, part
-from jaxwalk.sim.prediction import POINT_SPACING, POINTS
 
 FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
 """Accelerations as shares of the limit (3 m/s2)."""
@@ -116,13 +118,7 @@ class RuleBasedBraking(eqx.Module):
 
 
 class RouteFollower(eqx.Module):
-    """Full throttle along its lane route, through turns as well, blind to people.
-
-    Pure pursuit: it steers along the circle that meets the route's point 2.5 m ahead, at most 0.52 rad. For a bicycle
-    about its centre, whose course is its heading plus the slip angle beta, that circle has
-    tan(beta) = L y / (x2 + y2 + L x), and the steering angle is atan(2 tan(beta)): x, y is the point ahead and to the
-    left [m], L the wheelbase (2.5 m).
-    """
+    """Full throttle along its lane route, through turns as well, blind to people: pure pursuit, 2.5 m ahead."""
 
     wheelbase: float = eqx.field(static=True, default=SimConfig.wheelbase)
     """Distance between the car's axles [m]."""
@@ -140,10 +136,7 @@ class RouteFollower(eqx.Module):
     def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
         """Full throttle after the route."""
         route = observation[part("driver", "route", "route")]
-        ahead, left = route[2 * self.point : 2 * self.point + 2] * (POINTS[self.point] * POINT_SPACING)
-        reach = jnp.maximum(ahead * ahead + left * left + self.wheelbase * ahead, 1e-3)
-        angle = jnp.arctan(2 * self.wheelbase * left / reach)
-        steering = jnp.clip(angle / self.max_steering, -1, 1)
+        steering = pursue(route, point=self.point, wheelbase=self.wheelbase, max_steering=self.max_steering)
         return _action(jnp.full_like(steering, FULL_THROTTLE), steering), memory
 
 
@@ -183,6 +176,7 @@ DRIVERS: dict[str, Callable[[], Policy]] = {
     "rule-based": RuleBased,
     "rule-based-braking": RuleBasedBraking,
     "route-follower": RouteFollower,
+    "oracle": Oracle,
 }
 """Driver rules by name: call one to make it."""
 

@@ -98,7 +98,8 @@ class Street(eqx.Module):
     @eqx.filter_jit
     def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
         """A named observation set (`jaxwalk.sim.observation.OBSERVATIONS`)."""
-        return observation.observe(role, name, (self.maps, self.tables, self.config, scenario, state))
+        world = observation.World(self.maps, self.tables, self.config, self.jaywalk_multiplier, scenario, state)
+        return observation.observe(role, name, world)
 
     @eqx.filter_jit
     def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:

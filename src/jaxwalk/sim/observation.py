@@ -1,17 +1,19 @@
 """What agents see: named observation sets, each a list of parts. Lengths are scaled to about 1.
 
 The car sees positions and velocities of people only; never a trait, a decision, a route, a goal or the go/wait output.
+The one exception is the set `PRIVILEGED`, for a driver that knows the future.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.maps import RoadMap
-from jaxwalk.sim import pedestrian, prediction, vehicle
+from jaxwalk.sim import future, pedestrian, prediction, vehicle
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
@@ -31,9 +33,22 @@ MARGINS = (1.0, 2.0, 3.0)
 """Where the metres begin in which the car sees predicted clearances in detail [m]."""
 SPEED = 8.33
 """Speeds are scaled by this [m/s], distances by `ABSENT`."""
+PRIVILEGED = "privileged"
+"""The driver's set that no real car could have: it shows where people are going to be."""
 
 Parts = list[Array]
-World = tuple[RoadMap, Tables, SimConfig, Scenario, State]
+
+
+class World(NamedTuple):
+    """All that an observation may be made of."""
+
+    maps: RoadMap
+    tables: Tables
+    config: SimConfig
+    multiplier: Float[Array, ""]
+    """The jaywalk multiplier."""
+    scenario: Scenario
+    state: State
 
 
 def observe(role: str, name: str, world: World) -> Float[Array, "feature ..."]:
@@ -41,7 +56,7 @@ def observe(role: str, name: str, world: World) -> Float[Array, "feature ..."]:
     sets = OBSERVATIONS[role]
     if name not in sets:
         raise ValueError(f"no observation set '{name}' for the {role}; there are: {', '.join(sets)}")
-    return _joined(sets[name](*world))
+    return _joined(sets[name](world))
 
 
 def _joined(parts: Parts) -> Float[Array, "feature ..."]:
@@ -69,8 +84,9 @@ def global_state(
     return jnp.concatenate([of_people.reshape(-1, *of_people.shape[2:]), of_car])
 
 
-def _driver_paper(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+def _driver_paper(world: World) -> Parts:
     """The paper's 34: own state and goal 8, lane 2, nearest 6 people x (relative position 2, velocity 2)."""
+    maps, tables, scenario, state = world.maps, world.tables, world.scenario, world.state
     car = state.vehicle
     goal_x, goal_y = vehicle.goal(tables, scenario)
     ahead, left = to_frame(goal_x - car.x, goal_y - car.y, car.cos, car.sin)
@@ -82,24 +98,36 @@ def _driver_paper(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Sc
     ]  # fmt: skip
 
 
-def _driver_route(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+def _driver_route(world: World) -> Parts:
     """The car in the frame of its route: lane keeping 6, route ahead 16, predicted clearances 13, nearest people 24.
 
     Clearances come once more as shares of the metres from 1 to 4, one by one: there a touch is decided, and the whole
     range in one number is too coarse for a network to learn that soon.
     """
-    car = state.vehicle
-    lateral, heading_cos, heading_sin = vehicle.route_frame(car)
-    to_go = vehicle.route_length(tables, scenario) - car.along
-    away = (jnp.array(POINTS) * POINT_SPACING).reshape(-1, 1, *(1,) * car.x.ndim)
-    route = jnp.stack([state.foresight.route_x, state.foresight.route_y], axis=1) / away
-    clearance, conflict = state.foresight.clearance, state.foresight.conflict
+    clearance, conflict = world.state.foresight.clearance, world.state.foresight.conflict
     margin = jnp.concatenate([jnp.clip(clearance - metre, 0, 1) for metre in MARGINS])
     longest = prediction.MOMENTS * prediction.MOMENT
+    ahead = [clearance / prediction.FAR, margin, conflict / longest]
+    return [*_on_route(world), *ahead, _nearest_people(world.state)]
+
+
+def _driver_privileged(world: World) -> Parts:
+    """The car in the frame of its route 22, and how near people will be to the places ahead if everybody goes 7728."""
+    nearest = future.clearances(*world) / prediction.FAR
+    return [*_on_route(world), nearest.reshape(-1, *world.state.step.shape)]
+
+
+def _on_route(world: World) -> Parts:
+    """Lane keeping 6, route ahead 16."""
+    config, scenario, state = world.config, world.scenario, world.state
+    car = state.vehicle
+    lateral, heading_cos, heading_sin = vehicle.route_frame(car)
+    to_go = vehicle.route_length(world.tables, scenario) - car.along
+    away = (jnp.array(POINTS) * POINT_SPACING).reshape(-1, 1, *(1,) * car.x.ndim)
+    route = jnp.stack([state.foresight.route_x, state.foresight.route_y], axis=1) / away
     return [
         car.speed / SPEED, car.steering / config.max_steering, lateral / 2, heading_cos, heading_sin,
-        jnp.minimum(to_go / ABSENT, 2), route.reshape(-1, *car.x.shape), clearance / prediction.FAR, margin,
-        conflict / longest, _nearest_people(state),
+        jnp.minimum(to_go / ABSENT, 2), route.reshape(-1, *car.x.shape),
     ]  # fmt: skip
 
 
@@ -110,9 +138,10 @@ def _nearest_people(state: State) -> Float[Array, "feature *batch"]:
     return rows.reshape(-1, *rows.shape[2:])
 
 
-def _pedestrian_paper(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+def _pedestrian_paper(world: World) -> Parts:
     """The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's
     relative position 2 and velocity 2, nearest other pedestrian 2. Relative means in the map's axes, from oneself."""
+    maps, config, scenario, state = world.maps, world.config, world.scenario, world.state
     car, people = state.vehicle, state.pedestrian
     vx, vy = pedestrian.velocity(config, scenario, people)
     other_x, other_y = _nearest_other(people.x, people.y)
@@ -127,13 +156,14 @@ def _pedestrian_paper(maps: RoadMap, tables: Tables, config: SimConfig, scenario
     ]  # fmt: skip
 
 
-def _pedestrian_kerb(maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State) -> Parts:
+def _pedestrian_kerb(world: World) -> Parts:
     """What bears on stepping into the road: whether there is anything to decide 1, the car as it comes 7, the times at
     which both would be where their ways cross 3, how close they would come if one goes now 2, oneself 6.
 
     There is something to decide on the last metre before the roadway, with the car within 40 m and not yet past.
     Vectors are in the car's frame.
     """
+    config, scenario, state = world.config, world.scenario, world.state
     car, people = state.vehicle, state.pedestrian
     ahead, left = state.foresight.people.ahead, state.foresight.people.left
     along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
@@ -176,8 +206,8 @@ def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"])
     return for_everybody(people, pick, (jnp.full_like(x, ABSENT), jnp.zeros_like(x)))
 
 
-OBSERVATIONS: dict[str, dict[str, Callable[..., Parts]]] = {
-    "driver": {"paper": _driver_paper, "route": _driver_route},
+OBSERVATIONS: dict[str, dict[str, Callable[[World], Parts]]] = {
+    "driver": {"paper": _driver_paper, "route": _driver_route, PRIVILEGED: _driver_privileged},
     "pedestrian": {"paper": _pedestrian_paper, "kerb": _pedestrian_kerb},
 }
 """The named observation sets of each role."""
@@ -192,6 +222,10 @@ LAYOUTS: dict[str, dict[str, dict[str, int]]] = {
             "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(POINTS),
             "clearance": 3, "margin": 3 * len(MARGINS),
             "conflict": 1, "people": 4 * NEIGHBOURS,
+        },
+        PRIVILEGED: {
+            "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(POINTS),
+            "clearances": future.MOMENTS * future.PLACES,
         },
     },
     "pedestrian": {

@@ -1,7 +1,8 @@
 """The simulator alone: fresh actions every step, restarts on, everything that could be seen or paid is computed.
 
-Every observation set and every reward term of both roles is reduced into the result, so that nothing can be left out.
-No learning. The processor's cores each play a share of the environments, as devices of one `shard_map`.
+Every observation set but the privileged one and every reward term of both roles is reduced into the result, so that
+nothing can be left out. No learning. The processor's cores each play a share of the environments, as devices of one
+`shard_map`.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import OBSERVATIONS
+from jaxwalk.sim.observation import OBSERVATIONS, PRIVILEGED
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 
 WARM_STEPS = 64
@@ -147,9 +148,10 @@ def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]
 def look_and_act(street: Street) -> Act:
     """A policy that acts at random and looks at everything; it records one number for each street."""
     people = jnp.arange(street.config.pedestrians, dtype=jnp.uint32)
+    looks = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name != PRIVILEGED]
 
     def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[ByRole, Any, jax.Array]:
-        seen = [street.observe(scenario, state, role, name) for role, sets in OBSERVATIONS.items() for name in sets]
+        seen = [street.observe(scenario, state, role, name) for role, name in looks]
         seen.append(street.global_state(scenario, state))
         words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random numbers: 64 fresh bits are enough
         action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1

@@ -1,0 +1,61 @@
+"""The future that no real car can know: how near people will be to each place of the route if everybody walks on."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from jaxwalk.maps import RoadMap
+from jaxwalk.maps.road_map import ROUTE_SPACING
+from jaxwalk.sim import pedestrian
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.prediction import FAR
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.state import PedestrianState, State
+from jaxwalk.sim.tables import Tables, for_everybody, look_up_each
+
+MOMENTS, STEPS = 48, 2
+"""The future is shown at 48 moments, 2 steps apart: 9.6 s with steps of 0.1 s."""
+PLACES, SPACING = 161, 0.5
+"""... and at each moment at 161 places of the route, 0.5 m apart: the car's own, and 80 m ahead, which 9.6 s allow."""
+
+
+def clearances(
+    maps: RoadMap, tables: Tables, config: SimConfig, multiplier: Float[Array, ""], scenario: Scenario, state: State
+) -> Float[Array, "moment place *batch"]:
+    """Distance from each place of the route ahead to the nearest person at each moment to come, at most `FAR` [m].
+
+    It is the simulator itself that walks on, with the scenario's own draws: jaywalks not yet decided are known too. The
+    assumption is that everybody goes from now on; who waits now is taken to start at once.
+    """
+    place_x, place_y = _places(maps, scenario, state)
+    go = jnp.ones(state.pedestrian.going.shape, bool)
+
+    def stride(people: PedestrianState, _: None) -> tuple[PedestrianState, None]:
+        return pedestrian.walk(maps, tables, config, multiplier, scenario, people, go), None
+
+    def moment(people: PedestrianState, _: None) -> tuple[PedestrianState, Array]:
+        people, _ = jax.lax.scan(stride, people, None, length=STEPS)
+        return people, _nearest(people.x, people.y, place_x, place_y)
+
+    return jax.lax.scan(moment, state.pedestrian, None, length=MOMENTS)[1]
+
+
+def _places(maps: RoadMap, scenario: Scenario, state: State) -> tuple[Array, Array]:
+    """Places of the route ahead of the car [m], ``(place, *batch)``; beyond the route's last point, that point."""
+    along = state.vehicle.along + (jnp.arange(PLACES) * SPACING).reshape(-1, *(1,) * state.step.ndim)
+    point = jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, maps.route_x.shape[-1] - 1)
+    columns = (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)
+    x, y, cos, sin = look_up_each(columns, scenario.map, scenario.route, point)
+    beyond = jnp.clip(along - point * ROUTE_SPACING, -ROUTE_SPACING, ROUTE_SPACING)
+    return x + cos * beyond, y + sin * beyond
+
+
+def _nearest(x: Array, y: Array, place_x: Array, place_y: Array) -> Float[Array, "place *batch"]:
+    """Distance from each place to the nearest person [m]; people ``(ped, *batch)``, one after the other."""
+
+    def compare(person: Array, nearest: Array) -> Array:
+        return jnp.minimum(nearest, (place_x - x[person]) ** 2 + (place_y - y[person]) ** 2)
+
+    return jnp.sqrt(for_everybody(x.shape[0], compare, jnp.full(place_x.shape, FAR**2)))

@@ -1,0 +1,129 @@
+"""The driver that knows the future, in situations made by hand and among always-go."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.cli import main
+from jaxwalk.evaluation import compare, evaluate
+from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
+from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
+from jaxwalk.sim.observation import ABSENT, LAYOUTS, PRIVILEGED, SPEED, part
+from jaxwalk.sim.prediction import FAR
+
+SIZE = sum(LAYOUTS["driver"][PRIVILEGED].values())
+LENGTH = 90.0
+STEPS_PLAYED = 400
+CASES = 41
+KEYS = jax.random.split(jax.random.key(0), CASES)
+
+
+def observation(along, speed, time, person):
+    """On a straight road of 90 m; ``person(time)`` is (ahead of the start, left of the lane) [m], ``(..., case)``."""
+    times = time + 0.1 * STEPS * jnp.arange(1, MOMENTS + 1)
+    places = along + SPACING * jnp.arange(PLACES)[:, None]
+    ahead, left = person(times[:, None, None])
+    seen = jnp.zeros((SIZE, CASES))
+    for name, value in (("speed", speed / SPEED), ("to_go", (LENGTH - along) / ABSENT), ("heading", [[1.0], [0.0]])):
+        seen = seen.at[part("driver", PRIVILEGED, name)].set(value)
+    seen = seen.at[part("driver", PRIVILEGED, "route")].set(jnp.tile(jnp.array([1.0, 0.0]), 8)[:, None])
+    table = jnp.minimum(jnp.hypot(places - ahead, left), FAR) / FAR
+    return seen.at[part("driver", PRIVILEGED, "clearances")].set(table.reshape(-1, CASES))
+
+
+def drive(driver, person):
+    """(along, speed, distance to the person), each (step, case), from a standing start."""
+
+    def body(car, step):
+        along, speed, memory = car
+        action, memory = driver.act(KEYS, memory, observation(along, speed, 0.1 * step, person))
+        speed = jnp.clip(speed + 0.3 * action[0], 0, 8.33)
+        along = along + 0.1 * speed
+        ahead, left = person(0.1 * (step + 1))
+        return (along, speed, memory), (along, speed, jnp.hypot(along - ahead, left), action[1])
+
+    begin = (jnp.zeros(CASES), jnp.zeros(CASES), driver.init((), (CASES,)))
+    _, played = jax.jit(lambda: jax.lax.scan(body, begin, jnp.arange(STEPS_PLAYED)))()
+    *played, steering = map(np.asarray, played)
+    assert (steering == 0).all()
+    return played
+
+
+def under_way(along):
+    return along < LENGTH - 3
+
+
+def crossing(time):
+    """Across the road at 30 m, at 1.5 m/s, from 3 m beside the lane or farther."""
+    return jnp.full(CASES, 30.0), 3 + 0.25 * jnp.arange(CASES) - 1.5 * time
+
+
+def lying(time):
+    """In the middle of the lane, from 20 to 40 m."""
+    return 20 + 0.5 * jnp.arange(CASES), 0 * time
+
+
+def oncoming(time):
+    """Along the lane toward the car at 1.5 m/s, then off it at 30 m: to stand still there would be no help."""
+    walked = 1.5 * time
+    ahead = 36 + 0.1 * jnp.arange(CASES) - walked
+    return jnp.maximum(ahead, 30.0), jnp.maximum(30 - ahead, 0)
+
+
+def standing_place(time):
+    """Across the start: whoever waits there is walked into."""
+    return jnp.zeros(CASES), 6 + 0.1 * jnp.arange(CASES) - 1.5 * time
+
+
+@pytest.mark.parametrize("person", [crossing, oncoming, standing_place])
+def test_it_gets_by_without_touching_and_arrives(person):
+    along, _, away = drive(Oracle(), person)
+    assert away[under_way(along)].min() > 1.8
+    assert (along[-1] > LENGTH - 3).all()
+
+
+def test_it_slows_down_only_for_whom_it_would_meet():
+    along, speed, _ = drive(Oracle(), crossing)
+    slows = (np.diff(speed, axis=0) < -1e-3).any(axis=0)
+    duration = 0.1 * under_way(along).sum(axis=0)
+    assert slows.any()
+    assert not slows.all()
+    assert duration.min() < 12.2  # 87 m from a standing start take 11.9 s
+    assert duration.max() < 15.5
+
+
+def test_it_stops_before_who_stays():
+    _, speed, away = drive(Oracle(), lying)
+    assert (speed[-1] == 0).all()
+    assert away.min() > 1.8
+    assert away[-1].max() < 7
+
+
+@pytest.fixture(scope="module")
+def played(street):
+    """Rows of 64 scenarios among always-go."""
+    return evaluate(street, Oracle(), AlwaysGo(), episodes=64, seed=3, batch=64).episodes
+
+
+def test_among_always_go_it_always_arrives(street, played):
+    blind = evaluate(street, RouteFollower(), AlwaysGo(), episodes=64, seed=3, batch=64).episodes
+    assert blind.collision.sum() > 10
+    assert played.goal.all()
+    both = blind.goal
+    assert played.steps[both].mean() < 1.15 * blind.steps[both].mean()
+
+
+def test_the_command_line_says_that_it_is_privileged(monkeypatch, capsys):
+    monkeypatch.setattr("jaxwalk.cli.evaluate.compare", partial(compare, batch=16))
+    command = ["evaluate", "--driver", "oracle", "--episodes", "4"]
+    assert main(command) == 0
+    assert "oracle (privileged)" in capsys.readouterr().out
+    assert main([*command, "--json"]) == 0
+    cells = json.loads(capsys.readouterr().out)["cells"]
+    assert [cell["driver_observes"] for cell in cells] == ["privileged"]

@@ -1,0 +1,66 @@
+"""The privileged driver's set: where everybody is going to be."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
+from jaxwalk.sim.observation import PRIVILEGED, part
+from jaxwalk.sim.prediction import FAR
+from sim.play import ENVIRONMENTS, actions, everything, with_car
+
+
+@jax.jit
+def _observe(street, scenario, state):
+    return street.observe(scenario, state, "driver", PRIVILEGED)
+
+
+def clearances(street, scenario, state):
+    """The table in metres, (moment, place, env)."""
+    seen = np.asarray(_observe(street, scenario, state))
+    return seen[part("driver", PRIVILEGED, "clearances")].reshape(MOMENTS, PLACES, ENVIRONMENTS) * FAR
+
+
+@pytest.mark.parametrize("anywhere", [False, True])
+def test_the_table_is_what_happens_when_everybody_goes(street, scenarios, midway, always_go, anywhere):
+    """`midway` is step 150 of an episode that was played on with everybody going."""
+    driven = np.random.default_rng(0).uniform(0, 40, ENVIRONMENTS) if anywhere else np.zeros(ENVIRONMENTS)
+    seen = clearances(street, scenarios, with_car(midway, along=driven))
+    steps = 150 + STEPS * np.arange(1, MOMENTS + 1)
+    along = driven + SPACING * np.arange(PLACES)[:, None]
+    for env in range(0, ENVIRONMENTS, 5):
+        route = (np.asarray(xy)[0, scenarios.route[env]] for xy in (street.maps.route_x, street.maps.route_y))
+        x, y = (np.interp(along[:, env], 0.5 * np.arange(len(xy)), xy) for xy in route)
+        people_x, people_y = (always_go[name][steps][..., env] for name in ("x", "y"))
+        away = np.hypot(people_x[:, None] - x[:, None], people_y[:, None] - y[:, None]).min(axis=2)
+        # Between two points of a bend, the table goes along the tangent, this test along the chord.
+        np.testing.assert_allclose(seen[..., env], np.minimum(away, FAR), atol=0.02 if anywhere else 1e-4)
+    assert (seen < 1.5).mean() > 0.005
+
+
+def test_who_waits_is_taken_to_start_now(street, paid_street, scenarios, midway):
+    waiting = midway
+    for _ in range(10):
+        waiting, *_ = everything(paid_street, scenarios, waiting, actions((-1.0, 0.0), 0))
+    np.testing.assert_array_equal(clearances(street, scenarios, waiting), clearances(street, scenarios, midway))
+
+
+def test_it_knows_jaywalks_that_nobody_has_decided_yet(street, scenarios):
+    start = street.reset(scenarios)
+    never, always = (dataclasses.replace(street, jaywalk_multiplier=jnp.float32(x)) for x in (0, 1e9))
+    with_none, with_all = clearances(never, scenarios, start), clearances(always, scenarios, start)
+    differs = (np.abs(with_none - with_all) > 1).any(axis=(0, 1))
+    assert differs.mean() > 0.5
+    np.testing.assert_allclose(with_none[0], with_all[0], atol=2 * 2.0 * 0.1 * STEPS)  # both walked 0.2 s
+
+
+def test_one_scenario_alone_sees_the_same(street, scenarios, midway):
+    one = lambda tree: jax.tree.map(lambda x: x[..., 7], tree)  # noqa: E731
+    alone = eqx.filter_jit(street.observe)(one(scenarios), one(midway), "driver", PRIVILEGED)
+    np.testing.assert_allclose(alone, np.asarray(_observe(street, scenarios, midway))[:, 7], atol=1e-5)
