@@ -159,8 +159,10 @@ class Reproduce:
 
     out: Annotated[Path, _option("runs/reproduce", "DIR")] = Path("runs/reproduce")
     """Folder for everything; open report.html in it."""
+    recipe: Literal["fast", "paper"] = "fast"
+    """Of all trainings. fast: whatever learns best; paper: the paper's, which wants hours, better days."""
     minutes: Annotated[float, _option("4", "MIN")] = 4.0
-    """For the first co-training; all others are trained with as many steps."""
+    """For the first co-training; all others make as many updates."""
     updates: Annotated[int | None, _option("none", "N")] = None
     """Train so many updates instead."""
     episodes: Annotated[int, _option("1000", "N")] = 1000

@@ -14,8 +14,8 @@ def run(options: Reproduce) -> int:
     """Make everything that is missing; 130 if Ctrl-C ended it."""
     with bad_values():
         plan = Plan(
-            minutes=options.minutes, updates=options.updates, episodes=options.episodes, seed=options.seed,
-            seeds=options.seeds,
+            recipe=options.recipe, minutes=options.minutes, updates=options.updates, episodes=options.episodes,
+            seed=options.seed, seeds=options.seeds,
         )  # fmt: skip
     try:
         made = reproduce(options.out, plan)
