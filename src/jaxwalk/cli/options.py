@@ -93,9 +93,10 @@ class Evaluate:
     """
 
     driver: Annotated[tuple[str, ...], _option("needed", "D [D ...]")] = ()
-    """random, constant-speed, rule-based, rule-based-braking, route-follower, oracle, run folders or policy files."""
+    """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, oracle), trained policies that
+    come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders, policy files."""
     pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
-    """always-go, run folders or policy files."""
+    """always-go, learned or paper-learned (they come with jaxwalk), run folders or policy files."""
     episodes: Annotated[int, _option("2000", "N")] = 2000
     """Scenarios in each cell, the same for all."""
     seed: Annotated[int, _option("0", "N")] = 0
@@ -128,9 +129,9 @@ class Play:
     """
 
     driver: Annotated[str, _option("needed", "D")] = ""
-    """random, constant-speed, rule-based, rule-based-braking, route-follower, oracle, a run folder or a policy file."""
+    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder or a policy file."""
     pedestrians: Annotated[str, _option("always-go", "P")] = "always-go"
-    """always-go, a run folder or a policy file."""
+    """always-go, learned, paper-learned, a run folder or a policy file."""
     scenario: Annotated[int, _option("0", "N")] = 0
     """Number of the scenario: a row of an evaluation with the same seed."""
     seed: Annotated[int, _option("0", "N")] = 0

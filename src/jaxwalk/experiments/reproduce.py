@@ -169,7 +169,7 @@ def _co_train(work: Reproduction) -> None:
 
 
 def _train_alone(work: Reproduction) -> None:
-    """As many updates of as many steps as the co-trainings made."""
+    """As many updates as the co-trainings made."""
     for seed in work.plan.training_seeds:
         _train(work, SINGLE_AGENT, with_training(single_agent(work.base), updates=_made(work)), seed, None)
 

@@ -14,6 +14,7 @@ from matplotlib.ticker import FuncFormatter
 
 from jaxwalk.metrics import interquartile_mean
 from jaxwalk.report import published
+from jaxwalk.report.frontier import frontier
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, ROUTE_FOLLOWER, Material, Number
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PAPER, PURPLE, RED, SKY, drawing, panels, save
 
@@ -285,6 +286,7 @@ def _end(number: Number, name: str) -> float:
 
 FIGURES: dict[str, Callable[[Material], Figure]] = {
     "baselines": baselines,
+    "frontier": frontier,
     "speed_differential": speed_differential,
     "attribution": attribution,
     "quarters": quarters,
