@@ -42,7 +42,7 @@ MULTIPLIERS = (0.25, 1.0)
 
 def _play_little(patch):
     """Two rules, two multipliers, and no more episodes at once than there are."""
-    patch.setattr(tournament, "RULES", RULES)
+    patch.setattr(tournament, "COMPARED", RULES)
     patch.setattr(tournament, "MULTIPLIERS", MULTIPLIERS)
     patch.setattr(tournament, "compare", partial(compare, batch=PLAN.episodes))
     patch.setattr("jaxwalk.evaluation.evaluate", partial(evaluate, batch=PLAN.episodes))
@@ -120,10 +120,10 @@ def test_everybody_meets_the_pedestrians_of_the_seed(street, monkeypatch):
         with pytest.raises(Interrupted):
             play_all(street, trained, tournament.Scenarios(8, 0), print)
     assert [(seed, list(drivers), list(among)) for seed, drivers, among in rounds] == [
-        (None, tournament.RULES, ["always-go"]),
-        (3, tournament.RULES, ["learned"]),
+        (None, tournament.COMPARED, ["always-go"]),
+        (3, tournament.COMPARED, ["learned"]),
         (3, ["single-agent", "co-trained"], ["always-go", "learned"]),
-        (4, tournament.RULES, ["learned"]),
+        (4, tournament.COMPARED, ["learned"]),
         (4, ["single-agent", "co-trained"], ["always-go", "learned"]),
         (3, ["co-trained"], ["always-go", "learned"]),
         (4, ["co-trained"], ["always-go", "learned"]),

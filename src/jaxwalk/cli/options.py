@@ -58,7 +58,7 @@ class Train:
     jaywalk_multiplier: Annotated[float, _option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     environments: Annotated[int | None, _tuned("environments", "N")] = None
-    """Environments side by side."""
+    """Environments side by side (fast with --single-agent: 512)."""
     steps: Annotated[int | None, _tuned("steps", "N")] = None
     """Steps of 0.1 s that each environment makes in an update."""
     minibatches: Annotated[int | None, _tuned("minibatches", "N")] = None
@@ -206,7 +206,7 @@ class Share:
     out: Annotated[Path | None, _option("needed", "FILE")] = None
     """FILE.safetensors; the card is FILE.md. Existing ones are replaced."""
     pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
-    """Among whom the driver is evaluated: always-go, learned, run folders or policy files."""
+    """Among whom the driver is evaluated: always-go, learned, paper-learned, run folders or policy files."""
     episodes: Annotated[int, _option("2000", "N")] = 2000
     """Scenarios among each."""
     seed: Annotated[int, _option("0", "N")] = 0

@@ -6,15 +6,21 @@ from rich.console import Console
 from rich.progress import Progress
 
 from jaxwalk.cli.options import Share, UsageError
-from jaxwalk.cli.train import bad_values
 from jaxwalk.experiments.runs import check_writable
 from jaxwalk.experiments.sharing import share
 
 
 def run(options: Share) -> int:
     """Evaluate the driver, then write the file and its card."""
-    if options.out is None or options.out.suffix != ".safetensors":
+    if options.out is None:
         raise UsageError("--out FILE.safetensors is missing: where to write the policies")
+    if options.out.suffix != ".safetensors":
+        raise UsageError(f"--out {options.out}: the name must end in .safetensors")
+    if options.out.is_dir():
+        raise UsageError(f"--out {options.out}: is a folder; name a file")
+    card = options.out.with_suffix(".md")
+    if card.exists() and not options.out.exists():
+        raise UsageError(f"--out {options.out}: its card would replace {card}; choose another name")
     if not options.pedestrians:
         raise UsageError("--pedestrians is missing: always-go, a run folder or a policy file")
     if options.episodes < 1:
@@ -22,7 +28,7 @@ def run(options: Share) -> int:
     if not 0 <= options.seed < 2**31:
         raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
     check_writable(options.out.parent)
-    with bad_values(), Progress(console=Console(stderr=True), transient=True) as bar:
+    with Progress(console=Console(stderr=True), transient=True) as bar:
         tasks = {name: bar.add_task(f"among {name}", total=options.episodes) for name in options.pedestrians}
         card = share(
             options.run_folder, options.out, options.pedestrians, episodes=options.episodes, seed=options.seed,

@@ -80,12 +80,13 @@ def check(options: Train) -> None:
 def make_experiment(options: Train) -> Experiment:
     """The recipe with the options' changes."""
     experiment = RECIPES[options.recipe]
+    experiment = single_agent(experiment) if options.single_agent else experiment
     with bad_values():
         experiment = with_training(experiment, **{name: getattr(options, name) for name in TUNABLE})
         maps = tuple(map(_absolute, options.map))
         multiplier = options.jaywalk_multiplier
         experiment = replace(experiment, seed=options.seed, maps=maps, jaywalk_multiplier=multiplier)
-    return single_agent(experiment) if options.single_agent else experiment
+    return experiment
 
 
 def _absolute(name: str) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from jaxwalk.learning.config import FAST, PAPER, TrainConfig
+from jaxwalk.learning.config import FAST, PAPER, TrainConfig, own_environments
 from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
 
 
@@ -95,7 +95,7 @@ def single_agent(experiment: Experiment) -> Experiment:
     Without pedestrians to teach, nobody needs other drivers.
     """
     train = experiment.train
-    own = round(train.environments * (1 - train.driver.fixed - train.driver.early))
+    own = own_environments(train, "driver")
     driver, pedestrian = replace(train.driver, fixed=0.0, early=0.0), replace(train.pedestrian, fixed=1.0, early=0.0)
     return replace(experiment, train=replace(train, environments=own, driver=driver, pedestrian=pedestrian))
 

@@ -1,7 +1,7 @@
 """The paper's whole experiment as a plain list of parts. A part whose file is there is not made again.
 
 runs/co-trained/seed-0, ...      the trainings of car and pedestrians, one for each training seed
-runs/single-agent/seed-0, ...    those of the car alone, with equally many steps
+runs/single-agent/seed-0, ...    those of the car alone, with equally many updates
 plan.json                        what was asked for
 results.json, episodes.csv       every driver among every population (`jaxwalk.experiments.tournament`)
 ablation.json                    the co-trained drivers with less and more jaywalking
@@ -45,9 +45,9 @@ class Plan:
     """What to reproduce, and how thoroughly."""
 
     recipe: str = "fast"
-    """Of both trainings."""
+    """Of all trainings."""
     minutes: float = 4.0
-    """For each co-training [min]; ignored where ``updates`` is given."""
+    """For the first co-training [min]; all others make as many updates. Ignored where ``updates`` is given."""
     updates: int | None = None
     """Updates of each training."""
     episodes: int = 1000
@@ -61,8 +61,10 @@ class Plan:
         """Refuse what can't be done."""
         if not 0 < self.minutes < float("inf"):
             raise ValueError(f"minutes must be above 0, not {self.minutes}")
-        if self.updates is not None and self.updates < 1:
-            raise ValueError(f"updates must be at least 1, not {self.updates}")
+        if self.recipe not in RECIPES:
+            raise ValueError(f"recipe must be one of {', '.join(RECIPES)}, not {self.recipe}")
+        if self.updates is not None and not 1 <= self.updates < 2**31:
+            raise ValueError(f"updates must lie in [1, 2^31), not {self.updates}")
         if self.episodes < 1:
             raise ValueError(f"episodes must be at least 1, not {self.episodes}")
         if self.seeds < 1:
@@ -123,8 +125,10 @@ def reproduce(folder: Path, plan: Plan, *, console: Console | None = None, base:
     for number, (name, step) in enumerate(steps, 1):
         work.say(f"[{number}/{len(steps)}] {name}")
         begun = time.monotonic()
-        step(work)
-        _count_minutes(work, step.__name__.strip("_"), time.monotonic() - begun)
+        try:
+            step(work)
+        finally:
+            _count_minutes(work, step.__name__.strip("_"), time.monotonic() - begun)
     return folder / "report.html"
 
 

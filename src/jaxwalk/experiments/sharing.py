@@ -8,8 +8,9 @@ from typing import Any
 
 from jaxwalk.evaluation import compare
 from jaxwalk.experiments.contestants import contestant, world_of
-from jaxwalk.experiments.runs import Run, RunError, write_whole
-from jaxwalk.policies import load_policy, read_metadata, save_policy
+from jaxwalk.experiments.runs import Run, write_whole
+from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
+from jaxwalk.report.table import shown
 
 FIGURES = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
 """Of each cell, what the file and its card tell."""
@@ -24,25 +25,32 @@ def share(
 
     Raises RunError if the run has no policy yet, ContestantError for an unknown population.
     """
-    run = Run.open(folder)
-    if not run.policy.is_file():
-        raise RunError(f"{folder}: has no {run.policy.name} yet; go on with: jaxwalk train --resume {folder}")
-    street = world_of([str(folder)], ())
-    driver = {str(folder): contestant(street, "driver", str(folder))}
-    people = {name: contestant(street, "pedestrian", name) for name in populations}
+    run, here = Run.open(folder), str(folder.resolve())  # whole, so that it is no shipped policy's name
+    street = world_of([here], ())
+    driver = {"driver": contestant(street, "driver", here)}
+    people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
+    about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)
+    actors = {role: load_policy(run.policy, role).actor for role in about.pop("roles")}
     found, _ = compare(street, driver, people, episodes=episodes, seed=seed, progress=progress)
     document = found.as_dict()
-    results = {
+    about["results"] = {
         "scenarios": document["scenarios"],
+        "jaywalk_multiplier": document["cells"][0]["jaywalk_multiplier"],
         "among": {cell["pedestrians"]: {name: cell[name] for name in FIGURES} for cell in document["cells"]},
     }
-    metadata = read_metadata(run.policy)
-    actors = {role: load_policy(run.policy, role).actor for role in metadata.pop("roles")}
     out.parent.mkdir(parents=True, exist_ok=True)
-    save_policy(out, actors, metadata | {"results": results})
+    save_policy(out, actors, about)
     card = out.with_suffix(".md")
     write_whole(card, model_card(out))
     return card
+
+
+def _label(population: str) -> str:
+    """What to call a population elsewhere: a run folder is somewhere else there."""
+    if population in (*POPULATIONS, *SHIPPED["pedestrian"]) or not Path(population).is_dir():
+        return Path(population).name
+    experiment = Run.open(population).experiment
+    return f"learned ({experiment.recipe}, training seed {experiment.seed})"
 
 
 def model_card(file: Path) -> str:
@@ -89,13 +97,12 @@ def _result_lines(results: Results) -> list[str]:
         "",
         "| among | goal % | collision % | timeout % | time to goal [s] |",
         "| --- | --- | --- | --- | --- |",
-        *(f"| {name} | {' | '.join(_shown(x, cell[x]) for x in FIGURES)} |" for name, cell in results["among"].items()),
+        *(
+            f"| {name} | {' | '.join(shown(cell[x], _scale(x)) for x in FIGURES)} |"
+            for name, cell in results["among"].items()
+        ),
     ]
 
 
-def _shown(figure: str, number: dict[str, float | None]) -> str:
-    if number["value"] is None:
-        return "–"
-    scale = 100 if figure.endswith("_rate") else 1
-    value, low, high = (scale * float(number[x] or 0) for x in ("value", "low", "high"))
-    return f"{value:.1f} [{low:.1f}, {high:.1f}]"
+def _scale(figure: str) -> float:
+    return 100.0 if figure.endswith("_rate") else 1.0

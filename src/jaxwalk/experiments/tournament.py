@@ -22,7 +22,7 @@ from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import PRIVILEGED
 
-RULES = [name for name, make in DRIVERS.items() if make().observes != PRIVILEGED]
+COMPARED = [name for name, make in DRIVERS.items() if make().observes != PRIVILEGED]
 """Rules that are compared: the oracle, which knows the future, is in no table of the paper's and takes minutes."""
 MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
 """Jaywalk multipliers of the ablation (paper, section IV-D)."""
@@ -66,14 +66,14 @@ def tournament(
     Rules among always-go play once; whatever was trained plays once for each training seed, its drivers among its own
     pedestrians.
     """
-    rules = {name: contestant(street, "driver", name) for name in RULES}
+    rules = {name: contestant(street, "driver", name) for name in COMPARED}
     always_go = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
     rounds: list[Round] = [(None, rules, always_go)]
     for one in trained:
         learned = {LEARNED: one.learned}
         rounds += [(one.seed, rules, learned), (one.seed, one.drivers, {**always_go, **learned})]
     start, matches = _play(street, rounds, scenarios, say)
-    places = {name: place for place, name in enumerate((*RULES, SINGLE_AGENT, CO_TRAINED))}
+    places = {name: place for place, name in enumerate((*COMPARED, SINGLE_AGENT, CO_TRAINED))}
     matches.sort(key=lambda match: (places[match.cell.driver], match.cell.pedestrians != ALWAYS_GO))
     return {**_document(start, matches), "paired": _pairs(matches)}, matches
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jaxwalk.experiments.recipes import Experiment
 from jaxwalk.interfaces import ByRole, Policy
-from jaxwalk.policies.drivers import Careless
+from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.sim.environment import Street
 
@@ -22,8 +22,9 @@ def make_street(experiment: Experiment) -> Street:
 
 def fixed_policies(experiment: Experiment) -> ByRole[Policy | None]:
     """Who plays a role where its learner doesn't."""
-    train = experiment.train
+    train, sim = experiment.train, experiment.sim
+    follower = RouteFollower(wheelbase=sim.wheelbase, max_steering=sim.max_steering)
     return ByRole(
-        driver=Careless() if train.driver.fixed else None,
+        driver=Careless(follower) if train.driver.fixed else None,
         pedestrian=AlwaysGo() if train.pedestrian.fixed else None,
     )

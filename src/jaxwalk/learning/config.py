@@ -55,6 +55,8 @@ class RoleConfig:
             _require(self, 0 <= getattr(self, name) <= 1, name, "must lie in [0, 1]")
         _require(self, self.fixed + self.early < 1 or not self.learns, "early", "leaves nothing to learn from")
         _require(self, self.hold == 1 or (self.hold > 1 and self.gated), "hold", "must be 1, or more for a gated role")
+        alone = not (self.gated and GLOBAL in self.critic_observes)
+        _require(self, alone, "critic_observes", f"of a gated role can't have {GLOBAL!r}", None)
         _require(self, self.entropy >= 0, "entropy", "must be 0 or more")
         _require(self, 0 < self.epochs < math.inf, "epochs", "must be above 0")
         _require(self, 0 < self.initial_std < math.inf, "initial_std", "must be above 0")
@@ -133,6 +135,8 @@ class TrainConfig:
         _require(self, self.credit in ("individual", "shared"), "credit", 'must be "individual" or "shared"')
         units = all(units > 0 for units in self.shared_critic_hidden)
         _require(self, units, "shared_critic_hidden", "must all be above 0")
+        for role in self.learning_roles:
+            _require(self, own_environments(self, role) >= 1, "environments", f"leave the {role} none to learn from")
         learns = any(getattr(self, role).learns for role in ROLES)
         _require(self, learns, "fixed", "must be below 1 for at least one role", None)
 
@@ -144,6 +148,12 @@ class TrainConfig:
     def role(self, name: str) -> RoleConfig:
         """The configuration of the role of that name."""
         return getattr(self, name)
+
+
+def own_environments(config: TrainConfig, role: str) -> int:
+    """In how many environments a role's learner plays: all but those of its stand-ins."""
+    choice, count = config.role(role), config.environments
+    return count - round(choice.fixed * count) - round(choice.early * count)
 
 
 def _require(config: object, condition: bool, name: str, message: str, value: object = ...) -> None:

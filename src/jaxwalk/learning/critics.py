@@ -94,10 +94,11 @@ def judge(config: TrainConfig, critic: Critic, played: Step, final: Views) -> Ju
     states alone a critic would know nothing of others, in which a rollout may end: so it learns from the first ones
     of the rollout too, whatever they are.
     """
-    role = ROLES[0] if critic.role == SHARED else critic.role
-    own = columns_of(config, role).own
+    shared = critic.role == SHARED
+    role = ROLES[0] if shared else critic.role
+    own = slice(0, config.environments) if shared else columns_of(config, role).own
+    decided = None if shared else played.record.choices[role].decided
     views = critic.select(played.record.views)
-    decided = played.record.choices[role].decided
     if decided is None:
         values = _values(config, critic, views, own)
     else:

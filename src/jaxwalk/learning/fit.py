@@ -21,8 +21,16 @@ from jaxwalk.learning.losses import Actions, Targets
 
 Network = TypeVar("Network")
 Entries = TypeVar("Entries", bound=Actions | Targets)
+GATED_PART = 16
+"""See `gated_part`."""
 Loss = Callable[[Any, Any], tuple[Array, dict[str, Array]]]
 """From network and chunk to the summed loss, and sums to report: ``weight`` (what to divide by) among them."""
+
+
+def gated_part(config: TrainConfig) -> int:
+    """A gated role learns from at most one in so many of its rows: its decisions, which are far fewer, and for its
+    critic the first ones of the rollout, for which there is room twice."""
+    return min(GATED_PART, max(config.steps // 2, 1))
 
 
 class Chunks(eqx.Module):

@@ -16,9 +16,9 @@ import jax
 
 from jaxwalk.interfaces import Discrete, Environment
 from jaxwalk.learning.actor import GLANCE_PART
-from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig
+from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig, own_environments
 from jaxwalk.learning.experience import look
-from jaxwalk.learning.mappo import GATED_PART
+from jaxwalk.learning.fit import gated_part
 from jaxwalk.rollout import draw_batch
 
 
@@ -111,9 +111,9 @@ def acted_rows(config: TrainConfig, sizes: Sizes, role: str) -> float:
 
 def fitted_rows(config: TrainConfig, sizes: Sizes, role: str) -> float:
     """Rows of a role's actor or critic in a pass over a rollout, for each environment step: those that a gated role has
-    room for, filled up with rows of no weight, which cost the same: see GATED_PART.
+    room for, filled up with rows of no weight, which cost the same: see `gated_part`.
     """
-    return _rows(config, sizes, role, _own_share(config, role), GATED_PART)
+    return _rows(config, sizes, role, _own_share(config, role), gated_part(config))
 
 
 def judged_rows(config: TrainConfig, sizes: Sizes, name: str) -> float:
@@ -125,7 +125,7 @@ def judged_rows(config: TrainConfig, sizes: Sizes, name: str) -> float:
 
 
 def _own_share(config: TrainConfig, role: str) -> float:
-    return 1 - config.role(role).fixed - config.role(role).early
+    return own_environments(config, role) / config.environments
 
 
 def _rows(config: TrainConfig, sizes: Sizes, role: str, share: float, part: int) -> float:

@@ -31,7 +31,7 @@ class Actions(eqx.Module):
     advantage: Float[Array, "..."]
     """How much better that was than expected."""
     weight: Float[Array, "..."]
-    """1 where it counts, 0 where the environment only restarted."""
+    """1 where it counts, 0 where the environment only restarted or, of a gated role, nothing was to be learned."""
 
 
 class Targets(eqx.Module):
@@ -42,7 +42,7 @@ class Targets(eqx.Module):
     target: Float[Array, "..."]
     """The return it should have expected: ``(*agents, *batch)``."""
     weight: Float[Array, "..."]
-    """1 where it counts, 0 where the environment only restarted."""
+    """1 where it counts, 0 where the environment only restarted or, of a gated role, nothing was to be learned."""
 
 
 def actor_loss(actor: Actor, actions: Actions, *, clip: float, entropy: float) -> tuple[Array, dict[str, Array]]:

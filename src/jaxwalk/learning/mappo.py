@@ -22,16 +22,14 @@ from jaxwalk.learning.advantages import normalised
 from jaxwalk.learning.config import ROLES, SHARED, TrainConfig
 from jaxwalk.learning.critics import Critic, Judgement, judge, make_critics
 from jaxwalk.learning.experience import fresh_memory, look, make_act
-from jaxwalk.learning.fit import Loss, fit, learning_rate, only_weighty, optimiser
+from jaxwalk.learning.fit import Loss, fit, gated_part, learning_rate, only_weighty, optimiser
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
 from jaxwalk.learning.monitor import by_agent, episode_metrics, reward_metrics
 from jaxwalk.learning.players import columns_of, part_of, remember, snapshots
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, start
 
-GATED_PART = 16
-"""A gated role learns from at most this part (1 / 16) of its rows, which hold its decisions; they are far fewer."""
 NOBODY: ByRole[Policy | None] = ByRole(driver=None, pedestrian=None)
-"""No fixed policies: every role learns."""
+"""No fixed policies: every role learns everywhere."""
 
 
 class Learner(eqx.Module):
@@ -48,7 +46,7 @@ class Learner(eqx.Module):
     critic_memories: dict[str, optax.OptState]
     """What the critics' optimisers remember."""
     others: ByRole[Policy | None]
-    """Who plays the roles that don't learn."""
+    """Who plays a role where its learner doesn't."""
     stream: Stream
     """The environments in the middle of their episodes."""
     key: Key[Array, ""]
@@ -217,7 +215,7 @@ def _fit(
     """`fit` to the data; of a gated role, to the rows that have weight."""
     rows, environments = math.prod(agents), data.weight.shape[-1]
     if gated:
-        rows, environments = 1, -(-rows * environments // GATED_PART)
+        rows, environments = 1, -(-rows * environments // gated_part(config))
         data = only_weighty(data, columns=environments)
     rate = learning_rate(config, learner.updates, learner.planned)
     return fit(

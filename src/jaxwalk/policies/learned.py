@@ -168,6 +168,8 @@ def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray
     """Put an actor together, after checking that every array is there and has its shape."""
     sizes, kind = described.sizes, described.kind
     layers = range(len(sizes) - 1)
+    if described.hold < 1:
+        raise PolicyError(f"{path}: its header is wrong (hold: {described.hold}); copy or download it again")
     wanted = {f"layer{i}.weight": (sizes[i + 1], sizes[i]) for i in layers}
     wanted |= {f"layer{i}.bias": (sizes[i + 1],) for i in layers}
     if kind not in (DISCRETE, GATED):

@@ -17,7 +17,7 @@ from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_
 from jaxwalk.experiments.world import fixed_policies, make_street
 from jaxwalk.interfaces import Environment
 from jaxwalk.learning import mappo
-from jaxwalk.learning.config import TrainConfig
+from jaxwalk.learning.config import TrainConfig, own_environments
 from jaxwalk.learning.flops import network_flops, sizes_of
 from jaxwalk.rollout import TRAINING, seed_key
 
@@ -68,7 +68,8 @@ def measure(experiment: Experiment, seconds: float) -> dict[str, Any]:
     street, config = make_street(experiment), replace(experiment.train, updates=1)  # as `jaxwalk train` compiles it
     first, times = time_updates(experiment, street, config, seconds)
     update_s = statistics.median(times)
-    learning = sum(sizes_of(street, config).agents.values())
+    agents = sizes_of(street, config).agents
+    learning = sum(n * own_environments(config, role) / config.environments for role, n in agents.items())
     cost = network_flops(config, sizes_of(street, config))
     rate = experiment.steps_per_update / update_s
     row = {
