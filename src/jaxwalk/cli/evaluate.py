@@ -51,9 +51,11 @@ def run(options: Evaluate) -> int:
 def check(options: Evaluate) -> None:
     """Raise for options that can't be."""
     if not options.driver:
-        raise UsageError("--driver is missing: a rule such as route-follower, a run folder or a policy file")
+        raise UsageError(
+            "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
+        )
     if not options.pedestrians:
-        raise UsageError("--pedestrians is missing: always-go, a run folder or a policy file")
+        raise UsageError("--pedestrians is missing: always-go, learned, a run folder or a policy file")
     if options.episodes < 1:
         raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
     if not 0 <= options.seed < 2**31:

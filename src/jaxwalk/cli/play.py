@@ -32,7 +32,9 @@ def run(options: Play) -> int:
 def check(options: Play) -> None:
     """Raise for options that can't be."""
     if not options.driver:
-        raise UsageError("--driver is missing: a rule such as route-follower, a run folder or a policy file")
+        raise UsageError(
+            "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
+        )
     if not 0 <= options.scenario < 2**30:
         raise UsageError(f"--scenario must lie in [0, 2^30), not {options.scenario}")
     if not 0 <= options.seed < 2**31:

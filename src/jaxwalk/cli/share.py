@@ -22,7 +22,7 @@ def run(options: Share) -> int:
     if card.exists() and not options.out.exists():
         raise UsageError(f"--out {options.out}: its card would replace {card}; choose another name")
     if not options.pedestrians:
-        raise UsageError("--pedestrians is missing: always-go, a run folder or a policy file")
+        raise UsageError("--pedestrians is missing: always-go, learned, a run folder or a policy file")
     if options.episodes < 1:
         raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
     if not 0 <= options.seed < 2**31:

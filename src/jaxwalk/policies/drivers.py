@@ -1,5 +1,4 @@
-"""Drivers that are rules, to compare trained ones with. Each is a `jaxwalk.interfaces.Policy` without memory; the one
-that plans ahead, with knowledge of the future, is in `oracle.py`.
+"""Drivers that are rules: those of `DRIVERS` to compare trained ones with, `Careless` for people to learn among.
 
 An action is (acceleration, steering), each a share of its limit in [-1, 1]; positive steering is to the left. The
 rules know the car's default limits (`SimConfig`); a street with other limits wants them passed on.
