@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
 
 import equinox as eqx
 import jax
@@ -25,6 +27,8 @@ from jaxwalk.sim.trajectory import Trajectory
 
 BATCH = 512
 """Episodes played at once, unless told otherwise."""
+AT_ONCE = 2
+"""Batches under way together: on a processor, much of a batch keeps one core busy."""
 HASH_DIGITS = 16
 """Hexadecimal digits of a scenario set's hash."""
 SEEDS = 2**31
@@ -49,20 +53,26 @@ def evaluate(
         pedestrians: decides for all people.
         episodes: how many scenarios; at least 1.
         seed: which set of scenarios; never meets one of a training.
-        batch: episodes played at once; memory grows with it (about 0.2 MB an episode).
+        batch: episodes played at once, twice over; memory grows with it (about 0.4 MB an episode).
         progress: called after every batch with the episodes played so far and ``episodes``.
 
     Raises:
         ValueError: ``episodes``, ``batch`` or ``seed`` is impossible.
     """
     _check(episodes, batch, seed)
-    parts = []
-    for first in range(0, episodes, batch):
-        wanted = min(batch, episodes - first)
+
+    def rows(first: int) -> Rows:
         trajectory = _play_batch(street, driver, pedestrians, seed, first, batch)
-        parts.append(measure(_episodes(trajectory, 0, wanted), moving_speed=street.config.moving_speed))
-        if progress is not None:
-            progress(first + wanted, episodes)
+        some = _episodes(trajectory, 0, min(batch, episodes - first))
+        return measure(some, moving_speed=street.config.moving_speed)
+
+    parts = []
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        compiled = rows(0)
+        for part in chain([compiled], pool.map(rows, range(batch, episodes, batch))):
+            parts.append(part)
+            if progress is not None:
+                progress(min(len(parts) * batch, episodes), episodes)
     return Rows.join(parts)
 
 

@@ -32,6 +32,8 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.report import CO_TRAINED, SINGLE_AGENT, write_report
 from jaxwalk.sim.environment import Street
 
+ABLATED = 2000
+"""The ablation, which has ten cells for each training seed, takes at most so many scenarios."""
 INTERESTING = 200
 """The episode to be drawn is chosen among so many scenarios."""
 
@@ -222,7 +224,7 @@ def _ablate(work: Reproduction) -> None:
     if work.json("ablation.json") is not None:
         work.say("    there already")
         return
-    street, scenarios = _street(work), Scenarios(work.plan.episodes, work.plan.seed)
+    street, scenarios = _street(work), Scenarios(min(ABLATED, work.plan.episodes), work.plan.seed)
     trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
     work.keep("ablation.json", ablation(street, trained, scenarios, work.say))
 
