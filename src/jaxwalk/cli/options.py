@@ -94,9 +94,9 @@ class Evaluate:
 
     driver: Annotated[tuple[str, ...], _option("needed", "D [D ...]")] = ()
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, oracle), trained policies that
-    come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders, policy files."""
+    come with jaxwalk (co-trained, single-agent), run folders or policy files."""
     pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
-    """always-go, learned or paper-learned (they come with jaxwalk), run folders or policy files."""
+    """always-go, learned (who come with jaxwalk), run folders or policy files."""
     episodes: Annotated[int, _option("2000", "N")] = 2000
     """Scenarios in each cell, the same for all."""
     seed: Annotated[int, _option("0", "N")] = 0
@@ -131,7 +131,7 @@ class Play:
     driver: Annotated[str, _option("needed", "D")] = ""
     """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder or a policy file."""
     pedestrians: Annotated[str, _option("always-go", "P")] = "always-go"
-    """always-go, learned, paper-learned, a run folder or a policy file."""
+    """always-go, learned, a run folder or a policy file."""
     scenario: Annotated[int, _option("0", "N")] = 0
     """Number of the scenario: a row of an evaluation with the same seed."""
     seed: Annotated[int, _option("0", "N")] = 0
@@ -206,7 +206,7 @@ class Share:
     out: Annotated[Path | None, _option("needed", "FILE")] = None
     """FILE.safetensors; the card is FILE.md. Existing ones are replaced."""
     pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
-    """Among whom the driver is evaluated: always-go, learned, paper-learned, run folders or policy files."""
+    """Among whom the driver is evaluated: always-go, learned, run folders or policy files."""
     episodes: Annotated[int, _option("2000", "N")] = 2000
     """Scenarios among each."""
     seed: Annotated[int, _option("0", "N")] = 0
