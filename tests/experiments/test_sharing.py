@@ -21,12 +21,15 @@ def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
     street = world_of([str(out)], ())
     drivers, people = {"it": contestant(street, "driver", str(out))}, {"p": contestant(street, "pedestrian", str(out))}
     found, _ = compare(street, drivers, people, episodes=6, seed=3)
-    told = about["results"]["among"][str(whole.path)]
+    told = about["results"]["among"]["learned (fast, training seed 0)"]
     assert told["goal_rate"] == json.loads(found.to_json())["cells"][0]["goal_rate"]
     assert about["results"]["scenarios"] == {"seed": 3, "count": 6, "hash": found.hash}
     lines = card.read_text().splitlines()
     assert lines[0] == "# mine"
-    assert any(line.startswith(f"| {whole.path} | {100 * told['goal_rate']['value']:.1f} [") for line in lines)
+    assert any(
+        line.startswith(f"| learned (fast, training seed 0) | {100 * told['goal_rate']['value']:.1f} [")
+        for line in lines
+    )
     assert any("10 steps" in line for line in lines)
 
 
@@ -46,3 +49,17 @@ def test_what_is_shipped_loads_and_has_its_card(street, role, name):
     rates = about["results"]["among"]["always-go"]["goal_rate"]
     assert f"{100 * rates['value']:.1f} [" in file.with_suffix(".md").read_text()
     assert about["recipe"] == file.stem.split("-")[0]
+
+
+def test_the_command_and_what_it_refuses(whole, tmp_path, capsys):
+    from jaxwalk.cli import main
+
+    out = tmp_path / "mine.safetensors"
+    options = ["share", str(whole.path), "--pedestrians", "always-go", str(whole.path), "--episodes", "3", "--out"]
+    assert main([*options, str(out)]) == 0
+    assert "learned (fast, training seed 0)" in out.with_suffix(".md").read_text()
+    (tmp_path / "notes.md").write_text("mine")
+    for name, said in (("notes.safetensors", "would replace"), ("mine.txt", "must end in"), ("", "must end in")):
+        assert main([*options, str(tmp_path / name)]) == 2
+        assert said in capsys.readouterr().err
+    assert (tmp_path / "notes.md").read_text() == "mine"

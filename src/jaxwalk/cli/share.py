@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 
 from jaxwalk.cli.options import Share, UsageError
 from jaxwalk.experiments.runs import check_writable
@@ -29,10 +29,16 @@ def run(options: Share) -> int:
         raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
     check_writable(options.out.parent)
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        tasks = {name: bar.add_task(f"among {name}", total=options.episodes) for name in options.pedestrians}
+        tasks: dict[str, TaskID] = {}
+
+        def tell(driver: str, people: str, played: int, episodes: int) -> None:
+            if people not in tasks:
+                tasks[people] = bar.add_task(f"among {people}", total=episodes)
+            bar.update(tasks[people], completed=played)
+
         card = share(
             options.run_folder, options.out, options.pedestrians, episodes=options.episodes, seed=options.seed,
-            progress=lambda driver, name, played, total: bar.update(tasks[name], completed=played),
+            progress=tell,
         )  # fmt: skip
     print(f"{options.out} and {card}")
     return 0
