@@ -20,7 +20,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "env_share_at_16384": ("share", "That as a share of the best size's."),
     "env_temporary_memory_ratio": ("ratio", "Temporary memory over state and what the rollout keeps; the worst size."),
     "memory_environments_nonlinearity": ("share", "Farthest that any size's memory lies from a straight line."),
-    "train_steps_per_s_fast": ("steps/s", "Environment steps learned from, recipe fast at its own size."),
+    "train_steps_per_s_fast": ("steps/s", "Steps of all environments in training, recipe fast at its own size."),
     "train_steps_per_s_fast_best": ("steps/s", "The same at its best number of environments."),
     "train_steps_per_s_fast_single_agent": ("steps/s", "Recipe fast, the car alone."),
     "train_steps_per_s_paper": ("steps/s", "Recipe paper at its own size."),
