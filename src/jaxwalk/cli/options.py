@@ -154,7 +154,7 @@ class Play:
 class Reproduce:
     """The whole experiment: two trainings, every driver among every population, the ablation and the report.
 
-    About 15 minutes on two CPU cores, and 8 more for each further training seed. Run it again to go on where it was
+    About 8 minutes on two CPU cores, and 7 more for each further training seed. Run it again to go on where it was
     interrupted: what is finished is kept.
     """
 
