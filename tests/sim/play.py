@@ -75,7 +75,10 @@ def columns(tree, which):
 def people(scenario, state, order):
     """The same episode with its people in another order (or some left out, or doubled)."""
     order = np.asarray(order)
-    which = lambda s: (s.traits, s.goals, s.jaywalk_draw, s.zone_draw)  # noqa: E731
+
+    def which(s):
+        return s.traits, s.goals, s.jaywalk_draw, s.zone_draw
+
     chosen = eqx.tree_at(which, scenario, [x[:, order] for x in which(scenario)])
     chosen = eqx.tree_at(lambda s: s.start, chosen, scenario.start[order])
     return chosen, eqx.tree_at(lambda s: s.pedestrian, state, jax.tree.map(lambda x: x[order], state.pedestrian))

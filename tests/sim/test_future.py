@@ -61,6 +61,6 @@ def test_it_knows_jaywalks_that_nobody_has_decided_yet(street, scenarios):
 
 
 def test_one_scenario_alone_sees_the_same(street, scenarios, midway):
-    one = lambda tree: jax.tree.map(lambda x: x[..., 7], tree)  # noqa: E731
-    alone = eqx.filter_jit(street.observe)(one(scenarios), one(midway), "driver", PRIVILEGED)
+    one, there = jax.tree.map(lambda x: x[..., 7], (scenarios, midway))
+    alone = eqx.filter_jit(street.observe)(one, there, "driver", PRIVILEGED)
     np.testing.assert_allclose(alone, np.asarray(_observe(street, scenarios, midway))[:, 7], atol=1e-5)

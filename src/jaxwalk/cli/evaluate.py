@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from jaxwalk.cli.options import Evaluate, UsageError
+from jaxwalk.cli.options import Evaluate, Share, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import compare, with_jaywalk_multiplier, write_rows
 from jaxwalk.experiments.contestants import contestant, world_of
@@ -56,14 +56,19 @@ def check(options: Evaluate) -> None:
         )
     if not options.pedestrians:
         raise UsageError("--pedestrians is missing: always-go, learned, a run folder or a policy file")
-    if options.episodes < 1:
-        raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
-    if not 0 <= options.seed < 2**31:
-        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
+    check_scenarios(options)
     if not options.jaywalk_multiplier:
         raise UsageError("--jaywalk-multiplier needs a number, such as 0.25")
     if options.out:
         check_writable(options.out)
+
+
+def check_scenarios(options: Evaluate | Share) -> None:
+    """Raise for a number or a seed of scenarios that can't be."""
+    if options.episodes < 1:
+        raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
+    if not 0 <= options.seed < 2**31:
+        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
 
 
 def _streets(street: Street, multipliers: tuple[float, ...]) -> list[Street]:

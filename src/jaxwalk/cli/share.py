@@ -5,6 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
+from jaxwalk.cli.evaluate import check_scenarios
 from jaxwalk.cli.options import Share, UsageError
 from jaxwalk.experiments.runs import check_writable
 from jaxwalk.experiments.sharing import share
@@ -23,10 +24,7 @@ def run(options: Share) -> int:
         raise UsageError(f"--out {options.out}: its card would replace {card}; choose another name")
     if not options.pedestrians:
         raise UsageError("--pedestrians is missing: always-go, learned, a run folder or a policy file")
-    if options.episodes < 1:
-        raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
-    if not 0 <= options.seed < 2**31:
-        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
+    check_scenarios(options)
     check_writable(options.out.parent)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         tasks: dict[str, TaskID] = {}

@@ -117,7 +117,10 @@ Distribution = Categorical | ClippedGaussian | TanhGaussian
 def _noise(sampler: Callable[..., Array], keys: Key[Array, "*batch"], shape: tuple[int, ...]) -> Array:
     """Noise of the shape, whose last axes are those of ``keys``: every key makes its own part."""
     own = shape[: len(shape) - keys.ndim]
-    make = lambda key: sampler(key, own)  # noqa: E731
+
+    def make(key: Key[Array, ""]) -> Array:
+        return sampler(key, own)
+
     for _ in range(keys.ndim):
         make = jax.vmap(make, out_axes=len(own))
     return make(keys)

@@ -44,7 +44,10 @@ class Random(eqx.Module):
 
     def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
         """Uniform actions, each episode's from its own key."""
-        draw = lambda one: jax.random.uniform(one, (2,), minval=-1, maxval=1)  # noqa: E731
+
+        def draw(one: Key[Array, ""]) -> Float[Array, "2"]:
+            return jax.random.uniform(one, (2,), minval=-1, maxval=1)
+
         for _ in range(key.ndim):
             draw = jax.vmap(draw, out_axes=-1)
         return draw(key), memory

@@ -142,7 +142,7 @@ def _read(path: str | Path) -> tuple[Header, dict[str, np.ndarray]]:
     try:
         with safetensors.safe_open(str(path), framework="numpy") as file:
             text = (file.metadata() or {}).get(HEADER)
-            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (it is no dict)
     except (safetensors.SafetensorError, OSError) as error:
         raise PolicyError(f"{path}: damaged or no safetensors file ({error}); copy or download it again") from error
     if text is None:
