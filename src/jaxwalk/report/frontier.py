@@ -2,37 +2,42 @@
 
 from __future__ import annotations
 
+from itertools import cycle
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jaxwalk.report.material import POPULATIONS, Material
-from jaxwalk.report.style import INK, panels
+from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PURPLE, RED, SKY, panels
 
 LEAST = 0.01
 """Collision rates are drawn as at least this [%], since the axis is logarithmic."""
+SIGNS = tuple(zip("sv^<Dox", (GRID, PURPLE, SKY, GREEN, ORANGE, RED, BLUE), strict=True))
+"""A marker and a colour for each driver, in turn."""
 
 
 def frontier(material: Material) -> Figure:
-    """Each driver's collisions against its time to the goal, a dot for each training seed; the best lie at the left
-    below, and the line joins those that nobody beats in both."""
-    figure, axes = panels(2, height=4.2, sharey=True)
+    """Each driver's collisions against its time to the goal, a sign for each training seed; the best lie at the left
+    below, and the line joins the drivers that nobody beats in both, by their means over seeds."""
+    figure, axes = panels(2, height=4.4, sharey=True)
     for axis, people in zip(axes, POPULATIONS, strict=True):
         _drivers(axis, material, people)
-        axis.set(title=f"among {people}", xlabel="mean time to the goal [s]", yscale="log", ylim=(LEAST * 0.8, 100))
+        axis.set(title=f"among {people}", xlabel="mean time to the goal [s]", yscale="log", ylim=(LEAST * 0.7, 100))
     axes[0].set_ylabel("collisions [%]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 
 def _drivers(axis: Axes, material: Material, people: str) -> None:
-    means = {}
-    for driver in material.drivers:
+    means = []
+    for driver, (marker, colour) in zip(material.drivers, cycle(SIGNS), strict=False):
         found = material.over_seeds(driver, people)
         times, rates = found["mean_time_to_goal"], found["collision_rate"]
-        if times["mean"] is None or times["mean"]["value"] is None:
-            continue
-        dots = [(t, max(100 * rate, LEAST)) for t, rate in zip(times["each"], rates["each"], strict=True) if t]
-        axis.plot(*zip(*dots, strict=True), marker=".", markersize=4, linestyle="none", color=INK)
-        means[driver] = times["mean"]["value"], max(100 * rates["mean"]["value"], LEAST)
-        axis.annotate(driver, means[driver], xytext=(5, 3), textcoords="offset points", fontsize=8)
-    unbeaten = [a for a in means.values() if not any(b[0] <= a[0] and b[1] <= a[1] and b != a for b in means.values())]
-    axis.plot(*zip(*sorted(unbeaten), strict=True), color=INK, lw=1, alpha=0.5)
+        seeds = [(t, max(100 * rate, LEAST)) for t, rate in zip(times["each"], rates["each"], strict=True) if t]
+        x, y = zip(*seeds, strict=True) if seeds else ((), ())
+        axis.plot(x, y, marker=marker, markersize=6, linestyle="none", color=colour, alpha=0.8, label=driver)
+        if times["mean"]["value"] is not None:
+            means.append((times["mean"]["value"], max(100 * rates["mean"]["value"], LEAST)))
+    unbeaten = [a for a in means if not any(b[0] <= a[0] and b[1] <= a[1] and b != a for b in means)]
+    if unbeaten:
+        axis.plot(*zip(*sorted(unbeaten), strict=True), color=INK, lw=1, alpha=0.5, zorder=0)

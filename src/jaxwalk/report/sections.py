@@ -44,7 +44,7 @@ SECTIONS = (
         "Collisions against time",
         "",
         "Mean time to the goal of those that reach it, and collisions (on a logarithmic axis; below 0.01 % as 0.01 %), "
-        "a dot for each training seed. The line joins the drivers that no other beats in both.",
+        "a sign for each training seed. The line joins the drivers that no other beats in both.",
         "frontier",
         over_seeds=True,
     ),
