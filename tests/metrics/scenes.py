@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Ghosts, Trajectory
 
 DT = 0.1
 PADDED = ("car_x", "car_y", "car_cos", "car_sin", "car_speed", "car_acceleration")
@@ -170,3 +170,17 @@ def padded(recorded: Trajectory, frames: int) -> Trajectory:
         rubbish = np.ones((frames, *array.shape[1:]), array.dtype) * (-2 if name == "car_acceleration" else 1)
         arrays[name] = np.concatenate([array, rubbish.astype(array.dtype)])
     return changed(recorded, **arrays)
+
+
+def ghosts_of(recorded: Trajectory) -> Ghosts:
+    """The people of a trajectory as ghosts."""
+    return Ghosts(**{field.name: getattr(recorded, field.name) for field in fields(Ghosts)})
+
+
+def turned(recorded: Trajectory, quarters: int) -> Trajectory:
+    """The scene turned to the left by quarters of a turn."""
+    pairs = (("goal_x", "goal_y"), ("car_x", "car_y"), ("car_cos", "car_sin"), ("ped_x", "ped_y"), ("ped_vx", "ped_vy"))
+    for _ in range(quarters):
+        turn = {a: -getattr(recorded, b) for a, b in pairs} | {b: getattr(recorded, a) for a, b in pairs}
+        recorded = changed(recorded, **turn)
+    return recorded

@@ -9,6 +9,7 @@ import pytest
 
 from jaxwalk.metrics import Rows, measure, summarise
 from jaxwalk.metrics.outcomes import NO_CONTACT, SIDEWALK
+from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, changed, pick, trajectory
 
@@ -90,7 +91,7 @@ def test_of_several_touched_the_nearest_counts():
 def test_moving_begins_at_the_given_speed():
     recorded = trajectory(Scene(4, [Walk(1, 0)], touched=[0], speed=0.5))
     assert measure(recorded).episodes.moving.tolist() == [True]
-    assert measure(recorded, moving_speed=0.6).episodes.moving.tolist() == [False]
+    assert measure(recorded, config=SimConfig(moving_speed=0.6)).episodes.moving.tolist() == [False]
 
 
 def test_decisions_by_quarter_of_tau():

@@ -11,8 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jaxwalk.metrics import Rows, measure, summarise
+from jaxwalk.metrics.meetings import meeting_columns
+from jaxwalk.sim.config import SimConfig
 from metrics.reference import encounters, near_speeds
-from metrics.scenes import padded, pick, random_trajectory
+from metrics.scenes import ghosts_of, padded, pick, random_trajectory, turned
 
 few = settings(max_examples=25, deadline=None)
 trajectories = st.builds(
@@ -40,7 +42,7 @@ def assert_same(a, b):
 
 
 def assert_equal_rows(a: Rows, b: Rows):
-    for table in ("episodes", "exposure", "near_speeds", "waiting", "crossings", "encounters", "decisions"):
+    for table in (field.name for field in fields(Rows) if field.name != "dt"):
         left, right = getattr(a, table), getattr(b, table)
         for column in fields(left):
             # (sums may be grouped differently: hence a tolerance)
@@ -96,10 +98,30 @@ def test_encounters_agree_with_the_reference(recorded):
 @few
 @given(trajectories)
 def test_near_speeds_agree_with_the_reference(recorded):
-    table = measure(recorded).near_speeds
-    pairs = ((table.frames, table.speed_sum), (table.encounters, table.encounter_speed_sum))
+    rows = measure(recorded)
+    meetings = meeting_columns(rows.meetings, episodes=len(recorded.length))
+    pairs = (
+        (rows.near_speeds.frames, rows.near_speeds.speed_sum),
+        (meetings["meetings"], meetings["meeting_speed"]),
+    )
     for (count, total), reference in zip(pairs, near_speeds(recorded), strict=True):
         assert count.sum() == sum(len(v) for v in reference.values())
         for (episode, kind, place), speeds in reference.items():
             assert count[episode, kind - 1, place] == len(speeds)
             assert total[episode, kind - 1, place] == pytest.approx(sum(speeds))
+
+
+@few
+@given(trajectories, st.integers(1, 3))
+def test_a_turned_scene_gives_the_same_numbers(recorded, quarters):
+    before, after = (summarise(measure(t), resamples=20) for t in (recorded, turned(recorded, quarters)))
+    assert_same(before.as_dict(), after.as_dict())
+
+
+@few
+@given(trajectories)
+def test_ghosts_who_are_the_people_themselves_make_no_difference(recorded):
+    rows = measure(recorded, ghosts_of(recorded), config=SimConfig(collision_distance=1e-3))
+    np.testing.assert_array_equal(rows.placebo.frames, rows.placebo.ghost_frames)
+    np.testing.assert_array_equal(rows.placebo.speed_sum, rows.placebo.ghost_speed_sum)
+    assert (rows.placebo.frames <= rows.near_speeds.frames).all()

@@ -10,6 +10,7 @@ from jaxwalk.metrics import statistics
 from jaxwalk.metrics.statistics import (
     bootstrap_by_episode,
     episode_sums,
+    holm,
     interquartile_mean,
     interval,
     kaplan_meier_median,
@@ -77,12 +78,23 @@ def test_resamples_draw_as_many_episodes_and_share_them():
     assert len(np.unique(sums["more"][:, 0])) > 30
 
 
-def test_chunks_do_not_change_the_draws(monkeypatch):
-    columns = {"x": np.arange(50.0)}
-    whole = episode_sums(columns, resamples=20, seed=3)["x"]
-    monkeypatch.setattr(statistics, "CHUNK", 120)
-    np.testing.assert_array_equal(episode_sums(columns, resamples=20, seed=3)["x"], whole)
-    assert (episode_sums(columns, resamples=20, seed=4)["x"][1:] != whole[1:]).any()
+def test_draws_of_many_episodes_are_made_in_parts_and_are_as_good(monkeypatch):
+    columns = {"one": np.ones(50), "x": np.arange(50.0)}
+    whole = episode_sums(columns, resamples=2000, seed=3)
+    monkeypatch.setattr(statistics, "CHUNK", 8)  # 8 + ... + 8 + 2
+    parts = episode_sums(columns, resamples=2000, seed=3)
+    assert (parts["one"] == 50).all() and parts["x"][0] == whole["x"][0]
+    expected = np.sqrt(50) * np.arange(50).std()
+    assert [s["x"][1:].std() for s in (whole, parts)] == pytest.approx([expected] * 2, rel=0.06)
+    assert parts["x"][1:].mean() == pytest.approx(parts["x"][0], rel=0.02)
+    assert (episode_sums(columns, resamples=20, seed=4)["x"][1:] != parts["x"][1:21]).any()
+
+
+def test_holm_on_a_worked_example():
+    # Holm's procedure by hand: 0.005 x 4, 0.01 x 3, 0.03 x 2, and 0.04 x 1 is raised to the one before
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx((0.03, 0.06, 0.06, 0.02))
+    assert holm([0.9, 0.8]) == (1.0, 1.0)
+    assert holm([]) == ()
 
 
 def test_ratio_and_interval_of_what_is_undefined():

@@ -15,7 +15,7 @@ from jaxwalk.rollout import FIRST_ACTION_KEY
 from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.state import State
+from jaxwalk.sim.state import PedestrianState, State
 from jaxwalk.sim.trajectory import Trajectory
 
 BLOCK = 100
@@ -134,7 +134,6 @@ def _act(
 def _frame(street: Street, scenarios: Scenario, state: State) -> Frame:
     """What is recorded of a moment."""
     car, people = state.vehicle, state.pedestrian
-    velocity_x, velocity_y = pedestrian.velocity(street.config, scenarios, people)
     return {
         "car_x": car.x,
         "car_y": car.y,
@@ -142,6 +141,20 @@ def _frame(street: Street, scenarios: Scenario, state: State) -> Frame:
         "car_sin": car.sin,
         "car_speed": car.speed,
         "car_acceleration": car.acceleration,
+        **frame_of_people(street, scenarios, people),
+        "decisions": people.decisions.astype(jnp.int16),
+        "at_kerb": pedestrian.at_kerb(street.config, people),
+        "enters_roadway": pedestrian.enters_roadway(people),
+        "going": people.going,
+        "predicted_miss": prediction.predicted_miss(street.config, scenarios, state)[0],
+        "arrivals": people.arrivals.astype(jnp.int16),
+    }
+
+
+def frame_of_people(street: Street, scenarios: Scenario, people: PedestrianState) -> Frame:
+    """Where people are, how they move, and how they cross."""
+    velocity_x, velocity_y = pedestrian.velocity(street.config, scenarios, people)
+    return {
         "ped_x": people.x,
         "ped_y": people.y,
         "ped_vx": velocity_x,
@@ -149,12 +162,6 @@ def _frame(street: Street, scenarios: Scenario, state: State) -> Frame:
         "on_roadway": people.on_roadway,
         "on_crosswalk": people.on_crosswalk,
         "crossing": people.crossing.astype(jnp.int8),
-        "decisions": people.decisions.astype(jnp.int16),
-        "at_kerb": pedestrian.at_kerb(street.config, people),
-        "enters_roadway": pedestrian.enters_roadway(people),
-        "going": people.going,
-        "predicted_miss": prediction.predicted_miss(street.config, scenarios, state)[0],
-        "arrivals": people.arrivals.astype(jnp.int16),
     }
 
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from itertools import chain
+from typing import TypeVar
 
 import equinox as eqx
 import jax
@@ -18,12 +20,13 @@ import numpy as np
 from jaxtyping import Array, Key
 
 from jaxwalk.evaluation.game import play
+from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows, measure
 from jaxwalk.rollout import EVALUATION, SCENARIO_KEYS, draw_batch, environment_keys, seed_key
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 BATCH = 512
 """Episodes played at once, unless told otherwise."""
@@ -33,6 +36,8 @@ HASH_DIGITS = 16
 """Hexadecimal digits of a scenario set's hash."""
 SEEDS = 2**31
 """Seeds lie in [0, this)."""
+
+Recorded = TypeVar("Recorded", Trajectory, Ghosts)
 
 
 def evaluate(
@@ -62,9 +67,11 @@ def evaluate(
     _check(episodes, batch, seed)
 
     def rows(first: int) -> Rows:
-        trajectory = _play_batch(street, driver, pedestrians, seed, first, batch)
-        some = _episodes(trajectory, 0, min(batch, episodes - first))
-        return measure(some, moving_speed=street.config.moving_speed)
+        scenarios, keys = draw_scenarios(street, seed=seed, first=first, count=batch)
+        trajectory = play(street, driver, pedestrians, scenarios, keys, numbers=first + np.arange(batch))
+        frames, asked = len(trajectory.car_x), slice(min(batch, episodes - first))
+        ghosts = walk_ghosts(street, scenarios, keys, frames=frames)
+        return measure(_some(trajectory, asked, frames), _some(ghosts, asked, frames), config=street.config)
 
     parts = []
     with ThreadPoolExecutor(AT_ONCE) as pool:
@@ -88,8 +95,10 @@ def replay(
         raise ValueError(f"scenario must lie in [0, 2^30), not {scenario}")
     _check(1, batch, seed)
     first = scenario // batch * batch
-    trajectory = _play_batch(street, driver, pedestrians, seed, first, batch)
-    return _episodes(trajectory, scenario - first, 1)
+    scenarios, keys = draw_scenarios(street, seed=seed, first=first, count=batch)
+    trajectory = play(street, driver, pedestrians, scenarios, keys, numbers=first + np.arange(batch))
+    place = scenario - first
+    return _some(trajectory, slice(place, place + 1), int(trajectory.length[place]) + 1)
 
 
 def draw_scenarios(street: Street, *, seed: int, first: int, count: int) -> tuple[Scenario, Key[Array, "episode"]]:
@@ -127,11 +136,6 @@ def _check(episodes: int, batch: int, seed: int) -> None:
         raise ValueError(f"seed must be 0 or more and below {SEEDS}, not {seed}")
 
 
-def _play_batch(street: Street, driver: Policy, pedestrians: Policy, seed: int, first: int, batch: int) -> Trajectory:
-    scenarios, keys = draw_scenarios(street, seed=seed, first=first, count=batch)
-    return play(street, driver, pedestrians, scenarios, keys, numbers=first + np.arange(batch))
-
-
 @eqx.filter_jit
 def _draw(street: Street, environments: Key[Array, "episode"]) -> Scenario:
     """The scenario with which each environment would begin a rollout."""
@@ -139,19 +143,16 @@ def _draw(street: Street, environments: Key[Array, "episode"]) -> Scenario:
     return draw_batch(street, first_episode(environments))
 
 
-def _episodes(trajectory: Trajectory, first: int, count: int) -> Trajectory:
-    """Some of a trajectory's episodes, without the frames that only the others need."""
-    chosen = slice(first, first + count)
-    frames = int(trajectory.length[chosen].max()) + 1
+def _some(recorded: Recorded, episodes: slice, frames: int) -> Recorded:
+    """Some episodes, and the first frames."""
 
     def cut(name: str, column: np.ndarray) -> np.ndarray:
-        return column[:frames, chosen] if name.startswith(_PER_FRAME) else column[chosen]
+        return column[:frames, episodes] if name.startswith(_PER_FRAME) else column[episodes]
 
-    columns = {name: x for name, x in vars(trajectory).items() if name != "dt"}
-    return Trajectory(dt=trajectory.dt, **{name: cut(name, x) for name, x in columns.items()})
+    return replace(recorded, **{name: cut(name, x) for name, x in vars(recorded).items() if name != "dt"})
 
 
 _PER_FRAME = (
     "car_", "ped_", "on_", "crossing", "decisions", "at_kerb", "enters_roadway", "going", "predicted_miss", "arrivals",
 )  # fmt: skip
-"""How the names of a trajectory's columns that begin with a frame axis begin."""
+"""How the names of columns begin that have a frame axis first."""

@@ -9,13 +9,20 @@ from jaxwalk.metrics.attribution import Attribution, exposure_columns, measure_e
 from jaxwalk.metrics.crossings import ByType, find_crossings
 from jaxwalk.metrics.decisions import JaywalkRate, find_decisions, summarise_decisions
 from jaxwalk.metrics.encounters import EncounterSummary, encounter_columns, find_encounters, summarise_encounters
+from jaxwalk.metrics.meetings import find_meetings, matched_differences, meeting_columns
 from jaxwalk.metrics.outcomes import Outcomes, measure_outcomes, outcome_columns, summarise_outcomes
 from jaxwalk.metrics.rows import Rows
-from jaxwalk.metrics.speed_differential import SpeedBin, measure_near_speeds, speed_columns, summarise_speeds
+from jaxwalk.metrics.speed_differential import (
+    SpeedBin,
+    measure_near_speeds,
+    measure_placebo,
+    speed_columns,
+    summarise_speeds,
+)
 from jaxwalk.metrics.statistics import RESAMPLES, episode_sums
 from jaxwalk.metrics.waiting import Waiting, measure_waiting, summarise_waiting, waiting_columns
 from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 
 @dataclass(frozen=True)
@@ -36,25 +43,29 @@ class Summary:
         return asdict(self)
 
 
-def measure(trajectory: Trajectory, *, moving_speed: float = SimConfig.moving_speed) -> Rows:
+def measure(trajectory: Trajectory, ghosts: Ghosts | None = None, *, config: SimConfig | None = None) -> Rows:
     """The rows of all episodes of a trajectory; rows of several are put together by ``Rows.join``.
 
     Args:
         trajectory: recorded episodes; frames after their ``length`` are ignored.
-        moving_speed: a car at this speed or more in a collision is moving [m/s].
+        ghosts: whom the cars could not see, for the placebo.
+        config: when a car is moving, and what is a touch (default: `SimConfig`'s).
     """
+    config = config or SimConfig()
     frames = len(trajectory.car_x)
     if trajectory.length.size and trajectory.length.max() >= frames:
         raise ValueError(f"length {trajectory.length.max()} needs one frame more than the trajectory's {frames}")
     crossings, steps = find_crossings(trajectory)
     return Rows(
         dt=float(trajectory.dt),
-        episodes=measure_outcomes(trajectory, moving_speed=moving_speed),
+        episodes=measure_outcomes(trajectory, moving_speed=config.moving_speed),
         exposure=measure_exposure(trajectory, crossings, steps),
         near_speeds=measure_near_speeds(trajectory, steps),
+        placebo=measure_placebo(trajectory, ghosts, touch=config.collision_distance),
         waiting=measure_waiting(trajectory),
         crossings=crossings,
         encounters=find_encounters(trajectory, crossings, steps),
+        meetings=find_meetings(trajectory, steps),
         decisions=find_decisions(trajectory),
     )
 
@@ -65,13 +76,15 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
     columns = outcome_columns(rows.episodes, dt=rows.dt)
     columns |= exposure_columns(rows.exposure, dt=rows.dt)
     columns |= encounter_columns(rows.encounters, episodes=episodes)
-    columns |= speed_columns(rows.near_speeds)
+    columns |= speed_columns(rows.near_speeds, rows.placebo)
+    columns |= meeting_columns(rows.meetings, episodes=episodes)
     columns |= waiting_columns(rows.waiting, dt=rows.dt)
     sums = episode_sums(columns, resamples=resamples, seed=seed)
+    matched = matched_differences(rows.meetings, episodes=episodes, resamples=resamples, seed=seed)
     return Summary(
         episodes=episodes,
         outcomes=summarise_outcomes(rows.episodes, sums, dt=rows.dt),
-        speed_differential=summarise_speeds(sums),
+        speed_differential=summarise_speeds(sums, matched),
         attribution=summarise_attribution(sums),
         encounters=summarise_encounters(rows.encounters, sums),
         jaywalk_rate=summarise_decisions(rows.decisions),

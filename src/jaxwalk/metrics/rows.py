@@ -12,8 +12,9 @@ from jaxwalk.metrics.attribution import Exposure
 from jaxwalk.metrics.crossings import Crossings
 from jaxwalk.metrics.decisions import Decisions
 from jaxwalk.metrics.encounters import Encounters
+from jaxwalk.metrics.meetings import Meetings
 from jaxwalk.metrics.outcomes import Episodes
-from jaxwalk.metrics.speed_differential import NearSpeeds
+from jaxwalk.metrics.speed_differential import NearSpeeds, PlaceboSpeeds
 from jaxwalk.metrics.waiting import KerbMoments
 
 Table = TypeVar("Table")
@@ -30,10 +31,13 @@ class Rows:
     """One row per episode."""
     near_speeds: NearSpeeds
     """One row per episode."""
+    placebo: PlaceboSpeeds
+    """One row per episode."""
     waiting: KerbMoments
     """One row per episode."""
     crossings: Crossings
     encounters: Encounters
+    meetings: Meetings
     decisions: Decisions
 
     @staticmethod

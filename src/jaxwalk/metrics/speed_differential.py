@@ -1,21 +1,21 @@
-"""How much faster the car drives near jaywalkers than near crosswalk users (paper, equation 2)."""
+"""How much faster the car drives near jaywalkers than near crosswalk users (paper, equation 2), four ways.
+
+Pooled over frames as in the paper, weighted by encounter, matched on place and initial speed (`metrics.meetings`), and
+beside the same of ghosts, whom the car cannot see: what is as large near them is not for the people's sake.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from jaxwalk.metrics.crossings import TYPES, RoadSteps
-from jaxwalk.metrics.encounters import encounter_starts
+from jaxwalk.metrics.crossings import TYPES, RoadSteps, find_crossings, real_frames
+from jaxwalk.metrics.meetings import BIN_WIDTH, BINS, distance_bin, nearest_of_type
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
-
-BIN_WIDTH = 3.0
-"""[m]"""
-BINS = 4
-"""[0, 3), [3, 6), [6, 9) and [9, 12) m."""
+from jaxwalk.sim import events
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Ghosts, Trajectory
 
 
 @dataclass(frozen=True)
@@ -25,10 +25,18 @@ class NearSpeeds:
     speed_sum: Float[np.ndarray, "episode type bin"]
     """Sum over frames [m/s]."""
     frames: Int[np.ndarray, "episode type bin"]
-    encounter_speed_sum: Float[np.ndarray, "episode type bin"]
-    """Sum over encounters of the mean over the encounter's frames in the bin [m/s]."""
-    encounters: Int[np.ndarray, "episode type bin"]
-    """Encounters with a frame in the bin."""
+
+
+@dataclass(frozen=True)
+class PlaceboSpeeds:
+    """One row per episode: near speeds once more, of people and of ghosts, up to the first touch of either kind."""
+
+    speed_sum: Float[np.ndarray, "episode type bin"]
+    """Near people, sum over frames [m/s]."""
+    frames: Int[np.ndarray, "episode type bin"]
+    ghost_speed_sum: Float[np.ndarray, "episode type bin"]
+    """Near ghosts [m/s]."""
+    ghost_frames: Int[np.ndarray, "episode type bin"]
 
 
 @dataclass(frozen=True)
@@ -44,6 +52,16 @@ class SpeedGap:
 
 
 @dataclass(frozen=True)
+class Placebo:
+    """The speed differential of people and of ghosts, over frames up to the first touch of either kind."""
+
+    people: SpeedGap
+    ghosts: SpeedGap
+    difference: Estimate
+    """That of people minus that of ghosts [m/s]: 0 for a car that does not see people; the count is the smaller."""
+
+
+@dataclass(frozen=True)
 class SpeedBin:
     """The speed differential at one distance."""
 
@@ -55,86 +73,101 @@ class SpeedBin:
     """Every frame weighs the same, as in equation 2: long encounters with a slow car dominate."""
     by_encounter: SpeedGap
     """Every encounter weighs the same."""
+    matched: Estimate
+    """Jaywalk minus crosswalk among encounters of cars at the same place that were as fast at first [m/s]; the count is
+    of jaywalkers' encounters that found a match."""
+    placebo: Placebo
+    """Without ghosts, all None."""
 
 
 def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
-    """Per frame and type, the nearest pedestrian of the type on a roadway gives the bin of the car's speed.
-
-    An encounter has the frames from its start on in which its pedestrian is that nearest one (or as near).
-    """
+    """Per frame and type, the nearest pedestrian of the type on a roadway gives the bin of the car's speed."""
     frames, episodes = trajectory.car_x.shape
-    cell = ((steps.type - 1).astype(np.int64) * episodes + steps.episode) * frames + steps.frame
-    nearest = np.full(len(TYPES) * episodes * frames, np.inf)
-    np.minimum.at(nearest, cell, steps.distance)
-
+    nearest, _ = nearest_of_type(steps, frames, episodes)
     close = np.flatnonzero(nearest < BINS * BIN_WIDTH)
     kind, rest = np.divmod(close, episodes * frames)
     episode, frame = np.divmod(rest, frames)
-    group = (episode * len(TYPES) + kind) * BINS + _bin(nearest[close])
+    group = (episode * len(TYPES) + kind) * BINS + distance_bin(nearest[close])
     speed = trajectory.car_speed[frame, episode].astype(np.float64)
     shape = (episodes, len(TYPES), BINS)
-    count, total = _grouped(group, speed, shape)
-
-    chosen = (steps.distance < BINS * BIN_WIDTH) & (steps.distance == nearest[cell])
-    chosen &= steps.frame >= encounter_starts(steps)[steps.crossing]
-    encounters, means = _encounter_means(steps, chosen, shape)
-    return NearSpeeds(speed_sum=total, frames=count, encounter_speed_sum=means, encounters=encounters)
-
-
-def _encounter_means(steps: RoadSteps, chosen: np.ndarray, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Encounters per (episode, type, bin), and the sum of their mean speeds [m/s], over the chosen steps."""
-    per_crossing = (len(steps.first), BINS)
-    group = steps.crossing[chosen] * BINS + _bin(steps.distance[chosen])
-    count, total = _grouped(group, steps.car_speed[chosen], per_crossing)
-    crossing, place = np.nonzero(count)
-    row = steps.first[crossing]
-    target = (steps.episode[row] * len(TYPES) + steps.type[row] - 1) * BINS + place
-    return _grouped(target, total[crossing, place] / count[crossing, place], shape)
-
-
-def _bin(distance: np.ndarray) -> np.ndarray:
-    """Which bin a distance below the last edge falls into."""
-    return (distance // BIN_WIDTH).astype(np.int64)
-
-
-def _grouped(group: np.ndarray, values: np.ndarray, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """How many rows each group has, and the sum of their values; groups number the cells of ``shape``."""
     size = int(np.prod(shape))
     count = np.bincount(group, minlength=size).astype(np.int32)
-    total = np.bincount(group, weights=values, minlength=size).astype(np.float64)  # (NumPy sums no rows to integers)
-    return count.reshape(shape), total.reshape(shape)
+    total = np.bincount(group, weights=speed, minlength=size).astype(np.float64)  # (NumPy sums no rows to integers)
+    return NearSpeeds(total.reshape(shape), count.reshape(shape))
 
 
-def speed_columns(table: NearSpeeds) -> dict[str, np.ndarray]:
+def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, touch: float) -> PlaceboSpeeds:
+    """Near speeds of people and of ghosts, up to the first frame in which the car is within ``touch`` [m] of either.
+
+    An episode ends when a person is touched; ghosts would be driven through. So that both are seen for as long, each
+    ends the view of both: for a car that drives as if nobody were there, among people who always go, people and ghosts
+    are then exchangeable, and every difference between them is chance. Without ghosts, everything is 0.
+    """
+    if ghosts is None:
+        none = np.zeros((len(trajectory.length), len(TYPES), BINS))
+        return PlaceboSpeeds(none, none.astype(np.int32), none, none.astype(np.int32))
+    haunted = replace(trajectory, **vars(ghosts))
+    dx, dy = (getattr(ghosts, f"ped_{axis}") - getattr(trajectory, f"car_{axis}")[..., None] for axis in "xy")
+    touched = events.touches(dx, dy, touch).any(axis=2) & real_frames(trajectory)
+    length = np.where(touched.any(axis=0), touched.argmax(axis=0), trajectory.length)
+    people, unseen = (_until(one, length) for one in (trajectory, haunted))
+    return PlaceboSpeeds(people.speed_sum, people.frames, unseen.speed_sum, unseen.frames)
+
+
+def _until(trajectory: Trajectory, length: Int[np.ndarray, "episode"]) -> NearSpeeds:
+    """Near speeds of an earlier end."""
+    shortened = replace(trajectory, length=length)
+    return measure_near_speeds(shortened, find_crossings(shortened)[1])
+
+
+def speed_columns(table: NearSpeeds, placebo: PlaceboSpeeds) -> dict[str, np.ndarray]:
     """The sums and counts to be resampled, each (episode, type, bin)."""
     return {
         "speed_sum": table.speed_sum,
         "speed_frames": table.frames,
-        "encounter_speed_sum": table.encounter_speed_sum,
-        "speed_encounters": table.encounters,
+        "people_speed": placebo.speed_sum,
+        "people_frames": placebo.frames,
+        "ghost_speed": placebo.ghost_speed_sum,
+        "ghost_frames": placebo.ghost_frames,
     }
 
 
-def summarise_speeds(sums: dict[str, np.ndarray]) -> tuple[SpeedBin, ...]:
-    """The speed differential in every bin; ``sums`` are the resampled sums of ``speed_columns``."""
-    pooled = _gaps(sums["speed_sum"], sums["speed_frames"])
-    by_encounter = _gaps(sums["encounter_speed_sum"], sums["speed_encounters"])
-    edges = BIN_WIDTH * np.arange(BINS + 1)
+def summarise_speeds(sums: dict[str, np.ndarray], matched: tuple[Estimate, ...]) -> tuple[SpeedBin, ...]:
+    """The speed differential in every bin; ``sums`` are the resampled sums of speed and meeting columns."""
     return tuple(
-        SpeedBin(near=float(edges[i]), far=float(edges[i + 1]), pooled=pooled[i], by_encounter=by_encounter[i])
+        SpeedBin(
+            near=i * BIN_WIDTH,
+            far=(i + 1) * BIN_WIDTH,
+            pooled=_gap(sums["speed_sum"][..., i], sums["speed_frames"][..., i]),
+            by_encounter=_gap(sums["meeting_speed"][..., i], sums["meetings"][..., i]),
+            matched=matched[i],
+            placebo=_placebo({name: column[..., i] for name, column in sums.items() if name in _PLACEBO}),
+        )
         for i in range(BINS)
     )
 
 
-def _gaps(total: np.ndarray, count: np.ndarray) -> list[SpeedGap]:
-    """A gap for each bin, of resampled sums (resample, type, bin)."""
+def _placebo(sums: dict[str, np.ndarray]) -> Placebo:
+    """Of one bin, from resampled sums (draw, type)."""
+    people, ghosts = (sums["people_speed"], sums["people_frames"]), (sums["ghost_speed"], sums["ghost_frames"])
+    fewest = min(people[1][0].min(), ghosts[1][0].min())
+    return Placebo(_gap(*people), _gap(*ghosts), interval(_difference(*people) - _difference(*ghosts), fewest))
+
+
+def _gap(total: Float[np.ndarray, "draw type"], count: Float[np.ndarray, "draw type"]) -> SpeedGap:
+    """Mean speeds and their difference."""
     mean = ratio(total, count)
-    crosswalk, jaywalk = mean[:, CROSSWALK - 1], mean[:, JAYWALK - 1]
-    return [
-        SpeedGap(
-            crosswalk=interval(crosswalk[:, i], count[0, CROSSWALK - 1, i]),
-            jaywalk=interval(jaywalk[:, i], count[0, JAYWALK - 1, i]),
-            difference=interval(jaywalk[:, i] - crosswalk[:, i], count[0, :, i].min()),
-        )
-        for i in range(BINS)
-    ]
+    return SpeedGap(
+        crosswalk=interval(mean[:, CROSSWALK - 1], count[0, CROSSWALK - 1]),
+        jaywalk=interval(mean[:, JAYWALK - 1], count[0, JAYWALK - 1]),
+        difference=interval(_difference(total, count), count[0].min()),
+    )
+
+
+def _difference(total: Float[np.ndarray, "draw type"], count: Float[np.ndarray, "draw type"]) -> np.ndarray:
+    """Mean near jaywalkers minus mean near crosswalk users [m/s]."""
+    mean = ratio(total, count)
+    return mean[:, JAYWALK - 1] - mean[:, CROSSWALK - 1]
+
+
+_PLACEBO = ("people_speed", "people_frames", "ghost_speed", "ghost_frames")

@@ -6,7 +6,7 @@ A number that does not exist (nothing to divide by, a median never reached) is N
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, SupportsInt
 
@@ -16,8 +16,8 @@ from scipy import stats
 
 RESAMPLES = 1000
 """Bootstrap resamples unless told otherwise."""
-CHUNK = 2**22
-"""Resampling counts held in memory at once (32 MiB)."""
+CHUNK = 2**14
+"""Episodes resampled at once: with 1,000 resamples, 125 MiB."""
 FEWEST_SEEDS = 3
 """Fewer training seeds (but more than one) give no interval: how much they spread is not known."""
 
@@ -76,38 +76,55 @@ def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float
     return float(stats.binomtest(only_a, only_a + only_b, 0.5).pvalue)
 
 
+def holm(p: Sequence[float]) -> tuple[float, ...]:
+    """Adjusted p-values of a family of tests, in its order: each at or below alpha can be called true, and with
+    probability 1 - alpha all that are called so are (Holm, 1979)."""
+    order = np.argsort(p, kind="stable")
+    worse = np.maximum.accumulate(np.asarray(p, np.float64)[order] * np.arange(len(p), 0, -1))
+    adjusted = np.empty(len(p))
+    adjusted[order] = np.minimum(worse, 1)
+    return tuple(adjusted.tolist())
+
+
 def episode_sums(
     columns: Mapping[str, Shaped[np.ndarray, "episode ..."]], *, resamples: int = RESAMPLES, seed: int = 0
 ) -> dict[str, Float[np.ndarray, "draw ..."]]:
     """Every column summed over the episodes (row 0), and over episodes drawn with replacement (the others).
 
     All columns see the same draws, so whatever is computed from the rows keeps its dependence on the others.
-    Episodes are the unit because steps, crossings and encounters of one episode are not independent. Memory is
-    bounded: the draws are made in chunks. With fewer than two episodes the resamples are NaN: nothing is known.
+    Episodes are the unit because steps, crossings and encounters of one episode are not independent. With fewer than
+    two episodes the resamples are NaN: nothing is known.
     """
     shapes = {name: np.shape(column)[1:] for name, column in columns.items()}
+    width = {name: math.prod(shape) for name, shape in shapes.items()}
     episodes = len(next(iter(columns.values())))
-    flat = {name: np.asarray(c, np.float64).reshape(episodes, math.prod(shapes[name])) for name, c in columns.items()}
-    table = np.concatenate(list(flat.values()), axis=1)
-    sums = np.full((1 + resamples, table.shape[1]), np.nan)
-    sums[0] = table.sum(axis=0)
-    if episodes > 1:
-        _resample(table, sums[1:], np.random.default_rng(seed))
-    edges = np.cumsum([part.shape[1] for part in flat.values()])[:-1]
-    parts = np.split(sums, edges, axis=1)
+    sums = np.zeros((1 + resamples, sum(width.values())))
+    for some, times in episode_draws(episodes, resamples=resamples, seed=seed):
+        flat = [column[some].reshape(times.shape[1], width[name]) for name, column in columns.items()]
+        sums += times @ np.concatenate(flat, axis=1, dtype=np.float64)
+    parts = np.split(sums, np.cumsum(list(width.values()))[:-1], axis=1)
     return {name: part.reshape(-1, *shapes[name]) for name, part in zip(columns, parts, strict=True)}
 
 
-def _resample(table: np.ndarray, out: np.ndarray, rng: np.random.Generator) -> None:
-    """Fill each row of ``out`` with the column sums of as many rows of ``table``, drawn with replacement."""
-    episodes = len(table)
-    rows = max(1, CHUNK // episodes)
-    for begin in range(0, len(out), rows):
-        here = out[begin : begin + rows]
-        drawn = rng.integers(0, episodes, (len(here), episodes))
-        drawn += episodes * np.arange(len(here))[:, None]
-        times = np.bincount(drawn.ravel(), minlength=here.shape[0] * episodes).reshape(len(here), episodes)
-        here[:] = times.astype(np.float64) @ table
+def episode_draws(
+    episodes: int, *, resamples: int = RESAMPLES, seed: int = 0
+) -> Iterator[tuple[slice, Float[np.ndarray, "draw episode"]]]:
+    """Some episodes at a time, and how often each of them is in each sample: once in row 0, drawn in the others.
+
+    However many episodes there are, memory is bounded: a sample's draws first fall among the parts of `CHUNK` episodes
+    (a multinomial), then on the episodes of a part, which is the same as drawing from all at once. With fewer than two
+    episodes the drawn rows are NaN.
+    """
+    rng = np.random.default_rng(seed)
+    parts = [slice(begin, min(begin + CHUNK, episodes)) for begin in range(0, max(episodes, 1), CHUNK)]
+    shares = [(part.stop - part.start) / max(episodes, 1) for part in parts]
+    drawn = rng.multinomial(episodes, shares, resamples) if len(parts) > 1 else np.full((resamples, 1), episodes)
+    for part, draws in zip(parts, drawn.T, strict=True):
+        times = np.ones((1 + resamples, part.stop - part.start))
+        size = times.shape[1]
+        for row, count in enumerate(draws, 1):
+            times[row] = np.bincount(rng.integers(0, size, count), minlength=size) if episodes > 1 else np.nan
+        yield part, times
 
 
 def ratio(numerator: np.ndarray, denominator: np.ndarray) -> np.ndarray:

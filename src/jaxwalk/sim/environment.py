@@ -77,10 +77,13 @@ class Street(eqx.Module):
         return ByRole(RoleSpec((), Box(2)), RoleSpec((self.config.pedestrians,), Discrete(2)))
 
     @eqx.filter_jit
-    def draw(self, key: Key[Array, ""]) -> Scenario:
-        """One scenario; for a batch, ``jax.vmap(street.draw, out_axes=-1)(keys)``."""
+    def draw(self, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
+        """One scenario; for a batch, ``jax.vmap(street.draw, out_axes=-1)(keys)``.
+
+        ``like``: other people, but the map, start and goal of this scenario.
+        """
         sizes = scenario.table_sizes(self.config, shortest_crossing=self.tables.shortest_crossing)
-        return scenario.draw(self.maps, self.config, sizes, key)
+        return scenario.draw(self.maps, self.config, sizes, key, like)
 
     @eqx.filter_jit
     def reset(self, scenario: Scenario) -> State:

@@ -56,8 +56,10 @@ def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, in
     return 2 + math.floor(reach / apart), 2 + math.floor(reach / shortest_crossing)
 
 
-def draw(maps: RoadMap, config: SimConfig, sizes: tuple[int, int], key: Key[Array, ""]) -> Scenario:
-    """Draw one scenario (no batch axes); ``sizes`` as from `table_sizes`."""
+def draw(
+    maps: RoadMap, config: SimConfig, sizes: tuple[int, int], key: Key[Array, ""], like: Scenario | None = None
+) -> Scenario:
+    """Draw one scenario (no batch axes); ``sizes`` as from `table_sizes`. ``like``: with this one's map and route."""
     goals, crossings = sizes
     people = config.pedestrians
     rows = 1 + goals + TRAITS + 2 * crossings
@@ -68,6 +70,8 @@ def draw(maps: RoadMap, config: SimConfig, sizes: tuple[int, int], key: Key[Arra
     map_index = jnp.floor(uniform[0] * maps.roads.shape[0]).astype(jnp.int32)
     routes = look_up(maps.route_count, map_index)
     route = jnp.minimum((uniform[1] * routes).astype(jnp.int32), routes - 1)
+    if like is not None:
+        map_index, route = like.map, like.route
     starts = look_up(maps.start_count, map_index, route)
     start = _choose(maps.start_choices, starts, (map_index, route), start_draw[0])
 

@@ -66,3 +66,18 @@ class Trajectory(eqx.Module):
     """How close the centres would come if the pedestrian went on now and the car kept its velocity [m]."""
     arrivals: Int[np.ndarray, "frame episode ped"]
     """Goals reached so far."""
+
+
+class Ghosts(eqx.Module):
+    """People whom no car can see or touch, recorded beside a `Trajectory`: its frames and episodes, and columns of the
+    same names and meanings."""
+
+    ped_x: Float[np.ndarray, "frame episode ped"]
+    """[m]"""
+    ped_y: Float[np.ndarray, "frame episode ped"]
+    ped_vx: Float[np.ndarray, "frame episode ped"]
+    """[m/s]"""
+    ped_vy: Float[np.ndarray, "frame episode ped"]
+    on_roadway: Bool[np.ndarray, "frame episode ped"]
+    on_crosswalk: Bool[np.ndarray, "frame episode ped"]
+    crossing: Int[np.ndarray, "frame episode ped"]

@@ -1,0 +1,61 @@
+"""Ghosts: people of the same kind who share a car's streets, but whom it can neither see nor touch.
+
+What a car does near them says what it would have done there anyway: the placebo of the speed differential.
+"""
+
+from __future__ import annotations
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Key
+
+from jaxwalk.evaluation.game import BLOCK, Frame, frame_of_people
+from jaxwalk.rollout import SCENARIO_KEYS
+from jaxwalk.sim import pedestrian
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.state import PedestrianState
+from jaxwalk.sim.trajectory import Ghosts
+
+
+def walk_ghosts(street: Street, scenarios: Scenario, keys: Key[Array, "episode"], *, frames: int) -> Ghosts:
+    """Other people for every scenario's map and route, who always go: their first ``frames`` frames.
+
+    Args:
+        street: the world.
+        scenarios: a batch, arrays ``(..., episode)``.
+        keys: one for each episode, as for `jaxwalk.evaluation.play`.
+        frames: how many; at least 1.
+    """
+    others, people, first = _begin(street, scenarios, keys)
+    blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]
+    for _ in range(1, frames, BLOCK):
+        people, walked = _walk_block(street, others, people)
+        blocks.append({name: np.asarray(x) for name, x in walked.items()})
+    columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in first}
+    return Ghosts(**{name: x.swapaxes(1, 2) for name, x in columns.items()})
+
+
+@eqx.filter_jit
+def _begin(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]) -> tuple[Scenario, PedestrianState, Frame]:
+    """The ghosts' scenarios, and where they start. Their keys are those of a second episode, which is never played."""
+    second_episode = jax.vmap(lambda key: jax.random.fold_in(jax.random.fold_in(key, SCENARIO_KEYS), 1))
+    others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(second_episode(keys), scenarios)
+    people = pedestrian.place(street.maps, others)
+    return others, people, frame_of_people(street, others, people)
+
+
+@eqx.filter_jit
+def _walk_block(street: Street, others: Scenario, people: PedestrianState) -> tuple[PedestrianState, Frame]:
+    """``BLOCK`` steps, and their frames along a leading axis."""
+    go = jnp.ones(people.going.shape, bool)
+
+    def stride(people: PedestrianState, _: None) -> tuple[PedestrianState, Frame]:
+        people = pedestrian.walk(
+            street.maps, street.tables, street.config, street.jaywalk_multiplier, others, people, go
+        )
+        return people, frame_of_people(street, others, people)
+
+    return jax.lax.scan(stride, people, None, length=BLOCK)

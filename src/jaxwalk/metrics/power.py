@@ -1,0 +1,36 @@
+"""How many scenarios it takes to tell two rates apart."""
+
+from __future__ import annotations
+
+import math
+
+from scipy import stats
+
+
+def scenarios_needed(a: float, b: float, *, both: float | None = None, power: float = 0.8, alpha: float = 0.05) -> int:
+    """Scenarios on which a two-sided McNemar test finds two rates to differ, in a share ``power`` of the tries.
+
+    n = (z_{1 - alpha/2} sqrt(s) + z_power sqrt(s - d^2))^2 / d^2, where d = b - a and s is the share of scenarios that
+    end so in just one of the two (Connor 1987, *Sample size for testing differences in proportions for the
+    paired-sample design*).
+
+    Args:
+        a: how often a driver's scenarios end so, in [0, 1].
+        b: how often the other's do, on the same scenarios.
+        both: share of scenarios that end so in both (default: a b, as if scenarios did not differ in difficulty, which
+            asks for more scenarios than needed).
+        power: in (0, 1).
+        alpha: largest p-value that counts as found.
+
+    Raises:
+        ValueError: the rates are equal (no number of scenarios is enough), or impossible together.
+    """
+    both = a * b if both is None else both
+    if not 0 <= both <= min(a, b) or max(a, b) > 1 or a + b - both > 1:
+        raise ValueError(f"rates {a} and {b} with {both} in both are impossible")
+    if a == b:
+        raise ValueError(f"rates that are equal ({a}) can't be told apart by any number of scenarios")
+    difference, single = b - a, a + b - 2 * both
+    found = stats.norm.ppf(1 - alpha / 2) * math.sqrt(single)
+    found += stats.norm.ppf(power) * math.sqrt(single - difference**2)
+    return math.ceil((found / difference) ** 2)
