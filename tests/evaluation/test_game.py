@@ -53,7 +53,7 @@ def test_frames_are_those_of_stepping_by_hand(short, driver, undecided, batch, p
             "car_x": car.x, "car_speed": car.speed, "car_acceleration": car.acceleration, "ped_x": people.x,
             "ped_vx": pedestrian.velocity(short.config, scenarios, people)[0], "on_roadway": people.on_roadway,
             "going": people.going, "decisions": people.decisions, "at_kerb": pedestrian.at_kerb(short.config, people),
-            "enters_roadway": pedestrian.enters_roadway(people), "arrivals": people.arrivals,
+            "enters_roadway": pedestrian.enters_roadway(people),
             "predicted_miss": prediction.predicted_miss(short.config, scenarios, state)[0],
         }  # fmt: skip
         return state, memory, outcome.events, seen

@@ -12,7 +12,7 @@ from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Ghosts, Trajectory
 DT = 0.1
 PADDED = ("car_x", "car_y", "car_cos", "car_sin", "car_speed", "car_acceleration")
 PLACES = ("ped_x", "ped_y", "ped_vx", "ped_vy", "on_roadway", "on_crosswalk")
-CHOICES = ("at_kerb", "enters_roadway", "going", "predicted_miss", "arrivals")
+CHOICES = ("at_kerb", "enters_roadway", "going", "predicted_miss")
 PADDED_PEDS = (*PLACES, "crossing", "decisions", *CHOICES)
 
 
@@ -32,8 +32,6 @@ class Walk:
     """Frames to which a wait led."""
     miss: float = 10.0
     """Predicted, in every frame [m]."""
-    arrivals: Sequence[int] = ()
-    """Frames in which a goal is reached."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +98,7 @@ def _person(walk: Walk, frames: int) -> dict[str, np.ndarray]:
     x, y = walk.x + DT * walk.vx * frame, walk.y + DT * walk.vy * frame
     vx, vy = np.where(frame > 0, walk.vx, 0.0), np.where(frame > 0, walk.vy, 0.0)
     at_kerb, waits = np.isin(frame, walk.kerb), np.isin(frame, walk.waits)
-    choices = (at_kerb, at_kerb, ~waits, np.full(frames, walk.miss), np.isin(frame, walk.arrivals).cumsum())
+    choices = (at_kerb, at_kerb, ~waits, np.full(frames, walk.miss))
     values = (x, y, vx, vy, on, on_crosswalk, crossing, decisions, *choices)
     return dict(zip(PADDED_PEDS, values, strict=True))
 
@@ -142,7 +140,6 @@ def random_trajectory(seed: int, *, episodes: int, frames: int, people: int) -> 
         enters_roadway=rng.random(each) < 0.8,
         going=rng.random(each) < 0.5,
         predicted_miss=rng.integers(0, 13, each) / 2,
-        arrivals=np.cumsum(rng.random(each) < 0.1, axis=0),
     )
 
 

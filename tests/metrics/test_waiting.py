@@ -95,11 +95,11 @@ def test_counts_agree_with_the_reference(recorded):
         assert all(counts[cell] == count for cell, count in cells.items())
 
 
-def test_waypoints_per_second_of_all_pedestrians():
-    long = Scene(20, [Walk(0.0, 9.0, arrivals=[3, 8]), Walk(0.0, 9.0, arrivals=[15])])
-    short = Scene(10, [Walk(0.0, 9.0, arrivals=[10]), Walk(0.0, 9.0, arrivals=[11])])
-    rate = waiting(long, short).waypoint_rate
-    assert (rate.value, rate.count) == (pytest.approx(4 / (2 * 2.0 + 2 * 1.0)), 4)
+def test_metres_per_second_of_all_pedestrians():
+    long = Scene(20, [Walk(0.0, 9.0, vx=0.6, vy=0.8), Walk(0.0, 9.0)])
+    short = Scene(10, [Walk(0.0, 9.0, vx=2.0), Walk(0.0, 9.0)])
+    pace = waiting(long, short).pace
+    assert (pace.value, pace.count) == (pytest.approx((2 * 1.0 + 1 * 2.0) / (2 * 2.0 + 2 * 1.0)), 4)
 
 
 def test_the_share_of_all_steps_that_were_waits():
@@ -131,4 +131,4 @@ def test_what_never_happened_has_no_rate():
     found = waiting(Scene(5, [Walk(0.0, 9.0)]))
     rates = [found.danger, found.harmless, found.other, *(r for row in found.by_distance for r in row.rates)]
     assert all((rate.value, rate.count) == (None, 0) for rate in rates)
-    assert found.waypoint_rate.value == 0
+    assert found.pace.value == 0

@@ -35,7 +35,7 @@ def trajectory():
         ped_vx=np.zeros(person), ped_vy=np.full(person, 1.5), on_roadway=on_roadway,
         on_crosswalk=np.zeros(person, bool), crossing=np.broadcast_to([JAYWALK, CROSSWALK], person),
         decisions=np.ones(person, int), at_kerb=np.zeros(person, bool), going=np.ones(person, bool),
-        enters_roadway=np.zeros(person, bool), predicted_miss=np.full(person, 10.0), arrivals=np.zeros(person, int),
+        enters_roadway=np.zeros(person, bool), predicted_miss=np.full(person, 10.0),
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from jaxwalk.experiments.contestants import contestant, world_of
 from jaxwalk.experiments.runs import check_writable, write_whole
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
+from jaxwalk.report.table import shown
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import PRIVILEGED
 
@@ -111,40 +112,22 @@ def _keep(out: Path, text: str, streets: list[Street], rows: list[Played]) -> No
 def table(document: dict[str, Any]) -> Table:
     """The cells as a table with 95 % intervals."""
     multipliers = {cell["jaywalk_multiplier"] for cell in document["cells"]}
-    shown = Table(title="95 % intervals in brackets", box=SIMPLE, padding=(0, 1))
+    made = Table(title="95 % intervals in brackets", box=SIMPLE, padding=(0, 1))
     for name in ("driver", "pedestrians"):
-        shown.add_column(name, overflow="fold")
+        made.add_column(name, overflow="fold")
     if len(multipliers) > 1:
-        shown.add_column("multiplier", justify="right")
+        made.add_column("multiplier", justify="right")
     for name in ("goal %", "collision %", "timeout %", "time to goal [s]"):
-        shown.add_column(escape(name), justify="right", no_wrap=True)
+        made.add_column(escape(name), justify="right", no_wrap=True)
     for cell in document["cells"]:
         extra = [f"{cell['jaywalk_multiplier']:g}"] if len(multipliers) > 1 else []
-        rates = [percent(cell[name]) for name in ("goal_rate", "collision_rate", "timeout_rate")]
+        rates = [escape(shown(cell[name])) for name in ("goal_rate", "collision_rate", "timeout_rate")]
         driver = cell["driver"] + (f" ({PRIVILEGED})" if cell["driver_observes"] == PRIVILEGED else "")
-        shown.add_row(driver, cell["pedestrians"], *extra, *rates, seconds(cell["mean_time_to_goal"]))
-    return shown
+        made.add_row(driver, cell["pedestrians"], *extra, *rates, escape(shown(cell["mean_time_to_goal"], 1.0)))
+    return made
 
 
 def document_line(document: dict[str, Any]) -> str:
     """Which scenarios it was."""
     chosen = document["scenarios"]
     return f"{chosen['count']:,} scenarios of seed {chosen['seed']}, hash {chosen['hash']}"
-
-
-def percent(rate: dict[str, float | None]) -> str:
-    """As in ``14.0 [11.2, 17.3]``."""
-    return _with_interval(rate, 100.0, 1)
-
-
-def seconds(number: dict[str, float | None]) -> str:
-    """As in ``14.0 [11.2, 17.3]``."""
-    return _with_interval(number, 1.0, 1)
-
-
-def _with_interval(number: dict[str, float | None], scale: float, digits: int) -> str:
-    value, low, high = (number[x] for x in ("value", "low", "high"))
-    if value is None:
-        return "-"
-    ends = "" if low is None or high is None else f" [{scale * low:.{digits}f}, {scale * high:.{digits}f}]"
-    return f"{scale * value:.{digits}f}{ends}"

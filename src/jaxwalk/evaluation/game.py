@@ -147,7 +147,6 @@ def _frame(street: Street, scenarios: Scenario, state: State) -> Frame:
         "enters_roadway": pedestrian.enters_roadway(people),
         "going": people.going,
         "predicted_miss": prediction.predicted_miss(street.config, scenarios, state)[0],
-        "arrivals": people.arrivals.astype(jnp.int16),
     }
 
 

@@ -153,6 +153,6 @@ def _some(recorded: Recorded, episodes: slice, frames: int) -> Recorded:
 
 
 _PER_FRAME = (
-    "car_", "ped_", "on_", "crossing", "decisions", "at_kerb", "enters_roadway", "going", "predicted_miss", "arrivals",
+    "car_", "ped_", "on_", "crossing", "decisions", "at_kerb", "enters_roadway", "going", "predicted_miss",
 )  # fmt: skip
 """How the names of columns begin that have a frame axis first."""

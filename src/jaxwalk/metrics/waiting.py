@@ -49,8 +49,8 @@ class KerbMoments:
     speed_moments: Int[np.ndarray, "episode speed miss"]
     """The same moments by the car's speed."""
     speed_waits: Int[np.ndarray, "episode speed miss"]
-    arrivals: Int[np.ndarray, "episode"]
-    """Goals that all pedestrians together reached."""
+    walked: Float[np.ndarray, "episode"]
+    """By all pedestrians together [m]."""
     ped_steps: Int[np.ndarray, "episode"]
     """Steps played, times pedestrians."""
     ped_waits: Int[np.ndarray, "episode"]
@@ -84,8 +84,8 @@ class Waiting:
     """Of moments with the pedestrian ahead of the car and within 40 m."""
     by_speed: tuple[WaitBin, ...]
     """Of the same moments."""
-    waypoint_rate: Estimate
-    """Goals reached per second and pedestrian [1/s]; the count is of goals. Lower in short episodes: goals are far."""
+    pace: Estimate
+    """Metres walked per second that a pedestrian lived [m/s]; the count is of metres."""
     waited: Estimate
     """Share of all pedestrians' steps that were waits, wherever; the count is of steps."""
     longest_stand: int
@@ -121,7 +121,7 @@ def measure_waiting(trajectory: Trajectory) -> KerbMoments:
         distance_waits=by_distance[1],
         speed_moments=by_speed[0],
         speed_waits=by_speed[1],
-        arrivals=trajectory.arrivals[trajectory.length, np.arange(episodes)].sum(axis=1).astype(np.int32),
+        walked=_walked(trajectory, played),
         ped_steps=(trajectory.length * people).astype(np.int32),
         ped_waits=(~trajectory.going[1:] & played).sum(axis=(0, 2)).astype(np.int32),
         longest_stand=_longest_stand(trajectory),
@@ -150,6 +150,12 @@ def _tally(
     return moments.astype(np.int32), waits.astype(np.int32)
 
 
+def _walked(trajectory: Trajectory, played: Bool[np.ndarray, "step episode 1"]) -> Float[np.ndarray, "episode"]:
+    """Metres that all pedestrians together walked."""
+    speed = events.distance(trajectory.ped_vx[1:], trajectory.ped_vy[1:])
+    return np.where(played, speed, 0).sum(axis=(0, 2), dtype=np.float64) * trajectory.dt
+
+
 def _longest_stand(trajectory: Trajectory) -> Int[np.ndarray, "episode"]:
     """Most steps on end that anybody stood still on a roadway."""
     stood = trajectory.on_roadway & ~trajectory.going & real_frames(trajectory)[..., None]
@@ -164,22 +170,22 @@ def _longest_stand(trajectory: Trajectory) -> Int[np.ndarray, "episode"]:
 
 def waiting_columns(table: KerbMoments, *, dt: float) -> dict[str, np.ndarray]:
     """The counts to be resampled, and the time that all pedestrians together lived [s]."""
-    names = ("moments", "waits", "distance_moments", "distance_waits", "speed_moments", "speed_waits", "arrivals")
+    names = ("moments", "waits", "distance_moments", "distance_waits", "speed_moments", "speed_waits")
     columns = {f"kerb_{name}": getattr(table, name) for name in names}
-    return columns | {"ped_steps": table.ped_steps, "ped_time": table.ped_steps * dt, "ped_waits": table.ped_waits}
+    people = {"walked": table.walked, "steps": table.ped_steps, "time": table.ped_steps * dt, "waits": table.ped_waits}
+    return columns | {f"ped_{name}": column for name, column in people.items()}
 
 
 def summarise_waiting(table: KerbMoments, sums: dict[str, np.ndarray]) -> Waiting:
     """Wait rates; ``sums`` are the resampled sums of ``waiting_columns``."""
     by_setting = _rates(sums["kerb_waits"], sums["kerb_moments"])
-    arrivals = sums["kerb_arrivals"]
     return Waiting(
         danger=by_setting[DANGER],
         harmless=by_setting[HARMLESS],
         other=by_setting[OTHER],
         by_distance=_bins(DISTANCES, sums["kerb_distance_waits"], sums["kerb_distance_moments"]),
         by_speed=_bins(SPEEDS, sums["kerb_speed_waits"], sums["kerb_speed_moments"]),
-        waypoint_rate=interval(ratio(arrivals, sums["ped_time"]), arrivals[0]),
+        pace=interval(ratio(sums["ped_walked"], sums["ped_time"]), sums["ped_walked"][0]),
         waited=interval(ratio(sums["ped_waits"], sums["ped_steps"]), sums["ped_steps"][0]),
         longest_stand=int(table.longest_stand.max(initial=0)),
     )

@@ -70,7 +70,7 @@ SECTIONS = (
         "training seed, if there are several); the last counts are of pairs that end so on one side alone. p is the "
         "exact McNemar test over all pairs, as if they were independent: it is about these very policies. The "
         "difference's interval is by bootstrap over scenarios and, of several, over training seeds: then it is about "
-        "training again. Nothing is corrected for the number of comparisons.",
+        "training again. Holm's p may be read for all comparisons of the table at once.",
         table="pairs",
         over_seeds=True,
     ),
@@ -106,7 +106,7 @@ SECTIONS = (
         "close the two would come if they went on (predicted miss), with themselves ahead of the car and within 40 m. "
         "Bars and brackets: 95 % intervals. In the table, danger: the car also faster than 2 m/s, and a predicted miss "
         "below 2.5 m; harmless: it is farther than 40 m, or past. Bins of fewer than 20 moments are not drawn. The "
-        "share of all steps is the price of waiting; goals (the pedestrians') are so far that few are reached.",
+        "share of all steps, and the pace, are the price of waiting.",
         "waiting",
         "waiting",
     ),

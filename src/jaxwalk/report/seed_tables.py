@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from jaxwalk.metrics import holm
 from jaxwalk.report.material import CO_TRAINED, POPULATIONS, SINGLE_AGENT, Material
-from jaxwalk.report.table import Table, shown
+from jaxwalk.report.table import Table, p_value, shown
 
 
 def training_seeds(material: Material) -> Table:
@@ -26,16 +27,14 @@ def training_seeds(material: Material) -> Table:
 
 def pairs(material: Material) -> Table:
     """Endings of the same scenarios: of each driver by population, and of the two trained drivers."""
-    columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p")
-    return Table(columns, tuple(_pair(found) for found in material.results["paired"]))
+    columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p", "p, Holm")
+    found = material.results["paired"]
+    adjusted = holm([pair["p"] for pair in found])
+    return Table(columns, tuple((*_pair(pair), p_value(p)) for pair, p in zip(found, adjusted, strict=True)))
 
 
 def _pair(found: dict[str, Any]) -> tuple[str, ...]:
     names = (f"{found[side]['driver']} among {found[side]['pedestrians']}" for side in ("a", "b"))
     rates = (f"{100 * found[side]['rate']:.1f}" for side in ("a", "b"))
     counts = (f"{found[name]:,}" for name in ("only_a", "only_b"))
-    return f"{found['ending']}s", *names, *rates, shown(found["difference"]), *counts, _p_value(found["p"])
-
-
-def _p_value(p: float) -> str:
-    return "< 0.001" if p < 0.001 else f"{p:.3f}"
+    return f"{found['ending']}s", *names, *rates, shown(found["difference"]), *counts, p_value(found["p"])

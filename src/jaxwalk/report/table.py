@@ -34,11 +34,18 @@ def write_csv(tables: dict[str, Table], folder: Path) -> None:
         (folder / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
 
 
-def shown(ours: Number, scale: float = 100.0, digits: int = 1) -> str:
-    """As in ``14.0 [11.2, 17.3]``."""
+def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:
+    """As in ``14.0 [11.2, 17.3]``: one digit unless told otherwise, and two of a percentage within 1 of 0 or 100."""
     if ours["value"] is None:
         return NONE
+    if digits is None:
+        digits = 1 if scale != 100 or 0.01 <= abs(ours["value"]) <= 0.99 else 2
     value = f"{scale * ours['value']:.{digits}f}"
     if ours["low"] is None or ours["high"] is None:
         return value
     return f"{value} [{scale * ours['low']:.{digits}f}, {scale * ours['high']:.{digits}f}]"
+
+
+def p_value(p: float) -> str:
+    """As in ``0.021``."""
+    return "< 0.001" if p < 0.001 else f"{p:.3f}"

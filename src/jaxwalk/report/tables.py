@@ -178,15 +178,15 @@ def quarters(material: Material) -> Table:
 def waiting(material: Material) -> Table:
     """Whether learned pedestrians wait at the kerb, before whom, and at what price."""
     rates = ("waits in danger %", "moments", "else near %", "harmless %", "moments")
-    price = ("waits of all steps %", "goals per hour", "of always-go's %", "longest stand on a roadway [steps]")
+    price = ("waits of all steps %", "pace [m/s]", "of always-go's %", "longest stand on a roadway [steps]")
     rows = []
     for driver in material.drivers:
         found, bold = (material.cell(driver, people)["waiting"] for people in (LEARNED, ALWAYS_GO))
         danger, other, harmless, waited = (found[x] for x in ("danger", "other", "harmless", "waited"))
-        pace, most = found["waypoint_rate"], bold["waypoint_rate"]["value"]
+        pace, most = found["pace"], bold["pace"]["value"]
         row = (driver, shown(danger), f"{danger['count']:,}", shown(other), shown(harmless), f"{harmless['count']:,}")
-        share = f"{100 * pace['value'] / most:.0f}" if most else NONE
-        rows.append((*row, shown(waited, digits=2), shown(pace, 3600.0), share, str(found["longest_stand"])))
+        share = f"{100 * pace['value'] / most:.1f}" if most else NONE
+        rows.append((*row, shown(waited, digits=2), shown(pace, 1.0, 2), share, str(found["longest_stand"])))
     return Table(("driver", *rates, *price), tuple(rows))
 
 

@@ -64,8 +64,6 @@ class Trajectory(eqx.Module):
     """The go (true) or wait output in the step that led to the frame; true in frame 0."""
     predicted_miss: Float[np.ndarray, "frame episode ped"]
     """How close the centres would come if the pedestrian went on now and the car kept its velocity [m]."""
-    arrivals: Int[np.ndarray, "frame episode ped"]
-    """Goals reached so far."""
 
 
 class Ghosts(eqx.Module):
