@@ -40,7 +40,16 @@ def assert_same(a, b):
 
 
 def assert_equal_rows(a: Rows, b: Rows):
-    for table in ("episodes", "exposure", "near_speeds", "waiting", "crossings", "encounters", "decisions"):
+    for table in (
+        "episodes",
+        "exposure",
+        "near_speeds",
+        "waiting",
+        "crossings",
+        "encounters",
+        "surrogates",
+        "decisions",
+    ):
         left, right = getattr(a, table), getattr(b, table)
         for column in fields(left):
             # (sums may be grouped differently: hence a tolerance)

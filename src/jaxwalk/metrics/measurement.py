@@ -13,6 +13,12 @@ from jaxwalk.metrics.outcomes import Outcomes, measure_outcomes, outcome_columns
 from jaxwalk.metrics.rows import Rows
 from jaxwalk.metrics.speed_differential import SpeedBin, measure_near_speeds, speed_columns, summarise_speeds
 from jaxwalk.metrics.statistics import RESAMPLES, episode_sums
+from jaxwalk.metrics.surrogate import (
+    SurrogateSummary,
+    measure_surrogates,
+    summarise_surrogates,
+    surrogate_columns,
+)
 from jaxwalk.metrics.waiting import Waiting, measure_waiting, summarise_waiting, waiting_columns
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
@@ -28,6 +34,7 @@ class Summary:
     """From the nearest bin to the farthest."""
     attribution: Attribution
     encounters: ByType[EncounterSummary]
+    surrogates: ByType[SurrogateSummary]
     jaywalk_rate: JaywalkRate
     waiting: Waiting
 
@@ -47,6 +54,7 @@ def measure(trajectory: Trajectory, *, moving_speed: float = SimConfig.moving_sp
     if trajectory.length.size and trajectory.length.max() >= frames:
         raise ValueError(f"length {trajectory.length.max()} needs one frame more than the trajectory's {frames}")
     crossings, steps = find_crossings(trajectory)
+    encounters = find_encounters(trajectory, crossings, steps)
     return Rows(
         dt=float(trajectory.dt),
         episodes=measure_outcomes(trajectory, moving_speed=moving_speed),
@@ -54,7 +62,8 @@ def measure(trajectory: Trajectory, *, moving_speed: float = SimConfig.moving_sp
         near_speeds=measure_near_speeds(trajectory, steps),
         waiting=measure_waiting(trajectory),
         crossings=crossings,
-        encounters=find_encounters(trajectory, crossings, steps),
+        encounters=encounters,
+        surrogates=measure_surrogates(trajectory, encounters, moving_speed=moving_speed),
         decisions=find_decisions(trajectory),
     )
 
@@ -65,6 +74,7 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
     columns = outcome_columns(rows.episodes, dt=rows.dt)
     columns |= exposure_columns(rows.exposure, dt=rows.dt)
     columns |= encounter_columns(rows.encounters, episodes=episodes)
+    columns |= surrogate_columns(rows.surrogates, episodes=episodes)
     columns |= speed_columns(rows.near_speeds)
     columns |= waiting_columns(rows.waiting, dt=rows.dt)
     sums = episode_sums(columns, resamples=resamples, seed=seed)
@@ -74,6 +84,7 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
         speed_differential=summarise_speeds(sums),
         attribution=summarise_attribution(sums),
         encounters=summarise_encounters(rows.encounters, sums),
+        surrogates=summarise_surrogates(rows.surrogates, sums),
         jaywalk_rate=summarise_decisions(rows.decisions),
         waiting=summarise_waiting(rows.waiting, sums),
     )

@@ -14,6 +14,7 @@ from jaxwalk.metrics.decisions import Decisions
 from jaxwalk.metrics.encounters import Encounters
 from jaxwalk.metrics.outcomes import Episodes
 from jaxwalk.metrics.speed_differential import NearSpeeds
+from jaxwalk.metrics.surrogate import Surrogates
 from jaxwalk.metrics.waiting import KerbMoments
 
 Table = TypeVar("Table")
@@ -34,6 +35,8 @@ class Rows:
     """One row per episode."""
     crossings: Crossings
     encounters: Encounters
+    surrogates: Surrogates
+    """One row per row of ``encounters``."""
     decisions: Decisions
 
     @staticmethod
