@@ -39,10 +39,7 @@ class Steps:
 
 def crossing_steps(trajectory: Trajectory, encounters: Encounters) -> Steps:
     """The frames of the encounters' crossings."""
-    sizes = (encounters.end - encounters.enter + 1).astype(np.int64)
-    first = np.cumsum(sizes) - sizes
-    encounter = np.repeat(np.arange(len(sizes)), sizes)
-    frame = np.arange(len(encounter)) + (encounters.enter - first)[encounter]
+    encounter, frame, first = _spans(encounters.enter, encounters.end)
     episode = encounters.episode[encounter].astype(np.int64)
     person = frame, episode, encounters.ped[encounter]
     names = ("x", "y", "vx", "vy")
@@ -61,7 +58,7 @@ def conflict_areas(
     lags, places = np.full(len(steps.first), np.nan), np.zeros(len(steps.first), np.int64)
     earliest, latest = encounters.start[steps.encounter], trajectory.length[steps.episode]
     limit = round(PET_LIMIT / trajectory.dt)
-    left = np.arange(len(steps.frame))
+    left = np.flatnonzero(_near_path(trajectory, encounters, steps, collision_distance, limit))
     for lag in sorted(range(-limit, limit + 1), key=lambda lag: (abs(lag), -lag)):
         car = steps.frame[left] + lag
         there = (car >= earliest[left]) & (car <= latest[left])
@@ -74,6 +71,19 @@ def conflict_areas(
         lags[found], places[found] = lag, place[order]
         left = left[np.isnan(lags[steps.encounter[left]])]
     return lags, places
+
+
+def _near_path(trajectory: Trajectory, encounters: Encounters, steps: Steps, margin: float, limit: int) -> np.ndarray:
+    """Which steps come within ``margin`` of the box around the path that the car drives in those ``limit`` frames."""
+    # (most people cross far from the car's path: their steps need no search)
+    end = np.minimum(encounters.end + limit, trajectory.length[encounters.episode])
+    encounter, frame, first = _spans(encounters.start, end)
+    near = np.ones(len(steps.frame), bool)
+    for walked, driven in ((steps.x, trajectory.car_x), (steps.y, trajectory.car_y)):
+        places = driven[frame, encounters.episode[encounter]]
+        low, high = np.minimum.reduceat(places, first), np.maximum.reduceat(places, first)
+        near &= (walked >= low[steps.encounter] - margin) & (walked <= high[steps.encounter] + margin)
+    return near
 
 
 def second_arrivals(
@@ -96,13 +106,21 @@ def second_arrivals(
     arrival = np.where(lag > 0, steps.frame[place] + own_lag, 0), steps.episode[place]
     to_drive = driven[arrival][steps.encounter] - driven[car]
     to_walk = walked[place][steps.encounter] - walked
-    left = np.where(car_second, to_drive, to_walk)
+    metres = np.where(car_second, to_drive, to_walk)
     speed = np.where(car_second, trajectory.car_speed[car], distance(steps.vx, steps.vy))
-    seconds = np.divide(left, speed, out=np.full(len(left), np.inf), where=speed > 0)
-    seconds = np.where(left <= 0, 0.0, seconds)
+    seconds = np.divide(metres, speed, out=np.full(len(metres), np.inf), where=speed > 0)
+    seconds = np.where(metres <= 0, 0.0, seconds)
     first_there = steps.frame[place] + np.minimum(own_lag, 0)
     waited_for = met & (steps.frame <= first_there[steps.encounter]) & ~np.isnan(lag)[steps.encounter]
     return finite(np.minimum.reduceat(np.where(waited_for, seconds, np.inf), steps.first))
+
+
+def _spans(first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All frames from ``first`` to ``last``, span after span: which span, which frame; and where each span begins."""
+    sizes = (last - first + 1).astype(np.int64)
+    begin = np.cumsum(sizes) - sizes
+    span = np.repeat(np.arange(len(sizes)), sizes)
+    return span, np.arange(len(span)) + (first - begin)[span], begin
 
 
 def _path_length(x: Float[np.ndarray, "frame ..."], y: Float[np.ndarray, "frame ..."]) -> np.ndarray:
