@@ -21,13 +21,13 @@ from jaxwalk.sim.events import distance
 from jaxwalk.sim.trajectory import Trajectory
 
 TTC_CRITICAL = 1.5
-"""A smaller time to collision is critical [s]: Hydén (1987)."""
+"""A smaller time to collision is critical [s]: Hydén (1987). ``docs/metrics.md`` says which sources were seen."""
 PET_CRITICAL = 1.5
 """A smaller post-encroachment time is critical [s]: Peesapati et al. (2018) ..."""
 PET_CLOSE = 3.0
 """... and a smaller one than this still close [s]."""
 DRAC_CRITICAL = 3.4
-"""A larger required deceleration is critical [m/s2]: AASHTO's comfortable braking; Huber et al. (2020)."""
+"""A larger required deceleration is critical [m/s2]: Huber et al. (2020)."""
 
 
 @dataclass(frozen=True)
