@@ -16,13 +16,12 @@ PICKUP = 75 + 13 * 2.54  # IIHS: a median pickup's hood is 13 inches higher than
 @pytest.mark.parametrize(
     ("risk", "mph", "hood", "published"),
     [
-        # IIHS, "Vehicle height compounds dangers of speed for pedestrians" (10 December 2024), of the same study
+        # IIHS's news release on the study (10 December 2024), as the press quoted it
         (monfort_mueller_mais3, 15, MEAN_HOOD, 0.10),
         (monfort_mueller_mais3, 20, MEAN_HOOD, 0.18),
         (monfort_mueller_mais3, 35, MEAN_HOOD, 0.67),
         (monfort_mueller_mais3, 27, 75, 0.30),
         (monfort_mueller_mais3, 27, PICKUP, 0.62),
-        (monfort_mueller_fatal, 20, MEAN_HOOD, 0.01),
         (monfort_mueller_fatal, 35, MEAN_HOOD, 0.19),
         (monfort_mueller_fatal, 50, MEAN_HOOD, 0.80),
     ],
