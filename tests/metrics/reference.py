@@ -123,3 +123,67 @@ def kerb_moments(t, distances, speeds, misses):
                     count("distance_", waited, (e, bin_of(far, distances[:-1]), gap))
                     count("speed_", waited, (e, bin_of(speed, speeds[:-1]), gap))
     return found
+
+
+def time_to_collision(t, k, e, p, radius):
+    """When centres will be ``radius`` apart, from the chord that the relative path cuts off the disc."""
+    dx, dy = t.ped_x[k, e, p] - t.car_x[k, e], t.ped_y[k, e, p] - t.car_y[k, e]
+    vx, vy = relative_velocity(t, k, e, p)
+    approach, offset, speed2 = -(dx * vx + dy * vy), dx * vy - dy * vx, vx**2 + vy**2
+    if math.hypot(dx, dy) < radius:
+        return 0.0
+    if approach <= 0 or offset**2 > radius**2 * speed2:
+        return math.inf
+    return (approach - math.sqrt(radius**2 * speed2 - offset**2)) / speed2
+
+
+def relative_velocity(t, k, e, p):
+    speed = t.car_speed[k, e]
+    return t.ped_vx[k, e, p] - speed * t.car_cos[k, e], t.ped_vy[k, e, p] - speed * t.car_sin[k, e]
+
+
+def conflict_area(t, e, p, enter, start, last, radius):
+    """Frames of the car and of the pedestrian in the conflict area; None if the paths never meet."""
+    pairs = [
+        (abs(j - k), j < k, k, j)
+        for k in range(enter, last + 1)
+        for j in range(start, t.length[e] + 1)
+        if math.hypot(t.ped_x[k, e, p] - t.car_x[j, e], t.ped_y[k, e, p] - t.car_y[j, e]) < radius and abs(j - k) <= 50
+    ]
+    return min(pairs)[:1:-1] if pairs else None
+
+
+def walked(x, y, first, last):
+    return sum(math.hypot(x[k + 1] - x[k], y[k + 1] - y[k]) for k in range(first, last))
+
+
+def smallest_t2(t, e, p, start, car, ped):
+    """Distance left over speed, of whoever comes second, until the first is there."""
+    times = [math.inf]
+    for k in range(start, min(car, ped) + 1):
+        if car > ped:
+            left, speed = walked(t.car_x[:, e], t.car_y[:, e], k, car), t.car_speed[k, e]
+        else:
+            left = walked(t.ped_x[:, e, p], t.ped_y[:, e, p], k, ped)
+            speed = math.hypot(t.ped_vx[k, e, p], t.ped_vy[k, e, p])
+        times.append(0.0 if left == 0 else left / speed if speed > 0 else math.inf)
+    return min(times)
+
+
+def surrogates(t, radius=1.5):
+    """All (ttc, exposed time, pet, t2, drac, impact speed, relative speed) of the encounters."""
+    found = []
+    for e, p, _, _, enter, start, last, *_ in encounters(t):
+        ttcs = [time_to_collision(t, k, e, p, radius) for k in range(start, last + 1)]
+        speeds = [math.hypot(*relative_velocity(t, k, e, p)) for k in range(start, last + 1)]
+        dracs = [v**2 / (2 * v * ttc) if v * ttc else 0.0 for v, ttc in zip(speeds, ttcs, strict=True) if ttc > 0]
+        area = conflict_area(t, e, p, enter, start, last, radius)
+        pet, t2 = math.nan, math.nan
+        if area is not None:
+            pet, t2 = (area[0] - area[1]) * t.dt, smallest_t2(t, e, p, start, *area)
+        touch = t.touched[e, p] and last == t.length[e]
+        impact = t.car_speed[last, e] if touch and t.car_speed[last, e] >= 0.5 else math.nan
+        exposed = sum(ttc < 1.5 for ttc in ttcs) * t.dt
+        row = min(ttcs), exposed, pet, t2, max(dracs, default=math.nan), impact, speeds[-1] if touch else math.nan
+        found.append([value if math.isfinite(value) else math.nan for value in row])
+    return found

@@ -20,6 +20,12 @@ from jaxwalk.metrics.speed_differential import (
     summarise_speeds,
 )
 from jaxwalk.metrics.statistics import RESAMPLES, episode_sums
+from jaxwalk.metrics.surrogate import (
+    SurrogateSummary,
+    measure_surrogates,
+    summarise_surrogates,
+    surrogate_columns,
+)
 from jaxwalk.metrics.waiting import Waiting, measure_waiting, summarise_waiting, waiting_columns
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
@@ -35,6 +41,7 @@ class Summary:
     """From the nearest bin to the farthest."""
     attribution: Attribution
     encounters: ByType[EncounterSummary]
+    surrogates: ByType[SurrogateSummary]
     jaywalk_rate: JaywalkRate
     waiting: Waiting
 
@@ -56,16 +63,23 @@ def measure(trajectory: Trajectory, ghosts: Ghosts | None = None, *, config: Sim
     if trajectory.length.size and trajectory.length.max() >= frames:
         raise ValueError(f"length {trajectory.length.max()} needs one frame more than the trajectory's {frames}")
     crossings, steps = find_crossings(trajectory)
+    encounters = find_encounters(trajectory, crossings, steps)
     return Rows(
         dt=float(trajectory.dt),
         episodes=measure_outcomes(trajectory, moving_speed=config.moving_speed),
         exposure=measure_exposure(trajectory, crossings, steps),
         near_speeds=measure_near_speeds(trajectory, steps),
-        placebo=measure_placebo(trajectory, ghosts, touch=config.collision_distance),
+        placebo=measure_placebo(trajectory, ghosts, collision_distance=config.collision_distance),
         waiting=measure_waiting(trajectory),
         crossings=crossings,
-        encounters=find_encounters(trajectory, crossings, steps),
+        encounters=encounters,
         meetings=find_meetings(trajectory, steps),
+        surrogates=measure_surrogates(
+            trajectory,
+            encounters,
+            collision_distance=config.collision_distance,
+            moving_speed=config.moving_speed,
+        ),
         decisions=find_decisions(trajectory),
     )
 
@@ -76,6 +90,7 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
     columns = outcome_columns(rows.episodes, dt=rows.dt)
     columns |= exposure_columns(rows.exposure, dt=rows.dt)
     columns |= encounter_columns(rows.encounters, episodes=episodes)
+    columns |= surrogate_columns(rows.surrogates, episodes=episodes)
     columns |= speed_columns(rows.near_speeds, rows.placebo)
     columns |= meeting_columns(rows.meetings, episodes=episodes)
     columns |= waiting_columns(rows.waiting, dt=rows.dt)
@@ -87,6 +102,7 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
         speed_differential=summarise_speeds(sums, matched),
         attribution=summarise_attribution(sums),
         encounters=summarise_encounters(rows.encounters, sums),
+        surrogates=summarise_surrogates(rows.surrogates, sums),
         jaywalk_rate=summarise_decisions(rows.decisions),
         waiting=summarise_waiting(rows.waiting, sums),
     )

@@ -15,6 +15,7 @@ from jaxwalk.metrics.encounters import Encounters
 from jaxwalk.metrics.meetings import Meetings
 from jaxwalk.metrics.outcomes import Episodes
 from jaxwalk.metrics.speed_differential import NearSpeeds, PlaceboSpeeds
+from jaxwalk.metrics.surrogate import Surrogates
 from jaxwalk.metrics.waiting import KerbMoments
 
 Table = TypeVar("Table")
@@ -38,6 +39,8 @@ class Rows:
     crossings: Crossings
     encounters: Encounters
     meetings: Meetings
+    surrogates: Surrogates
+    """One row per row of ``encounters``."""
     decisions: Decisions
 
     @staticmethod

@@ -96,8 +96,8 @@ def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
     return NearSpeeds(total.reshape(shape), count.reshape(shape))
 
 
-def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, touch: float) -> PlaceboSpeeds:
-    """Near speeds of people and of ghosts, up to the first frame in which the car is within ``touch`` [m] of either.
+def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, collision_distance: float) -> PlaceboSpeeds:
+    """Near speeds of people and of ghosts, up to the first frame in which the car is within ``collision_distance`` [m] of either.
 
     An episode ends when a person is touched; ghosts would be driven through. So that both are seen for as long, each
     ends the view of both: for a car that drives as if nobody were there, among people who always go, people and ghosts
@@ -108,7 +108,7 @@ def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, touch: flo
         return PlaceboSpeeds(none, none.astype(np.int32), none, none.astype(np.int32))
     haunted = replace(trajectory, **vars(ghosts))
     dx, dy = (getattr(ghosts, f"ped_{axis}") - getattr(trajectory, f"car_{axis}")[..., None] for axis in "xy")
-    touched = events.touches(dx, dy, touch).any(axis=2) & real_frames(trajectory)
+    touched = events.touches(dx, dy, collision_distance).any(axis=2) & real_frames(trajectory)
     length = np.where(touched.any(axis=0), touched.argmax(axis=0), trajectory.length)
     people, unseen = (_until(one, length) for one in (trajectory, haunted))
     return PlaceboSpeeds(people.speed_sum, people.frames, unseen.speed_sum, unseen.frames)

@@ -1,0 +1,232 @@
+"""Surrogate safety: how near an encounter came to a collision, in time and in the braking it would have needed.
+
+Car and pedestrian are discs whose centres collide at ``collision_distance``. Time to collision (TTC), T2 and required
+deceleration (DRAC) are predictions at constant velocities; post-encroachment time (PET) is what happened.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from jaxwalk.metrics.conflict_areas import Steps, conflict_areas, crossing_steps, finite, second_arrivals
+from jaxwalk.metrics.crossings import TYPES, ByType
+from jaxwalk.metrics.encounters import Encounters
+from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
+from jaxwalk.metrics.statistics import Estimate, interval, quantile, ratio
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.events import distance
+from jaxwalk.sim.trajectory import Trajectory
+
+TTC_CRITICAL = 1.5
+"""A smaller time to collision is critical [s]: Hydén (1987). ``docs/metrics.md`` says which sources were seen."""
+PET_CRITICAL = 1.5
+"""A smaller post-encroachment time is critical [s]: Peesapati et al. (2018) ..."""
+PET_CLOSE = 3.0
+"""... and a smaller one than this still close [s]."""
+DRAC_CRITICAL = 3.4
+"""A larger required deceleration is critical [m/s2]: Huber et al. (2020)."""
+
+
+@dataclass(frozen=True)
+class Surrogates:
+    """One row per encounter, parallel to `Encounters`; NaN is what does not exist."""
+
+    episode: Int[np.ndarray, "encounter"]
+    """Row of the episode."""
+    type: Int[np.ndarray, "encounter"]
+    """CROSSWALK or JAYWALK."""
+    ttc: Float[np.ndarray, "encounter"]
+    """Smallest time to collision [s]; 0 after a touch, NaN if they were never on a collision course."""
+    exposed_time: Float[np.ndarray, "encounter"]
+    """Time with a time to collision below ``TTC_CRITICAL`` [s] (TET; Minderhoud and Bovy, 2001)."""
+    pet: Float[np.ndarray, "encounter"]
+    """Post-encroachment time [s]: positive if the pedestrian came first, negative if the car did, 0 after a touch; NaN
+    if the paths never meet, or one came more than ``PET_LIMIT`` after the other."""
+    t2: Float[np.ndarray, "encounter"]
+    """Smallest predicted arrival of the second road user [s]; NaN without a conflict area."""
+    drac: Float[np.ndarray, "encounter"]
+    """Largest required deceleration [m/s2] before any touch; 0 if they were never on a collision course; NaN if they
+    touched from the first frame on."""
+    impact_speed: Float[np.ndarray, "encounter"]
+    """Speed of a moving car that touched the pedestrian, for the injury curves [m/s]; NaN if none did."""
+    relative_speed: Float[np.ndarray, "encounter"]
+    """Of car and pedestrian in a touch, also if the car stood [m/s]; NaN without one."""
+
+
+def time_to_collision(dx, dy, dvx, dvy, radius):
+    """When two discs at constant velocities will touch [s]: 0 where they do, infinite where they never will.
+
+    The smallest t >= 0 with (dx + dvx t)^2 + (dy + dvy t)^2 = radius^2 (Hayward, 1972, in two dimensions). Displacement
+    (dx, dy) [m] and relative velocity (dvx, dvy) [m/s] broadcast; ``radius`` is the distance at which centres touch.
+    """
+    approach = -(dx * dvx + dy * dvy)
+    speed2, outside = dvx**2 + dvy**2, dx**2 + dy**2 - radius**2
+    discriminant = approach**2 - speed2 * outside
+    course = (approach > 0) & (discriminant >= 0)
+    # the quadratic's smaller root, written so that nothing cancels at low relative speeds
+    root = approach + np.sqrt(np.maximum(discriminant, 0))
+    later = np.divide(outside, root, out=np.full(np.shape(root), np.inf), where=course)
+    return np.where(outside < 0, 0.0, later)
+
+
+def required_deceleration(dx, dy, dvx, dvy, radius):
+    """The constant deceleration of the relative motion that just avoids a touch (DRAC) [m/s2].
+
+    speed^2 / (2 x distance to collision) = speed / (2 TTC), with the relative speed: Almqvist et al. (1991), Archer
+    (2005), along the relative velocity. 0 off a collision course, NaN where the discs touch already. Arguments as those
+    of `time_to_collision`.
+    """
+    ttc, speed = np.broadcast_arrays(time_to_collision(dx, dy, dvx, dvy, radius), distance(dvx, dvy))
+    return np.divide(speed, 2 * ttc, out=np.full(speed.shape, np.nan), where=ttc > 0)
+
+
+def measure_surrogates(
+    trajectory: Trajectory,
+    encounters: Encounters,
+    *,
+    collision_distance: float = SimConfig.collision_distance,
+    moving_speed: float = SimConfig.moving_speed,
+) -> Surrogates:
+    """The surrogates of all encounters.
+
+    Args:
+        trajectory: where the encounters were found.
+        encounters: the encounters.
+        collision_distance: centres closer than this touch [m].
+        moving_speed: a car at this speed or more hits somebody; a slower one is walked into [m/s].
+    """
+    steps = crossing_steps(trajectory, encounters)
+    met = steps.frame >= encounters.start[steps.encounter]
+    relative = _relative(trajectory, steps)
+    ttc = np.where(met, time_to_collision(*relative, collision_distance), np.inf)
+    drac = np.where(met, required_deceleration(*relative, collision_distance), np.nan)
+    critical = np.add.reduceat((ttc < TTC_CRITICAL).astype(np.int64), steps.first)
+    lag, place = conflict_areas(trajectory, encounters, steps, collision_distance)
+    last = steps.first + (encounters.end - encounters.enter)
+    speed = trajectory.car_speed[encounters.end, encounters.episode]
+    columns = {
+        "ttc": finite(np.minimum.reduceat(ttc, steps.first)),
+        "exposed_time": critical * trajectory.dt,
+        "pet": lag * trajectory.dt,
+        "t2": second_arrivals(trajectory, steps, met, lag, place),
+        "drac": np.fmax.reduceat(drac, steps.first),
+        "impact_speed": np.where(encounters.collided & (speed >= moving_speed), speed, np.nan),
+        "relative_speed": np.where(encounters.collided, distance(relative[2], relative[3])[last], np.nan),
+    }
+    rows = {name: column.astype(np.float32) for name, column in columns.items()}
+    return Surrogates(episode=encounters.episode, type=encounters.type, **rows)
+
+
+def _relative(trajectory: Trajectory, steps: Steps) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Displacement [m] and relative velocity [m/s] from the car to the pedestrian."""
+    car = steps.frame, steps.episode
+    speed = trajectory.car_speed[car].astype(np.float64)
+    return (
+        steps.x - trajectory.car_x[car],
+        steps.y - trajectory.car_y[car],
+        steps.vx - speed * trajectory.car_cos[car],
+        steps.vy - speed * trajectory.car_sin[car],
+    )
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A measure over encounters; encounters are taken as independent."""
+
+    median: Estimate
+    extreme: Estimate
+    """Towards danger: the 5th percentile of times, the 95th of decelerations."""
+
+
+@dataclass(frozen=True)
+class SurrogateSummary:
+    """The encounters of one type. Shares are of all encounters; means and shares have bootstrap intervals."""
+
+    count: int
+    ttc: Spread
+    """[s], of those ever on a collision course."""
+    pet: Spread
+    """Without its sign [s], of those with a conflict area."""
+    t2: Spread
+    """[s], of those with a conflict area."""
+    drac: Spread
+    """[m/s2]"""
+    ttc_critical: Estimate
+    """Share with a TTC below 1.5 s."""
+    pet_critical: Estimate
+    """Share with a PET below 1.5 s, whoever came first."""
+    pet_close: Estimate
+    """Share with a PET below 3 s."""
+    drac_critical: Estimate
+    """Share with a DRAC above 3.4 m/s2."""
+    exposed_time: Estimate
+    """Mean time with a TTC below 1.5 s [s]."""
+    pedestrian_first: Estimate
+    """Share in which the pedestrian came first, of those with a conflict area and without a touch."""
+    impact_speed: Estimate
+    """Mean speed of the car that hit somebody [m/s]. Counts, here and in the risks: pedestrians who were hit."""
+    mais3: Estimate
+    """Mean risk of a serious injury or worse of those hit (Monfort and Mueller, 2025)."""
+    fatal: Estimate
+    """Mean risk of death of those hit (Monfort and Mueller, 2025)."""
+    fatal_rosen_sander: Estimate
+    """The same after Rosén and Sander (2009)."""
+
+
+SHARES = ("ttc_critical", "pet_critical", "pet_close", "drac_critical", "exposed_time")
+RISKS = ("impact_speed", "mais3", "fatal", "fatal_rosen_sander")
+
+
+def surrogate_columns(table: Surrogates, *, episodes: int) -> dict[str, np.ndarray]:
+    """Per episode and type: the sums behind every share and mean of the summary."""
+    hit, speed = ~np.isnan(table.impact_speed), np.nan_to_num(table.impact_speed)
+    sums = {
+        "met": np.ones(len(speed)),
+        "ttc_critical": table.ttc < TTC_CRITICAL,
+        "pet_critical": np.abs(table.pet) < PET_CRITICAL,
+        "pet_close": np.abs(table.pet) < PET_CLOSE,
+        "drac_critical": table.drac > DRAC_CRITICAL,
+        "exposed_time": table.exposed_time,
+        "pedestrian_first": table.pet > 0,
+        "one_first": np.abs(table.pet) > 0,
+        "hit": hit,
+        "impact_speed": speed,
+        "mais3": hit * monfort_mueller_mais3(speed),
+        "fatal": hit * monfort_mueller_fatal(speed),
+        "fatal_rosen_sander": hit * rosen_sander_fatal(speed),
+    }
+    cell = table.episode.astype(np.int64) * len(TYPES) + table.type - 1
+    size = episodes * len(TYPES)
+    counted = {name: np.bincount(cell, weights=values, minlength=size) for name, values in sums.items()}
+    return {f"surrogate_{name}": values.reshape(episodes, len(TYPES)) for name, values in counted.items()}
+
+
+def summarise_surrogates(table: Surrogates, sums: dict[str, np.ndarray]) -> ByType[SurrogateSummary]:
+    """Surrogates by type; ``sums`` are the resampled sums of ``surrogate_columns``."""
+    return ByType(*(_summarise_type(table, kind, sums) for kind in TYPES))
+
+
+def _summarise_type(table: Surrogates, kind: int, sums: dict[str, np.ndarray]) -> SurrogateSummary:
+    """The surrogates of one type."""
+
+    def mean(name: str, over: str) -> Estimate:
+        count = sums[f"surrogate_{over}"][:, kind - 1]
+        return interval(ratio(sums[f"surrogate_{name}"][:, kind - 1], count), int(count[0]))
+
+    def spread(values: np.ndarray, p: float) -> Spread:
+        known = values[(table.type == kind) & ~np.isnan(values)]
+        return Spread(median=quantile(known, 0.5), extreme=quantile(known, p))
+
+    return SurrogateSummary(
+        count=int((table.type == kind).sum()),
+        ttc=spread(table.ttc, 0.05),
+        pet=spread(np.abs(table.pet), 0.05),
+        t2=spread(table.t2, 0.05),
+        drac=spread(table.drac, 0.95),
+        pedestrian_first=mean("pedestrian_first", "one_first"),
+        **{name: mean(name, "met") for name in SHARES},
+        **{name: mean(name, "hit") for name in RISKS},
+    )
