@@ -97,11 +97,12 @@ def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
 
 
 def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, collision_distance: float) -> PlaceboSpeeds:
-    """Near speeds of people and of ghosts, up to the first frame in which the car is within ``collision_distance`` [m] of either.
+    """Near speeds of people and of ghosts, up to the first frame in which the car touches either.
 
     An episode ends when a person is touched; ghosts would be driven through. So that both are seen for as long, each
     ends the view of both: for a car that drives as if nobody were there, among people who always go, people and ghosts
-    are then exchangeable, and every difference between them is chance. Without ghosts, everything is 0.
+    are then exchangeable, and every difference between them is chance. Without ghosts, everything is 0. A touch:
+    centres closer than ``collision_distance`` [m].
     """
     if ghosts is None:
         none = np.zeros((len(trajectory.length), len(TYPES), BINS))
