@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 from rich.box import SIMPLE
@@ -14,11 +13,21 @@ from rich.table import Table
 
 from jaxwalk.cli.options import Evaluate, Share, UsageError
 from jaxwalk.cli.train import bad_values
-from jaxwalk.evaluation import compare, with_jaywalk_multiplier, write_rows
+from jaxwalk.evaluation import (
+    check_parquet,
+    compare,
+    compared,
+    jaywalk_multiplier,
+    paired,
+    with_jaywalk_multiplier,
+    write_encounters,
+    write_rows,
+)
 from jaxwalk.experiments.contestants import contestant, world_of
 from jaxwalk.experiments.runs import check_writable, write_whole
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
+from jaxwalk.report.suite import suite
 from jaxwalk.report.table import shown
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import PRIVILEGED
@@ -29,29 +38,35 @@ Played = dict[tuple[str, str], Rows]
 def run(options: Evaluate) -> int:
     """Evaluate and show; nothing is written unless ``--out`` says where."""
     check(options)
-    names = [*options.driver, *options.pedestrians]
+    drivers = tuple(dict.fromkeys((*options.driver, *options.compare)))
+    names = [*drivers, *options.pedestrians]
     with bad_values():
         streets = _streets(world_of(names, options.map), options.jaywalk_multiplier)
         driver_samples = True if options.sample_driver else None
-        drivers = {x: contestant(streets[0], "driver", x, sample=driver_samples) for x in options.driver}
+        cars = {x: contestant(streets[0], "driver", x, sample=driver_samples) for x in drivers}
         people_sample = False if options.pedestrian_mode else None
         people = {x: contestant(streets[0], "pedestrian", x, sample=people_sample) for x in options.pedestrians}
-    document, rows = _play(options, streets, drivers, people)
+    document, rows = _play(options, streets, cars, people)
+    if options.compare:
+        document["compared"] = _compared(options, streets, rows)
     text = json.dumps(document, indent=2, allow_nan=False) + "\n"
     if options.out:
-        _keep(options.out, text, streets, rows)
+        _keep(options, text, streets, rows)
+        write_whole(options.out / "suite.md", suite(document))
     if options.json:
         print(text, end="")
     else:
         console = Console()
         console.width = max(console.width, 120)  # the numbers need it; a narrower terminal wraps
-        console.print(table(document), document_line(document), sep="\n")
+        console.print(table(document), *_said(document), document_line(document), sep="\n")
     return 0
 
 
 def check(options: Evaluate) -> None:
     """Raise for options that can't be."""
-    if not options.driver:
+    if options.compare and len(set(options.compare)) != 2:
+        raise UsageError(f"--compare needs two drivers, not {len(set(options.compare))}: as in --compare A B")
+    if not options.driver and not options.compare:
         raise UsageError(
             "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
         )
@@ -60,6 +75,12 @@ def check(options: Evaluate) -> None:
     check_scenarios(options)
     if not options.jaywalk_multiplier:
         raise UsageError("--jaywalk-multiplier needs a number, such as 0.25")
+    if options.counterfactuals < 0:
+        raise UsageError(f"--counterfactuals must be 0 or more, not {options.counterfactuals}")
+    if options.encounters and not options.out:
+        raise UsageError("--encounters needs --out DIR, where encounters.parquet is to be")
+    if options.encounters:
+        check_parquet()
     if options.out:
         check_writable(options.out)
 
@@ -100,12 +121,38 @@ def _play(
     return {**documents[0], "cells": cells}, rows
 
 
-def _keep(out: Path, text: str, streets: list[Street], rows: list[Played]) -> None:
-    """Write the document, and a row per episode for each multiplier."""
+def _compared(options: Evaluate, streets: list[Street], rows: list[Played]) -> list[dict[str, Any]]:
+    """The two drivers of ``--compare`` on each street."""
+    a, b = options.compare
+    found = []
+    for street, played in zip(streets, rows, strict=True):
+        among = {people: paired(played[a, people], played[b, people]) for people in dict.fromkeys(options.pedestrians)}
+        multiplier = {"jaywalk_multiplier": jaywalk_multiplier(street)}
+        found += [multiplier | difference for difference in compared(a, b, among)]
+    return found
+
+
+def _said(document: dict[str, Any]) -> list[str]:
+    """The comparisons in words, if there are any."""
+    found = document.get("compared", [])
+    several = len({one["jaywalk_multiplier"] for one in found}) > 1
+    lines = [f"Multiplier {x['jaywalk_multiplier']:g}: " * several + escape(x["in_words"]) for x in found]
+    return [*lines, "(Pairs of the same scenarios; exact tests, p adjusted for their number.)\n"] if found else []
+
+
+def _keep(options: Evaluate, text: str, streets: list[Street], rows: list[Played]) -> None:
+    """Write the document, a row per episode for each multiplier, and a row per encounter if asked for."""
+    out = options.out
+    assert out is not None
     out.mkdir(parents=True, exist_ok=True)
     for street, played in zip(streets, rows, strict=True):
         suffix = f"-x{float(street.jaywalk_multiplier):g}" if len(streets) > 1 else ""
         write_rows(out / f"episodes{suffix}.csv", [(*pair, found) for pair, found in played.items()])
+    if options.encounters:
+        cells = [
+            (*pair, jaywalk_multiplier(s), x) for s, some in zip(streets, rows, strict=True) for pair, x in some.items()
+        ]
+        write_encounters(out / "encounters.parquet", cells)
     write_whole(out / "results.json", text)
 
 

@@ -92,11 +92,13 @@ class Evaluate:
     For example: jaxwalk evaluate --driver rule-based runs/first --pedestrians always-go runs/first
     """
 
-    driver: Annotated[tuple[str, ...], _option("needed", "D [D ...]")] = ()
+    driver: Annotated[tuple[str, ...], _option("needed, unless --compare", "D [D ...]")] = ()
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, oracle), trained policies that
     come with jaxwalk (co-trained, single-agent), run folders or policy files."""
     pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
     """always-go, learned (who come with jaxwalk), run folders or policy files."""
+    compare: Annotated[tuple[str, ...], _option("none", "A B")] = ()
+    """Two drivers: say in words whether B collides less than A, and reaches the goal more (paired tests)."""
     episodes: Annotated[int, _option("2000", "N")] = 2000
     """Scenarios in each cell, the same for all."""
     seed: Annotated[int, _option("0", "N")] = 0
@@ -109,8 +111,12 @@ class Evaluate:
     """A learned driver draws its actions at random, as in training; else it takes the likeliest."""
     pedestrian_mode: Flag = False
     """Learned pedestrians take the likeliest action; else they draw at random, as in training."""
+    counterfactuals: Annotated[int, _option("0", "N")] = 0
+    """Replay so many collisions of each cell otherwise: who could have avoided them? Some 0.2 s for each."""
     out: Annotated[Path | None, _option("none", "DIR")] = None
-    """Folder for results.json and episodes.csv (a row per episode)."""
+    """Folder for results.json (all metrics), suite.md (the same as tables) and episodes.csv (a row per episode)."""
+    encounters: Flag = False
+    """Also encounters.parquet, a row per encounter (needs --out, and pip install "jaxwalk[data]")."""
     json: Flag = False
     """Print one JSON document instead of the table."""
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from jaxwalk.metrics import Rows, mcnemar
+from jaxwalk.metrics import Rows, holm, mcnemar, scenarios_needed
 
 
 @dataclass(frozen=True)
 class Comparison:
     """How often one kind of ending happens in A and in B."""
 
+    scenarios: int
     both: int
     """Scenarios that end so in both."""
     only_a: int
@@ -21,6 +24,11 @@ class Comparison:
     """Share in B minus share in A."""
     p: float
     """Exact McNemar p-value, two-sided."""
+
+    @property
+    def rates(self) -> tuple[float, float]:
+        """Shares in A and in B."""
+        return (self.both + self.only_a) / self.scenarios, (self.both + self.only_b) / self.scenarios
 
 
 @dataclass(frozen=True)
@@ -52,9 +60,59 @@ def paired(rows_a: Rows, rows_b: Rows) -> Paired:
 
 def _compared(a: np.ndarray, b: np.ndarray) -> Comparison:
     return Comparison(
+        scenarios=len(a),
         both=int((a & b).sum()),
         only_a=int((a & ~b).sum()),
         only_b=int((b & ~a).sum()),
         difference=float(b.mean() - a.mean()),
         p=mcnemar(a, b),
+    )
+
+
+FOUND = 0.05
+"""A difference with a p-value below this is said to be one."""
+SAID = {"collision": ("collides less", "collides more"), "goal": ("reaches the goal less", "reaches the goal more")}
+"""An ending that is rarer in B, and one that is more frequent."""
+
+
+def compared(a: str, b: str, among: Mapping[str, Paired]) -> list[dict[str, Any]]:
+    """Collisions and goals of two drivers among each population, tested in pairs and put into words.
+
+    The p-values are adjusted for their number (Holm). ``among`` has the pairs of each population.
+    """
+    tests = [(people, ending, getattr(pairs, ending)) for people, pairs in among.items() for ending in SAID]
+    adjusted = holm([found.p for *_, found in tests])
+    return [
+        {
+            "a": a,
+            "b": b,
+            "pedestrians": people,
+            "ending": ending,
+            "rate_a": found.rates[0],
+            "rate_b": found.rates[1],
+            "only_a": found.only_a,
+            "only_b": found.only_b,
+            "scenarios": found.scenarios,
+            "p": found.p,
+            "p_holm": p,
+            "in_words": in_words(b, people, ending, found, p),
+        }
+        for (people, ending, found), p in zip(tests, adjusted, strict=True)
+    ]
+
+
+def in_words(b: str, people: str, ending: str, found: Comparison, p: float) -> str:
+    """As in ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios.``"""
+    (rate_a, rate_b), (less, more) = found.rates, SAID[ending]
+    side = less if rate_b < rate_a else more
+    chance = "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"
+    numbers = f"{100 * rate_b:.2f} % against {100 * rate_a:.2f} %, {chance}, {found.scenarios:,} scenarios"
+    if p < FOUND:
+        return f"{b} {side} among {people}: {numbers}."
+    if rate_a == rate_b:
+        return f"No difference between the two among {people} ({ending}s): {numbers}."
+    needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios)
+    some = float(f"{needed:.1e}")
+    return (
+        f"Whether {b} {side} among {people} is open: {numbers}; rates like these take some {some:,.0f} to tell apart."
     )

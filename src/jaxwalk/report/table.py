@@ -34,6 +34,12 @@ def write_csv(tables: dict[str, Table], folder: Path) -> None:
         (folder / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
 
 
+def markdown(table: Table) -> str:
+    """A pipe table."""
+    rows = (table.columns, ("---",) * len(table.columns), *table.rows)
+    return "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in row)} |" for row in rows)
+
+
 def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:
     """As in ``14.0 [11.2, 17.3]``: one digit unless told otherwise, and two of a percentage within 1 of 0 or 100."""
     if ours["value"] is None:

@@ -1,0 +1,78 @@
+"""All encounters of an evaluation as one Parquet file, which pandas, polars and DuckDB read."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxwalk.metrics import Rows
+
+TYPES = np.array(["", "crosswalk", "jaywalk"])
+"""Names of the types of an encounter, by number."""
+BRAKING = np.array(["never", "onset", "already", "standing", "unseen"])
+"""Names of what `jaxwalk.metrics.braking` says of an encounter, by number."""
+UNITS = {
+    "enter": "s", "start": "s", "end": "s", "min_distance": "m", "entry_speed": "m/s", "braking_time": "s", "ttc": "s",
+    "exposed_time": "s", "pet": "s", "t2": "s", "drac": "m/s2", "impact_speed": "m/s", "relative_speed": "m/s",
+}  # fmt: skip
+"""Kept with the columns, as their metadata."""
+
+
+class MissingLibraryError(ValueError):
+    """Something needs a library that is not installed; the message says which extra brings it."""
+
+
+def check_parquet() -> None:
+    """Raise MissingLibraryError if Parquet files can't be written."""
+    try:
+        import pyarrow.parquet  # noqa: F401
+    except ImportError as error:
+        raise MissingLibraryError('Parquet files need pyarrow; install it with: pip install "jaxwalk[data]"') from error
+
+
+def encounter_columns(rows: Rows) -> dict[str, Any]:
+    """One row per encounter: times in s since the start of the episode; what does not exist is NaN (null in files)."""
+    table, surrogates = rows.encounters, rows.surrogates
+    seconds = {name: getattr(table, name) * rows.dt for name in ("enter", "start", "end")}
+    return {
+        "scenario": table.scenario,
+        "pedestrian": table.ped,
+        "crossing": table.number,
+        "type": TYPES[table.type],
+        **seconds,
+        "min_distance": table.min_distance,
+        "entry_speed": table.entry_speed,
+        "collided": table.collided,
+        "braking": BRAKING[table.braking],
+        "braking_time": table.braking_time,
+        **{name: getattr(surrogates, name) for name in UNITS if hasattr(surrogates, name)},
+    }
+
+
+def write_encounters(path: str | Path, cells: Iterable[tuple[str, str, float, Rows]]) -> None:
+    """Write the encounters of all cells (driver, pedestrians, jaywalk multiplier, rows); whole or not at all.
+
+    Raises MissingLibraryError without pyarrow.
+    """
+    check_parquet()
+    import pyarrow
+    from pyarrow.parquet import ParquetWriter
+
+    path = Path(path)
+    unfinished, writer = path.with_name(f".{path.name}.{os.getpid()}.part"), None
+    for driver, people, multiplier, rows in cells:
+        columns = encounter_columns(rows)
+        names = {"driver": driver, "pedestrians": people, "multiplier": multiplier}
+        arrays = {name: pyarrow.repeat(value, len(columns["scenario"])) for name, value in names.items()}
+        arrays |= {name: pyarrow.array(column, from_pandas=True) for name, column in columns.items()}
+        units = {name: {"unit": UNITS[name]} if name in UNITS else None for name in arrays}
+        schema = pyarrow.schema([pyarrow.field(name, x.type, metadata=units[name]) for name, x in arrays.items()])
+        writer = writer or ParquetWriter(unfinished, schema, compression="zstd")
+        writer.write_table(pyarrow.table(list(arrays.values()), schema=schema))
+    if writer is not None:
+        writer.close()
+        unfinished.replace(path)

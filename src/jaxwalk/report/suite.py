@@ -1,0 +1,171 @@
+"""The whole suite of an evaluation as one Markdown page: what a safety engineer would ask of every driver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from jaxwalk.metrics import scenarios_needed
+from jaxwalk.report import surprise
+from jaxwalk.report.table import Table, markdown, shown
+
+TYPES = ("crosswalk", "jaywalk")
+CONTACTS = (*TYPES, "sidewalk")
+TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
+"""Pairs of collision rates for the table of how many scenarios it takes; the first are the paper's, like for like."""
+
+Cell = Mapping[str, Any]
+
+
+def suite(document: Mapping[str, Any]) -> str:
+    """The page of a document of `jaxwalk.evaluation.Results`, whose cells may have ``counterfactuals``."""
+    cells, chosen = document["cells"], document["scenarios"]
+    about = (
+        f"{chosen['count']:,} scenarios of seed {chosen['seed']} for every driver and population, hash "
+        f"{chosen['hash']}. Brackets: 95 % intervals; of rates Wilson's, of everything over steps and encounters by "
+        "bootstrap over episodes. What each number is: the page on metrics. A dash: too few cases, or none."
+    )
+    parts = ["# The suite", about]
+    for heading, text, table in _sections(cells):
+        parts += [f"## {heading}", text, markdown(table)]
+    parts += [
+        "## In words",
+        *(f"- **{_name(cell)}**: {surprise.in_words(cell['speed_differential'])}" for cell in cells),
+    ]
+    return "\n\n".join(part for part in parts if part).replace("\n\n- **", "\n- **") + "\n"
+
+
+def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
+    yield "Outcomes", "", outcomes(cells)
+    yield "Encounters", SURROGATES, surrogates(cells)
+    yield "Whose collisions", ATTRIBUTION, attribution(cells)
+    if any("counterfactuals" in cell for cell in cells):
+        yield "Could it have been avoided?", COUNTERFACTUALS, avoidable(cells)
+    yield "How soon the car brakes", BRAKING, braking(cells)
+    yield "Speed near jaywalkers and near crosswalk users", SPEEDS, speeds(cells)
+    yield "How many scenarios it takes", POWER, power()
+
+
+SURROGATES = (
+    "Shares of encounters with a time to collision below 1.5 s, a post-encroachment time below 1.5 s or a required "
+    "deceleration above 3.4 m/s²; the smallest distance; and of those who were hit by a moving car, the mean speed and "
+    "the risk of a serious injury or death (Monfort and Mueller, 2025)."
+)
+ATTRIBUTION = (
+    "Collisions with people on a roadway: jaywalking's share of them, beside its share of the crossings; and how many "
+    "times more collisions there are for each jaywalk than for each crossing on a crosswalk, and for each second on "
+    "the road. 1: no more dangerous."
+)
+COUNTERFACTUALS = (
+    "Collisions replayed with one thing changed. Avoidable by the driver: by braking fully, or by a planner that knows "
+    "the future, from the moment the pedestrian entered the road; by the pedestrian: by waiting at the kerb, or by "
+    "crossing on the crosswalk. (The label of a person hit on a sidewalk: docs/metrics.md.)"
+)
+BRAKING = (
+    "From a pedestrian's road entry to the car's braking onset: Kaplan-Meier median, which counts those who never "
+    "brake while the pedestrian is on the road. A dash: fewer than half brake."
+)
+SPEEDS = (
+    "Mean speed of the car by the distance to the nearest pedestrian of each type on a roadway. Frames: every frame "
+    "weighs alike, as in the paper's equation 2. Encounters: every encounter does. Matched: only cars at the same "
+    "place, headed the same way and as fast at first are compared. Ghosts: people whom the car cannot see; what is so "
+    "near them is the place's doing. People minus ghosts: what is left, 0 for a car that does not see people."
+)
+POWER = (
+    "Scenarios on which a paired test (exact McNemar, two-sided, p < 0.05) finds the difference 8 times in 10, if the "
+    "two drivers' collisions had nothing to do with each other, and if half of the better one's are the other's too."
+)
+
+
+def _name(cell: Cell) -> str:
+    several = cell.get("jaywalk_multiplier", 0.25) != 0.25
+    return f"{cell['driver']} among {cell['pedestrians']}" + (f" x {cell['jaywalk_multiplier']:g}" if several else "")
+
+
+def outcomes(cells: Sequence[Cell]) -> Table:
+    """How episodes end."""
+    columns = ("driver", "goal %", "collision %", "timeout %", "time to goal [s]", "collisions per km", "moving %")
+    rows = []
+    for cell in cells:
+        rates = (shown(cell[name]) for name in ("goal_rate", "collision_rate", "timeout_rate"))
+        found = cell["outcomes"]
+        per_km, moving = shown(found["all"]["per_km"], 1.0, 2), shown(found["moving"]["per_episode"])
+        rows.append((_name(cell), *rates, shown(cell["mean_time_to_goal"], 1.0), per_km, moving))
+    return Table(columns, tuple(rows))
+
+
+def surrogates(cells: Sequence[Cell]) -> Table:
+    """Surrogate safety by type of encounter."""
+    columns = (
+        "driver", "encounter", "n", "TTC < 1.5 s %", "PET < 1.5 s %", "DRAC > 3.4 m/s² %", "5 % come nearer than [m]",
+        "hit", "impact [m/s]", "MAIS3+ %", "fatal %",
+    )  # fmt: skip
+    rows = []
+    for cell, kind in ((cell, kind) for cell in cells for kind in TYPES):
+        found, met = cell["surrogates"][kind], cell["encounters"][kind]
+        shares = (shown(found[f"{name}_critical"]) for name in ("ttc", "pet", "drac"))
+        nearest, hit = shown(met["minimum_approach"], 1.0, 2), found["impact_speed"]
+        risks = (shown(found[name]) for name in ("mais3", "fatal"))
+        count, hits = f"{met['count']:,}", f"{hit['count']:,}"
+        rows.append((_name(cell), kind, count, *shares, nearest, hits, shown(hit, 1.0), *risks))
+    return Table(columns, tuple(rows))
+
+
+def attribution(cells: Sequence[Cell]) -> Table:
+    """Whose collisions."""
+    columns = (
+        "driver", "crosswalk, jaywalk, sidewalk", "jaywalking's share of collisions %", "of crossings %",
+        "rate ratio per crossing", "per second on the road", "per second within 20 m",
+    )  # fmt: skip
+    rows = []
+    for cell in cells:
+        found = cell["attribution"]
+        counts = (cell["outcomes"][kind] for kind in CONTACTS)
+        ratios = (shown(found[f"per_{name}"]["ratio"], 1.0, 2) for name in ("crossing", "second", "second_near"))
+        shares = (shown(number) for number in (found["share"], found["per_crossing"]["share"]))
+        rows.append((_name(cell), ", ".join(f"{c['moving'] + c['standing']:,}" for c in counts), *shares, *ratios))
+    return Table(columns, tuple(rows))
+
+
+def avoidable(cells: Sequence[Cell]) -> Table:
+    """Who could have avoided the collisions."""
+    columns = (
+        "driver", "contact", "replayed", "by either %", "only by the driver %", "only by the pedestrian %",
+        "unavoidable %", "braking avoids %", "planner avoids %", "planner all the way avoids %",
+    )  # fmt: skip
+    rows = []
+    for cell in cells:
+        found = cell.get("counterfactuals") or {}
+        for kind in (kind for kind in ("all", *CONTACTS) if found and found[kind]["collisions"]):
+            part = found[kind]
+            labels = (shown(part["labels"][name]) for name in ("either", "driver", "pedestrian", "unavoidable"))
+            avoided = (shown(part["avoided"][name]) for name in ("brake", "planner", "planner_from_start"))
+            of = f"{part['collisions']:,}" + (f" of {found['collisions']:,}" if kind == "all" else "")
+            rows.append((_name(cell), kind, of, *labels, *avoided))
+    return Table(columns, tuple(rows))
+
+
+def braking(cells: Sequence[Cell]) -> Table:
+    """From road entry to braking."""
+    columns = ("driver", "encounter", "median [s]", "brake", "never", "already", "standing")
+    rows = []
+    for cell, kind in ((cell, kind) for cell in cells for kind in TYPES):
+        found = cell["encounters"][kind]["braking"]
+        counts = (f"{found[name]:,}" for name in ("observed", "censored", "already", "standing"))
+        rows.append((_name(cell), kind, shown(found["median"], 1.0, 2), *counts))
+    return Table(columns, tuple(rows))
+
+
+def speeds(cells: Sequence[Cell]) -> Table:
+    """The speed differential four ways."""
+    rows = [(_name(cell), *row) for cell in cells for row in surprise.four_ways(cell["speed_differential"])]
+    return Table(("driver", *surprise.COLUMNS), tuple(rows))
+
+
+def power() -> Table:
+    """Scenarios needed to tell rates apart."""
+    rows = [
+        (f"{100 * a:g} and {100 * b:g}", *(f"{scenarios_needed(a, b, both=both):,}" for both in (None, min(a, b) / 2)))
+        for a, b in TOLD_APART
+    ]
+    return Table(("collision rates %", "scenarios, unrelated", "scenarios, half in common"), tuple(rows))
