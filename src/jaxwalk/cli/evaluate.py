@@ -20,7 +20,7 @@ from jaxwalk.experiments.runs import check_writable, write_whole
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import PRIVILEGED
+from jaxwalk.sim.observation import HIDDEN
 
 Played = dict[tuple[str, str], Rows]
 
@@ -121,7 +121,8 @@ def table(document: dict[str, Any]) -> Table:
     for cell in document["cells"]:
         extra = [f"{cell['jaywalk_multiplier']:g}"] if len(multipliers) > 1 else []
         rates = [percent(cell[name]) for name in ("goal_rate", "collision_rate", "timeout_rate")]
-        driver = cell["driver"] + (f" ({PRIVILEGED})" if cell["driver_observes"] == PRIVILEGED else "")
+        observes = cell["driver_observes"]
+        driver = cell["driver"] + (f" ({observes})" if observes in HIDDEN else "")
         shown.add_row(driver, cell["pedestrians"], *extra, *rates, seconds(cell["mean_time_to_goal"]))
     return shown
 

@@ -20,9 +20,9 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import PRIVILEGED
+from jaxwalk.sim.observation import HIDDEN
 
-COMPARED = [name for name, make in DRIVERS.items() if make().observes != PRIVILEGED]
+COMPARED = [name for name, make in DRIVERS.items() if make().observes not in HIDDEN]
 """Rules that are compared: the oracle, which knows the future, is in no table of the paper's and takes minutes."""
 MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
 """Jaywalk multipliers of the ablation (paper, section IV-D)."""
