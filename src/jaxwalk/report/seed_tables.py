@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jaxwalk.report.material import CO_TRAINED, POPULATIONS, SINGLE_AGENT, Material
@@ -26,11 +27,16 @@ def training_seeds(material: Material) -> Table:
 
 def pairs(material: Material) -> Table:
     """Endings of the same scenarios: of each driver by population, and of the two trained drivers."""
+    return paired_table(material.results["paired"])
+
+
+def paired_table(paired: Sequence[Mapping[str, Any]]) -> Table:
+    """What `jaxwalk.evaluation.paired_over_seeds` found, a row each."""
     columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p")
-    return Table(columns, tuple(_pair(found) for found in material.results["paired"]))
+    return Table(columns, tuple(map(_pair, paired)))
 
 
-def _pair(found: dict[str, Any]) -> tuple[str, ...]:
+def _pair(found: Mapping[str, Any]) -> tuple[str, ...]:
     names = (f"{found[side]['driver']} among {found[side]['pedestrians']}" for side in ("a", "b"))
     rates = (f"{100 * found[side]['rate']:.1f}" for side in ("a", "b"))
     counts = (f"{found[name]:,}" for name in ("only_a", "only_b"))
