@@ -209,6 +209,18 @@ def test_the_table_shows_intervals_and_the_hash(capsys):
     assert "[" in out
 
 
+def test_the_table_marks_who_sees_what_is_hidden():
+    from jaxwalk.cli.evaluate import table
+
+    number = {"value": 0.5, "low": None, "high": None}
+    names = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
+    cell = {"pedestrians": "always-go", "jaywalk_multiplier": 0.25, **dict.fromkeys(names, number)}
+    sets = ("route", "route-belief", "route-told", "privileged")
+    shown = table({"cells": [{**cell, "driver": "mine", "driver_observes": name} for name in sets]})
+    marked = ["mine", "mine", "mine (route-told)", "mine (privileged)"]
+    assert list(shown.columns[0].cells) == marked
+
+
 def test_play_draws(place, capsys):
     assert main(["play", "--driver", "rule-based", "--scenario", "2", "--out", "there/episode.png"]) == 0
     assert (place / "there" / "episode.png").read_bytes().startswith(b"\x89PNG")

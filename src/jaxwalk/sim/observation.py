@@ -1,7 +1,7 @@
 """What agents see: named observation sets, each a list of parts. Lengths are scaled to about 1.
 
 The car sees positions and velocities of people only; never a trait, a decision, a route, a goal or the go/wait output.
-The exceptions are the sets in `HIDDEN`, which no real car could have: they tell what is the hidden intent's price.
+The exceptions are the sets in `HIDDEN`, for drivers that show what it would be worth to know more.
 """
 
 from __future__ import annotations
