@@ -18,12 +18,13 @@ def page(document: Mapping[str, Any]) -> str:
     """All tables, for each jaywalk multiplier."""
     plan, made, streets = document["plan"], document["provenance"], document["streets"]
     chosen = streets[0]["scenarios"]
+    seeds = ", ".join(str(plan["seed"] + i) for i in range(plan["seeds"]))
     parts = [
         "# The cost of hidden intent",
         f"The same car, trained alone among {ALWAYS_GO}: `blind` sees where people are and how they move; `belief` is "
         "also told the posterior mean of the nearest people's jaywalking tendencies, given their crossings so far; "
         "`told` is told the tendencies. The critic sees the tendencies in all three cases.",
-        f"{plan['seeds']} training seeds from {plan['seed']} on, {plan['updates']:,} updates each; {chosen['count']:,} "
+        f"Training seeds: {seeds}; {plan['updates']:,} updates each. {chosen['count']:,} "
         f"scenarios of seed {chosen['seed']}, hash {chosen['hash']}; commit {made['commit'] or 'unknown'}, "
         f"{made['hardware']}. Brackets are 95 % intervals over training seeds and scenarios.",
     ]
@@ -54,7 +55,7 @@ def _drivers(street: Mapping[str, Any]) -> Table:
 
 
 def _pairs(street: Mapping[str, Any]) -> Table:
-    return paired_table(street["paired"])
+    return paired_table(street["paired"], digits=2)
 
 
 def _known(street: Mapping[str, Any]) -> Table:

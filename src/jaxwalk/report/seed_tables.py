@@ -30,17 +30,24 @@ def pairs(material: Material) -> Table:
     return paired_table(material.results["paired"])
 
 
-def paired_table(paired: Sequence[Mapping[str, Any]]) -> Table:
-    """What `jaxwalk.evaluation.paired_over_seeds` found, a row each."""
+def paired_table(paired: Sequence[Mapping[str, Any]], *, digits: int = 1) -> Table:
+    """What `jaxwalk.evaluation.paired_over_seeds` found, a row each, with so many digits of a percentage."""
     columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p")
-    return Table(columns, tuple(map(_pair, paired)))
+    return Table(columns, tuple(_pair(found, digits) for found in paired))
 
 
-def _pair(found: Mapping[str, Any]) -> tuple[str, ...]:
+def _pair(found: Mapping[str, Any], digits: int) -> tuple[str, ...]:
     names = (f"{found[side]['driver']} among {found[side]['pedestrians']}" for side in ("a", "b"))
-    rates = (f"{100 * found[side]['rate']:.1f}" for side in ("a", "b"))
+    rates = (f"{100 * found[side]['rate']:.{digits}f}" for side in ("a", "b"))
     counts = (f"{found[name]:,}" for name in ("only_a", "only_b"))
-    return f"{found['ending']}s", *names, *rates, shown(found["difference"]), *counts, _p_value(found["p"])
+    return (
+        f"{found['ending']}s",
+        *names,
+        *rates,
+        shown(found["difference"], digits=digits),
+        *counts,
+        _p_value(found["p"]),
+    )
 
 
 def _p_value(p: float) -> str:
