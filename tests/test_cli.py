@@ -14,7 +14,7 @@ import jax
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.cli.options import Bench, Evaluate, Play, Reproduce, Train
+from jaxwalk.cli.options import Bench, Evaluate, HiddenIntent, Play, Reproduce, Train
 from jaxwalk.experiments.recipes import RECIPES, with_training
 from jaxwalk.experiments.runs import Run
 from jaxwalk.interfaces import Box
@@ -113,6 +113,13 @@ BAD = {
     "reproduce untrained": ("reproduce --out r --seeds 0", "seeds must be at least 1, not 0"),
     "reproduce beyond the last seed": ("reproduce --out r --seed 2147483647 --seeds 2", "seed + seeds must be at most"),
     "reproduce elsewhere": ("reproduce --out foreign", "no `jaxwalk reproduce` made it"),
+    "intent nothing": ("hidden-intent --out r --episodes 0", "episodes must be at least 1, not 0"),
+    "intent untrained": ("hidden-intent --out r --updates 0", "updates must lie in [1, 2^31), not 0"),
+    "intent without seeds": ("hidden-intent --out r --seeds 0", "seeds must be at least 1, not 0"),
+    "intent seed": ("hidden-intent --out r --seed -1", "seed must lie in [0, 2^31), not -1"),
+    "intent half a seed": ("hidden-intent --out r --seed 0.5", "0.5"),
+    "intent elsewhere": ("hidden-intent --out foreign", "no `jaxwalk hidden-intent` made it"),
+    "intent below a file": ("hidden-intent --out file/out", "is a file, so nothing can be put into it"),
     "bench nothing": ("bench --environments 64 0", "environments must be at least 1, not 0"),
     "bench nobody": ("bench --pedestrians 0", "pedestrians must be at least 1, not 0"),
     "bench backwards": ("bench --seconds -1", "seconds must be 0 or more, not -1.0"),
@@ -163,9 +170,10 @@ def test_version(capsys):
     assert capsys.readouterr().out == f"jaxwalk {version('jaxwalk')}\n"
 
 
-@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, Bench])
+@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, HiddenIntent, Bench])
 def test_help_says_every_default(command, capsys):
-    assert main([command.__name__.lower(), "--help"]) == 0
+    name = "hidden-intent" if command is HiddenIntent else command.__name__.lower()
+    assert main([name, "--help"]) == 0
     text = capsys.readouterr().out
     assert text.count("(default:") == len(dataclasses.fields(command))
     assert "None" not in text
@@ -199,6 +207,18 @@ def test_the_table_shows_intervals_and_the_hash(capsys):
     assert out.count("rule-based") == 2
     assert "3 scenarios of seed 7, hash " in out
     assert "[" in out
+
+
+def test_the_table_marks_who_sees_what_is_hidden():
+    from jaxwalk.cli.evaluate import table
+
+    number = {"value": 0.5, "low": None, "high": None}
+    names = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
+    cell = {"pedestrians": "always-go", "jaywalk_multiplier": 0.25, **dict.fromkeys(names, number)}
+    sets = ("route", "route-belief", "route-told", "privileged")
+    shown = table({"cells": [{**cell, "driver": "mine", "driver_observes": name} for name in sets]})
+    marked = ["mine", "mine", "mine (route-told)", "mine (privileged)"]
+    assert list(shown.columns[0].cells) == marked
 
 
 def test_play_draws(place, capsys):

@@ -10,9 +10,10 @@ import pytest
 from rich.console import Console
 
 from jaxwalk.evaluation import compare, evaluate, replay
+from jaxwalk.experiments import parts, tournament
 from jaxwalk.experiments import reproduce as module
-from jaxwalk.experiments import tournament
-from jaxwalk.experiments.reproduce import Interrupted, Plan, report, reproduce
+from jaxwalk.experiments.parts import Interrupted
+from jaxwalk.experiments.reproduce import Plan, report, reproduce
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.training import Session
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, read_metadata
@@ -112,7 +113,7 @@ def test_everybody_meets_the_pedestrians_of_the_seed(street, monkeypatch):
         rounds.extend(found)
         raise Interrupted
 
-    monkeypatch.setattr(tournament, "_play", play)
+    monkeypatch.setattr(tournament, "play_rounds", play)
     people = {seed: AlwaysGo() for seed in (3, 4)}
     cars = {seed: {"single-agent": ConstantSpeed(), "co-trained": ConstantSpeed()} for seed in people}
     trained = [tournament.Trained(seed, cars[seed], people[seed]) for seed in people]
@@ -192,7 +193,7 @@ def test_later_co_trainings_are_as_long_as_the_first(tiny, tmp_path, quiet, monk
         return module_trained
 
     module_trained = type("Trained", (), {"interrupted": False, "steps": 1, "seconds": 1.0})()
-    monkeypatch.setattr(module, "train", train)
+    monkeypatch.setattr(parts, "train", train)
     work = module.Reproduction(tmp_path, Plan(minutes=5.0, seeds=3), quiet, tiny)
     module._co_train(work)
     module._train_alone(work)

@@ -12,11 +12,11 @@ import numpy as np
 from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import draw_batch, environment_keys, seed_key
 from jaxwalk.sim import pedestrian
-from jaxwalk.sim.observation import OBSERVATIONS, PRIVILEGED
+from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
 
 ENVIRONMENTS, STEPS, PEOPLE = 256, 500, 12
-SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name != PRIVILEGED]
-"""But for the one that shows the future, which is slow (`test_future.py`)."""
+SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in {*HIDDEN, BELIEF}]
+"""But for those that show the future (`test_future.py`), tendencies or a belief about them (`test_belief.py`)."""
 TRACES = Counter()
 """How often Python ran through each compiled function, by the shapes it was called with."""
 

@@ -30,7 +30,7 @@ from jaxwalk.metrics import Rows
 from jaxwalk.report.suite import suite
 from jaxwalk.report.table import shown
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import PRIVILEGED
+from jaxwalk.sim.observation import HIDDEN
 
 Played = dict[tuple[str, str], Rows]
 
@@ -169,7 +169,8 @@ def table(document: dict[str, Any]) -> Table:
     for cell in document["cells"]:
         extra = [f"{cell['jaywalk_multiplier']:g}"] if len(multipliers) > 1 else []
         rates = [escape(shown(cell[name])) for name in ("goal_rate", "collision_rate", "timeout_rate")]
-        driver = cell["driver"] + (f" ({PRIVILEGED})" if cell["driver_observes"] == PRIVILEGED else "")
+        observes = cell["driver_observes"]
+        driver = cell["driver"] + (f" ({observes})" if observes in HIDDEN else "")
         made.add_row(driver, cell["pedestrians"], *extra, *rates, escape(shown(cell["mean_time_to_goal"], 1.0)))
     return made
 

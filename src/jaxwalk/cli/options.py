@@ -201,6 +201,33 @@ class Report:
 
 
 @dataclass(frozen=True)
+class HiddenIntent:
+    """What does it cost a car not to know who is likely to jaywalk, and how much of that could it find out?
+
+    Trains the car alone three times for each training seed: blind, told what could be inferred about people, and told
+    their tendencies. Each training takes 2 to 3 minutes on two CPU cores. Run it again to go on where it was
+    interrupted: what is finished is kept.
+    """
+
+    out: Annotated[Path, _option("runs/hidden-intent", "DIR")] = Path("runs/hidden-intent")
+    """Folder for everything; read hidden-intent.md in it."""
+    seeds: Annotated[int, _option("5", "N")] = 5
+    """Train with so many training seeds: seed, seed + 1, and so on."""
+    updates: Annotated[int, _option("200", "N")] = 200
+    """Of each training."""
+    episodes: Annotated[int, _option("2000", "N")] = 2000
+    """Scenarios for each driver and jaywalk multiplier."""
+    seed: Annotated[int, _option("0", "N")] = 0
+    """Of the scenarios, and the first training seed."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.hidden_intent import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
 class Share:
     """Make one file of a training's policies to share, which knows its results, and a model card beside it.
 
@@ -267,6 +294,7 @@ Command = (
     | Annotated[Play, tyro.conf.subcommand("play")]
     | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
     | Annotated[Report, tyro.conf.subcommand("report")]
+    | Annotated[HiddenIntent, tyro.conf.subcommand("hidden-intent")]
     | Annotated[Share, tyro.conf.subcommand("share")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from jaxwalk.cli.options import Reproduce
 from jaxwalk.cli.train import bad_values
-from jaxwalk.experiments.reproduce import Interrupted, Plan, report, reproduce
+from jaxwalk.experiments.parts import Interrupted
+from jaxwalk.experiments.reproduce import Plan, report, reproduce
 
 
 def run(options: Reproduce) -> int:

@@ -112,7 +112,5 @@ def in_words(b: str, people: str, ending: str, found: Comparison, p: float) -> s
     if rate_a == rate_b:
         return f"No difference between the two among {people} ({ending}s): {numbers}."
     needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios)
-    some = float(f"{needed:.1e}")
-    return (
-        f"Whether {b} {side} among {people} is open: {numbers}; rates like these take some {some:,.0f} to tell apart."
-    )
+    enough = f"rates like these take some {float(f'{needed:.1e}'):,.0f} to tell apart"
+    return f"Whether {b} {side} among {people} is open: {numbers}; {enough}."

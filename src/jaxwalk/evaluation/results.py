@@ -44,7 +44,7 @@ class Cell:
     jaywalk_multiplier: float
     summary: Summary
     driver_observes: str
-    """Name of the observation set; `jaxwalk.sim.observation.PRIVILEGED` is one that no real car could have."""
+    """Name of the observation set; those in `jaxwalk.sim.observation.HIDDEN` no real car could have."""
     pedestrian_observes: str
 
     def as_dict(self) -> dict[str, Any]:

@@ -20,9 +20,9 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import PRIVILEGED
+from jaxwalk.sim.observation import HIDDEN
 
-COMPARED = [name for name, make in DRIVERS.items() if make().observes != PRIVILEGED]
+COMPARED = [name for name, make in DRIVERS.items() if make().observes not in HIDDEN]
 """Rules that are compared: the oracle, which knows the future, is in no table of the paper's and takes minutes."""
 MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
 """Jaywalk multipliers of the ablation (paper, section IV-D)."""
@@ -72,10 +72,10 @@ def tournament(
     for one in trained:
         learned = {LEARNED: one.learned}
         rounds += [(one.seed, rules, learned), (one.seed, one.drivers, {**always_go, **learned})]
-    start, matches = _play(street, rounds, scenarios, say)
+    start, matches = play_rounds(street, rounds, scenarios, say)
     places = {name: place for place, name in enumerate((*COMPARED, SINGLE_AGENT, CO_TRAINED))}
     matches.sort(key=lambda match: (places[match.cell.driver], match.cell.pedestrians != ALWAYS_GO))
-    return {**_document(start, matches), "paired": _pairs(matches)}, matches
+    return {**document_of(start, matches), "paired": _pairs(matches)}, matches
 
 
 def ablation(street: Street, trained: Sequence[Trained], scenarios: Scenarios, say: Say) -> dict[str, Any]:
@@ -87,15 +87,15 @@ def ablation(street: Street, trained: Sequence[Trained], scenarios: Scenarios, s
     start, matches = {}, []
     for multiplier in MULTIPLIERS:
         say(f"    multiplier {multiplier:g}")
-        start, found = _play(with_jaywalk_multiplier(street, multiplier), rounds, scenarios, say)
+        start, found = play_rounds(with_jaywalk_multiplier(street, multiplier), rounds, scenarios, say)
         matches += sorted(found, key=lambda match: match.cell.pedestrians != ALWAYS_GO)
-    return _document(start, matches)
+    return document_of(start, matches)
 
 
-def _play(
+def play_rounds(
     street: Street, rounds: Sequence[Round], scenarios: Scenarios, say: Say
 ) -> tuple[dict[str, Any], list[Match]]:
-    """The document of a round, for all but its cells, and the matches of all."""
+    """Everybody of each round against each other: the document of a round, for all but its cells, and all matches."""
     document, matches = {}, []
     for training_seed, drivers, people in rounds:
         told = partial(_tell, say, "" if training_seed is None else f", seed {training_seed}")
@@ -112,7 +112,8 @@ def _tell(say: Say, of: str, driver: str, people: str, played: int, episodes: in
         say(f"    {driver} among {people}{of}: {played:,} episodes")
 
 
-def _document(start: Mapping[str, Any], matches: Sequence[Match]) -> dict[str, Any]:
+def document_of(start: Mapping[str, Any], matches: Sequence[Match]) -> dict[str, Any]:
+    """What `play_rounds` gave as one document: every match, and numbers over training seeds."""
     cells = [match.as_dict() for match in matches]
     return {**start, "cells": cells, "over_seeds": over_training_seeds(matches)}
 

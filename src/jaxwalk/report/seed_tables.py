@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jaxwalk.metrics import holm
@@ -27,14 +28,18 @@ def training_seeds(material: Material) -> Table:
 
 def pairs(material: Material) -> Table:
     """Endings of the same scenarios: of each driver by population, and of the two trained drivers."""
+    return paired_table(material.results["paired"])
+
+
+def paired_table(paired: Sequence[Mapping[str, Any]]) -> Table:
+    """What `jaxwalk.evaluation.paired_over_seeds` found, a row each; Holm's p is for all of them at once."""
     columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p", "p, Holm")
-    found = material.results["paired"]
-    adjusted = holm([pair["p"] for pair in found])
-    return Table(columns, tuple((*_pair(pair), p_value(p)) for pair, p in zip(found, adjusted, strict=True)))
+    adjusted = holm([found["p"] for found in paired])
+    return Table(columns, tuple((*_pair(found), p_value(p)) for found, p in zip(paired, adjusted, strict=True)))
 
 
-def _pair(found: dict[str, Any]) -> tuple[str, ...]:
+def _pair(found: Mapping[str, Any]) -> tuple[str, ...]:
     names = (f"{found[side]['driver']} among {found[side]['pedestrians']}" for side in ("a", "b"))
-    rates = (f"{100 * found[side]['rate']:.1f}" for side in ("a", "b"))
+    rates = (shown({"value": found[side]["rate"], "low": None}) for side in ("a", "b"))
     counts = (f"{found[name]:,}" for name in ("only_a", "only_b"))
     return f"{found['ending']}s", *names, *rates, shown(found["difference"]), *counts, p_value(found["p"])

@@ -7,7 +7,7 @@ from typing import Any
 
 from jaxwalk.metrics import scenarios_needed
 from jaxwalk.report import surprise
-from jaxwalk.report.table import Table, markdown, shown
+from jaxwalk.report.table import Table, markdown_table, shown
 
 TYPES = ("crosswalk", "jaywalk")
 CONTACTS = (*TYPES, "sidewalk")
@@ -27,7 +27,7 @@ def suite(document: Mapping[str, Any]) -> str:
     )
     parts = ["# The suite", about]
     for heading, text, table in _sections(cells):
-        parts += [f"## {heading}", text, markdown(table)]
+        parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
     parts += [
         "## In words",
         *(f"- **{_name(cell)}**: {surprise.in_words(cell['speed_differential'])}" for cell in cells),

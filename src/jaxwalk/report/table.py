@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,10 +35,10 @@ def write_csv(tables: dict[str, Table], folder: Path) -> None:
         (folder / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
 
 
-def markdown(table: Table) -> str:
-    """A pipe table."""
-    rows = (table.columns, ("---",) * len(table.columns), *table.rows)
-    return "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in row)} |" for row in rows)
+def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table as Markdown, without a line feed at its end."""
+    lines = [columns, ["---"] * len(columns), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:

@@ -1,7 +1,7 @@
 """What agents see: named observation sets, each a list of parts. Lengths are scaled to about 1.
 
 The car sees positions and velocities of people only; never a trait, a decision, a route, a goal or the go/wait output.
-The one exception is the set `PRIVILEGED`, for a driver that knows the future.
+The exceptions are the sets in `HIDDEN`, for drivers that show what it would be worth to know more.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.maps import RoadMap
-from jaxwalk.sim import future, pedestrian, prediction, vehicle
+from jaxwalk.sim import belief, future, pedestrian, prediction, vehicle
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
@@ -34,7 +34,13 @@ MARGINS = (1.0, 2.0, 3.0)
 SPEED = 8.33
 """Speeds are scaled by this [m/s], distances by `ABSENT`."""
 PRIVILEGED = "privileged"
-"""The driver's set that no real car could have: it shows where people are going to be."""
+"""The driver's set that shows where people are going to be."""
+TOLD = "route-told"
+"""The driver's set that shows the jaywalking tendencies of the nearest people."""
+BELIEF = "route-belief"
+"""The driver's set that shows what could be inferred about them (`jaxwalk.sim.belief`): nothing hidden."""
+HIDDEN = frozenset({PRIVILEGED, TOLD})
+"""Sets that no real car could have."""
 
 Parts = list[Array]
 
@@ -109,6 +115,23 @@ def _driver_route(world: World) -> Parts:
     longest = prediction.MOMENTS * prediction.MOMENT
     ahead = [clearance / prediction.FAR, margin, conflict / longest]
     return [*_on_route(world), *ahead, _nearest_people(world.state)]
+
+
+def _driver_told(world: World) -> Parts:
+    """As `_driver_route`, and the jaywalking tendency of each of the nearest people 6."""
+    return [*_driver_route(world), _of_nearest(world.state, world.scenario.jaywalking_tendency)]
+
+
+def _driver_belief(world: World) -> Parts:
+    """As `_driver_route`, and the posterior mean of the jaywalking tendency of each of the nearest people 6."""
+    expected = belief.expected_tendency(world.multiplier, world.scenario, world.state.pedestrian)
+    return [*_driver_route(world), _of_nearest(world.state, expected)]
+
+
+def _of_nearest(state: State, tendency: Float[Array, "ped *batch"]) -> Float[Array, "neighbour *batch"]:
+    """The tendencies of the nearest people, nearest first; of one who isn't there, nothing is known."""
+    unknown = jnp.full((NEIGHBOURS, *state.step.shape), belief.PRIOR_MEAN)
+    return prediction.of_nearest(state.foresight.people, tendency, unknown)
 
 
 def _driver_privileged(world: World) -> Parts:
@@ -207,22 +230,30 @@ def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"])
 
 
 OBSERVATIONS: dict[str, dict[str, Callable[[World], Parts]]] = {
-    "driver": {"paper": _driver_paper, "route": _driver_route, PRIVILEGED: _driver_privileged},
+    "driver": {
+        "paper": _driver_paper,
+        "route": _driver_route,
+        TOLD: _driver_told,
+        BELIEF: _driver_belief,
+        PRIVILEGED: _driver_privileged,
+    },
     "pedestrian": {"paper": _pedestrian_paper, "kerb": _pedestrian_kerb},
 }
 """The named observation sets of each role."""
 
+_ROUTE = {
+    "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(POINTS),
+    "clearance": 3, "margin": 3 * len(MARGINS), "conflict": 1, "people": 4 * NEIGHBOURS,
+}  # fmt: skip
 LAYOUTS: dict[str, dict[str, dict[str, int]]] = {
     "driver": {
         "paper": {
             "position": 2, "heading": 2, "speed": 1, "goal": 2, "goal_distance": 1, "lateral": 1, "heading_error": 1,
             "people": 4 * NEIGHBOURS,
         },
-        "route": {
-            "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(POINTS),
-            "clearance": 3, "margin": 3 * len(MARGINS),
-            "conflict": 1, "people": 4 * NEIGHBOURS,
-        },
+        "route": _ROUTE,
+        TOLD: {**_ROUTE, "tendencies": NEIGHBOURS},
+        BELIEF: {**_ROUTE, "tendencies": NEIGHBOURS},
         PRIVILEGED: {
             "speed": 1, "steering": 1, "lateral": 1, "heading": 2, "to_go": 1, "route": 2 * len(POINTS),
             "clearances": future.MOMENTS * future.PLACES,

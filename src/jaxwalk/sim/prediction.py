@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -14,6 +16,8 @@ from jaxwalk.sim.state import Foresight, Motion, PedestrianState, State, Vehicle
 from jaxwalk.sim.tables import POINT_SPACING, POINTS, for_everybody, with_index
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from jaxwalk.sim.vehicle import to_frame
+
+T = TypeVar("T")
 
 BRAKE, HOLD, ACCELERATE = 0, 1, 2
 """The three manoeuvres that are predicted."""
@@ -93,9 +97,16 @@ def predicted_miss(config: SimConfig, scenario: Scenario, state: State) -> tuple
 
 
 def nearest_people(motion: Motion) -> Motion:
-    """The nearest `NEIGHBOURS` of them, nearest first; where there are fewer, somebody stands far ahead.
+    """The nearest `NEIGHBOURS` of them, nearest first; where there are fewer, somebody stands far ahead."""
+    shape = (NEIGHBOURS, *motion.ahead.shape[1:])
+    return of_nearest(motion, motion, Motion(*(jnp.full(shape, default) for default in (ABSENT, 0.0, 0.0, 0.0))))
 
-    A rank by counting who is nearer stands in for a sort, which is slow in this layout.
+
+def of_nearest(motion: Motion, of_all: T, absent: T) -> T:
+    """Whatever is known of everybody (arrays ``(ped, *batch)``), of the nearest `NEIGHBOURS` people, nearest first.
+
+    ``absent`` stands for neighbours who aren't there; arrays ``(neighbour, *batch)``. A rank by counting who is nearer
+    stands in for a sort, which is slow in this layout.
     """
     squared = motion.ahead**2 + motion.left**2
     people, *batch = squared.shape
@@ -107,11 +118,10 @@ def nearest_people(motion: Motion) -> Motion:
 
     rank = for_everybody(people, count, jnp.zeros(squared.shape, jnp.int32))
 
-    def pick(person: Array, found: Motion) -> Motion:
+    def pick(person: Array, found: T) -> T:
         chosen = rank[person][None] == place
-        return jax.tree.map(lambda of_all, kept: jnp.where(chosen, of_all[person][None], kept), motion, found)
+        return jax.tree.map(lambda everybody, kept: jnp.where(chosen, everybody[person][None], kept), of_all, found)
 
-    absent = Motion(*(jnp.full((NEIGHBOURS, *batch), default) for default in (ABSENT, 0.0, 0.0, 0.0)))
     return for_everybody(people, pick, absent)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from rich.box import SIMPLE
@@ -10,6 +10,7 @@ from rich.table import Table
 
 from jaxwalk.experiments.benchmark.drawing import DRAWN, NAME
 from jaxwalk.experiments.benchmark.figures import memory, microseconds
+from jaxwalk.report.table import markdown_table
 
 COLUMNS = {
     "env": (
@@ -63,19 +64,14 @@ def markdown(document: Mapping[str, Any]) -> str:
         (f"`{name}`", shown(x["value"], x["unit"]), x["what"]) for name, x in document["figures"].items()
     ]  # fmt: skip
     parts = ["# Benchmark", f"{caption(document)}. {document['seconds'] / 60:.1f} minutes."]
-    parts.append(_grid(("figure", "value", "what it is"), figures))
+    parts.append(markdown_table(("figure", "value", "what it is"), figures))
     if any(document["rows"].get(name) for name in DRAWN):
         parts.append(f"![Rates over environments; time and memory over pedestrians]({NAME}.svg)")
     for name, title in TITLES.items():
         rows = document["rows"].get(name)
         if rows:
-            parts += [f"## {title}", _grid(COLUMNS[name], [_CELLS[name](row) for row in rows])]
+            parts += [f"## {title}", markdown_table(COLUMNS[name], [_CELLS[name](row) for row in rows])]
     return "\n\n".join(parts) + "\n"
-
-
-def _grid(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [columns, ["---"] * len(columns), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def _environments(row: Mapping[str, Any]) -> list[str]:

@@ -24,7 +24,7 @@ from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import OBSERVATIONS, PRIVILEGED
+from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 
 WARM_STEPS = 64
@@ -148,7 +148,7 @@ def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]
 def look_and_act(street: Street) -> Act:
     """A policy that acts at random and looks at everything; it records one number for each street."""
     people = jnp.arange(street.config.pedestrians, dtype=jnp.uint32)
-    looks = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name != PRIVILEGED]
+    looks = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in {*HIDDEN, BELIEF}]
 
     def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[ByRole, Any, jax.Array]:
         seen = [street.observe(scenario, state, role, name) for role, name in looks]

@@ -1,0 +1,145 @@
+"""What does it cost a car not to know who is likely to jaywalk, and how much of that could it find out?
+
+runs/blind/seed-0, ...     the car trained alone, which sees where people are and how they move
+runs/belief/seed-0, ...    the same car, which is also told what could be inferred of their tendencies (Bayes' rule)
+runs/told/seed-0, ...      the same car, which is told the tendencies themselves
+plan.json, minutes.json    what was asked for; how long each part took
+hidden-intent.json         all three on the same scenarios, in pairs, and how much could be known
+hidden-intent.md           the tables (`jaxwalk.report.hidden_intent`)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from jaxwalk.evaluation import Match, evaluate, paired_over_seeds, with_jaywalk_multiplier
+from jaxwalk.experiments.contestants import contestant
+from jaxwalk.experiments.parts import Effort, Work
+from jaxwalk.experiments.provenance import provenance
+from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.experiments.runs import write_whole
+from jaxwalk.experiments.tournament import Round, Scenarios, document_of, play_rounds
+from jaxwalk.metrics import Rows
+from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
+from jaxwalk.policies import ConstantSpeed
+from jaxwalk.report import ALWAYS_GO
+from jaxwalk.report.hidden_intent import BLIND, page
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.observation import BELIEF, TOLD
+
+DRIVERS = {BLIND: "route", "belief": BELIEF, "told": TOLD}
+"""The cars and what they see. Their critics see the same, and in it every tendency: only the drivers differ."""
+MULTIPLIERS = (0.25, 1.0)
+"""Jaywalk multipliers of the evaluation, that of the trainings first: with 1, what people intend matters more."""
+AFTER = (1, 2, 5, 10, 20, 50)
+"""How much could be known is also worked out for somebody seen to cross exactly so often."""
+RESULT, PAGE = "hidden-intent.json", "hidden-intent.md"
+
+
+@dataclass(frozen=True)
+class Plan(Effort):
+    """How thoroughly."""
+
+    updates: int = 200
+    episodes: int = 2000
+    seeds: int = 5
+
+
+class HiddenIntent(Work[Plan]):
+    """The experiment in a folder."""
+
+    command = "hidden-intent"
+
+
+def hidden_intent(folder: Path, plan: Plan, *, console: Console | None = None, base: Experiment | None = None) -> Path:
+    """Make whatever is missing in the folder; returns the page's path. Raises Interrupted on Ctrl-C.
+
+    ``base``: what to train instead of the car of recipe ``fast`` alone; its driver's observation set is replaced.
+    """
+    work = HiddenIntent(folder, plan, console or Console(stderr=True), base or single_agent(RECIPES["fast"]))
+    work.do(
+        [
+            ("training the car, blind, believing and told", _train),
+            ("all of them on the same scenarios", _evaluate),
+            ("tables", _write),
+        ]
+    )
+    return folder / PAGE
+
+
+def _train(work: HiddenIntent) -> None:
+    for seed in work.plan.training_seeds:
+        for name, observes in DRIVERS.items():
+            driver = replace(work.base.train.driver, observes=observes)
+            work.train(name, with_training(work.base, driver=driver, updates=work.plan.updates), seed)
+
+
+def _evaluate(work: HiddenIntent) -> None:
+    if work.json(RESULT) is not None:
+        work.say("    there already")
+        return
+    street, scenarios = work.street(), Scenarios(work.plan.episodes, work.plan.seed)
+    people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
+    rounds: list[Round] = []
+    for seed in work.plan.training_seeds:
+        drivers = {name: contestant(street, "driver", str(work.run(name, seed))) for name in DRIVERS}
+        rounds.append((seed, drivers, people))
+    streets = []
+    for multiplier in MULTIPLIERS:
+        work.say(f"    multiplier {multiplier:g}")
+        there = with_jaywalk_multiplier(street, multiplier)
+        start, matches = play_rounds(there, rounds, scenarios, work.say)
+        known = _identifiability(there, multiplier, _rows(matches, BLIND), scenarios)
+        found = {**document_of(start, matches), "paired": _pairs(matches), "identifiability": known}
+        streets.append({"jaywalk_multiplier": multiplier, **found})
+    work.keep(RESULT, {"plan": asdict(work.plan), "provenance": provenance(), "streets": streets})
+
+
+def _rows(matches: Sequence[Match], driver: str) -> Rows:
+    """Of all training seeds."""
+    return Rows.join([match.rows for match in matches if match.cell.driver == driver])
+
+
+def _pairs(matches: Sequence[Match]) -> list[dict[str, Any]]:
+    """Each of the others against the blind car."""
+    of = {name: [match for match in matches if match.cell.driver == name] for name in DRIVERS}
+    others = [name for name in DRIVERS if name != BLIND]
+    return [paired_over_seeds(end, of[BLIND], of[name]) for end in ("collision", "goal") for name in others]
+
+
+def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: Scenarios) -> list[dict[str, Any]]:
+    """How much could be known in a whole episode, in one of the blind car's, and when it meets somebody.
+
+    Whole episodes are those of a car that stands; where somebody walks into it, the episode is cut short and left out.
+    """
+    people, seconds = street.config.pedestrians, street.config.horizon * street.config.dt
+    always_go = contestant(street, "pedestrian", ALWAYS_GO)
+    stands = evaluate(street, ConstantSpeed(throttle=0.0), always_go, episodes=scenarios.episodes, seed=scenarios.seed)
+    whole = _crossings(stands, people)[stands.episodes.steps == street.config.horizon]
+    mean = blind.episodes.steps.mean() * blind.dt
+    cases = [
+        (f"in a whole episode ({seconds:g} s)", whole.ravel()),
+        (f"in an episode of the blind car ({mean:.1f} s)", _crossings(blind, people).ravel()),
+        ("before a crossing at which the blind car meets somebody", blind.encounters.number - 1),
+        *((f"crossings of each: {number}", np.array([number])) for number in AFTER),
+    ]
+    return [
+        {"seen": seen, **(asdict(identifiability(count, multiplier)) if len(count) else {"people": 0})}
+        for seen, count in cases
+    ]
+
+
+def _crossings(rows: Rows, people: int) -> np.ndarray:
+    """(episode, ped)"""
+    episodes = len(rows.episodes.scenario)
+    return crossings_of_people(rows.crossings, episodes=episodes, people=people).reshape(episodes, people)
+
+
+def _write(work: HiddenIntent) -> None:
+    write_whole(work.folder / PAGE, page(work.json(RESULT)))

@@ -1,0 +1,101 @@
+"""The cost of hidden intent, very small: what is made, from what, and that it goes on."""
+
+import io
+import json
+from dataclasses import replace
+from functools import partial
+
+import pytest
+from rich.console import Console
+
+from jaxwalk.evaluation import compare, evaluate
+from jaxwalk.experiments import hidden_intent as module
+from jaxwalk.experiments import tournament
+from jaxwalk.experiments.hidden_intent import Plan, hidden_intent
+from jaxwalk.experiments.recipes import single_agent
+from jaxwalk.experiments.runs import Run, RunError
+from jaxwalk.policies import read_metadata
+from jaxwalk.sim.observation import BELIEF, TOLD
+
+PLAN = Plan(updates=2, episodes=8, seed=3, seeds=2)
+SEES = {"blind": "route", "belief": BELIEF, "told": TOLD}
+
+
+@pytest.fixture(scope="module")
+def made(tiny, tmp_path_factory):
+    """The folder, the document and the page of two training seeds; and what was said, by a second time too."""
+    folder, said = tmp_path_factory.mktemp("intent") / "out", (io.StringIO(), io.StringIO())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tournament, "compare", partial(compare, batch=PLAN.episodes))
+        patch.setattr(module, "evaluate", partial(evaluate, batch=PLAN.episodes))
+        for file in said:
+            page = hidden_intent(folder, PLAN, base=single_agent(tiny), console=Console(file=file, width=200))
+    document = json.loads((folder / "hidden-intent.json").read_text(encoding="utf-8"))
+    return folder, document, page.read_text(encoding="utf-8"), [file.getvalue() for file in said]
+
+
+def test_each_car_sees_its_own(made):
+    folder, *_ = made
+    for name, observes in SEES.items():
+        for seed in PLAN.training_seeds:
+            run = Run.open(folder / "runs" / name / f"seed-{seed}")
+            metadata = read_metadata(run.policy)
+            assert (metadata["seed"], metadata["single_agent"]) == (seed, True)
+            assert metadata["roles"]["driver"]["observes"] == observes
+            assert run.experiment.train.driver.critic_observes == ("route", "global")
+            assert [line["update"] for line in run.metrics()] == [1, 2]
+
+
+def test_everybody_meets_the_same_scenarios(made):
+    _, document, _, _ = made
+    assert [street["jaywalk_multiplier"] for street in document["streets"]] == [0.25, 1.0]
+    hashes = {street["scenarios"]["hash"] for street in document["streets"]}
+    assert len(hashes) == 1
+    for street in document["streets"]:
+        cells = [(c["driver"], c["driver_observes"], c["training_seed"]) for c in street["cells"]]
+        assert cells == [(name, observes, seed) for seed in (3, 4) for name, observes in SEES.items()]
+        assert {c["jaywalk_multiplier"] for c in street["cells"]} == {street["jaywalk_multiplier"]}
+        pairs = [(p["ending"], p["a"]["driver"], p["b"]["driver"], p["pairs"]) for p in street["paired"]]
+        assert pairs == [(end, "blind", name, 16) for end in ("collision", "goal") for name in ("belief", "told")]
+
+
+def test_how_much_could_be_known(made):
+    _, document, _, _ = made
+    for street in document["streets"]:
+        whole, typical, met, *after = street["identifiability"]
+        assert whole["seen"] == "in a whole episode (50 s)"
+        assert 0 < whole["people"] <= 8 * 12
+        assert typical["people"] == 2 * 8 * 12
+        assert typical["crossings"] < whole["crossings"]
+        assert met["seen"].startswith("before a crossing")
+        assert [row["crossings"] for row in after] == list(module.AFTER)
+        assert 0 < after[0]["bits"] < after[-1]["bits"]
+
+
+def test_the_page(made):
+    *_, page, _ = made
+    assert page.count("## Jaywalk multiplier") == 2
+    assert page.count("`route-told` (no real car could)") == 2
+    assert page.count("| collisions | blind among always-go | told among always-go |") == 2
+    assert "nan" not in page
+
+
+def test_what_is_finished_is_kept(made):
+    *_, (first, second) = made
+    assert "[1/3]" in first
+    assert "belief, seed 4: there already" in second
+    assert second.count("there already") == 7
+
+
+def test_another_plan_needs_another_folder(made, quiet):
+    with pytest.raises(RunError, match="was begun with another value of updates"):
+        hidden_intent(made[0], replace(PLAN, updates=3), console=quiet)
+
+
+def test_a_damaged_document_is_said(made, quiet):
+    file = made[0] / "hidden-intent.json"
+    whole = file.read_bytes()
+    file.write_bytes(whole[:100])
+    with pytest.raises(RunError, match=r"hidden-intent.json: damaged .* run `jaxwalk hidden-intent` again"):
+        hidden_intent(made[0], PLAN, console=quiet)
+    file.write_bytes(whole)
