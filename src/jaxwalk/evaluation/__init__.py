@@ -1,9 +1,16 @@
 """Drivers meet populations on the same scenarios: play, evaluate, compare, write down."""
 
 from jaxwalk.evaluation.comparison import Comparison, Paired, paired
+from jaxwalk.evaluation.counterfactual import (
+    Counterfactuals,
+    CounterfactualSummary,
+    ReplayError,
+    counterfactuals,
+    summarise_counterfactuals,
+)
 from jaxwalk.evaluation.game import play
 from jaxwalk.evaluation.results import Cell, Results, compare, write_rows
-from jaxwalk.evaluation.scenarios import BATCH, draw_scenarios, evaluate, replay, scenario_hash
+from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios, draw_scenarios, evaluate, replay, scenario_hash
 from jaxwalk.evaluation.settings import SAMPLES, mode, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
 
@@ -12,10 +19,15 @@ __all__ = [
     "SAMPLES",
     "Cell",
     "Comparison",
+    "CounterfactualSummary",
+    "Counterfactuals",
     "Match",
     "Paired",
+    "ReplayError",
     "Results",
+    "choose_scenarios",
     "compare",
+    "counterfactuals",
     "draw_scenarios",
     "evaluate",
     "mode",
@@ -25,6 +37,7 @@ __all__ = [
     "play",
     "replay",
     "scenario_hash",
+    "summarise_counterfactuals",
     "with_jaywalk_multiplier",
     "with_mode",
     "write_rows",

@@ -10,13 +10,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
 from jaxwalk.evaluation.game import play
-from jaxwalk.evaluation.interventions import Brake, Intervention, TakeOver, Wait
+from jaxwalk.evaluation.interventions import Brake, Intervention, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rate, Rows, wilson
@@ -32,7 +31,7 @@ LEAD = 3.0
 """Who is hit on a sidewalk entered no road: the driver does otherwise from this long before, or from the start [s]."""
 CHANGES = ("crosswalk", "wait", "brake", "planner", "planner_from_start")
 """What is done otherwise, each in a replay of its own."""
-EITHER, DRIVER, PEDESTRIAN, UNAVOIDABLE = LABELS = ("either", "driver", "pedestrian", "unavoidable")
+LABELS = ("either", "driver", "pedestrian", "unavoidable")
 """Who could have avoided a collision."""
 
 
@@ -72,7 +71,7 @@ class Counterfactuals:
     def label(self) -> Shaped[np.ndarray, "collision"]:
         """One of `LABELS`, as text."""
         driver, pedestrian = self.brake | self.planner, self.crosswalk | self.wait
-        return np.select([driver & pedestrian, driver, pedestrian], LABELS[:3], UNAVOIDABLE)
+        return np.select([driver & pedestrian, driver, pedestrian], LABELS[:3], LABELS[3])
 
 
 def counterfactuals(
@@ -150,32 +149,23 @@ def _replay(
 ) -> dict[str, Bool[np.ndarray, "episode"]]:
     """A batch of collisions, rows ``these`` of the table: whether each change avoids them; it begins at ``start``."""
     scenarios, keys = choose_scenarios(street, seed=seed, numbers=table.scenario[these])
-    steps, ped = table.steps[these], table.contact_ped[these].astype(np.int32)
-    numbers, watched = table.scenario[these], steps + round(WATCHED / street.config.dt)
-    unchanged = play(street, driver, pedestrians, scenarios, keys, numbers=numbers, until=steps)
+    steps, ped = table.steps[these], table.contact_ped[these]
+    unchanged = play(street, driver, pedestrians, scenarios, keys, until=steps)
     _check_same(measure_outcomes(unchanged, moving_speed=street.config.moving_speed), table, these)
     decided = unchanged.decisions[steps, np.arange(len(steps)), ped] - 1
 
     def avoids(scenarios: Scenario, change: Intervention | None) -> Bool[np.ndarray, "episode"]:
-        replay = play(street, driver, pedestrians, scenarios, keys, intervention=change, until=watched)
-        return ~replay.collision
+        watched = steps + round(WATCHED / street.config.dt)
+        return ~play(street, driver, pedestrians, scenarios, keys, intervention=change, until=watched).collision
 
-    from_step, never = jnp.asarray(start, jnp.int32), jnp.zeros(len(steps), jnp.int32)
+    from_step = jnp.asarray(start, jnp.int32)
     return {
-        "crosswalk": avoids(_on_the_crosswalk(scenarios, ped, decided), None),
-        "wait": avoids(scenarios, Wait(jnp.asarray(ped), from_step - 1)),
+        "crosswalk": avoids(on_the_crosswalk(scenarios, ped, decided), None),
+        "wait": avoids(scenarios, Wait(jnp.asarray(ped, jnp.int32), from_step - 1)),
         "brake": avoids(scenarios, Brake(from_step)),
         "planner": avoids(scenarios, TakeOver(Oracle(), from_step)),
-        "planner_from_start": avoids(scenarios, TakeOver(Oracle(), never)),
+        "planner_from_start": avoids(scenarios, TakeOver(Oracle(), jnp.zeros_like(from_step))),
     }
-
-
-def _on_the_crosswalk(
-    scenarios: Scenario, ped: Int[np.ndarray, "episode"], crossing: Int[np.ndarray, "episode"]
-) -> Scenario:
-    """The scenarios with one crossing of one pedestrian each made on the crosswalk: no draw is below infinity."""
-    draws = scenarios.jaywalk_draw.at[crossing, ped, np.arange(len(ped))].set(jnp.inf)
-    return eqx.tree_at(lambda scenario: scenario.jaywalk_draw, scenarios, draws)
 
 
 def _check_same(replayed: Episodes, table: Episodes, these: Int[np.ndarray, "episode"]) -> None:

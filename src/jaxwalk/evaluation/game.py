@@ -137,7 +137,7 @@ def _step(setup: Setup, game: Game) -> Game:
 
 
 def _act(setup: Setup, game: Game) -> tuple[ByRole[Array], ByRole[Any], Any]:
-    """Everybody's actions, and the next memories of policies and intervention; keys are made from episode, step, role."""
+    """Actions and next memories of everybody, and of the intervention; keys are made from episode, step and role."""
     street, scenarios, state = setup.street, setup.scenarios, game.state
     now = jax.vmap(jax.random.fold_in)(setup.keys, FIRST_ACTION_KEY + state.step)
     driver_key, pedestrian_key = jax.vmap(jax.random.split, out_axes=1)(now)

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Int, Key
 
 from jaxwalk.interfaces import ByRole, Policy
@@ -104,3 +105,14 @@ class TakeOver(eqx.Module):
         before = (actions.driver, memory)
         drive, memory = jax.tree.map(lambda new, old: jnp.where(drives, new, old), answer, before)
         return ByRole(drive, actions.pedestrian), memory
+
+
+def on_the_crosswalk(
+    scenarios: Scenario, ped: Int[np.ndarray, "episode"], crossing: Int[np.ndarray, "episode"]
+) -> Scenario:
+    """The scenarios with one crossing (counted from 0) of one pedestrian each made on the crosswalk.
+
+    It changes no action but the draw, which no probability is above any more: decisions are made before the road.
+    """
+    draws = scenarios.jaywalk_draw.at[crossing, ped, np.arange(len(ped))].set(jnp.inf)
+    return eqx.tree_at(lambda scenario: scenario.jaywalk_draw, scenarios, draws)
