@@ -6,7 +6,7 @@ the one taken in view of that frame. Nothing changed is None.
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import equinox as eqx
 import jax
@@ -37,6 +37,7 @@ class Now(eqx.Module):
     """Not ended yet."""
 
 
+@runtime_checkable
 class Intervention(Protocol):
     """Changes the actions of a step."""
 
