@@ -6,6 +6,7 @@ import dataclasses
 import json
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -22,12 +23,41 @@ from jaxwalk.evaluation import (
     with_jaywalk_multiplier,
 )
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
-from jaxwalk.policies import AlwaysGo, ConstantSpeed, Random
+from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.sim.observation import part
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 
 BATCH = 16
 COLUMNS = [field.name for field in dataclasses.fields(Counterfactuals) if field.name != "collisions"]
+
+
+class Car(RouteFollower):
+    """Drives along its route without looking, or stands."""
+
+    throttle: jax.Array = eqx.field(kw_only=True)
+
+    def act(self, key, memory, observation):
+        action, memory = super().act(key, memory, observation)
+        return action.at[0].set(self.throttle), memory
+
+
+class People(AlwaysGo):
+    """Go; lurkers stand at the kerb until a fast car is less than a second away, and then step out before it."""
+
+    observes: str = eqx.field(static=True, default="kerb")
+    lurk: jax.Array = eqx.field(kw_only=True)
+
+    def act(self, key, memory, observation):
+        seen = {name: observation[part("pedestrian", "kerb", name)] for name in ("car_motion", "miss", "to_kerb")}
+        fast = seen["car_motion"][0] * 8.33 > 7
+        hit = (seen["miss"][0] * 10 < 1) & (seen["miss"][1] * 8 < 0.9)
+        at_the_kerb = (seen["to_kerb"][0] > 0) & (seen["to_kerb"][0] < 0.25)
+        return 1 - (self.lurk & at_the_kerb & ~(fast & hit)).astype(jnp.int32), memory
+
+
+# the same kinds of policies everywhere: numbers in them compile nothing anew
+BLIND, STANDING = Car(throttle=jnp.float32(1)), Car(throttle=jnp.float32(-1))
+WALKERS, LURKERS = People(lurk=jnp.array(False)), People(lurk=jnp.array(True))
 
 
 @pytest.fixture(scope="module")
@@ -37,14 +67,14 @@ def often(street):
 
 
 @pytest.fixture(scope="module")
-def hits(often, driver):
+def hits(often):
     """The blind driver among always-go, 64 episodes."""
-    return evaluate(often, driver, AlwaysGo(), episodes=64, seed=7, batch=BATCH)
+    return evaluate(often, BLIND, WALKERS, episodes=64, seed=7, batch=BATCH)
 
 
 @pytest.fixture(scope="module")
-def table(often, driver, hits):
-    return counterfactuals(often, driver, AlwaysGo(), hits, seed=7, batch=BATCH)
+def table(often, hits):
+    return counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH)
 
 
 @pytest.fixture(scope="module")
@@ -53,8 +83,8 @@ def batch(often):
 
 
 @pytest.fixture(scope="module")
-def played(often, driver, batch):
-    return play(often, driver, AlwaysGo(), *batch)
+def played(often, batch):
+    return play(often, BLIND, WALKERS, *batch)
 
 
 def frames_before(trajectory, last):
@@ -73,20 +103,20 @@ def test_scenarios_are_chosen_by_number(street, batch):
     assert (keys == batch[1][numbers]).all()
 
 
-def test_an_episode_can_be_stopped(often, driver, batch, played):
+def test_an_episode_can_be_stopped(often, batch, played):
     until = np.arange(20, 20 + 5 * BATCH, 5)
-    stopped = play(often, driver, AlwaysGo(), *batch, until=until)
+    stopped = play(often, BLIND, WALKERS, *batch, until=until)
     np.testing.assert_array_equal(stopped.length, np.minimum(played.length, until))
     np.testing.assert_array_equal(stopped.collision, played.collision & (played.length <= until))
     np.testing.assert_array_equal(stopped.goal, played.goal & (played.length <= until))
     assert (stopped.length < played.length).any()
 
 
-def test_who_is_to_wait_waits_and_nobody_else(often, driver, batch, played):
+def test_who_is_to_wait_waits_and_nobody_else(often, batch, played):
     ped, begin = np.arange(BATCH) % 12, 10 + np.arange(BATCH)
     until = begin + 20
     waiting = Wait(jnp.asarray(ped), jnp.asarray(begin))
-    changed = play(often, driver, AlwaysGo(), *batch, intervention=waiting, until=until)
+    changed = play(often, BLIND, WALKERS, *batch, intervention=waiting, until=until)
     np.testing.assert_array_equal(frames_before(changed, begin), frames_before(played, begin))
     for episode, last in enumerate(changed.length):
         going = changed.going[: last + 1, episode]
@@ -95,9 +125,9 @@ def test_who_is_to_wait_waits_and_nobody_else(often, driver, batch, played):
         assert np.delete(going, ped[episode], axis=1).all()
 
 
-def test_the_car_brakes_and_steers_on(often, driver, batch, played):
+def test_the_car_brakes_and_steers_on(often, batch, played):
     begin = 20 + np.arange(BATCH)
-    changed = play(often, driver, AlwaysGo(), *batch, intervention=Brake(jnp.asarray(begin)), until=begin + 60)
+    changed = play(often, BLIND, WALKERS, *batch, intervention=Brake(jnp.asarray(begin)), until=begin + 60)
     np.testing.assert_array_equal(frames_before(changed, begin), frames_before(played, begin))
     under_way = changed.length > begin
     assert under_way.sum() > 10
@@ -107,28 +137,27 @@ def test_the_car_brakes_and_steers_on(often, driver, batch, played):
     assert (changed.car_speed[-1][stood] == 0).all()
 
 
-def test_a_driver_takes_over(often, driver, batch, played):
+def test_a_driver_takes_over(often, batch, played):
     begin = jnp.zeros(BATCH, jnp.int32)
-    other = play(often, Random(), AlwaysGo(), *batch)
-    at_once = play(often, Random(), AlwaysGo(), *batch, intervention=TakeOver(driver, begin))
+    other = play(often, STANDING, WALKERS, *batch)
+    at_once = play(often, STANDING, WALKERS, *batch, intervention=TakeOver(BLIND, begin))
     np.testing.assert_array_equal(at_once.length, played.length)
     np.testing.assert_array_equal(frames_before(at_once, at_once.length), frames_before(played, played.length))
-    later = play(often, Random(), AlwaysGo(), *batch, intervention=TakeOver(driver, begin + 30))
+    later = play(often, STANDING, WALKERS, *batch, intervention=TakeOver(BLIND, begin + 30))
     before = np.minimum(other.length, 30)
     np.testing.assert_array_equal(frames_before(later, before), frames_before(other, before))
     assert (later.car_acceleration[31:40, later.length > 40] == 3).all()
 
 
-def test_one_crossing_is_made_on_the_crosswalk(often, driver, batch):
+def test_one_crossing_is_made_on_the_crosswalk(often, batch):
     scenarios, keys = batch
-    stands = ConstantSpeed(throttle=-1.0)
-    before = play(often, stands, AlwaysGo(), scenarios, keys)
+    before = play(often, STANDING, WALKERS, scenarios, keys)
     jaywalks = (before.crossing == JAYWALK).any(axis=0)
     ped = jaywalks.argmax(axis=1)
     episode = np.flatnonzero(jaywalks.any(axis=1))
     when = (before.crossing[:, np.arange(BATCH), ped] == JAYWALK).argmax(axis=0)
     number = before.decisions[when, np.arange(BATCH), ped]
-    after = play(often, stands, AlwaysGo(), on_the_crosswalk(scenarios, ped, number - 1), keys)
+    after = play(often, STANDING, WALKERS, on_the_crosswalk(scenarios, ped, number - 1), keys)
     assert len(episode) == BATCH
     for i in episode[after.length == 500]:
         mine = after.decisions[:, i, ped[i]] == number[i]
@@ -142,7 +171,7 @@ def test_one_crossing_is_made_on_the_crosswalk(often, driver, batch):
 
 def test_every_collision_comes_back(table, hits):
     episodes = hits.episodes
-    assert table.collisions == len(table.scenario) == episodes.collision.sum() > 15
+    assert table.collisions == len(table.scenario) == episodes.collision.sum() > 10
     np.testing.assert_array_equal(table.scenario, episodes.scenario[episodes.collision])
     np.testing.assert_array_equal(table.contact, episodes.contact[episodes.collision])
     assert {CROSSWALK, JAYWALK} <= set(table.contact)
@@ -163,51 +192,37 @@ def same(a, b, order=slice(None)):
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name)[order], err_msg=name)
 
 
-def test_how_many_are_replayed_changes_no_row(often, driver, hits, table):
+def test_how_many_are_replayed_changes_no_row(often, hits, table):
     told = []
     fewer = counterfactuals(
-        often, driver, AlwaysGo(), hits, seed=7, batch=BATCH, at_most=5, progress=lambda *n: told.append(n)
+        often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=5, progress=lambda *n: told.append(n)
     )
     assert fewer.collisions == table.collisions
     assert told == [(5, 5)]
     same(fewer, table, slice(5))
-    none = counterfactuals(often, driver, AlwaysGo(), hits, seed=7, batch=BATCH, at_most=0)
+    none = counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=0)
     assert len(none.label) == 0
     with pytest.raises(ValueError, match="at_most"):
-        counterfactuals(often, driver, AlwaysGo(), hits, seed=7, batch=BATCH, at_most=-1)
+        counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=-1)
 
 
-def test_the_order_of_the_scenarios_changes_no_row(often, driver, hits, table):
+def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
     order = np.random.default_rng(0).permutation(len(hits.episodes.scenario))
     columns = {name: x[order] for name, x in vars(hits.episodes).items()}
     crossings = dataclasses.replace(hits.crossings, episode=np.argsort(order)[hits.crossings.episode])
     shuffled = dataclasses.replace(hits, episodes=type(hits.episodes)(**columns), crossings=crossings)
-    found = counterfactuals(often, driver, AlwaysGo(), shuffled, seed=7, batch=BATCH)
+    found = counterfactuals(often, BLIND, WALKERS, shuffled, seed=7, batch=BATCH)
     same(table, found, np.argsort(found.scenario))
 
 
-def test_another_evaluation_is_refused(often, driver, hits):
+def test_another_evaluation_is_refused(often, hits):
     with pytest.raises(ReplayError, match="a replay without any change has"):
-        counterfactuals(often, driver, AlwaysGo(), hits, seed=8, batch=BATCH)
+        counterfactuals(often, BLIND, WALKERS, hits, seed=8, batch=BATCH)
 
 
-class Lurker(AlwaysGo):
-    """Stands at the kerb until a fast car is less than a second away, and then steps out before it."""
-
-    observes: str = eqx.field(static=True, default="kerb")
-
-    def act(self, key, memory, observation):
-        seen = {name: observation[part("pedestrian", "kerb", name)] for name in ("car_motion", "miss", "to_kerb")}
-        fast = seen["car_motion"][0] * 8.33 > 7
-        hit = (seen["miss"][0] * 10 < 1) & (seen["miss"][1] * 8 < 0.9)
-        at_the_kerb = (seen["to_kerb"][0] > 0) & (seen["to_kerb"][0] < 0.25)
-        return (~at_the_kerb | (fast & hit)).astype(jnp.int32), memory
-
-
-def test_who_steps_out_right_before_the_car_cannot_be_spared(often, driver):
-    rows = evaluate(often, driver, Lurker(), episodes=32, seed=7, batch=BATCH)
-    found = counterfactuals(often, driver, Lurker(), rows, seed=7, batch=BATCH, at_most=BATCH)
-    print(found)
+def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
+    rows = evaluate(often, BLIND, LURKERS, episodes=32, seed=7, batch=BATCH)
+    found = counterfactuals(often, BLIND, LURKERS, rows, seed=7, batch=BATCH, at_most=BATCH)
     assert len(found.label) > 5
     assert not (found.brake | found.planner).any()
     assert found.wait.mean() > 0.7
@@ -215,15 +230,14 @@ def test_who_steps_out_right_before_the_car_cannot_be_spared(often, driver):
 
 
 def test_a_standing_car_cannot_brake(often):
-    stands = ConstantSpeed(throttle=-1.0)
-    rows = evaluate(often, stands, AlwaysGo(), episodes=64, seed=7, batch=BATCH)
-    found = counterfactuals(often, stands, AlwaysGo(), rows, seed=7, batch=BATCH, at_most=BATCH)
-    print(found)
+    rows = evaluate(often, STANDING, WALKERS, episodes=128, seed=7, batch=BATCH)
+    found = counterfactuals(often, STANDING, WALKERS, rows, seed=7, batch=BATCH, at_most=BATCH)
     assert len(found.label) > 3
     assert not found.moving.any()
     assert not found.brake.any()
     assert found.wait.all()
-    assert set(found.label) <= {"pedestrian", "either"}
+    assert found.planner.any()  # it drives away
+    assert set(found.label) <= {"either", "pedestrian"}
 
 
 def made(**columns):
