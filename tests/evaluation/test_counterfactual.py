@@ -22,10 +22,13 @@ from jaxwalk.evaluation import (
     summarise_counterfactuals,
     with_jaywalk_multiplier,
 )
+from jaxwalk.evaluation.counterfactual import find_hits
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
+from jaxwalk.metrics import measure
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.sim.observation import part
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from metrics.scenes import Scene, Walk, trajectory
 
 BATCH = 16
 COLUMNS = [field.name for field in dataclasses.fields(Counterfactuals) if field.name != "collisions"]
@@ -101,6 +104,15 @@ def test_scenarios_are_chosen_by_number(street, batch):
     for name in vars(chosen):
         np.testing.assert_array_equal(getattr(chosen, name), getattr(batch[0], name)[..., numbers])
     assert (keys == batch[1][numbers]).all()
+
+
+def test_a_place_in_the_batch_changes_nothing_to_the_last_bit(often, played):
+    numbers = np.arange(BATCH)[::-1]
+    again = play(often, BLIND, WALKERS, *choose_scenarios(often, seed=7, numbers=numbers))
+    for name, x in vars(played).items():
+        if np.ndim(x) and name != "scenario":
+            episode = 0 if len(x) == BATCH else 1
+            np.testing.assert_array_equal(getattr(again, name), np.flip(x, axis=episode), err_msg=name)
 
 
 def test_an_episode_can_be_stopped(often, batch, played):
@@ -187,6 +199,25 @@ def test_nearly_all_could_be_avoided(table):
     assert not table.brake[table.notice < 0.5].any()
 
 
+def test_when_the_change_begins():
+    crossing = Walk(0, 0, crossings=[(2, 5, JAYWALK), (20, 40, JAYWALK)])
+    from_the_start = Walk(0, 0, crossings=[(0, 40, CROSSWALK)])
+    beside = Walk(0, 0, crossings=[(3, 9, CROSSWALK)])
+    scenes = [
+        Scene(40, [beside, crossing], touched=[1]),
+        Scene(40, [crossing, from_the_start], touched=[1]),
+        Scene(40, [crossing, beside], touched=[1]),
+        Scene(20, [beside, beside], touched=[0]),
+        Scene(40, [crossing, beside], goal=True),
+    ]
+    hits = find_hits(measure(trajectory(*scenes, scenario=[5, 6, 7, 8, 9])))
+    assert hits.scenario.tolist() == [5, 6, 7, 8]
+    assert hits.contact.tolist() == [JAYWALK, CROSSWALK, 3, 3]
+    assert hits.ped.tolist() == [1, 1, 1, 0]
+    assert hits.start.tolist() == [20, 0, 10, 0]
+    assert hits.entered.tolist() == [True, False, False, False]
+
+
 def same(a, b, order=slice(None)):
     for name in COLUMNS:
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name)[order], err_msg=name)
@@ -216,7 +247,7 @@ def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
 
 
 def test_another_evaluation_is_refused(often, hits):
-    with pytest.raises(ReplayError, match="a replay without any change has"):
+    with pytest.raises(ReplayError, match="a replay without any change is at step"):
         counterfactuals(often, BLIND, WALKERS, hits, seed=8, batch=BATCH)
 
 

@@ -103,84 +103,102 @@ def counterfactuals(
     """
     if at_most is not None and at_most < 0:
         raise ValueError(f"at_most must be 0 or more, not {at_most}")
-    table, enter = rows.episodes, _entries(rows)
-    chosen = np.flatnonzero(table.collision)[:at_most]
-    start = np.where(enter >= 0, enter, np.maximum(table.steps - round(LEAD / rows.dt), 0))
-    avoided = {change: np.zeros(len(chosen), bool) for change in CHANGES}
-    for first in range(0, len(chosen), batch):
-        some = slice(first, first + batch)
-        these = np.resize(chosen[some], batch)  # always a full batch, so that nothing is compiled twice
-        found = _replay(street, driver, pedestrians, table, these, start[these], seed)
-        for change in CHANGES:
-            avoided[change][some] = found[change][: len(chosen[some])]
+    found = find_hits(rows)
+    hits = found.some(slice(at_most))
+    count = len(hits.scenario)
+    avoided = {change: np.zeros(count, bool) for change in CHANGES}
+    for first in range(0, count, batch):
+        some = np.arange(first, min(first + batch, count))
+        full = np.resize(some, batch)  # repeated to a full batch, so that nothing is compiled twice
+        for change, answer in _replay(street, driver, pedestrians, hits.some(full), seed).items():
+            avoided[change][some] = answer[: len(some)]
         if progress is not None:
-            progress(min(first + batch, len(chosen)), len(chosen))
-    jaywalked, entered = table.contact[chosen] == JAYWALK, enter[chosen] > 0
+            progress(int(some[-1]) + 1, count)
     return Counterfactuals(
-        collisions=int(table.collision.sum()),
-        scenario=table.scenario[chosen],
-        contact=table.contact[chosen],
-        moving=table.moving[chosen],
-        notice=(table.steps - start)[chosen] * rows.dt,
-        crosswalk_applies=jaywalked,
-        wait_applies=entered,
-        **avoided | {"crosswalk": avoided["crosswalk"] & jaywalked, "wait": avoided["wait"] & entered},
+        collisions=len(found.scenario),
+        scenario=hits.scenario,
+        contact=hits.contact,
+        moving=hits.moving,
+        notice=(hits.steps - hits.start) * rows.dt,
+        crosswalk_applies=hits.contact == JAYWALK,
+        wait_applies=hits.entered,
+        **avoided,
     )
 
 
-def _entries(rows: Rows) -> Int[np.ndarray, "episode"]:
-    """First frame of the crossing in which the pedestrian touched was hit; -1 on a sidewalk and without a collision."""
-    crossings, table = rows.crossings, rows.episodes
+@dataclass(frozen=True)
+class Hits:
+    """The collisions of an evaluation, one row each."""
+
+    scenario: Int[np.ndarray, "collision"]
+    steps: Int[np.ndarray, "collision"]
+    """Frame of the contact."""
+    ped: Int[np.ndarray, "collision"]
+    """The pedestrian touched (of several, the nearest)."""
+    contact: Int[np.ndarray, "collision"]
+    moving: Bool[np.ndarray, "collision"]
+    entered: Bool[np.ndarray, "collision"]
+    """It was hit on a roadway, which it had entered after frame 0."""
+    start: Int[np.ndarray, "collision"]
+    """Frame of its road entry; of who was hit on a sidewalk, from when the driver does otherwise."""
+
+    def some(self, rows: slice | Shaped[np.ndarray, "row"]) -> Hits:
+        """The rows chosen by a slice, indices or a mask."""
+        return Hits(**{name: column[rows] for name, column in vars(self).items()})
+
+
+def find_hits(rows: Rows) -> Hits:
+    """The collisions of an evaluation, in the order of its episodes."""
+    table, crossings = rows.episodes, rows.crossings
     whose = crossings.episode
     hit = (crossings.ped == table.contact_ped[whose]) & (crossings.last == table.steps[whose])
     enter = np.full(len(table.steps), -1)
     enter[whose[hit]] = crossings.enter[hit]
-    return enter
+    earlier = np.maximum(table.steps - round(LEAD / rows.dt), 0)
+    every = Hits(
+        scenario=table.scenario,
+        steps=table.steps,
+        ped=table.contact_ped,
+        contact=table.contact,
+        moving=table.moving,
+        entered=enter > 0,
+        start=np.where(enter >= 0, enter, earlier),
+    )
+    return every.some(table.collision)
 
 
 def _replay(
-    street: Street,
-    driver: Policy,
-    pedestrians: Policy,
-    table: Episodes,
-    these: Int[np.ndarray, "episode"],
-    start: Int[np.ndarray, "episode"],
-    seed: int,
-) -> dict[str, Bool[np.ndarray, "episode"]]:
-    """A batch of collisions, rows ``these`` of the table: whether each change avoids them; it begins at ``start``."""
-    scenarios, keys = choose_scenarios(street, seed=seed, numbers=table.scenario[these])
-    steps, ped = table.steps[these], table.contact_ped[these]
-    unchanged = play(street, driver, pedestrians, scenarios, keys, until=steps)
-    _check_same(measure_outcomes(unchanged, moving_speed=street.config.moving_speed), table, these)
-    decided = unchanged.decisions[steps, np.arange(len(steps)), ped] - 1
+    street: Street, driver: Policy, pedestrians: Policy, hits: Hits, seed: int
+) -> dict[str, Bool[np.ndarray, "collision"]]:
+    """Whether each change avoids each collision of a batch (false where it does not apply)."""
+    scenarios, keys = choose_scenarios(street, seed=seed, numbers=hits.scenario)
+    unchanged = play(street, driver, pedestrians, scenarios, keys, until=hits.steps)
+    _check_same(measure_outcomes(unchanged, moving_speed=street.config.moving_speed), hits)
+    crossing = unchanged.decisions[hits.steps, np.arange(len(hits.ped)), hits.ped] - 1
+    watched = hits.steps + round(WATCHED / street.config.dt)
 
-    def avoids(scenarios: Scenario, change: Intervention | None) -> Bool[np.ndarray, "episode"]:
-        watched = steps + round(WATCHED / street.config.dt)
+    def avoids(change: Intervention | None, scenarios: Scenario = scenarios) -> Bool[np.ndarray, "collision"]:
         return ~play(street, driver, pedestrians, scenarios, keys, intervention=change, until=watched).collision
 
-    from_step = jnp.asarray(start, jnp.int32)
+    ped, start = jnp.asarray(hits.ped, jnp.int32), jnp.asarray(hits.start, jnp.int32)
     return {
-        "crosswalk": avoids(on_the_crosswalk(scenarios, ped, decided), None),
-        "wait": avoids(scenarios, Wait(jnp.asarray(ped, jnp.int32), from_step - 1)),
-        "brake": avoids(scenarios, Brake(from_step)),
-        "planner": avoids(scenarios, TakeOver(Oracle(), from_step)),
-        "planner_from_start": avoids(scenarios, TakeOver(Oracle(), jnp.zeros_like(from_step))),
+        "crosswalk": avoids(None, on_the_crosswalk(scenarios, hits.ped, crossing)) & (hits.contact == JAYWALK),
+        "wait": avoids(Wait(ped, start - 1)) & hits.entered,
+        "brake": avoids(Brake(start)),
+        "planner": avoids(TakeOver(Oracle(), start)),
+        "planner_from_start": avoids(TakeOver(Oracle(), jnp.zeros_like(start))),
     }
 
 
-def _check_same(replayed: Episodes, table: Episodes, these: Int[np.ndarray, "episode"]) -> None:
+def _check_same(replayed: Episodes, hits: Hits) -> None:
     """Raise ReplayError for the first collision that did not come back at the same step with the same pedestrian."""
-    steps, ped = table.steps[these], table.contact_ped[these]
-    wrong = ~replayed.collision | (replayed.steps != steps) | (replayed.contact_ped != ped)
-    if wrong.any():
-        i = int(np.flatnonzero(wrong)[0])
-        again = "none"
-        if replayed.collision[i]:
-            again = f"one with pedestrian {replayed.contact_ped[i]} at step {replayed.steps[i]}"
+    wrong = ~replayed.collision | (replayed.steps != hits.steps) | (replayed.contact_ped != hits.ped)
+    for i in np.flatnonzero(wrong)[:1]:
+        ends = f"with pedestrian {replayed.contact_ped[i]}" if replayed.collision[i] else "without a collision"
         raise ReplayError(
-            f"scenario {table.scenario[these[i]]}: the rows have a collision with pedestrian {ped[i]} at step "
-            f"{steps[i]}, a replay without any change has {again}; are street, driver, pedestrians, seed and batch "
-            "those of the evaluation?"
+            f"scenario {hits.scenario[i]}: the rows have a collision with pedestrian {hits.ped[i]} at step "
+            f"{hits.steps[i]}, but a replay without any change is at step {replayed.steps[i]} {ends}; are street, "
+            "driver, pedestrians, seed and batch those of the evaluation?"
         )
 
 
