@@ -115,6 +115,13 @@ def test_a_place_in_the_batch_changes_nothing_to_the_last_bit(often, played):
             np.testing.assert_array_equal(getattr(again, name), np.flip(x, axis=episode), err_msg=name)
 
 
+def test_people_who_toss_coins_toss_the_same_ones_again(street, driver, undecided, rows):
+    chosen = np.resize(np.flatnonzero(rows.episodes.collision), BATCH)
+    again = play(street, driver, undecided, *choose_scenarios(street, seed=7, numbers=chosen))
+    assert again.collision.all()
+    np.testing.assert_array_equal(again.length, rows.episodes.steps[chosen])
+
+
 def test_an_episode_can_be_stopped(often, batch, played):
     until = np.arange(20, 20 + 5 * BATCH, 5)
     stopped = play(often, BLIND, WALKERS, *batch, until=until)
