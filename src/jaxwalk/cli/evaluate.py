@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from typing import Any
 
 from rich.box import SIMPLE
@@ -14,11 +15,16 @@ from rich.table import Table
 from jaxwalk.cli.options import Evaluate, Share, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import (
+    BATCH,
+    Counterfactuals,
+    ReplayError,
     check_parquet,
     compare,
     compared,
+    counterfactuals,
     jaywalk_multiplier,
     paired,
+    summarise_counterfactuals,
     with_jaywalk_multiplier,
     write_encounters,
     write_rows,
@@ -31,6 +37,9 @@ from jaxwalk.report.suite import suite
 from jaxwalk.report.table import shown
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
+
+SMALL_BATCH = 64
+"""Collisions replayed at once."""
 
 Played = dict[tuple[str, str], Rows]
 
@@ -49,6 +58,8 @@ def run(options: Evaluate) -> int:
     document, rows = _play(options, streets, cars, people)
     if options.compare:
         document["compared"] = _compared(options, streets, rows)
+    if options.counterfactuals:
+        _replay_collisions(options, document, streets, cars, people, rows)
     text = json.dumps(document, indent=2, allow_nan=False) + "\n"
     if options.out:
         _keep(options, text, streets, rows)
@@ -119,6 +130,36 @@ def _play(
             rows.append(played)
     cells = [cell for document in documents for cell in document["cells"]]
     return {**documents[0], "cells": cells}, rows
+
+
+def _replay_collisions(
+    options: Evaluate,
+    document: dict[str, Any],
+    streets: list[Street],
+    drivers: dict[str, Policy],
+    people: dict[str, Policy],
+    rows: list[Played],
+) -> None:
+    """Add to every cell of the document what would have avoided its collisions."""
+    played = [
+        (street, *pair, found) for street, cells in zip(streets, rows, strict=True) for pair, found in cells.items()
+    ]
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("replaying collisions", total=len(played))
+        for cell, (street, driver, population, found) in zip(document["cells"], played, strict=True):
+            bar.update(task, description=f"replaying collisions of {driver} among {population}")
+            replayed = _replayed(options, street, drivers[driver], people[population], found)
+            cell["counterfactuals"] = summarise_counterfactuals(replayed).as_dict()
+            bar.advance(task)
+
+
+def _replayed(options: Evaluate, street: Street, driver: Policy, people: Policy, rows: Rows) -> Counterfactuals:
+    """In small batches, which are quicker for few collisions; where these round differently, as it was evaluated."""
+    replay = partial(counterfactuals, street, driver, people, rows, seed=options.seed, at_most=options.counterfactuals)
+    try:
+        return replay(batch=SMALL_BATCH)
+    except ReplayError:
+        return replay(batch=BATCH)
 
 
 def _compared(options: Evaluate, streets: list[Street], rows: list[Played]) -> list[dict[str, Any]]:

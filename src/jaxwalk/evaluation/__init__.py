@@ -1,10 +1,17 @@
 """Drivers meet populations on the same scenarios: play, evaluate, compare, write down."""
 
 from jaxwalk.evaluation.comparison import Comparison, Paired, compared, paired
+from jaxwalk.evaluation.counterfactual import (
+    Counterfactuals,
+    CounterfactualSummary,
+    ReplayError,
+    counterfactuals,
+    summarise_counterfactuals,
+)
 from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
 from jaxwalk.evaluation.game import play
 from jaxwalk.evaluation.results import Cell, Results, compare, write_rows
-from jaxwalk.evaluation.scenarios import BATCH, draw_scenarios, evaluate, replay, scenario_hash
+from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios, draw_scenarios, evaluate, replay, scenario_hash
 from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
 
@@ -13,12 +20,17 @@ __all__ = [
     "SAMPLES",
     "Cell",
     "Comparison",
+    "CounterfactualSummary",
+    "Counterfactuals",
     "Match",
     "Paired",
+    "ReplayError",
     "Results",
     "check_parquet",
+    "choose_scenarios",
     "compare",
     "compared",
+    "counterfactuals",
     "draw_scenarios",
     "evaluate",
     "jaywalk_multiplier",
@@ -29,6 +41,7 @@ __all__ = [
     "play",
     "replay",
     "scenario_hash",
+    "summarise_counterfactuals",
     "with_jaywalk_multiplier",
     "with_mode",
     "write_encounters",

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Int, Key
 
+from jaxwalk.evaluation.interventions import Intervention, Now
 from jaxwalk.interfaces import ByRole, Policy
 from jaxwalk.rollout import FIRST_ACTION_KEY
 from jaxwalk.sim import pedestrian, prediction, vehicle
@@ -25,12 +26,26 @@ Frame = dict[str, Array]
 """What is recorded of a moment, by the names of `Trajectory`; arrays ``(episode,)`` or ``(ped, episode)``."""
 
 
+class Setup(eqx.Module):
+    """What stays the same while a batch of episodes is played."""
+
+    street: Street
+    policies: ByRole[Policy]
+    intervention: Intervention | None
+    scenarios: Scenario
+    keys: Key[Array, "episode"]
+    until: Int[Array, "episode"]
+    """The last step of each episode."""
+
+
 class Game(eqx.Module):
     """A batch of episodes under way. An episode that has ended stays as it is."""
 
     state: State
     memory: ByRole[Any]
     """What the policies remember."""
+    intervening: Any
+    """What the intervention remembers."""
     ended: Bool[Array, "episode"]
     goal: Bool[Array, "episode"]
     collision: Bool[Array, "episode"]
@@ -45,6 +60,8 @@ def play(
     keys: Key[Array, "episode"],
     *,
     numbers: Int[np.ndarray, "episode"] | None = None,
+    intervention: Intervention | None = None,
+    until: Int[np.ndarray, "episode"] | None = None,
 ) -> Trajectory:
     """Play every scenario to its end. Compiles once for each street, kinds of policy and batch size.
 
@@ -55,6 +72,9 @@ def play(
         scenarios: a batch, arrays ``(..., episode)``.
         keys: one for each episode; what a policy draws depends on it and on the step alone.
         numbers: the trajectory's ``scenario``; 0, 1, ... if left out.
+        intervention: changes actions (`jaxwalk.evaluation.interventions`); each kind of it compiles once more.
+        until: the last step of each episode, if it has not ended by then; such an episode has no ending. If left out,
+            the horizon.
 
     Returns:
         Frames up to the longest episode's end. After its own end an episode's frames repeat its last one.
@@ -65,11 +85,14 @@ def play(
     if keys.ndim != 1 or scenarios.route.shape != keys.shape:
         shapes = f"keys {keys.shape}, scenarios {scenarios.route.shape}"
         raise ValueError(f"play needs a batch of scenarios and one key for each, not: {shapes}")
+    last = np.full(keys.shape, street.config.horizon) if until is None else until
     policies = ByRole(driver, pedestrians)
-    game, first = _begin(street, _fresh_memory(street, policies, keys.shape), scenarios)
+    setup = Setup(street, policies, intervention, scenarios, keys, jnp.asarray(last, jnp.int32))
+    intervening = None if intervention is None else intervention.init(keys.shape)
+    game, first = _begin(street, _fresh_memory(street, policies, keys.shape), intervening, scenarios)
     blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]
     while not bool(game.ended.all()):
-        game, frames = _play_block(street, policies, scenarios, keys, game)
+        game, frames = _play_block(setup, game)
         blocks.append({name: np.asarray(x) for name, x in frames.items()})
     return _trajectory(street, scenarios, game, blocks, numbers)
 
@@ -85,50 +108,49 @@ def _fresh_memory(street: Street, policies: ByRole[Policy], batch: tuple[int, ..
 
 
 @eqx.filter_jit
-def _begin(street: Street, memory: ByRole[Any], scenarios: Scenario) -> tuple[Game, Frame]:
+def _begin(street: Street, memory: ByRole[Any], intervening: Any, scenarios: Scenario) -> tuple[Game, Frame]:
     """The start of every episode, and its frame 0."""
     state = street.reset(scenarios)
     no = jnp.zeros(state.step.shape, bool)
     nobody = jnp.zeros(scenarios.start.shape, bool)
-    return Game(state, memory, no, no, no, nobody), _frame(street, scenarios, state)
+    return Game(state, memory, intervening, no, no, no, nobody), _frame(street, scenarios, state)
 
 
 @eqx.filter_jit
-def _play_block(
-    street: Street, policies: ByRole[Policy], scenarios: Scenario, keys: Key[Array, "episode"], game: Game
-) -> tuple[Game, Frame]:
+def _play_block(setup: Setup, game: Game) -> tuple[Game, Frame]:
     """``BLOCK`` steps, and their frames along a leading axis."""
 
     def body(game: Game, _: None) -> tuple[Game, Frame]:
-        game = _step(street, policies, scenarios, keys, game)
-        return game, _frame(street, scenarios, game.state)
+        game = _step(setup, game)
+        return game, _frame(setup.street, setup.scenarios, game.state)
 
     return jax.lax.scan(body, game, None, length=BLOCK)
 
 
-def _step(
-    street: Street, policies: ByRole[Policy], scenarios: Scenario, keys: Key[Array, "episode"], game: Game
-) -> Game:
+def _step(setup: Setup, game: Game) -> Game:
     """One step of every episode that has not ended."""
-    actions, memory = _act(street, policies, scenarios, keys, game)
-    state, outcome = street.step(scenarios, game.state, actions)
-    events = outcome.events
-    after = Game(state, memory, outcome.ended, events.goal, events.collision, events.touched)
+    actions, memory, intervening = _act(setup, game)
+    state, outcome = setup.street.step(setup.scenarios, game.state, actions)
+    events, ended = outcome.events, outcome.ended | (state.step >= setup.until)
+    after = Game(state, memory, intervening, ended, events.goal, events.collision, events.touched)
     return jax.tree.map(lambda new, old: jnp.where(game.ended, old, new), after, game)
 
 
-def _act(
-    street: Street, policies: ByRole[Policy], scenarios: Scenario, keys: Key[Array, "episode"], game: Game
-) -> tuple[ByRole[Array], ByRole[Any]]:
-    """Everybody's actions and next memories; keys are made from episode, step and role."""
-    now = jax.vmap(jax.random.fold_in)(keys, FIRST_ACTION_KEY + game.state.step)
+def _act(setup: Setup, game: Game) -> tuple[ByRole[Array], ByRole[Any], Any]:
+    """Actions and next memories of everybody, and of the intervention; keys are made from episode, step and role."""
+    street, scenarios, state = setup.street, setup.scenarios, game.state
+    now = jax.vmap(jax.random.fold_in)(setup.keys, FIRST_ACTION_KEY + state.step)
     driver_key, pedestrian_key = jax.vmap(jax.random.split, out_axes=1)(now)
-    driver, pedestrians = policies.driver, policies.pedestrian
-    seen_by_driver = street.observe(scenarios, game.state, "driver", driver.observes)
-    seen_by_people = street.observe(scenarios, game.state, "pedestrian", pedestrians.observes)
+    driver, pedestrians = setup.policies.driver, setup.policies.pedestrian
+    seen_by_driver = street.observe(scenarios, state, "driver", driver.observes)
+    seen_by_people = street.observe(scenarios, state, "pedestrian", pedestrians.observes)
     drive, driver_memory = driver.act(driver_key, game.memory.driver, seen_by_driver)
     walk, people_memory = pedestrians.act(pedestrian_key, game.memory.pedestrian, seen_by_people)
-    return ByRole(drive, walk), ByRole(driver_memory, people_memory)
+    actions, memory, intervening = ByRole(drive, walk), ByRole(driver_memory, people_memory), None
+    if setup.intervention is not None:
+        moment = Now(street, scenarios, state, driver_key, ~game.ended)
+        actions, intervening = setup.intervention.act(moment, game.intervening, actions)
+    return actions, memory, intervening
 
 
 def _frame(street: Street, scenarios: Scenario, state: State) -> Frame:

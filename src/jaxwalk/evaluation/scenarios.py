@@ -16,8 +16,9 @@ from typing import TypeVar
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Key
+from jaxtyping import Array, Int, Key
 
 from jaxwalk.evaluation.game import play
 from jaxwalk.evaluation.ghosts import walk_ghosts
@@ -104,6 +105,15 @@ def replay(
 def draw_scenarios(street: Street, *, seed: int, first: int, count: int) -> tuple[Scenario, Key[Array, "episode"]]:
     """Scenarios ``first`` .. ``first + count - 1`` of a seed as a batch, and keys for the policies that play them."""
     environments = environment_keys(seed_key(seed, EVALUATION), first, count)
+    return _draw(street, environments), environments
+
+
+def choose_scenarios(
+    street: Street, *, seed: int, numbers: Int[np.ndarray, "episode"]
+) -> tuple[Scenario, Key[Array, "episode"]]:
+    """Any scenarios of a seed, by their numbers, as `draw_scenarios` draws them one after the other."""
+    fold_in = jax.vmap(jax.random.fold_in, in_axes=(None, 0))
+    environments = fold_in(seed_key(seed, EVALUATION), jnp.asarray(numbers))
     return _draw(street, environments), environments
 
 

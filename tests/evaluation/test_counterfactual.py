@@ -1,0 +1,317 @@
+"""Collisions replayed with one thing changed: everything else stays, and known causes are found."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.evaluation import (
+    Counterfactuals,
+    ReplayError,
+    choose_scenarios,
+    counterfactuals,
+    draw_scenarios,
+    evaluate,
+    play,
+    summarise_counterfactuals,
+    with_jaywalk_multiplier,
+)
+from jaxwalk.evaluation.counterfactual import find_hits
+from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
+from jaxwalk.metrics import measure
+from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.sim.observation import part
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from metrics.scenes import Scene, Walk, trajectory
+
+BATCH = 16
+COLUMNS = [field.name for field in dataclasses.fields(Counterfactuals) if field.name != "collisions"]
+
+
+class Car(RouteFollower):
+    """Drives along its route without looking, or stands."""
+
+    throttle: jax.Array = eqx.field(kw_only=True)
+
+    def act(self, key, memory, observation):
+        action, memory = super().act(key, memory, observation)
+        return action.at[0].set(self.throttle), memory
+
+
+class People(AlwaysGo):
+    """Go; lurkers stand at the kerb until a fast car is less than a second away, and then step out before it."""
+
+    observes: str = eqx.field(static=True, default="kerb")
+    lurk: jax.Array = eqx.field(kw_only=True)
+
+    def act(self, key, memory, observation):
+        seen = {name: observation[part("pedestrian", "kerb", name)] for name in ("car_motion", "miss", "to_kerb")}
+        fast = seen["car_motion"][0] * 8.33 > 7
+        hit = (seen["miss"][0] * 10 < 1) & (seen["miss"][1] * 8 < 0.9)
+        at_the_kerb = (seen["to_kerb"][0] > 0) & (seen["to_kerb"][0] < 0.25)
+        return 1 - (self.lurk & at_the_kerb & ~(fast & hit)).astype(jnp.int32), memory
+
+
+# the same kinds of policies everywhere: numbers in them compile nothing anew
+BLIND, STANDING = Car(throttle=jnp.float32(1)), Car(throttle=jnp.float32(-1))
+WALKERS, LURKERS = People(lurk=jnp.array(False)), People(lurk=jnp.array(True))
+
+
+@pytest.fixture(scope="module")
+def often(street):
+    """Everybody jaywalks at least as often as not."""
+    return with_jaywalk_multiplier(street, 1.0)
+
+
+@pytest.fixture(scope="module")
+def hits(often):
+    """The blind driver among always-go, 64 episodes."""
+    return evaluate(often, BLIND, WALKERS, episodes=64, seed=7, batch=BATCH)
+
+
+@pytest.fixture(scope="module")
+def table(often, hits):
+    return counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH)
+
+
+@pytest.fixture(scope="module")
+def batch(often):
+    return draw_scenarios(often, seed=7, first=0, count=BATCH)
+
+
+@pytest.fixture(scope="module")
+def played(often, batch):
+    return play(often, BLIND, WALKERS, *batch)
+
+
+def frames_before(trajectory, last):
+    """All numbers of the frames 0 .. last of each episode; NaN after it."""
+    moving = [x for name, x in vars(trajectory).items() if name.startswith(("car_", "ped_"))]
+    flat = np.concatenate([x.reshape(*x.shape[:2], -1) for x in moving], axis=2)
+    kept = np.arange(len(flat))[:, None, None] <= np.asarray(last)[:, None]
+    return np.where(kept, flat, np.nan)[: max(last) + 1]
+
+
+def test_scenarios_are_chosen_by_number(street, batch):
+    numbers = np.array([9, 3, 3, 15])
+    chosen, keys = choose_scenarios(street, seed=7, numbers=numbers)
+    for name in vars(chosen):
+        np.testing.assert_array_equal(getattr(chosen, name), getattr(batch[0], name)[..., numbers])
+    assert (keys == batch[1][numbers]).all()
+
+
+def test_a_place_in_the_batch_changes_nothing_to_the_last_bit(often, played):
+    numbers = np.arange(BATCH)[::-1]
+    again = play(often, BLIND, WALKERS, *choose_scenarios(often, seed=7, numbers=numbers))
+    for name, x in vars(played).items():
+        if np.ndim(x) and name != "scenario":
+            episode = 0 if len(x) == BATCH else 1
+            np.testing.assert_array_equal(getattr(again, name), np.flip(x, axis=episode), err_msg=name)
+
+
+def test_people_who_toss_coins_toss_the_same_ones_again(street, driver, undecided, rows):
+    chosen = np.resize(np.flatnonzero(rows.episodes.collision), BATCH)
+    again = play(street, driver, undecided, *choose_scenarios(street, seed=7, numbers=chosen))
+    assert again.collision.all()
+    np.testing.assert_array_equal(again.length, rows.episodes.steps[chosen])
+
+
+def test_an_episode_can_be_stopped(often, batch, played):
+    until = np.arange(20, 20 + 5 * BATCH, 5)
+    stopped = play(often, BLIND, WALKERS, *batch, until=until)
+    np.testing.assert_array_equal(stopped.length, np.minimum(played.length, until))
+    np.testing.assert_array_equal(stopped.collision, played.collision & (played.length <= until))
+    np.testing.assert_array_equal(stopped.goal, played.goal & (played.length <= until))
+    assert (stopped.length < played.length).any()
+
+
+def test_who_is_to_wait_waits_and_nobody_else(often, batch, played):
+    ped, begin = np.arange(BATCH) % 12, 10 + np.arange(BATCH)
+    until = begin + 20
+    waiting = Wait(jnp.asarray(ped), jnp.asarray(begin))
+    changed = play(often, BLIND, WALKERS, *batch, intervention=waiting, until=until)
+    np.testing.assert_array_equal(frames_before(changed, begin), frames_before(played, begin))
+    for episode, last in enumerate(changed.length):
+        going = changed.going[: last + 1, episode]
+        assert going[: begin[episode] + 1, ped[episode]].all()
+        assert not going[begin[episode] + 1 :, ped[episode]].any()
+        assert np.delete(going, ped[episode], axis=1).all()
+
+
+def test_the_car_brakes_and_steers_on(often, batch, played):
+    begin = 20 + np.arange(BATCH)
+    changed = play(often, BLIND, WALKERS, *batch, intervention=Brake(jnp.asarray(begin)), until=begin + 60)
+    np.testing.assert_array_equal(frames_before(changed, begin), frames_before(played, begin))
+    under_way = changed.length > begin
+    assert under_way.sum() > 10
+    for episode in np.flatnonzero(under_way):
+        assert (changed.car_acceleration[begin[episode] + 1 : changed.length[episode] + 1, episode] == -3).all()
+    stood = changed.length == begin + 60
+    assert (changed.car_speed[-1][stood] == 0).all()
+
+
+def test_a_driver_takes_over(often, batch, played):
+    begin = jnp.zeros(BATCH, jnp.int32)
+    other = play(often, STANDING, WALKERS, *batch)
+    at_once = play(often, STANDING, WALKERS, *batch, intervention=TakeOver(BLIND, begin))
+    np.testing.assert_array_equal(at_once.length, played.length)
+    np.testing.assert_array_equal(frames_before(at_once, at_once.length), frames_before(played, played.length))
+    later = play(often, STANDING, WALKERS, *batch, intervention=TakeOver(BLIND, begin + 30))
+    before = np.minimum(other.length, 30)
+    np.testing.assert_array_equal(frames_before(later, before), frames_before(other, before))
+    assert (later.car_acceleration[31:40, later.length > 40] == 3).all()
+
+
+def test_one_crossing_is_made_on_the_crosswalk(often, batch):
+    scenarios, keys = batch
+    before = play(often, STANDING, WALKERS, scenarios, keys)
+    jaywalks = (before.crossing == JAYWALK).any(axis=0)
+    ped = jaywalks.argmax(axis=1)
+    episode = np.flatnonzero(jaywalks.any(axis=1))
+    when = (before.crossing[:, np.arange(BATCH), ped] == JAYWALK).argmax(axis=0)
+    number = before.decisions[when, np.arange(BATCH), ped]
+    after = play(often, STANDING, WALKERS, on_the_crosswalk(scenarios, ped, number - 1), keys)
+    assert len(episode) == BATCH
+    for i in episode[after.length == 500]:
+        mine = after.decisions[:, i, ped[i]] == number[i]
+        assert set(after.crossing[mine, i, ped[i]]) <= {0, CROSSWALK}
+        assert CROSSWALK in after.crossing[mine, i, ped[i]]
+        others = np.arange(12) != ped[i]
+        np.testing.assert_array_equal(
+            after.ped_x[: before.length[i], i, others], before.ped_x[: before.length[i], i, others]
+        )
+
+
+def test_every_collision_comes_back(table, hits):
+    episodes = hits.episodes
+    assert table.collisions == len(table.scenario) == episodes.collision.sum() > 10
+    np.testing.assert_array_equal(table.scenario, episodes.scenario[episodes.collision])
+    np.testing.assert_array_equal(table.contact, episodes.contact[episodes.collision])
+    assert {CROSSWALK, JAYWALK} <= set(table.contact)
+    assert ((table.notice >= 0) & (table.notice * 10 <= episodes.steps[episodes.collision] + 1e-6)).all()
+
+
+def test_nearly_all_could_be_avoided(table):
+    assert table.planner_from_start.all()
+    assert table.wait[table.wait_applies].mean() > 0.7  # the blind car may hit the next one
+    assert table.crosswalk[table.crosswalk_applies].mean() > 0.7
+    assert not table.crosswalk[~table.crosswalk_applies].any()
+    assert table.brake[table.notice > 3].mean() > 0.9
+    assert not table.brake[table.notice < 0.5].any()
+
+
+def test_when_the_change_begins():
+    crossing = Walk(0, 0, crossings=[(2, 5, JAYWALK), (20, 40, JAYWALK)])
+    from_the_start = Walk(0, 0, crossings=[(0, 40, CROSSWALK)])
+    beside = Walk(0, 0, crossings=[(3, 9, CROSSWALK)])
+    scenes = [
+        Scene(40, [beside, crossing], touched=[1]),
+        Scene(40, [crossing, from_the_start], touched=[1]),
+        Scene(40, [crossing, beside], touched=[1]),
+        Scene(20, [beside, beside], touched=[0]),
+        Scene(40, [crossing, beside], goal=True),
+    ]
+    hits = find_hits(measure(trajectory(*scenes, scenario=[5, 6, 7, 8, 9])))
+    assert hits.scenario.tolist() == [5, 6, 7, 8]
+    assert hits.contact.tolist() == [JAYWALK, CROSSWALK, 3, 3]
+    assert hits.ped.tolist() == [1, 1, 1, 0]
+    assert hits.start.tolist() == [20, 0, 10, 0]
+    assert hits.entered.tolist() == [True, False, False, False]
+
+
+def same(a, b, order=slice(None)):
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name)[order], err_msg=name)
+
+
+def test_how_many_are_replayed_changes_no_row(often, hits, table):
+    told = []
+    fewer = counterfactuals(
+        often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=5, progress=lambda *n: told.append(n)
+    )
+    assert fewer.collisions == table.collisions
+    assert told == [(5, 5)]
+    same(fewer, table, slice(5))
+    none = counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=0)
+    assert len(none.label) == 0
+    with pytest.raises(ValueError, match="at_most"):
+        counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=-1)
+
+
+def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
+    order = np.random.default_rng(0).permutation(len(hits.episodes.scenario))
+    columns = {name: x[order] for name, x in vars(hits.episodes).items()}
+    crossings = dataclasses.replace(hits.crossings, episode=np.argsort(order)[hits.crossings.episode])
+    shuffled = dataclasses.replace(hits, episodes=type(hits.episodes)(**columns), crossings=crossings)
+    found = counterfactuals(often, BLIND, WALKERS, shuffled, seed=7, batch=BATCH)
+    same(table, found, np.argsort(found.scenario))
+
+
+def test_another_evaluation_is_refused(often, hits):
+    with pytest.raises(ReplayError, match="a replay without any change is at step"):
+        counterfactuals(often, BLIND, WALKERS, hits, seed=8, batch=BATCH)
+
+
+def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
+    rows = evaluate(often, BLIND, LURKERS, episodes=32, seed=7, batch=BATCH)
+    found = counterfactuals(often, BLIND, LURKERS, rows, seed=7, batch=BATCH, at_most=BATCH)
+    assert len(found.label) > 5
+    assert not (found.brake | found.planner).any()
+    assert found.wait.mean() > 0.7
+    assert set(found.label) <= {"pedestrian", "unavoidable"}
+
+
+def test_a_standing_car_cannot_brake(often):
+    rows = evaluate(often, STANDING, WALKERS, episodes=128, seed=7, batch=BATCH)
+    found = counterfactuals(often, STANDING, WALKERS, rows, seed=7, batch=BATCH, at_most=BATCH)
+    assert len(found.label) > 3
+    assert not found.moving.any()
+    assert not found.brake.any()
+    assert found.wait.all()
+    assert found.planner.any()  # it drives away
+    assert set(found.label) <= {"either", "pedestrian"}
+
+
+def made(**columns):
+    n = len(columns["contact"])
+    defaults = {name: np.zeros(n, bool) for name in COLUMNS} | {"scenario": np.arange(n), "notice": np.ones(n)}
+    return Counterfactuals(collisions=9, **defaults | {name: np.array(x) for name, x in columns.items()})
+
+
+def test_labels_and_shares():
+    found = made(
+        contact=[1, 1, 2, 2, 3],
+        crosswalk_applies=[False, False, True, True, False],
+        wait_applies=[True, True, True, True, False],
+        crosswalk=[False, False, True, False, False],
+        wait=[True, False, False, False, False],
+        brake=[True, False, False, False, False],
+        planner=[False, True, False, False, False],
+        planner_from_start=[True, True, True, True, True],
+    )
+    assert found.label.tolist() == ["either", "driver", "pedestrian", "unavoidable", "unavoidable"]
+    summary = summarise_counterfactuals(found)
+    assert (summary.collisions, summary.replayed, summary.jaywalk.collisions) == (9, 5, 2)
+    assert {label: rate.successes for label, rate in summary.all.labels.items()} == {
+        "either": 1, "driver": 1, "pedestrian": 1, "unavoidable": 2
+    }  # fmt: skip
+    shares = {change: (rate.successes, rate.trials) for change, rate in summary.all.avoided.items()}
+    assert shares == {
+        "crosswalk": (1, 2), "wait": (1, 4), "brake": (1, 5), "planner": (1, 5), "planner_from_start": (5, 5)
+    }  # fmt: skip
+    assert summary.sidewalk.avoided["wait"].value is None
+    document = json.loads(json.dumps(summary.as_dict(), allow_nan=False))
+    assert document["jaywalk"]["labels"]["unavoidable"]["value"] == 0.5
+    assert document["sidewalk"]["avoided"]["crosswalk"]["trials"] == 0
+
+
+def test_no_collisions_no_shares():
+    summary = summarise_counterfactuals(made(contact=np.zeros(0, int)))
+    assert summary.replayed == 0
+    assert summary.all.labels["driver"].value is None
