@@ -30,6 +30,7 @@ from jaxwalk.evaluation import (
     write_rows,
 )
 from jaxwalk.experiments.contestants import contestant, world_of
+from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.runs import check_writable, write_whole
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
@@ -63,7 +64,7 @@ def run(options: Evaluate) -> int:
     text = json.dumps(document, indent=2, allow_nan=False) + "\n"
     if options.out:
         _keep(options, text, streets, rows)
-        write_whole(options.out / "suite.md", suite(document))
+        write_whole(options.out / "suite.md", suite(document, provenance()))
     if options.json:
         print(text, end="")
     else:

@@ -17,15 +17,20 @@ TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001
 Cell = Mapping[str, Any]
 
 
-def suite(document: Mapping[str, Any]) -> str:
-    """The page of a document of `jaxwalk.evaluation.Results`, whose cells may have ``counterfactuals``."""
+def suite(document: Mapping[str, Any], made: Mapping[str, Any]) -> str:
+    """The page of a document of `jaxwalk.evaluation.Results`, whose cells may have ``counterfactuals``.
+
+    ``made``: where and with what (``commit``, ``hardware`` and ``versions``).
+    """
     cells, chosen = document["cells"], document["scenarios"]
     about = (
         f"{chosen['count']:,} scenarios of seed {chosen['seed']} for every driver and population, hash "
         f"{chosen['hash']}. Brackets: 95 % intervals; of rates Wilson's, of everything over steps and encounters by "
         "bootstrap over episodes. What each number is: the page on metrics. A dash: too few cases, or none."
     )
-    parts = ["# The suite", about]
+    versions = ", ".join(f"{name} {version}" for name, version in made["versions"].items())
+    origin = f"Made at commit {made['commit'] or 'unknown'} on {made['hardware']}, {versions}."
+    parts = ["# The suite", about, origin]
     for heading, text, table in _sections(cells):
         parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
     parts += [
