@@ -9,7 +9,7 @@ INSTALLED := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null || echo $(BIN)/uv)
 
 .DEFAULT_GOAL := help
-.PHONY: help install check lint types contracts test format reproduce bench wheel lock clean
+.PHONY: help install check lint types contracts test format reproduce evidence bench wheel lock clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -50,6 +50,10 @@ format: install  ## let ruff tidy the code
 
 reproduce: install  ## the paper's tables and figures again, into runs/reproduce
 	$(BIN)/jaxwalk reproduce --out runs/reproduce
+
+evidence: install  ## the whole suite for the shipped drivers and the rules, into runs/evidence: some 15 minutes
+	$(BIN)/jaxwalk evaluate --driver random constant-speed rule-based rule-based-braking route-follower single-agent \
+	  co-trained --pedestrians always-go learned --episodes 10000 --counterfactuals 200 --encounters --out runs/evidence
 
 bench: install  ## how fast simulator and training are on this machine: some minutes
 	$(BIN)/jaxwalk bench
