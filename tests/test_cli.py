@@ -104,6 +104,10 @@ BAD = {
     "nonsense policy": ("evaluate --driver nonsense.safetensors", "nonsense.safetensors: damaged"),
     "untrained driver": ("evaluate --driver untrained", "untrained: has no policy.safetensors"),
     "damaged driver": ("evaluate --driver damaged", "config.json: train: Value error, clip must be above 0"),
+    "one to compare": ("evaluate --compare random", "--compare needs two drivers, not 1"),
+    "the same twice": ("evaluate --compare random random", "--compare needs two drivers, not 1"),
+    "fewer than no replays": ("evaluate --driver random --counterfactuals -1", "--counterfactuals must be 0 or more"),
+    "encounters nowhere": ("evaluate --driver random --encounters", "--encounters needs --out DIR"),
     "out below a file": ("evaluate --driver random --out file/out", "is a file, so nothing can be put into it"),
     "play nobody": ("play", "--driver is missing"),
     "play before the first": ("play --driver random --scenario -1", "--scenario must lie in [0, 2^30), not -1"),
@@ -207,6 +211,23 @@ def test_the_table_shows_intervals_and_the_hash(capsys):
     assert out.count("rule-based") == 2
     assert "3 scenarios of seed 7, hash " in out
     assert "[" in out
+
+
+def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys):
+    command = "evaluate --compare rule-based random --episodes 3 --seed 7 --out kept --encounters"
+    assert main(command.split()) == 0
+    out = capsys.readouterr().out
+    assert "random collides less among always-go" in out or "Whether random" in out or "No difference" in out
+    assert out.count("3 scenarios") == 3  # two tests, and which scenarios they were
+    assert {file.name for file in (place / "kept").iterdir()} == {
+        "encounters.parquet", "episodes.csv", "results.json", "suite.md",
+    }  # fmt: skip
+    suite = (place / "kept" / "suite.md").read_text()
+    assert "| rule-based among always-go |" in suite and "Made at commit" in suite
+    compared = json.loads((place / "kept" / "results.json").read_text())["compared"]
+    assert [(one["a"], one["b"], one["ending"]) for one in compared] == [
+        ("rule-based", "random", "collision"), ("rule-based", "random", "goal"),
+    ]  # fmt: skip
 
 
 def test_the_table_marks_who_sees_what_is_hidden():

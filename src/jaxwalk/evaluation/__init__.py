@@ -10,6 +10,7 @@ from jaxwalk.evaluation.counterfactual import (
 )
 from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
 from jaxwalk.evaluation.game import play
+from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.results import Cell, Results, compare, write_rows
 from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios, draw_scenarios, evaluate, replay, scenario_hash
 from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
@@ -42,6 +43,7 @@ __all__ = [
     "replay",
     "scenario_hash",
     "summarise_counterfactuals",
+    "walk_ghosts",
     "with_jaywalk_multiplier",
     "with_mode",
     "write_encounters",

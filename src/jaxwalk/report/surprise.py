@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from jaxwalk.report.material import Number
 from jaxwalk.report.table import NONE, shown
 
 COLUMNS = ("distance [m]", "weight", "near crosswalk users [m/s]", "near jaywalkers [m/s]", "difference", "n")
@@ -17,13 +18,18 @@ def four_ways(bins: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
     """Five rows for each distance: pooled over frames, by encounter, matched, near ghosts, and people minus ghosts."""
     rows = []
     for found in bins:
-        place, placebo = f"{found['near']:g} to {found['far']:g}", found["placebo"]
+        at, placebo = place(found), found["placebo"]
         gaps = {"frames": found["pooled"], "encounters": found["by_encounter"]}
-        rows += [(place, name, *_gap(gap, name)) for name, gap in gaps.items()]
-        rows.append((place, "matched", NONE, NONE, *_alone(found["matched"], "jaywalkers' encounters")))
-        rows.append((place, "ghosts", *_gap(placebo["ghosts"], "frames")))
-        rows.append((place, "people minus ghosts", NONE, NONE, *_alone(placebo["difference"], "frames or more")))
+        rows += [(at, name, *_gap(gap, name)) for name, gap in gaps.items()]
+        rows.append((at, "matched", NONE, NONE, *_alone(found["matched"], "jaywalkers' encounters")))
+        rows.append((at, "ghosts", *_gap(placebo["ghosts"], "frames")))
+        rows.append((at, "people minus ghosts", NONE, NONE, *_alone(placebo["difference"], "frames or more")))
     return rows
+
+
+def place(found: Mapping[str, Any]) -> str:
+    """As in ``0 to 3``."""
+    return f"{found['near']:g} to {found['far']:g}"
 
 
 def _gap(gap: Mapping[str, Any], unit: str) -> tuple[str, ...]:
@@ -37,40 +43,33 @@ def _alone(number: Mapping[str, Any], unit: str) -> tuple[str, str]:
 
 def in_words(bins: Sequence[Mapping[str, Any]]) -> str:
     """What the four say together: is the car faster near jaywalkers, and is that surprise or the place?"""
-    raw = _sides(bins, lambda found: found["pooled"]["difference"])
-    beyond = _sides(bins, lambda found: found["placebo"]["difference"])
-    matched = _sides(bins, lambda found: found["matched"])
-    if not any(raw.values()):
-        first = "No distance shows another speed near jaywalkers than near crosswalk users"
+    raw = _said(bins, lambda found: found["pooled"]["difference"])
+    beyond = _said(bins, lambda found: found["placebo"]["difference"])
+    matched = _said(bins, lambda found: found["matched"])
+    sentences = [f"Near jaywalkers the car is {raw}." if raw else "The car is as fast near jaywalkers as near others."]
+    if beyond:
+        sentences.append(f"Beyond what is so near ghosts, whom it cannot see, it is {beyond}.")
+    elif raw:
+        sentences.append("It is so near ghosts too, whom it cannot see: the place explains it, not the people.")
     else:
-        first = "; ".join(f"the car is {side} near jaywalkers at {_list(at)} m" for side, at in raw.items() if at)
-    if not any(beyond.values()):
-        second = "but beyond what is so near ghosts, whom it cannot see, no difference is left: the place explains it"
-        if not any(raw.values()):
-            second = "and nothing beyond what is so near ghosts, whom it cannot see"
-    else:
-        second = "; ".join(
-            f"beyond what is so near ghosts, whom it cannot see, it is {side} at {_list(at)} m"
-            for side, at in beyond.items()
-            if at
-        )
-    third = "; ".join(f"it is {side} at {_list(at)} m" for side, at in matched.items() if at)
-    third = f"Matched on place and initial speed, {third or 'no difference is left'}."
-    sentences = f"{first}, {second}. {third}"
-    return sentences[0].upper() + sentences[1:] + " (95 % intervals, each for itself.)"
+        sentences.append("Nor is there a difference beyond what is so near ghosts, whom it cannot see.")
+    sentences.append(f"At the same place and initial speed it is {matched or 'as fast near both'}.")
+    return " ".join(sentences)
 
 
-def _sides(bins: Sequence[Mapping[str, Any]], find: Any) -> dict[str, list[str]]:
+def _said(bins: Sequence[Mapping[str, Any]], find: Callable[[Mapping[str, Any]], Number]) -> str:
+    """As in ``faster at 0 to 3 m``: where a number's interval is above or below 0; empty if nowhere."""
+    sides = _sides(bins, find)
+    return " and ".join(f"{side} at {', '.join(places)} m" for side, places in sides.items() if places)
+
+
+def _sides(bins: Sequence[Mapping[str, Any]], find: Callable[[Mapping[str, Any]], Number]) -> dict[str, list[str]]:
     """Distances at which a difference is certainly above 0 (faster), and certainly below (slower)."""
     sides: dict[str, list[str]] = {"faster": [], "slower": []}
     for found in bins:
-        number, place = find(found), f"{found['near']:g} to {found['far']:g}"
+        number = find(found)
         if number["low"] is not None and number["low"] > NOTHING:
-            sides["faster"].append(place)
+            sides["faster"].append(place(found))
         if number["high"] is not None and number["high"] < -NOTHING:
-            sides["slower"].append(place)
+            sides["slower"].append(place(found))
     return sides
-
-
-def _list(places: Sequence[str]) -> str:
-    return " and ".join(places) if len(places) < 3 else f"{', '.join(places[:-1])} and {places[-1]}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from jaxwalk.report import published, verdicts
+from jaxwalk.report import published, surprise, verdicts
 from jaxwalk.report.figures import SHARES
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, SINGLE_AGENT, Material
 from jaxwalk.report.seed_tables import pairs, training_seeds
@@ -81,31 +81,17 @@ def co_training(material: Material) -> Table:
 
 
 def speed_differential(material: Material) -> Table:
-    """Car speed near jaywalkers minus near crosswalk users, by distance."""
-    columns = (
-        "distance [m]",
-        "weight",
-        "near crosswalk users [m/s]",
-        "near jaywalkers [m/s]",
-        "difference",
-        "paper",
-        "n",
-    )
-    rows, against = [], []
-    for i, found in enumerate(material.cell(CO_TRAINED, LEARNED)["speed_differential"]):
-        place = f"{found['near']:g} to {found['far']:g}"
-        low, high = published.SPEED_GAP_FARTHER
-        for weight, name, unit in (("pooled", "frames", "frames"), ("by_encounter", "encounters", "encounters")):
-            gap = found[weight]
-            theirs = NONE if weight != "pooled" else f"{published.SPEED_GAP}" if i == 0 else f"{low:.2f} to {high:.2f}"
-            speeds = (shown(gap[kind], 1.0, 2) for kind in ("crosswalk", "jaywalk", "difference"))
-            count = f"{gap['crosswalk']['count']:,} and {gap['jaywalk']['count']:,} {unit}"
-            rows.append((place, name, *speeds, theirs, count))
-        if i == 0:
-            against.append(
-                Versus("difference within 3 m, pooled", found["pooled"]["difference"], published.SPEED_GAP, "m/s", 1.0)
-            )
-    return Table(columns, tuple(rows), verdict(against, verdicts.SPEED))
+    """Car speed near jaywalkers minus near crosswalk users, by distance, four ways; and what they say together."""
+    bins = material.cell(CO_TRAINED, LEARNED)["speed_differential"]
+    low, high = published.SPEED_GAP_FARTHER
+    rows = []
+    for place, weight, *numbers in surprise.four_ways(bins):
+        nearest = place == surprise.place(bins[0])
+        theirs = f"{published.SPEED_GAP}" if nearest else f"{low:.2f} to {high:.2f}"
+        rows.append((place, weight, *numbers, theirs if weight == "frames" else NONE))
+    gap = Versus("difference within 3 m, pooled", bins[0]["pooled"]["difference"], published.SPEED_GAP, "m/s", 1.0)
+    said = f"{surprise.in_words(bins)} {verdict([gap], verdicts.SPEED)}"
+    return Table((*surprise.COLUMNS, "paper"), tuple(rows), said)
 
 
 def attribution(material: Material) -> Table:

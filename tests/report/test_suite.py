@@ -1,0 +1,106 @@
+"""The page of all metrics, and what it says of the speed differential."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from jaxwalk.evaluation import Cell, Counterfactuals, Results, summarise_counterfactuals
+from jaxwalk.metrics import measure, summarise
+from jaxwalk.report.suite import suite
+from jaxwalk.report.surprise import four_ways, in_words
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from metrics.scenes import Scene, Walk, ghosts_of, trajectory
+
+MADE = {"commit": "abc123", "hardware": "an abacus", "versions": {"jax": "0.10.2"}}
+
+
+def number(low: float | None, high: float | None) -> dict:
+    value = None if low is None or high is None else (low + high) / 2
+    return {"value": value, "low": low, "high": high, "count": 12}
+
+
+NONE, FASTER, SLOWER = number(-1.0, 1.0), number(0.5, 1.0), number(-1.0, -0.5)
+
+
+def bins(raw: dict, beyond: dict, matched: dict) -> list[dict]:
+    """A bin in which the three differences are so, and one in which nothing is known."""
+    return [_bin(0.0, raw, beyond, matched), _bin(3.0, *[number(None, None)] * 3)]
+
+
+def _bin(near: float, raw: dict, beyond: dict, matched: dict) -> dict:
+    gap = {"crosswalk": NONE, "jaywalk": NONE, "difference": raw}
+    placebo = {"people": gap, "ghosts": gap, "difference": beyond}
+    return {
+        "near": near, "far": near + 3, "pooled": gap, "by_encounter": gap, "matched": matched, "placebo": placebo,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("raw", "beyond", "matched", "said"),
+    [
+        (NONE, NONE, NONE, "The car is as fast near jaywalkers as near others. Nor is there a difference beyond"),
+        (FASTER, NONE, NONE, "Near jaywalkers the car is faster at 0 to 3 m. It is so near ghosts too"),
+        (FASTER, FASTER, FASTER, "faster at 0 to 3 m. Beyond what is so near ghosts, whom it cannot see, it is faster"),
+        (FASTER, SLOWER, SLOWER, "is slower at 0 to 3 m. At the same place and initial speed it is slower at 0"),
+        (NONE, FASTER, NONE, "At the same place and initial speed it is as fast near both."),
+    ],
+)  # fmt: skip
+def test_what_the_four_say_together(raw, beyond, matched, said):
+    assert said in in_words(bins(raw, beyond, matched))
+
+
+def test_five_rows_for_each_distance():
+    rows = four_ways(bins(FASTER, NONE, SLOWER))
+    assert [row[:2] for row in rows[:5]] == [
+        ("0 to 3", name) for name in ("frames", "encounters", "matched", "ghosts", "people minus ghosts")
+    ]
+    assert rows[2][4:] == ("-0.75 [-1.00, -0.50]", "12 jaywalkers' encounters")
+    assert rows[6][4] == "–"
+
+
+@pytest.fixture(scope="module")
+def page():
+    people = [
+        Walk(30.0, -4.0, vy=1.0, crossings=[(2, 40, CROSSWALK)]),
+        Walk(40.0, 4.0, vy=-1.0, crossings=[(5, 45, JAYWALK)]),
+    ]
+    hit = Scene(50, [Walk(25.0, 0.0, crossings=[(20, 50, JAYWALK)]), people[0]], touched=[0])
+    recorded = trajectory(Scene(50, people, goal=True), hit)
+    summary = summarise(measure(recorded, ghosts_of(recorded)), resamples=20)
+    cell = Cell("mine", "always-go", "mode", "sample", 0.25, summary, "route", "kerb").as_dict()
+    yes, no = np.array([True]), np.array([False])
+    table = Counterfactuals(
+        collisions=1, scenario=np.array([1]), contact=np.array([JAYWALK]), moving=yes, notice=np.array([3.0]),
+        crosswalk_applies=yes, wait_applies=yes, crosswalk=yes, wait=yes, brake=no, planner=no, planner_from_start=yes,
+    )  # fmt: skip
+    other = Cell("other", "always-go", "mode", "sample", 1.0, summary, "route", "kerb").as_dict()
+    document = Results(5, 2, "0123456789abcdef", ()).as_dict()
+    document["cells"] = [{**cell, "counterfactuals": summarise_counterfactuals(table).as_dict()}, other]
+    return suite(json.loads(json.dumps(document, allow_nan=False)), MADE)
+
+
+def test_every_table_is_there_and_has_as_many_cells_as_columns(page):
+    for heading in ("Outcomes", "Encounters", "Whose collisions", "Could it have been avoided?", "In words"):
+        assert f"\n## {heading}\n" in page
+    tables = [part.splitlines() for part in page.split("\n\n") if part.startswith("| ")]
+    assert len(tables) == 7
+    for lines in tables:
+        assert len({line.count(" | ") for line in lines}) == 1, lines[0]
+        assert len(lines) >= 3
+    assert "nan" not in page.lower()
+
+
+def test_what_stands_in_it(page):
+    assert "2 scenarios of seed 5 for every driver and population, hash 0123456789abcdef" in page
+    assert "Made at commit abc123 on an abacus, jax 0.10.2." in page
+    assert "| mine among always-go | 50.0 [9.5, 90.5] | 50.0 [9.5, 90.5] | 0.00 [0.00, 65.76] |" in page
+    assert "| other among always-go x 1 |" in page
+    by_pedestrian = (
+        "| mine among always-go | jaywalk | 1 | 0.00 [0.00, 79.35] | 0.00 [0.00, 79.35] | 100.00 [20.65, 100.00]"
+    )
+    assert by_pedestrian in page
+    assert "| 14 and 16 | 5,006 |" in page
+    assert "- **mine among always-go**: " in page
