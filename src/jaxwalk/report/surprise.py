@@ -46,14 +46,16 @@ def in_words(bins: Sequence[Mapping[str, Any]]) -> str:
     raw = _said(bins, lambda found: found["pooled"]["difference"])
     beyond = _said(bins, lambda found: found["placebo"]["difference"])
     matched = _said(bins, lambda found: found["matched"])
-    sentences = [f"Near jaywalkers the car is {raw}." if raw else "The car is as fast near jaywalkers as near others."]
+    nowhere = "At no distance is the car surely faster or slower near jaywalkers than near crosswalk users."
+    sentences = [f"Near jaywalkers the car is {raw}." if raw else nowhere]
     if beyond:
         sentences.append(f"Beyond what is so near ghosts, whom it cannot see, it is {beyond}.")
     elif raw:
-        sentences.append("It is so near ghosts too, whom it cannot see: the place explains it, not the people.")
+        sentences.append("Nothing of it is surely more than near ghosts, whom it cannot see: the place may explain it.")
     else:
-        sentences.append("Nor is there a difference beyond what is so near ghosts, whom it cannot see.")
-    sentences.append(f"At the same place and initial speed it is {matched or 'as fast near both'}.")
+        sentences.append("Nor is there a sure difference from what it does near ghosts, whom it cannot see.")
+    same = "At the same place and initial speed"
+    sentences.append(f"{same} it is {matched}." if matched else f"{same} no difference is sure.")
     return " ".join(sentences)
 
 
