@@ -41,8 +41,8 @@ def _bin(near: float, raw: dict, beyond: dict, matched: dict) -> dict:
 @pytest.mark.parametrize(
     ("raw", "beyond", "matched", "said"),
     [
-        (NONE, NONE, NONE, "At no distance is the car surely faster or slower near jaywalkers than near crosswalk users. Nor is there"),
-        (FASTER, NONE, NONE, "Near jaywalkers the car is faster at 0 to 3 m. Nothing of it is surely more than near ghosts"),
+        (NONE, NONE, NONE, "faster or slower near jaywalkers than near crosswalk users. Nor is there"),
+        (FASTER, NONE, NONE, "the car is faster at 0 to 3 m. Nothing of it is surely more than near ghosts"),
         (FASTER, FASTER, FASTER, "faster at 0 to 3 m. Beyond what is so near ghosts, whom it cannot see, it is faster"),
         (FASTER, SLOWER, SLOWER, "is slower at 0 to 3 m. At the same place and initial speed it is slower at 0"),
         (NONE, FASTER, NONE, "At the same place and initial speed no difference is sure."),
