@@ -104,8 +104,9 @@ BAD = {
     "nonsense policy": ("evaluate --driver nonsense.safetensors", "nonsense.safetensors: damaged"),
     "untrained driver": ("evaluate --driver untrained", "untrained: has no policy.safetensors"),
     "damaged driver": ("evaluate --driver damaged", "config.json: train: Value error, clip must be above 0"),
-    "one to compare": ("evaluate --compare random", "--compare needs two drivers, not 1"),
-    "the same twice": ("evaluate --compare random random", "--compare needs two drivers, not 1"),
+    "one to compare": ("evaluate --compare random", "--compare needs two different drivers, not random"),
+    "three to compare": ("evaluate --compare random rule-based random", "two different drivers, not random rule-based"),
+    "the same twice": ("evaluate --compare random random", "--compare needs two different drivers, not random"),
     "fewer than no replays": ("evaluate --driver random --counterfactuals -1", "--counterfactuals must be 0 or more"),
     "encounters nowhere": ("evaluate --driver random --encounters", "--encounters needs --out DIR"),
     "out below a file": ("evaluate --driver random --out file/out", "is a file, so nothing can be put into it"),
@@ -196,7 +197,7 @@ def test_an_evaluation_repeats_itself(place, capsys):
     assert capsys.readouterr().out == first
     assert (place / "kept" / "results.json").read_text() == first
     document = json.loads(first)
-    assert document["schema"] == 1
+    assert document["schema"] == 2
     assert document["scenarios"].keys() == {"seed", "count", "hash"}
     assert document["cells"][0]["goal_rate"].keys() == {"value", "low", "high"}
     rows = (place / "kept" / "episodes.csv").read_text().splitlines()
@@ -217,7 +218,6 @@ def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys)
     command = "evaluate --compare rule-based random --episodes 3 --seed 7 --out kept --encounters"
     assert main(command.split()) == 0
     out = capsys.readouterr().out
-    assert "random collides less among always-go" in out or "Whether random" in out or "No difference" in out
     assert out.count("3 scenarios") == 3  # two tests, and which scenarios they were
     assert {file.name for file in (place / "kept").iterdir()} == {
         "encounters.parquet", "episodes.csv", "results.json", "suite.md",
@@ -225,6 +225,8 @@ def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys)
     suite = (place / "kept" / "suite.md").read_text()
     assert "| rule-based among always-go |" in suite and "Made at commit" in suite
     compared = json.loads((place / "kept" / "results.json").read_text())["compared"]
+    for one in compared:
+        assert one["in_words"] in suite and one["in_words"] in out
     assert [(one["a"], one["b"], one["ending"]) for one in compared] == [
         ("rule-based", "random", "collision"), ("rule-based", "random", "goal"),
     ]  # fmt: skip

@@ -32,23 +32,26 @@ def test_ghosts_walk_as_always_go_does(street, drawn):
             np.testing.assert_allclose(column[: length + 1, episode], expected, atol=1e-4, err_msg=name)
 
 
-def test_ghosts_are_others_on_the_same_route(street, drawn):
+def test_ghosts_are_others_than_the_people(street, drawn):
     scenarios, keys = drawn
-    others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(keys, scenarios)
-    np.testing.assert_array_equal(others.route, scenarios.route)
-    np.testing.assert_array_equal(others.map, scenarios.map)
-    assert (np.asarray(others.traits) != np.asarray(scenarios.traits)).all()
+    ghosts = walk_ghosts(street, scenarios, keys, frames=1)
+    people = play(street, RouteFollower(), AlwaysGo(), scenarios, keys)
+    assert (ghosts.ped_x[0] != people.ped_x[0]).any(axis=1).all()
 
 
-def test_ghosts_change_nothing_of_the_episode_and_are_the_same_for_every_driver(street):
-    fast, slow = (
-        evaluate(street, driver, AlwaysGo(), episodes=BATCH, seed=7, batch=BATCH)
-        for driver in (RouteFollower(), ConstantSpeed(throttle=0.0))
-    )
-    assert fast.placebo.ghost_frames.sum() > 0 or slow.placebo.ghost_frames.sum() > 0
-    again = evaluate(street, RouteFollower(), AlwaysGo(), episodes=BATCH, seed=7, batch=BATCH)
-    np.testing.assert_array_equal(fast.placebo.ghost_frames, again.placebo.ghost_frames)
-    np.testing.assert_array_equal(fast.episodes.steps, again.episodes.steps)
+def test_the_number_of_frames_changes_no_ghost(street, drawn):
+    scenarios, keys = drawn
+    few, many = (walk_ghosts(street, scenarios, keys, frames=frames) for frames in (50, 150))
+    for name, column in vars(few).items():
+        np.testing.assert_array_equal(column, getattr(many, name)[:50], err_msg=name)
+
+
+def test_ghosts_change_nothing_of_the_episodes(street, drawn):
+    scenarios, keys = drawn
+    played = play(street, RouteFollower(), AlwaysGo(), scenarios, keys)
+    rows = evaluate(street, RouteFollower(), AlwaysGo(), episodes=BATCH, seed=7, batch=BATCH)
+    np.testing.assert_array_equal(rows.episodes.steps, played.length)
+    assert rows.placebo.ghost_frames.sum() > 0
 
 
 def test_asking_for_fewer_episodes_changes_no_ghost(street):

@@ -80,6 +80,8 @@ def test_a_driver_that_slows_at_every_crosswalk_shows_a_raw_differential_that_th
         assert here.pooled.difference.low > 0.3
         assert here.placebo.ghosts.difference.low > 0.3
     assert all(contains_zero(here.placebo.difference) for here in found[CROSSWALKS])
+    nearest = found[CROSSWALKS][0]
+    assert abs(nearest.matched.value) < nearest.pooled.difference.value / 3  # (the squares are coarse: not nothing)
 
 
 def test_a_driver_that_slows_for_crosswalk_users_alone_is_found_out(found):

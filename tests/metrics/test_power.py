@@ -36,3 +36,8 @@ def test_simulated_tests_find_it_as_often_as_said(a, b, both):
 def test_impossible_questions_are_refused(rates, said):
     with pytest.raises(ValueError, match=said):
         scenarios_needed(rates[0], rates[1], both=rates[2] if len(rates) > 2 else None)
+
+
+def test_rates_of_which_one_happens_in_every_scenario():
+    """9,984 goals in both, 11 and 5 alone: the shares add up to 1, but for rounding."""
+    assert scenarios_needed(0.9995, 0.9989, both=0.9984) > 10_000

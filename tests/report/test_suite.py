@@ -41,15 +41,19 @@ def _bin(near: float, raw: dict, beyond: dict, matched: dict) -> dict:
 @pytest.mark.parametrize(
     ("raw", "beyond", "matched", "said"),
     [
-        (NONE, NONE, NONE, "faster or slower near jaywalkers than near crosswalk users. Nor is there"),
-        (FASTER, NONE, NONE, "the car is faster at 0 to 3 m. Nothing of it is surely more than near ghosts"),
+        (NONE, NONE, NONE, "jaywalkers and crosswalk users free of 0. Nor is there more than near ghosts"),
+        (FASTER, NONE, NONE, "the car is faster at 0 to 3 m. No interval shows more than near ghosts"),
         (FASTER, FASTER, FASTER, "faster at 0 to 3 m. Beyond what is so near ghosts, whom it cannot see, it is faster"),
-        (FASTER, SLOWER, SLOWER, "is slower at 0 to 3 m. At the same place and initial speed it is slower at 0"),
-        (NONE, FASTER, NONE, "At the same place and initial speed no difference is sure."),
+        (FASTER, SLOWER, SLOWER, "is slower at 0 to 3 m. At nearly the same place and initial speed it is slower"),
+        (NONE, FASTER, NONE, "At nearly the same place and initial speed no interval shows a difference."),
     ],
 )  # fmt: skip
 def test_what_the_four_say_together(raw, beyond, matched, said):
     assert said in in_words(bins(raw, beyond, matched))
+
+
+def test_nothing_known_is_said_to_be_nothing_known():
+    assert in_words(bins(*[number(None, None)] * 3)) == "Too few people were near the car to say."
 
 
 def test_five_rows_for_each_distance():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from rich.box import SIMPLE
@@ -34,7 +35,7 @@ from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.runs import check_writable, write_whole
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
-from jaxwalk.report.suite import suite
+from jaxwalk.report.suite import said, suite
 from jaxwalk.report.table import shown
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
@@ -59,25 +60,26 @@ def run(options: Evaluate) -> int:
     document, rows = _play(options, streets, cars, people)
     if options.compare:
         document["compared"] = _compared(options, streets, rows)
+    if options.out:
+        _keep_rows(options.out, streets, rows, encounters=options.encounters)
+        _keep_document(options.out, document)
     if options.counterfactuals:
         _replay_collisions(options, document, streets, cars, people, rows)
-    text = json.dumps(document, indent=2, allow_nan=False) + "\n"
-    if options.out:
-        _keep(options, text, streets, rows)
-        write_whole(options.out / "suite.md", suite(document, provenance()))
+    if options.counterfactuals and options.out:
+        _keep_document(options.out, document)
     if options.json:
-        print(text, end="")
+        print(_text(document), end="")
     else:
         console = Console()
         console.width = max(console.width, 120)  # the numbers need it; a narrower terminal wraps
-        console.print(table(document), *_said(document), document_line(document), sep="\n")
+        console.print(table(document), *map(escape, said(document)), document_line(document), sep="\n")
     return 0
 
 
 def check(options: Evaluate) -> None:
     """Raise for options that can't be."""
-    if options.compare and len(set(options.compare)) != 2:
-        raise UsageError(f"--compare needs two drivers, not {len(set(options.compare))}: as in --compare A B")
+    if options.compare and (len(options.compare) != 2 or len(set(options.compare)) != 2):
+        raise UsageError(f"--compare needs two different drivers, not {' '.join(options.compare)}: as in --compare A B")
     if not options.driver and not options.compare:
         raise UsageError(
             "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
@@ -164,38 +166,36 @@ def _replayed(options: Evaluate, street: Street, driver: Policy, people: Policy,
 
 
 def _compared(options: Evaluate, streets: list[Street], rows: list[Played]) -> list[dict[str, Any]]:
-    """The two drivers of ``--compare`` on each street."""
+    """The two drivers of ``--compare``, among every population on every street."""
     a, b = options.compare
-    found = []
-    for street, played in zip(streets, rows, strict=True):
-        among = {people: paired(played[a, people], played[b, people]) for people in dict.fromkeys(options.pedestrians)}
-        multiplier = {"jaywalk_multiplier": jaywalk_multiplier(street)}
-        found += [multiplier | difference for difference in compared(a, b, among)]
-    return found
+    among = [
+        (people, jaywalk_multiplier(street), paired(played[a, people], played[b, people]))
+        for street, played in zip(streets, rows, strict=True)
+        for people in dict.fromkeys(options.pedestrians)
+    ]
+    return compared(a, b, among)
 
 
-def _said(document: dict[str, Any]) -> list[str]:
-    """The comparisons in words, if there are any."""
-    found = document.get("compared", [])
-    several = len({one["jaywalk_multiplier"] for one in found}) > 1
-    lines = [f"Multiplier {x['jaywalk_multiplier']:g}: " * several + escape(x["in_words"]) for x in found]
-    return [*lines, "(Pairs of the same scenarios; exact tests, p adjusted for their number.)\n"] if found else []
-
-
-def _keep(options: Evaluate, text: str, streets: list[Street], rows: list[Played]) -> None:
-    """Write the document, a row per episode for each multiplier, and a row per encounter if asked for."""
-    out = options.out
-    assert out is not None
+def _keep_rows(out: Path, streets: list[Street], rows: list[Played], *, encounters: bool) -> None:
+    """Write a row per episode for each multiplier, and a row per encounter if asked for."""
     out.mkdir(parents=True, exist_ok=True)
     for street, played in zip(streets, rows, strict=True):
         suffix = f"-x{float(street.jaywalk_multiplier):g}" if len(streets) > 1 else ""
         write_rows(out / f"episodes{suffix}.csv", [(*pair, found) for pair, found in played.items()])
-    if options.encounters:
-        cells = [
-            (*pair, jaywalk_multiplier(s), x) for s, some in zip(streets, rows, strict=True) for pair, x in some.items()
-        ]
+    if encounters:
+        of_street = zip(map(jaywalk_multiplier, streets), rows, strict=True)
+        cells = [(*pair, multiplier, found) for multiplier, played in of_street for pair, found in played.items()]
         write_encounters(out / "encounters.parquet", cells)
-    write_whole(out / "results.json", text)
+
+
+def _keep_document(out: Path, document: dict[str, Any]) -> None:
+    """Write the document, and the same as tables."""
+    write_whole(out / "suite.md", suite(document, provenance()))
+    write_whole(out / "results.json", _text(document))
+
+
+def _text(document: dict[str, Any]) -> str:
+    return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
 def table(document: dict[str, Any]) -> Table:

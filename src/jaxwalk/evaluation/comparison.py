@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,18 +75,26 @@ SAID = {"collision": ("collides less", "collides more"), "goal": ("reaches the g
 """An ending that is rarer in B, and one that is more frequent."""
 
 
-def compared(a: str, b: str, among: Mapping[str, Paired]) -> list[dict[str, Any]]:
-    """Collisions and goals of two drivers among each population, tested in pairs and put into words.
+def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> list[dict[str, Any]]:
+    """Collisions and goals of two drivers, tested in pairs and put into words.
 
-    The p-values are adjusted for their number (Holm). ``among`` has the pairs of each population.
+    The p-values are adjusted for their number (Holm).
+
+    Args:
+        a: name of the driver A of all pairs.
+        b: name of B.
+        among: each population's name, the jaywalk multiplier, and the pairs.
     """
-    tests = [(people, ending, getattr(pairs, ending)) for people, pairs in among.items() for ending in SAID]
+    tests = [
+        (people, multiplier, ending, getattr(pairs, ending)) for people, multiplier, pairs in among for ending in SAID
+    ]
     adjusted = holm([found.p for *_, found in tests])
     return [
         {
             "a": a,
             "b": b,
             "pedestrians": people,
+            "jaywalk_multiplier": multiplier,
             "ending": ending,
             "rate_a": found.rates[0],
             "rate_b": found.rates[1],
@@ -95,13 +103,13 @@ def compared(a: str, b: str, among: Mapping[str, Paired]) -> list[dict[str, Any]
             "scenarios": found.scenarios,
             "p": found.p,
             "p_holm": p,
-            "in_words": in_words(b, people, ending, found, p),
+            "in_words": _in_words(b, people, ending, found, p, len(tests)),
         }
-        for (people, ending, found), p in zip(tests, adjusted, strict=True)
+        for (people, multiplier, ending, found), p in zip(tests, adjusted, strict=True)
     ]
 
 
-def in_words(b: str, people: str, ending: str, found: Comparison, p: float) -> str:
+def _in_words(b: str, people: str, ending: str, found: Comparison, p: float, tests: int) -> str:
     """As in ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios.``"""
     (rate_a, rate_b), (less, more) = found.rates, SAID[ending]
     side = less if rate_b < rate_a else more
@@ -110,7 +118,8 @@ def in_words(b: str, people: str, ending: str, found: Comparison, p: float) -> s
     if p < FOUND:
         return f"{b} {side} among {people}: {numbers}."
     if rate_a == rate_b:
-        return f"No difference between the two among {people} ({ending}s): {numbers}."
-    needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios)
+        return f"Equally many {ending}s of both among {people}: {numbers}."
+    # (one test of a family has to be this sure: Holm asks no more of the surest)
+    needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios, alpha=FOUND / tests)
     enough = f"rates like these take some {float(f'{needed:.1e}'):,.0f} to tell apart"
     return f"Whether {b} {side} among {people} is open: {numbers}; {enough}."

@@ -9,12 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from jaxwalk.metrics import Rows
+from jaxwalk.evaluation.results import CONTACT_NAMES
+from jaxwalk.metrics import Rows, braking
 
-TYPES = np.array(["", "crosswalk", "jaywalk"])
-"""Names of the types of an encounter, by number."""
-BRAKING = np.array(["never", "onset", "already", "standing", "unseen"])
-"""Names of what `jaxwalk.metrics.braking` says of an encounter, by number."""
 UNITS = {
     "enter": "s", "start": "s", "end": "s", "min_distance": "m", "entry_speed": "m/s", "braking_time": "s", "ttc": "s",
     "exposed_time": "s", "pet": "s", "t2": "s", "drac": "m/s2", "impact_speed": "m/s", "relative_speed": "m/s",
@@ -42,12 +39,12 @@ def encounter_columns(rows: Rows) -> dict[str, Any]:
         "scenario": table.scenario,
         "pedestrian": table.ped,
         "crossing": table.number,
-        "type": TYPES[table.type],
+        "type": np.array(CONTACT_NAMES)[table.type],
         **seconds,
         "min_distance": table.min_distance,
         "entry_speed": table.entry_speed,
         "collided": table.collided,
-        "braking": BRAKING[table.braking],
+        "braking": np.array(braking.NAMES)[table.braking],
         "braking_time": table.braking_time,
         **{name: getattr(surrogates, name) for name in UNITS if hasattr(surrogates, name)},
     }
@@ -59,20 +56,30 @@ def write_encounters(path: str | Path, cells: Iterable[tuple[str, str, float, Ro
     Raises MissingLibraryError without pyarrow.
     """
     check_parquet()
-    import pyarrow
     from pyarrow.parquet import ParquetWriter
 
     path = Path(path)
     unfinished, writer = path.with_name(f".{path.name}.{os.getpid()}.part"), None
-    for driver, people, multiplier, rows in cells:
-        columns = encounter_columns(rows)
-        names = {"driver": driver, "pedestrians": people, "multiplier": multiplier}
-        arrays = {name: pyarrow.repeat(value, len(columns["scenario"])) for name, value in names.items()}
-        arrays |= {name: pyarrow.array(column, from_pandas=True) for name, column in columns.items()}
-        units = {name: {"unit": UNITS[name]} if name in UNITS else None for name in arrays}
-        schema = pyarrow.schema([pyarrow.field(name, x.type, metadata=units[name]) for name, x in arrays.items()])
-        writer = writer or ParquetWriter(unfinished, schema, compression="zstd")
-        writer.write_table(pyarrow.table(list(arrays.values()), schema=schema))
-    if writer is not None:
-        writer.close()
-        unfinished.replace(path)
+    try:
+        for cell in cells:
+            table = _table(*cell)
+            writer = writer or ParquetWriter(unfinished, table.schema, compression="zstd")
+            writer.write_table(table)
+        if writer is not None:
+            writer.close()
+            unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def _table(driver: str, people: str, multiplier: float, rows: Rows) -> Any:
+    """The encounters of a cell as a table of pyarrow's."""
+    import pyarrow
+
+    columns = encounter_columns(rows)
+    names = {"driver": driver, "pedestrians": people, "multiplier": multiplier}
+    arrays = {name: pyarrow.repeat(value, len(columns["scenario"])) for name, value in names.items()}
+    arrays |= {name: pyarrow.array(column, from_pandas=True) for name, column in columns.items()}
+    units = {name: {"unit": UNITS[name]} if name in UNITS else None for name in arrays}
+    schema = pyarrow.schema([pyarrow.field(name, x.type, metadata=units[name]) for name, x in arrays.items()])
+    return pyarrow.table(list(arrays.values()), schema=schema)

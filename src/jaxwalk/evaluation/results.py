@@ -20,7 +20,7 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Estimate, Rate, Rows, Summary, summarise
 from jaxwalk.sim.environment import Street
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the JSON document."""
 CONTACT_NAMES = ("", "crosswalk", "jaywalk", "sidewalk")
 """Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""

@@ -13,6 +13,7 @@ from jaxwalk.sim import events
 from jaxwalk.sim.trajectory import Trajectory
 
 NEVER, ONSET, ALREADY, STANDING, UNSEEN = range(5)
+NAMES = ("never", "onset", "already", "standing", "unseen")
 """What an encounter says about braking: the car did not begin to brake while the pedestrian was on the road (censored);
 it did; it was braking when the pedestrian entered; it was too slow to brake then (1 m/s or less); the episode began
 with the pedestrian on the road. Only the first two have a time."""

@@ -6,13 +6,16 @@ import math
 
 from scipy import stats
 
+ROUNDING = 1e-9
+"""Shares may add up to so much more than 1."""
+
 
 def scenarios_needed(a: float, b: float, *, both: float | None = None, power: float = 0.8, alpha: float = 0.05) -> int:
-    """Scenarios on which a two-sided McNemar test finds two rates to differ, in a share ``power`` of the tries.
+    """Scenarios on which a two-sided McNemar test finds two rates to differ, in about a share ``power`` of the tries.
 
     n = (z_{1 - alpha/2} sqrt(s) + z_power sqrt(s - d^2))^2 / d^2, where d = b - a and s is the share of scenarios that
     end so in just one of the two (Connor 1987, *Sample size for testing differences in proportions for the
-    paired-sample design*).
+    paired-sample design*). The exact test, which is more careful, finds a little less: 0.77 to 0.79 instead of 0.8.
 
     Args:
         a: how often a driver's scenarios end so, in [0, 1].
@@ -26,11 +29,11 @@ def scenarios_needed(a: float, b: float, *, both: float | None = None, power: fl
         ValueError: the rates are equal (no number of scenarios is enough), or impossible together.
     """
     both = a * b if both is None else both
-    if not 0 <= both <= min(a, b) or max(a, b) > 1 or a + b - both > 1:
+    if not 0 <= both <= min(a, b) or max(a, b) > 1 or a + b - both > 1 + ROUNDING:
         raise ValueError(f"rates {a} and {b} with {both} in both are impossible")
     if a == b:
         raise ValueError(f"rates that are equal ({a}) can't be told apart by any number of scenarios")
     difference, single = b - a, a + b - 2 * both
     found = stats.norm.ppf(1 - alpha / 2) * math.sqrt(single)
-    found += stats.norm.ppf(power) * math.sqrt(single - difference**2)
+    found += stats.norm.ppf(power) * math.sqrt(max(single - difference**2, 0.0))
     return math.ceil((found / difference) ** 2)

@@ -1,7 +1,7 @@
 """How much faster the car drives near jaywalkers than near crosswalk users (paper, equation 2), four ways.
 
 Pooled over frames as in the paper, weighted by encounter, matched on place and initial speed (`metrics.meetings`), and
-beside the same of ghosts, whom the car cannot see: what is as large near them is not for the people's sake.
+beside the same of ghosts, whom the car cannot see: a difference that is as large near them may be the place's.
 """
 
 from __future__ import annotations
@@ -58,7 +58,8 @@ class Placebo:
     people: SpeedGap
     ghosts: SpeedGap
     difference: Estimate
-    """That of people minus that of ghosts [m/s]: 0 for a car that does not see people; the count is the smaller."""
+    """That of people minus that of ghosts [m/s]: among always-go, 0 for a car that does not see people. The count is
+    the smaller."""
 
 
 @dataclass(frozen=True)

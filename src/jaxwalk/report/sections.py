@@ -79,9 +79,9 @@ SECTIONS = (
         "figure 4, equation 2",
         "Mean speed of the co-trained car among learned pedestrians, by the distance to the nearest pedestrian of "
         f"each type who is on a roadway. {INTERVALS} Left every frame weighs alike, as in the paper; right every "
-        "encounter does. In the table also: matched, where only cars at the same place, headed the same way and as "
-        "fast at first are compared; ghosts, people whom the car cannot see, near whom every difference is the place's "
-        "doing; and what is left of the difference near people beyond that near ghosts.",
+        "encounter does. In the table also: matched, where only cars at nearly the same place, headed the same way and "
+        "as fast at first are compared; ghosts, people whom the car cannot see; and what the difference near people is "
+        "beyond that near ghosts (some of it the waiting of learned people, who are no ghosts).",
         "speed_differential",
         "speed_differential",
     ),

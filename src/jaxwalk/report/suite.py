@@ -25,12 +25,15 @@ def suite(document: Mapping[str, Any], made: Mapping[str, Any]) -> str:
     cells, chosen = document["cells"], document["scenarios"]
     about = (
         f"{chosen['count']:,} scenarios of seed {chosen['seed']} for every driver and population, hash "
-        f"{chosen['hash']}. Brackets: 95 % intervals; of rates Wilson's, of everything over steps and encounters by "
-        "bootstrap over episodes. What each number is: the page on metrics. A dash: too few cases, or none."
+        f"{chosen['hash']}. Brackets: 95 % intervals; of rates Wilson's, of the smallest distance and the median time "
+        "to braking as if encounters were independent, of all else by bootstrap over episodes. What each number is: "
+        "the page on metrics. A dash: too few cases, or none."
     )
     versions = ", ".join(f"{name} {version}" for name, version in made["versions"].items())
     origin = f"Made at commit {made['commit'] or 'unknown'} on {made['hardware']}, {versions}."
     parts = ["# The suite", about, origin]
+    if "compared" in document:
+        parts += ["## Compared", "\n".join(f"- {line}" for line in said(document))]
     for heading, text, table in _sections(cells):
         parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
     parts += [
@@ -38,6 +41,14 @@ def suite(document: Mapping[str, Any], made: Mapping[str, Any]) -> str:
         *(f"- **{_name(cell)}**: {surprise.in_words(cell['speed_differential'])}" for cell in cells),
     ]
     return "\n\n".join(part for part in parts if part).replace("\n\n- **", "\n- **") + "\n"
+
+
+def said(document: Mapping[str, Any]) -> list[str]:
+    """The comparisons of two drivers in words, if the document has any."""
+    found = document.get("compared", [])
+    several = len({one["jaywalk_multiplier"] for one in found}) > 1
+    lines = [f"Multiplier {one['jaywalk_multiplier']:g}: " * several + one["in_words"] for one in found]
+    return [*lines, "(Pairs of the same scenarios; exact tests, p adjusted for their number.)"] if found else []
 
 
 def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
@@ -68,16 +79,18 @@ COUNTERFACTUALS = (
 )
 BRAKING = (
     "From a pedestrian's road entry to the car's braking onset: Kaplan-Meier median, which counts those who never "
-    "brake while the pedestrian is on the road. A dash: fewer than half brake."
+    "brake while the pedestrian is on the road. A dash: fewer than half brake, or nobody was met."
 )
 SPEEDS = (
     "Mean speed of the car by the distance to the nearest pedestrian of each type on a roadway. Frames: every frame "
-    "weighs alike, as in the paper's equation 2. Encounters: every encounter does. Matched: only cars at the same "
-    "place, headed the same way and as fast at first are compared. Ghosts: people whom the car cannot see; what is so "
-    "near them is the place's doing. People minus ghosts: what is left, 0 for a car that does not see people."
+    "weighs alike, as in the paper's equation 2. Encounters: every encounter does. Matched: only cars at nearly the "
+    "same place, headed the same way and as fast at first are compared. Ghosts: people whom the car cannot see. People "
+    "minus ghosts: among always-go, 0 for a car that does not see people; for one that does, ghosts share the places "
+    "where it brakes for people, so the rest is the least that its reaction can be. Among learned pedestrians, some of "
+    "it is their waiting."
 )
 POWER = (
-    "Scenarios on which a paired test (exact McNemar, two-sided, p < 0.05) finds the difference 8 times in 10, if the "
+    "Scenarios on which a paired test (McNemar, two-sided, p < 0.05) finds the difference some 8 times in 10, if the "
     "two drivers' collisions had nothing to do with each other, and if half of the better one's are the other's too."
 )
 

@@ -42,20 +42,25 @@ def _alone(number: Mapping[str, Any], unit: str) -> tuple[str, str]:
 
 
 def in_words(bins: Sequence[Mapping[str, Any]]) -> str:
-    """What the four say together: is the car faster near jaywalkers, and is that surprise or the place?"""
+    """What the four say together: is the car faster near jaywalkers, and more so than near ghosts?
+
+    By 95 % intervals, each for itself: of twenty that hold no difference, one shows one.
+    """
+    if all(found["pooled"]["difference"]["low"] is None for found in bins):
+        return "Too few people were near the car to say."
     raw = _said(bins, lambda found: found["pooled"]["difference"])
     beyond = _said(bins, lambda found: found["placebo"]["difference"])
     matched = _said(bins, lambda found: found["matched"])
-    nowhere = "At no distance is the car surely faster or slower near jaywalkers than near crosswalk users."
+    nowhere = "At no distance is the interval of the difference between jaywalkers and crosswalk users free of 0."
     sentences = [f"Near jaywalkers the car is {raw}." if raw else nowhere]
     if beyond:
         sentences.append(f"Beyond what is so near ghosts, whom it cannot see, it is {beyond}.")
     elif raw:
-        sentences.append("Nothing of it is surely more than near ghosts, whom it cannot see: the place may explain it.")
+        sentences.append("No interval shows more than near ghosts, whom it cannot see: the place may explain it.")
     else:
-        sentences.append("Nor is there a sure difference from what it does near ghosts, whom it cannot see.")
-    same = "At the same place and initial speed"
-    sentences.append(f"{same} it is {matched}." if matched else f"{same} no difference is sure.")
+        sentences.append("Nor is there more than near ghosts, whom it cannot see.")
+    same = "At nearly the same place and initial speed"
+    sentences.append(f"{same} it is {matched}." if matched else f"{same} no interval shows a difference.")
     return " ".join(sentences)
 
 
