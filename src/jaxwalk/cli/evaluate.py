@@ -71,7 +71,7 @@ def run(options: Evaluate) -> int:
         print(_text(document), end="")
     else:
         console = Console()
-        console.width = max(console.width, 120)  # the numbers need it; a narrower terminal wraps
+        console.width = max(console.width, 132)  # the numbers need it; a narrower terminal wraps
         console.print(table(document), *map(escape, said(document)), document_line(document), sep="\n")
     return 0
 
