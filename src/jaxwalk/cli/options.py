@@ -94,7 +94,7 @@ class Evaluate:
 
     driver: Annotated[tuple[str, ...], _option("needed, unless --compare", "D [D ...]")] = ()
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, oracle), trained policies that
-    come with jaxwalk (co-trained, single-agent), run folders or policy files."""
+    come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders or policy files."""
     pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
     """always-go, learned (who come with jaxwalk), run folders or policy files."""
     compare: Annotated[tuple[str, ...], _option("none", "A B")] = ()

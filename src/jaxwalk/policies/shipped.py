@@ -6,8 +6,13 @@ from pathlib import Path
 from typing import Final
 
 SHIPPED: Final[dict[str, dict[str, str]]] = {
-    "driver": {"co-trained": "fast-co-trained", "single-agent": "fast-single-agent"},
-    "pedestrian": {"learned": "fast-co-trained"},
+    "driver": {
+        "co-trained": "fast-co-trained",
+        "single-agent": "fast-single-agent",
+        "paper-co-trained": "paper-co-trained",
+        "paper-single-agent": "paper-single-agent",
+    },
+    "pedestrian": {"learned": "fast-co-trained", "paper-learned": "paper-co-trained"},
 }
 """Of each role, what people write, and the file that holds it."""
 FOLDER = Path(__file__).parent / "files"
