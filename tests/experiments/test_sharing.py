@@ -9,6 +9,7 @@ from jaxwalk.experiments.contestants import contestant, world_of
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.sharing import share
 from jaxwalk.policies import SHIPPED, read_metadata, shipped_policy
+from jaxwalk.report.table import shown
 
 
 def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
@@ -47,7 +48,7 @@ def test_what_is_shipped_loads_and_has_its_card(street, role, name):
     assert policy.observes
     about = read_metadata(file)
     rates = about["results"]["among"]["always-go"]["goal_rate"]
-    assert f"{100 * rates['value']:.1f} [" in file.with_suffix(".md").read_text()
+    assert f"| {shown(rates)} |" in file.with_suffix(".md").read_text()
     assert about["recipe"] == file.stem.split("-")[0]
 
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.evaluation.results import CONTACT_NAMES
-from jaxwalk.metrics import Rows, braking
+from jaxwalk.metrics import Rows
+from jaxwalk.metrics.braking import NAMES
 
 UNITS = {
     "enter": "s", "start": "s", "end": "s", "min_distance": "m", "entry_speed": "m/s", "braking_time": "s", "ttc": "s",
@@ -44,7 +45,7 @@ def encounter_columns(rows: Rows) -> dict[str, Any]:
         "min_distance": table.min_distance,
         "entry_speed": table.entry_speed,
         "collided": table.collided,
-        "braking": np.array(braking.NAMES)[table.braking],
+        "braking": np.array(NAMES)[table.braking],
         "braking_time": table.braking_time,
         **{name: getattr(surrogates, name) for name in UNITS if hasattr(surrogates, name)},
     }

@@ -55,8 +55,9 @@ def _held_braking(
     hold = max(1, int(np.ceil(events.BRAKING_HOLD / trajectory.dt - 1e-6)))
     commanded = (trajectory.car_acceleration <= events.BRAKING) & real_frames(trajectory)
     commanded[0] = False  # nothing was commanded before the start
-    held = np.asarray(_windows(np.pad(commanded, ((0, hold - 1), (0, 0))), hold).all(axis=-1))
-    braking = np.asarray(_windows(np.pad(held, ((hold - 1, 0), (0, 0))), hold).any(axis=-1))
+    before_or_after = np.zeros((hold - 1, commanded.shape[1]), bool)
+    held = np.asarray(_windows(np.concatenate([commanded, before_or_after]), hold).all(axis=-1))
+    braking = np.asarray(_windows(np.concatenate([before_or_after, held]), hold).any(axis=-1))
     fast = np.zeros_like(held)
     fast[1:] = trajectory.car_speed[:-1] > events.BRAKING_MIN_SPEED
     return held & fast, braking
