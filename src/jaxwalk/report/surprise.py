@@ -10,6 +10,8 @@ from jaxwalk.report.table import NONE, shown
 
 COLUMNS = ("distance [m]", "weight", "near crosswalk users [m/s]", "near jaywalkers [m/s]", "difference", "n")
 """Of the rows of `four_ways`."""
+FEWEST = 20
+"""With fewer encounters of either type at a distance, nothing is said of it: a bootstrap of so few is too sure."""
 NOTHING = 0.01
 """A speed difference whose interval comes nearer to 0 than this is not worth a word [m/s]."""
 
@@ -46,7 +48,8 @@ def in_words(bins: Sequence[Mapping[str, Any]]) -> str:
 
     By 95 % intervals, each for itself: of twenty that hold no difference, one shows one.
     """
-    if all(found["pooled"]["difference"]["low"] is None for found in bins):
+    bins = [found for found in bins if found["by_encounter"]["difference"]["count"] >= FEWEST]
+    if not bins:
         return "Too few people were near the car to say."
     raw = _said(bins, lambda found: found["pooled"]["difference"])
     beyond = _said(bins, lambda found: found["placebo"]["difference"])
