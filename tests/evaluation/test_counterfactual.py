@@ -225,7 +225,7 @@ def test_when_the_change_begins():
     assert hits.entered.tolist() == [True, False, False, False]
 
 
-def same(a, b, order=slice(None)):
+def assert_same_rows(a, b, order=slice(None)):
     for name in COLUMNS:
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name)[order], err_msg=name)
 
@@ -237,7 +237,7 @@ def test_how_many_are_replayed_changes_no_row(often, hits, table):
     )
     assert fewer.collisions == table.collisions
     assert told == [(5, 5)]
-    same(fewer, table, slice(5))
+    assert_same_rows(fewer, table, slice(5))
     none = counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=0)
     assert len(none.label) == 0
     with pytest.raises(ValueError, match="at_most"):
@@ -250,7 +250,7 @@ def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
     crossings = dataclasses.replace(hits.crossings, episode=np.argsort(order)[hits.crossings.episode])
     shuffled = dataclasses.replace(hits, episodes=type(hits.episodes)(**columns), crossings=crossings)
     found = counterfactuals(often, BLIND, WALKERS, shuffled, seed=7, batch=BATCH)
-    same(table, found, np.argsort(found.scenario))
+    assert_same_rows(table, found, np.argsort(found.scenario))
 
 
 def test_another_evaluation_is_refused(often, hits):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
-
 import numpy as np
 import pyarrow.parquet as parquet
 import pytest
@@ -28,13 +26,6 @@ def test_every_encounter_has_its_row(rows, tmp_path):
 
 
 def test_without_pyarrow_the_message_names_the_extra(monkeypatch):
-    known = builtins.__import__
-
-    def without(name, *rest, **more):
-        if name.startswith("pyarrow"):
-            raise ImportError(name)
-        return known(name, *rest, **more)
-
-    monkeypatch.setattr(builtins, "__import__", without)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(ValueError, match=r'pip install "jaxwalk\[data\]"'):
         check_parquet()

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
+from jaxwalk.cli import INTERRUPTED
 from jaxwalk.cli.options import Reproduce
 from jaxwalk.cli.train import bad_values
 from jaxwalk.experiments.parts import Interrupted
@@ -18,12 +20,16 @@ def run(options: Reproduce) -> int:
             recipe=options.recipe, minutes=options.minutes, updates=options.updates, episodes=options.episodes,
             seed=options.seed, seeds=options.seeds,
         )  # fmt: skip
+    return until_interrupted(lambda: f"Open {reproduce(options.out, plan)}")
+
+
+def until_interrupted(make: Callable[[], str]) -> int:
+    """Make something that can be gone on with, and print what ``make`` says of it; 130 if Ctrl-C ended it."""
     try:
-        made = reproduce(options.out, plan)
+        print(make())
     except (Interrupted, KeyboardInterrupt):
         print("Interrupted. The same command goes on where this one stopped.", file=sys.stderr)
-        return 130
-    print(f"Open {made}")
+        return INTERRUPTED
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -26,10 +27,8 @@ class MissingLibraryError(ValueError):
 
 def check_parquet() -> None:
     """Raise MissingLibraryError if Parquet files can't be written."""
-    try:
-        import pyarrow.parquet  # noqa: F401
-    except ImportError as error:
-        raise MissingLibraryError('Parquet files need pyarrow; install it with: pip install "jaxwalk[data]"') from error
+    if importlib.util.find_spec("pyarrow") is None:
+        raise MissingLibraryError('Parquet files need pyarrow; install it with: pip install "jaxwalk[data]"')
 
 
 def encounter_columns(rows: Rows) -> dict[str, Any]:

@@ -64,9 +64,9 @@ class Rows:
 def _join_tables(tables: Sequence[Table], offsets: np.ndarray) -> Table:
     """One table below the other; ``episode`` columns count on."""
     columns = {}
-    for field in fields(tables[0]):  # type: ignore[arg-type]
-        parts = [getattr(table, field.name) for table in tables]
-        if field.name == "episode":
+    for name in vars(tables[0]):
+        parts = [getattr(table, name) for table in tables]
+        if name == "episode":
             parts = [(part + offset).astype(part.dtype) for part, offset in zip(parts, offsets, strict=True)]
-        columns[field.name] = np.concatenate(parts)
+        columns[name] = np.concatenate(parts)
     return type(tables[0])(**columns)
