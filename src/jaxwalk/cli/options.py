@@ -96,7 +96,7 @@ class Evaluate:
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, oracle), trained policies that
     come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders or policy files."""
     pedestrians: Annotated[tuple[str, ...], _option("always-go", "P [P ...]")] = ("always-go",)
-    """always-go, learned (who come with jaxwalk), run folders or policy files."""
+    """always-go, learned and paper-learned (who come with jaxwalk), run folders or policy files."""
     compare: Annotated[tuple[str, ...], _option("none", "A B")] = ()
     """Two drivers: say in words whether B collides less than A, and reaches the goal more (paired tests)."""
     episodes: Annotated[int, _option("2000", "N")] = 2000

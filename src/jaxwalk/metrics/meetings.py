@@ -134,7 +134,13 @@ def _strata(table: Meetings) -> tuple[Int[np.ndarray, "meeting"], Int[np.ndarray
     return stratum.reshape(-1), strata[:, 0]
 
 
-def _resampled(values, place, shape: tuple[int, int], resamples: int, seed: int) -> Float[np.ndarray, "draw cell type"]:
+def _resampled(
+    values: Float[np.ndarray, "meeting"],
+    place: tuple[np.ndarray, np.ndarray],
+    shape: tuple[int, int],
+    resamples: int,
+    seed: int,
+) -> Float[np.ndarray, "draw cell type"]:
     """Values at places (episode, cell), summed over all episodes (row 0) and over episodes drawn with replacement."""
     columns = sparse.csr_array((values, place), shape=shape)
     sums = np.zeros((1 + resamples, shape[1]))
