@@ -1,0 +1,121 @@
+"""Commands that play trained or other policies: to measure, to look, to report, to share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from jaxwalk.cli.options.option import Flag, option
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """How often do drivers reach their goal, and how often do they hit somebody? Every driver meets every population.
+
+    For example: jaxwalk evaluate --driver rule-based runs/first --pedestrians always-go runs/first
+    """
+
+    driver: Annotated[tuple[str, ...], option("needed, unless --compare", "D [D ...]")] = ()
+    """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, oracle), trained policies that
+    come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders or policy files."""
+    pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
+    """always-go, learned and paper-learned (who come with jaxwalk), run folders or policy files."""
+    compare: Annotated[tuple[str, ...], option("none", "A B")] = ()
+    """Two drivers: say in words whether B collides less than A, and reaches the goal more (paired tests)."""
+    episodes: Annotated[int, option("2000", "N")] = 2000
+    """Scenarios in each cell, the same for all."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Which set of scenarios; none is ever met in training."""
+    map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
+    """Bundled maps or map files."""
+    jaywalk_multiplier: Annotated[tuple[float, ...], option("0.25", "X [X ...]")] = (0.25,)
+    """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
+    sample_driver: Flag = False
+    """A learned driver draws its actions at random, as in training; else it takes the likeliest."""
+    pedestrian_mode: Flag = False
+    """Learned pedestrians take the likeliest action; else they draw at random, as in training."""
+    counterfactuals: Annotated[int, option("0", "N")] = 0
+    """Replay so many collisions of each cell otherwise: who could have avoided them? Some 0.2 s for each."""
+    out: Annotated[Path | None, option("none", "DIR")] = None
+    """Folder for results.json (all metrics), suite.md (the same as tables) and episodes.csv (a row per episode)."""
+    encounters: Flag = False
+    """Also encounters.parquet, a row per encounter (needs --out, and pip install "jaxwalk[data]")."""
+    json: Flag = False
+    """Print one JSON document instead of the table."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.evaluate import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Play:
+    """Draw one episode, as a picture or an animation.
+
+    For example: jaxwalk play --driver runs/first --pedestrians runs/first --scenario 3 --out episode.gif
+    """
+
+    driver: Annotated[str, option("needed", "D")] = ""
+    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder or a policy file."""
+    pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
+    """always-go, learned, a run folder or a policy file."""
+    scenario: Annotated[int, option("0", "N")] = 0
+    """Number of the scenario: a row of an evaluation with the same seed."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Which set of scenarios."""
+    map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
+    """Bundled maps or map files."""
+    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this."""
+    out: Annotated[Path, option("episode.png", "FILE")] = Path("episode.png")
+    """.png for a picture, .gif or .mp4 for an animation; an existing file is replaced."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.play import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Report:
+    """Make the report of a `jaxwalk reproduce` folder again: figures, tables and report.html."""
+
+    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")] = field()
+    """The folder that `jaxwalk reproduce` wrote."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.reproduce import remake
+
+        return remake(self.folder)
+
+
+@dataclass(frozen=True)
+class Share:
+    """Make one file of a training's policies to share, which knows its results, and a model card beside it.
+
+    For example: jaxwalk share runs/first --out first.safetensors --pedestrians always-go runs/first
+    """
+
+    run_folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")] = field()
+    """The run folder of the training."""
+    out: Annotated[Path | None, option("needed", "FILE")] = None
+    """FILE.safetensors; the card is FILE.md. Existing ones are replaced."""
+    pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
+    """Among whom the driver is evaluated: always-go, learned, run folders or policy files."""
+    episodes: Annotated[int, option("2000", "N")] = 2000
+    """Scenarios among each."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Which set of scenarios; none is ever met in training."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.share import run
+
+        return run(self)

@@ -1,0 +1,119 @@
+"""Commands that train."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from jaxwalk.cli.options.option import Flag, option, tuned
+
+
+@dataclass(frozen=True)
+class Train:
+    """Train a car and its pedestrians, or go on with a training that was interrupted.
+
+    For example: jaxwalk train --run runs/first --minutes 4
+    """
+
+    run_folder: Annotated[Path | None, option("none; needed unless --resume", "DIR", "run")] = None
+    """Folder to make for configuration, metrics, checkpoints and the policy."""
+    resume: Annotated[Path | None, option("none", "DIR")] = None
+    """Go on with the training in this run folder, as it was configured."""
+    recipe: Literal["fast", "paper"] = "fast"
+    """fast: whatever learns best; paper: the paper's networks, pay and numbers."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Of networks, scenarios and actions."""
+    updates: Annotated[int | None, tuned("updates", "N")] = None
+    """Train so many updates."""
+    minutes: Annotated[float | None, option("none", "MIN")] = None
+    """Instead, plan as many updates as fit into so many minutes on this machine."""
+    single_agent: Flag = False
+    """Train the car alone, among pedestrians who always go."""
+    map: Annotated[tuple[str, ...], option("paper", "MAP [MAP ...]")] = ("paper",)
+    """Bundled maps or map files to train on."""
+    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this."""
+    environments: Annotated[int | None, tuned("environments", "N")] = None
+    """Environments side by side (fast with --single-agent: 512)."""
+    steps: Annotated[int | None, tuned("steps", "N")] = None
+    """Steps of 0.1 s that each environment makes in an update."""
+    minibatches: Annotated[int | None, tuned("minibatches", "N")] = None
+    """Parts into which an epoch divides the steps of an update."""
+    learning_rate: Annotated[float | None, tuned("learning_rate", "X")] = None
+    """Adam's step size."""
+    discount: Annotated[float | None, tuned("discount", "X")] = None
+    """Worth now of a reward one step (0.1 s) later."""
+    gae_lambda: Annotated[float | None, tuned("gae_lambda", "X")] = None
+    """How far advantages look before they trust the critic."""
+    clip: Annotated[float | None, tuned("clip", "X")] = None
+    """Probability ratios beyond 1 +- this gain nothing more."""
+    reward_scale: Annotated[float | None, tuned("reward_scale", "X")] = None
+    """The learner sees rewards times this."""
+    chunk_rows: Annotated[int | None, tuned("chunk_rows", "N")] = None
+    """Rows whose gradient is taken at once: speed only. Small for a processor's cache, 200000 or more for a GPU."""
+    checkpoint_minutes: Annotated[float, option("2", "MIN")] = 2.0
+    """Minutes between checkpoints."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.train import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Reproduce:
+    """The whole experiment: two trainings, every driver among every population, the ablation and the report.
+
+    About 8 minutes on two CPU cores, and 7 more for each further training seed. Run it again to go on where it was
+    interrupted: what is finished is kept.
+    """
+
+    out: Annotated[Path, option("runs/reproduce", "DIR")] = Path("runs/reproduce")
+    """Folder for everything; open report.html in it."""
+    recipe: Literal["fast", "paper"] = "fast"
+    """Of all trainings. fast: whatever learns best; paper: the paper's, which wants hours, better days."""
+    minutes: Annotated[float, option("4", "MIN")] = 4.0
+    """For the first co-training; all others make as many updates."""
+    updates: Annotated[int | None, option("none", "N")] = None
+    """Train so many updates instead."""
+    episodes: Annotated[int, option("1000", "N")] = 1000
+    """Scenarios in each cell."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Of the scenarios, and the first training seed."""
+    seeds: Annotated[int, option("1", "N")] = 1
+    """Train both drivers with so many training seeds: seed, seed + 1, and so on; 5 show how much a seed matters."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.reproduce import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class HiddenIntent:
+    """What does it cost a car not to know who is likely to jaywalk, and how much of that could it find out?
+
+    Trains the car alone three times for each training seed: blind, told what could be inferred about people, and told
+    their tendencies. Each training takes 2 to 3 minutes on two CPU cores. Run it again to go on where it was
+    interrupted: what is finished is kept.
+    """
+
+    out: Annotated[Path, option("runs/hidden-intent", "DIR")] = Path("runs/hidden-intent")
+    """Folder for everything; read hidden-intent.md in it."""
+    seeds: Annotated[int, option("5", "N")] = 5
+    """Train with so many training seeds: seed, seed + 1, and so on."""
+    updates: Annotated[int, option("200", "N")] = 200
+    """Of each training."""
+    episodes: Annotated[int, option("2000", "N")] = 2000
+    """Scenarios for each driver and jaywalk multiplier."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Of the scenarios, and the first training seed."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.hidden_intent import run
+
+        return run(self)
