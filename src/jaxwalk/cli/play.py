@@ -2,55 +2,91 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from jaxwalk.cli.options import Play, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.experiments.contestants import contestant, world_of
 from jaxwalk.experiments.episodes import MOVING, draw_episode
+from jaxwalk.experiments.replays import recording
 from jaxwalk.experiments.runs import check_writable
+from jaxwalk.interfaces import Policy
+from jaxwalk.sim.environment import Street
 
+PAGE = ".html"
+"""What can be played."""
 STILL = (".png", ".svg", ".pdf")
 """Kinds of pictures."""
 
 
 def run(options: Play) -> int:
-    """Play one scenario and draw it."""
-    check(options)
+    """Play and show."""
+    out = check(options)
     with bad_values():
-        street = world_of([options.driver, options.pedestrians], options.map)
+        street = world_of([*options.driver, options.pedestrians], options.map)
         street = with_jaywalk_multiplier(street, options.jaywalk_multiplier)
-        driver = contestant(street, "driver", options.driver)
+        drivers = {name: contestant(street, "driver", name) for name in options.driver}
         people = contestant(street, "pedestrian", options.pedestrians)
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    played = draw_episode(street, driver, people, options.out, scenario=options.scenario, seed=options.seed)
-    ending = "goal" if played.goal[0] else "collision" if played.collision[0] else "timeout"
-    print(f"{options.out}: scenario {options.scenario} of seed {options.seed}: {ending} after", end=" ")
-    print(f"{played.length[0] * played.dt:.1f} s")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    show = _page if out.suffix.lower() == PAGE else _drawing
+    print(f"{out}: {show(options, out, street, drivers, people)}")
     return 0
 
 
-def check(options: Play) -> None:
-    """Raise for options that can't be."""
+def _drawing(options: Play, out: Path, street: Street, drivers: dict[str, Policy], people: Policy) -> str:
+    (driver,), (scenario,) = drivers.values(), options.scenario
+    played = draw_episode(street, driver, people, out, scenario=scenario, seed=options.seed)
+    ending = "goal" if played.goal[0] else "collision" if played.collision[0] else "timeout"
+    return f"scenario {scenario} of seed {options.seed}: {ending} after {played.length[0] * played.dt:.1f} s"
+
+
+def _page(options: Play, out: Path, street: Street, drivers: dict[str, Policy], people: Policy) -> str:
+    from jaxwalk.viewer import replay_page
+
+    numbers = list(dict.fromkeys(options.scenario))
+    name = options.pedestrians
+    document = recording(street, drivers, {name: people}, {name: numbers}, seed=options.seed)
+    among = f"{', '.join(drivers)} among {name}"
+    replay_page(document, out, title=f"jaxwalk: {among}")
+    return f"{len(document['episodes'])} episodes of seed {options.seed}, {among}; open it in a browser"
+
+
+def check(options: Play) -> Path:
+    """Raise for options that can't be; returns the file to write."""
     if not options.driver:
         raise UsageError(
             "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
         )
-    if not 0 <= options.scenario < 2**30:
-        raise UsageError(f"--scenario must lie in [0, 2^30), not {options.scenario}")
+    for scenario in options.scenario:
+        if not 0 <= scenario < 2**30:
+            raise UsageError(f"--scenario must lie in [0, 2^30), not {scenario}")
+    if not options.scenario:
+        raise UsageError("--scenario needs a number, such as 3")
     if not 0 <= options.seed < 2**31:
         raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
-    kinds = (*STILL, *MOVING)
-    if options.out.suffix.lower() not in kinds:
-        raise UsageError(f"--out {options.out}: the name must end in one of {', '.join(kinds)}")
-    if options.out.is_dir():
-        raise UsageError(f"--out {options.out}: is a folder; name a file")
-    if options.out.suffix.lower() == ".mp4":
-        _check_film(options)
-    check_writable(options.out.parent)
+    if options.html and options.out:
+        raise UsageError("--html is short for --out episode.html: give one of the two")
+    out = options.out or Path("episode.html" if options.html else "episode.png")
+    _check_file(options, out)
+    check_writable(out.parent)
+    return out
 
 
-def _check_film(options: Play) -> None:
+def _check_file(options: Play, out: Path) -> None:
+    kind, kinds = out.suffix.lower(), (PAGE, *STILL, *MOVING)
+    if kind not in kinds:
+        raise UsageError(f"--out {out}: the name must end in one of {', '.join(kinds)}")
+    if out.is_dir():
+        raise UsageError(f"--out {out}: is a folder; name a file")
+    if kind != PAGE and (len(options.driver) > 1 or len(options.scenario) > 1):
+        raise UsageError(f"--out {out}: shows one driver in one scenario; several only on a page (--html)")
+    if kind == ".mp4":
+        _check_film(out)
+
+
+def _check_film(out: Path) -> None:
     from importlib.util import find_spec
 
     if find_spec("imageio_ffmpeg") is None:
-        raise UsageError(f"--out {options.out}: MP4 needs `pip install 'jaxwalk[video]'`; or name a .gif")
+        raise UsageError(f"--out {out}: MP4 needs `pip install 'jaxwalk[video]'`; or name a .gif")

@@ -11,6 +11,7 @@ from jaxwalk.evaluation.counterfactual import (
 from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
 from jaxwalk.evaluation.game import play
 from jaxwalk.evaluation.ghosts import walk_ghosts
+from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.results import Cell, Results, compare, write_rows
 from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios, draw_scenarios, evaluate, replay, scenario_hash
 from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
@@ -23,6 +24,7 @@ __all__ = [
     "Comparison",
     "CounterfactualSummary",
     "Counterfactuals",
+    "Incidents",
     "Match",
     "Paired",
     "ReplayError",
@@ -32,8 +34,10 @@ __all__ = [
     "compare",
     "compared",
     "counterfactuals",
+    "describe",
     "draw_scenarios",
     "evaluate",
+    "find_incidents",
     "jaywalk_multiplier",
     "mode",
     "over_training_seeds",

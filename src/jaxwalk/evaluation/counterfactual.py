@@ -6,8 +6,9 @@ none, so everything else is as it was until the change makes a difference.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import jax.numpy as jnp
@@ -25,6 +26,8 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 
+SMALL_BATCH = 64
+"""Collisions replayed at once, unless told otherwise."""
 WATCHED = 5.0
 """A collision is avoided if nobody is touched up to this long after it happened [s]; a later one is not this one."""
 LEAD = 3.0
@@ -81,8 +84,9 @@ def counterfactuals(
     rows: Rows,
     *,
     seed: int,
-    batch: int = BATCH,
+    batch: int | None = None,
     at_most: int | None = None,
+    scenarios: Collection[int] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Counterfactuals:
     """Replay the collisions of an evaluation, unchanged and with each of `CHANGES`.
@@ -93,8 +97,10 @@ def counterfactuals(
         pedestrians: decides for all people.
         rows: what `evaluate` gave.
         seed: of the scenarios.
-        batch: episodes played at once.
+        batch: episodes played at once. If left out, `SMALL_BATCH`, which is quicker for few collisions, or where these
+            round differently, `BATCH`, with which `evaluate` plays.
         at_most: replay only so many collisions, the first ones of ``rows``.
+        scenarios: replay only the collisions in the scenarios of these numbers.
         progress: called after every batch with the collisions replayed so far and those to replay.
 
     Raises:
@@ -104,16 +110,15 @@ def counterfactuals(
     if at_most is not None and at_most < 0:
         raise ValueError(f"at_most must be 0 or more, not {at_most}")
     found = find_hits(rows)
-    hits = found.some(slice(at_most))
-    count = len(hits.scenario)
-    avoided = {change: np.zeros(count, bool) for change in CHANGES}
-    for first in range(0, count, batch):
-        some = np.arange(first, min(first + batch, count))
-        full = np.resize(some, batch)  # repeated to a full batch, so that nothing is compiled twice
-        for change, answer in _replay(street, driver, pedestrians, hits.some(full), seed).items():
-            avoided[change][some] = answer[: len(some)]
-        if progress is not None:
-            progress(int(some[-1]) + 1, count)
+    chosen = found if scenarios is None else found.some(np.isin(found.scenario, list(scenarios)))
+    hits = chosen.some(slice(at_most))
+    replayed = partial(_replay_all, street, driver, pedestrians, hits, seed, progress)
+    try:
+        avoided = replayed(batch or SMALL_BATCH)
+    except ReplayError:
+        if batch is not None:
+            raise
+        avoided = replayed(BATCH)
     return Counterfactuals(
         collisions=len(found.scenario),
         scenario=hits.scenario,
@@ -124,6 +129,28 @@ def counterfactuals(
         wait_applies=hits.entered,
         **avoided,
     )
+
+
+def _replay_all(
+    street: Street,
+    driver: Policy,
+    pedestrians: Policy,
+    hits: Hits,
+    seed: int,
+    progress: Callable[[int, int], None] | None,
+    batch: int,
+) -> dict[str, Bool[np.ndarray, "collision"]]:
+    """Whether each change avoids each collision, ``batch`` of them at once."""
+    count = len(hits.scenario)
+    avoided = {change: np.zeros(count, bool) for change in CHANGES}
+    for first in range(0, count, batch):
+        some = np.arange(first, min(first + batch, count))
+        full = np.resize(some, batch)  # repeated to a full batch, so that nothing is compiled twice
+        for change, answer in _replay(street, driver, pedestrians, hits.some(full), seed).items():
+            avoided[change][some] = answer[: len(some)]
+        if progress is not None:
+            progress(int(some[-1]) + 1, count)
+    return avoided
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ does not depend, to the last bit, on how many episodes are asked for. Another ba
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import chain
@@ -85,21 +85,25 @@ def evaluate(
 
 
 def replay(
-    street: Street, driver: Policy, pedestrians: Policy, *, scenario: int, seed: int, batch: int = BATCH
+    street: Street, driver: Policy, pedestrians: Policy, *, scenarios: Sequence[int], seed: int, batch: int = BATCH
 ) -> Trajectory:
-    """The episode of one scenario of a seed, exactly as `evaluate` plays it with the same ``batch``.
+    """The episodes of some scenarios of a seed, by their numbers, as `evaluate` plays them with the same ``batch``.
 
     Raises:
-        ValueError: ``scenario`` is negative or above 2^30, ``batch`` or ``seed`` is impossible.
+        ValueError: there are no ``scenarios`` or more than ``batch``, one is negative or above 2^30, or ``batch`` or
+            ``seed`` is impossible.
     """
-    if not 0 <= scenario < 2**30:
-        raise ValueError(f"scenario must lie in [0, 2^30), not {scenario}")
+    numbers = np.asarray(scenarios, np.int64)
+    if not 0 < len(numbers) <= batch:
+        raise ValueError(f"replay takes 1 to {batch} scenarios at once, not {len(numbers)}")
+    for wrong in numbers[(numbers < 0) | (numbers >= 2**30)][:1]:
+        raise ValueError(f"scenario must lie in [0, 2^30), not {wrong}")
     _check(1, batch, seed)
-    first = scenario // batch * batch
-    scenarios, keys = draw_scenarios(street, seed=seed, first=first, count=batch)
-    trajectory = play(street, driver, pedestrians, scenarios, keys, numbers=first + np.arange(batch))
-    place = scenario - first
-    return _some(trajectory, slice(place, place + 1), int(trajectory.length[place]) + 1)
+    full = np.resize(numbers, batch)  # repeated to a full batch, so that nothing is compiled twice
+    drawn, keys = choose_scenarios(street, seed=seed, numbers=full)
+    trajectory = play(street, driver, pedestrians, drawn, keys, numbers=full)
+    count = len(numbers)
+    return _some(trajectory, slice(count), int(trajectory.length[:count].max()) + 1)
 
 
 def draw_scenarios(street: Street, *, seed: int, first: int, count: int) -> tuple[Scenario, Key[Array, "episode"]]:

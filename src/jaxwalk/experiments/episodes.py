@@ -26,7 +26,7 @@ def draw_episode(
     frame: int | None = None,
 ) -> Trajectory:
     """Play a scenario as an evaluation does, and write a picture or an animation of it."""
-    trajectory = replay(street, driver, pedestrians, scenario=scenario, seed=seed)
+    trajectory = replay(street, driver, pedestrians, scenarios=[scenario], seed=seed)
     ground = map_of(street, scenario=scenario, seed=seed)
     if path.suffix.lower() in MOVING:
         animation(trajectory, 0, ground, path)

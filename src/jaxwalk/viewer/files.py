@@ -56,7 +56,7 @@ def picture(
     if not 0 <= frame <= scene.last:
         raise ViewerError(f"there is no frame {frame}: the episode has frames 0 to {scene.last}")
     scene.show(frame)
-    with _whole(path) as unfinished:
+    with whole(path) as unfinished:
         scene.figure.savefig(unfinished)
 
 
@@ -93,7 +93,7 @@ def animation(
     frames = [*range(0, scene.last, every), *[scene.last] * math.ceil(STILL * rate)]
     images = (scene.pixels(frame) for frame in frames)
     write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
-    with _whole(path) as unfinished:
+    with whole(path) as unfinished:
         write(unfinished, images, rate)
 
 
@@ -141,7 +141,7 @@ def _write_mp4(path: Path, images: Iterable[np.ndarray], rate: float) -> None:
 
 
 @contextmanager
-def _whole(path: Path) -> Iterator[Path]:
+def whole(path: Path) -> Iterator[Path]:
     """A file beside ``path`` that becomes it at the end, and vanishes if anything goes wrong."""
     unfinished = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:

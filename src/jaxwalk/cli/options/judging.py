@@ -55,25 +55,29 @@ class Evaluate:
 
 @dataclass(frozen=True)
 class Play:
-    """Draw one episode, as a picture or an animation.
+    """Show episodes: as a page on which they can be played, a picture or an animation.
 
-    For example: jaxwalk play --driver runs/first --pedestrians runs/first --scenario 3 --out episode.gif
+    For example: jaxwalk play --driver co-trained route-follower --pedestrians learned --scenario 3 17 --html
     """
 
-    driver: Annotated[str, option("needed", "D")] = ""
-    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder or a policy file."""
+    driver: Annotated[tuple[str, ...], option("needed", "D [D ...]")] = ()
+    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder or a policy file;
+    several (on a page only) can be watched side by side."""
     pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
     """always-go, learned, a run folder or a policy file."""
-    scenario: Annotated[int, option("0", "N")] = 0
-    """Number of the scenario: a row of an evaluation with the same seed."""
+    scenario: Annotated[tuple[int, ...], option("0", "N [N ...]")] = (0,)
+    """Number of the scenario: a row of an evaluation with the same seed; several on a page only."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps or map files."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
-    out: Annotated[Path, option("episode.png", "FILE")] = Path("episode.png")
-    """.png for a picture, .gif or .mp4 for an animation; an existing file is replaced."""
+    html: Flag = False
+    """Make a page; short for --out episode.html."""
+    out: Annotated[Path | None, option("episode.png", "FILE")] = None
+    """.html for a page, .png, .svg or .pdf for a picture, .gif or .mp4 for an animation; an existing file is
+    replaced."""
 
     def run(self) -> int:
         """Do it."""

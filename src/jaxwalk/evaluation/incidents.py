@@ -1,0 +1,158 @@
+"""The failures of an evaluation that are worth looking at: its collisions and its nearest misses, worst first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int, Shaped
+
+from jaxwalk.metrics import Rows
+from jaxwalk.metrics.injury import monfort_mueller_mais3
+from jaxwalk.sim.events import distance
+from jaxwalk.sim.trajectory import Trajectory
+
+BEFORE = 2.0
+"""What the car was doing shows in this long before [s] ..."""
+WALKED = 1.0
+"""... and where the pedestrian came from in this long [s]."""
+TURN = np.radians(20)
+"""A heading that changes by more is a turn [rad]."""
+ACROSS = 0.3
+"""Who moves faster than this across the car's heading comes from a side [m/s]."""
+
+
+@dataclass(frozen=True)
+class Incidents:
+    """One row per incident, the worst first: collisions by risk of injury, then near misses by time to collision."""
+
+    scenario: Int[np.ndarray, "incident"]
+    ped: Int[np.ndarray, "incident"]
+    """Who was hit, or nearly."""
+    collision: Bool[np.ndarray, "incident"]
+    """Else it was a near miss."""
+    contact: Int[np.ndarray, "incident"]
+    """CROSSWALK, JAYWALK or SIDEWALK: what the pedestrian was doing."""
+    moving: Bool[np.ndarray, "incident"]
+    """A moving car hit somebody (else, of a collision: somebody walked into a standing one)."""
+    speed: Float[np.ndarray, "incident"]
+    """Of the car at impact [m/s]; NaN for a near miss."""
+    risk: Float[np.ndarray, "incident"]
+    """Of a serious injury or death (Monfort and Mueller, 2025); 0 if the car stood, NaN for a near miss."""
+    ttc: Float[np.ndarray, "incident"]
+    """Smallest time to collision of a near miss [s]; NaN for a collision, and if they were never on its course."""
+    nearest: Float[np.ndarray, "incident"]
+    """Smallest distance of the centres in a near miss [m]; NaN for a collision."""
+    first: Int[np.ndarray, "incident"]
+    """A near miss happens in the frames from this one ..."""
+    last: Int[np.ndarray, "incident"]
+    """... to this one; a collision in this one."""
+
+
+def find_incidents(rows: Rows, *, most: int) -> Incidents:
+    """The ``most`` worst collisions, and as many of the nearest misses, one for each scenario.
+
+    Raises:
+        ValueError: ``most`` is negative.
+    """
+    if most < 0:
+        raise ValueError(f"most must be 0 or more, not {most}")
+    hits, misses = _hits(rows, most), _misses(rows, most)
+    return Incidents(**{name: np.concatenate([column, getattr(misses, name)]) for name, column in vars(hits).items()})
+
+
+def _hits(rows: Rows, most: int) -> Incidents:
+    table = rows.episodes
+    risk = np.where(table.moving, monfort_mueller_mais3(np.nan_to_num(table.impact_speed)), 0.0)
+    hit = np.flatnonzero(table.collision)
+    worst = hit[np.lexsort((table.scenario[hit], -risk[hit]))][:most]
+    nothing = np.full(len(worst), np.nan)
+    return Incidents(
+        scenario=table.scenario[worst], ped=table.contact_ped[worst], collision=table.collision[worst],
+        contact=table.contact[worst], moving=table.moving[worst], speed=table.impact_speed[worst].astype(float),
+        risk=risk[worst], ttc=nothing, nearest=nothing, first=table.steps[worst], last=table.steps[worst],
+    )  # fmt: skip
+
+
+def _misses(rows: Rows, most: int) -> Incidents:
+    found, ttc = rows.encounters, rows.surrogates.ttc
+    missed = np.flatnonzero(~rows.episodes.collision[found.episode])
+    near = np.where(np.isnan(ttc), np.inf, ttc)
+    order = missed[np.lexsort((found.scenario[missed], found.min_distance[missed], near[missed]))]
+    _, first = np.unique(found.scenario[order], return_index=True)
+    worst = order[np.sort(first)][:most]
+    nothing = np.full(len(worst), np.nan)
+    return Incidents(
+        scenario=found.scenario[worst], ped=found.ped[worst], collision=np.zeros(len(worst), bool),
+        contact=found.type[worst], moving=np.zeros(len(worst), bool), speed=nothing, risk=nothing,
+        ttc=ttc[worst].astype(float), nearest=found.min_distance[worst].astype(float), first=found.start[worst],
+        last=found.end[worst],
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Situations:
+    """How each incident came about, in words; incidents of the same words are of a kind."""
+
+    frame: Int[np.ndarray, "incident"]
+    """When: the contact, or the nearest moment of a near miss."""
+    car: Shaped[np.ndarray, "incident"]
+    """``standing``, ``going straight``, ``turning left`` or ``turning right``."""
+    side: Shaped[np.ndarray, "incident"]
+    """Where the pedestrian came from, seen from the car: ``from the left``, ``from the right``, ``along the way`` or
+    ``standing``."""
+
+
+def describe(incidents: Incidents, trajectory: Trajectory, *, moving_speed: float) -> Situations:
+    """How incidents came about. A car at ``moving_speed`` [m/s] or more moves.
+
+    Raises:
+        ValueError: the trajectory lacks an incident's scenario.
+    """
+    places = {int(number): place for place, number in enumerate(trajectory.scenario)}
+    if lost := [int(number) for number in incidents.scenario if int(number) not in places]:
+        raise ValueError(f"the trajectory lacks scenario {lost[0]}")
+    e = np.array([places[int(number)] for number in incidents.scenario], int)
+    frame = np.array(
+        [_nearest(trajectory, *row) for row in zip(e, incidents.ped, incidents.first, incidents.last, strict=True)], int
+    )
+    return Situations(
+        frame=frame,
+        car=_doing(trajectory, e, frame, moving_speed),
+        side=_coming(trajectory, e, incidents.ped, frame),
+    )
+
+
+def _nearest(t: Trajectory, episode: int, ped: int, first: int, last: int) -> int:
+    """The frame, of some, in which the pedestrian is nearest to the car."""
+    frames = slice(first, last + 1)
+    away = distance(
+        t.ped_x[frames, episode, ped] - t.car_x[frames, episode],
+        t.ped_y[frames, episode, ped] - t.car_y[frames, episode],
+    )
+    return int(first + np.argmin(away))
+
+
+def _doing(t: Trajectory, episode: np.ndarray, frame: np.ndarray, moving_speed: float) -> np.ndarray:
+    """What the car is doing."""
+    before = np.maximum(frame - round(BEFORE / t.dt), 0)
+    heading = np.arctan2(t.car_sin, t.car_cos)
+    turned = heading[frame, episode] - heading[before, episode]
+    turned = (turned + np.pi) % (2 * np.pi) - np.pi
+    stands = t.car_speed[frame, episode] < moving_speed
+    return np.select(
+        [stands, turned > TURN, turned < -TURN], ["standing", "turning left", "turning right"], "going straight"
+    )
+
+
+def _coming(t: Trajectory, episode: np.ndarray, ped: np.ndarray, frame: np.ndarray) -> np.ndarray:
+    """Where the pedestrian comes from."""
+    before = np.maximum(frame - round(WALKED / t.dt), 0)
+    time = np.maximum(frame - before, 1) * t.dt
+    vx = (t.ped_x[frame, episode, ped] - t.ped_x[before, episode, ped]) / time
+    vy = (t.ped_y[frame, episode, ped] - t.ped_y[before, episode, ped]) / time
+    leftward = vy * t.car_cos[frame, episode] - vx * t.car_sin[frame, episode]
+    return np.select(
+        [distance(vx, vy) < ACROSS, leftward < -ACROSS, leftward > ACROSS],
+        ["standing", "from the left", "from the right"], "along the way",
+    )  # fmt: skip

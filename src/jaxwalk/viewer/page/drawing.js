@@ -1,0 +1,233 @@
+// A map with what moves on it, drawn on a canvas. Metres, y to the north; a pixel is a CSS pixel.
+
+const CAR = [[-2.25, -0.9], [1.8, -0.9], [2.25, 0], [1.8, 0.9], [-2.25, 0.9]]; // a rectangle with a pointed front
+const STRIPE = 0.5, RINGS = [3, 6, 9, 12]; // [m]
+const CLOSE = 44; // who follows the car sees this many metres
+const SEAM = 0.6; // rectangles overlap by so many pixels, else the ground shows between them
+const TRAIL = 3; // people leave a trail of so many seconds
+const NEAREST = 6; // people whom the car tells apart
+// From pale to dark: told apart by lightness alone, so by everybody.
+const TENDENCY = [[255, 244, 214], [245, 178, 66], [205, 84, 10], [84, 20, 8]];
+
+function tendencyColour(tau) {
+  const place = Math.min(Math.max(tau, 0), 1) * (TENDENCY.length - 1);
+  const k = Math.min(Math.floor(place), TENDENCY.length - 2);
+  return `rgb(${TENDENCY[k].map((low, i) => Math.round(low + (TENDENCY[k + 1][i] - low) * (place - k)))})`;
+}
+
+class Drawing {
+  constructor(canvas, map) {
+    this.canvas = canvas;
+    this.map = map;
+    this.stripes = map.crosswalks.flatMap((crosswalk) => stripes(crosswalk, map.roads));
+    this.view = null; // { x, y, zoom }: moved by hand; null: all of the map
+  }
+
+  // Sizes the canvas to its place, and puts metres onto it.
+  #begin(centre) {
+    const ratio = devicePixelRatio || 1, width = this.canvas.clientWidth, height = this.canvas.clientHeight;
+    if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
+      this.canvas.width = Math.round(width * ratio);
+      this.canvas.height = Math.round(height * ratio);
+    }
+    const fit = Math.min(width / this.map.width, height / this.map.height);
+    this.fit = fit;
+    this.scale = this.view ? fit * this.view.zoom : centre ? Math.min(width, height) / CLOSE : fit;
+    const middle = centre ?? this.view ?? { x: this.map.width / 2, y: this.map.height / 2 };
+    this.left = width / 2 - middle.x * this.scale;
+    this.top = height / 2 + middle.y * this.scale;
+    const context = this.canvas.getContext("2d");
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.colour = palette(this.canvas);
+    context.fillStyle = this.colour.block;
+    context.fillRect(0, 0, width, height);
+    return context;
+  }
+
+  toPixels = (x, y) => [this.left + x * this.scale, this.top - y * this.scale];
+  toMetres = (px, py) => ({ x: (px - this.left) / this.scale, y: (this.top - py) / this.scale });
+
+  // shows: { hidden, plans, rings, follow, trails } switches.
+  draw(episode, time, shows) {
+    const now = episode.at(time);
+    const c = this.#begin(shows.follow ? now.car : null);
+    this.#ground(c);
+    if (shows.plans) this.#route(c, episode);
+    this.#goal(c, episode.goal);
+    if (shows.trails) this.#trails(c, episode, now, shows.hidden);
+    if (shows.plans && shows.hidden) this.#plans(c, episode, now);
+    if (shows.rings) this.#rings(c, now.car);
+    this.#car(c, now.car);
+    for (const person of now.people) this.#person(c, person, shows.hidden);
+    if (now.over && episode.touched.size) this.#crash(c, now, episode);
+    return now;
+  }
+
+  #fill(c, boxes, colour) {
+    c.fillStyle = colour;
+    for (const [x0, y0, x1, y1] of boxes) {
+      const [px, py] = this.toPixels(x0, y1);
+      c.fillRect(px, py, (x1 - x0) * this.scale + SEAM, (y1 - y0) * this.scale + SEAM);
+    }
+  }
+
+  #ground(c) {
+    this.#fill(c, this.map.sidewalks, this.colour.sidewalk);
+    this.#fill(c, this.map.roads, this.colour.road);
+    this.#fill(c, this.stripes, this.colour.paint);
+  }
+
+  #path(c, xs, ys, first = 0, last = xs.length - 1) {
+    c.beginPath();
+    for (let k = first; k <= last; k++) c.lineTo(...this.toPixels(xs[k], ys[k]));
+  }
+
+  #stroke(c, colour, width, dash = []) {
+    c.strokeStyle = colour;
+    c.lineWidth = width;
+    c.setLineDash(dash);
+    c.lineCap = c.lineJoin = "round";
+    c.stroke();
+    c.setLineDash([]);
+  }
+
+  #route(c, episode) {
+    if (!episode.route) return;
+    this.#path(c, episode.route.x, episode.route.y);
+    this.#stroke(c, this.colour.route, 2.5, [2, 7]);
+  }
+
+  #goal(c, [x, y]) {
+    const [px, py] = this.toPixels(x, y);
+    for (const [colour, width] of [[this.colour.halo, 7], [this.colour.goal, 3.5]]) {
+      c.beginPath();
+      c.moveTo(px - 7, py - 7); c.lineTo(px + 7, py + 7);
+      c.moveTo(px - 7, py + 7); c.lineTo(px + 7, py - 7);
+      this.#stroke(c, colour, width);
+    }
+  }
+
+  #trails(c, episode, now, hidden) {
+    this.#path(c, episode.car.x, episode.car.y, 0, now.frame);
+    this.#stroke(c, this.colour.car, 2);
+    const first = Math.max(0, now.frame - Math.round(TRAIL / episode.dt));
+    for (const [ped, one] of episode.people.entries()) {
+      this.#path(c, one.x, one.y, first, now.frame);
+      this.#stroke(c, hidden ? tendencyColour(episode.tendency[ped]) : this.colour.person, 2);
+    }
+  }
+
+  // The rest of everybody's way to their goal; jaywalks in the colour of jaywalks.
+  #plans(c, episode, now) {
+    for (const [ped, plan] of (episode.plans ?? []).entries()) {
+      const person = now.people[ped], leg = plan.leg[now.frame];
+      const until = plan.goals.find((goal) => goal > leg) ?? plan.x.length - 1;
+      for (let k = leg; k < until; k++) {
+        c.beginPath();
+        c.moveTo(...(k === leg ? this.toPixels(person.x, person.y) : this.toPixels(plan.x[k], plan.y[k])));
+        c.lineTo(...this.toPixels(plan.x[k + 1], plan.y[k + 1]));
+        const jaywalk = plan.jaywalks.has(k);
+        this.#stroke(c, jaywalk ? this.colour.jaywalk : this.colour.plan, jaywalk ? 3 : 1.5, jaywalk ? [] : [1, 5]);
+      }
+    }
+  }
+
+  #rings(c, car) {
+    const [px, py] = this.toPixels(car.x, car.y);
+    c.font = "11px system-ui, sans-serif";
+    c.textAlign = "center";
+    for (const ring of RINGS) {
+      c.beginPath();
+      c.arc(px, py, ring * this.scale, 0, 2 * Math.PI);
+      this.#stroke(c, this.colour.ring, 1);
+      this.#text(c, `${ring} m`, px, py - ring * this.scale - 3);
+    }
+  }
+
+  #text(c, text, x, y) {
+    c.lineWidth = 3;
+    c.strokeStyle = this.colour.halo;
+    c.strokeText(text, x, y);
+    c.fillStyle = this.colour.ink;
+    c.fillText(text, x, y);
+  }
+
+  #car(c, car) {
+    const cos = Math.cos(car.heading), sin = Math.sin(car.heading);
+    c.beginPath();
+    for (const [ahead, left] of CAR) c.lineTo(...this.toPixels(car.x + cos * ahead - sin * left, car.y + sin * ahead + cos * left));
+    c.closePath();
+    c.fillStyle = this.colour.car;
+    c.fill();
+    this.#stroke(c, this.colour.halo, 1.5);
+    if (car.acceleration < -0.5) { // brake lights
+      for (const side of [-0.6, 0.6]) {
+        const [px, py] = this.toPixels(car.x - 2.1 * cos - side * sin, car.y - 2.1 * sin + side * cos);
+        c.beginPath();
+        c.arc(px, py, Math.max(2, 0.35 * this.scale), 0, 2 * Math.PI);
+        c.fillStyle = this.colour.brake;
+        c.fill();
+      }
+    }
+  }
+
+  // A disc; a diamond for who jaywalks, a square for who waits: both told apart without colour.
+  #person(c, person, hidden) {
+    const [px, py] = this.toPixels(person.x, person.y), size = Math.max(5, 0.55 * this.scale);
+    const seen = hidden || person.rank < NEAREST;
+    c.beginPath();
+    if (hidden && person.jaywalking) for (const [dx, dy] of [[0, 1.5], [1.5, 0], [0, -1.5], [-1.5, 0]]) c.lineTo(px + dx * size, py + dy * size);
+    else if (hidden && person.waiting) c.rect(px - size, py - size, 2 * size, 2 * size);
+    else c.arc(px, py, size, 0, 2 * Math.PI);
+    c.closePath();
+    c.fillStyle = hidden ? tendencyColour(person.tendency) : seen ? this.colour.person : this.colour.block;
+    c.fill();
+    this.#stroke(c, hidden && person.jaywalking ? this.colour.jaywalk : this.colour.edge, hidden && person.jaywalking ? 2.5 : 1.2);
+    if (!hidden && seen) this.#velocity(c, person, px, py);
+    if (this.scale < 9) return;
+    c.font = `${Math.round(size * 1.3)}px system-ui, sans-serif`;
+    c.textAlign = "center";
+    c.fillStyle = hidden && person.tendency < 0.6 ? "#1c1c1c" : !hidden && !seen ? this.colour.ink : "#fff";
+    c.fillText(String(person.ped + 1), px, py + size * 0.45);
+  }
+
+  // Where somebody will be in a second at this velocity: all that the car knows of their plans.
+  #velocity(c, person, px, py) {
+    c.beginPath();
+    c.moveTo(px, py);
+    c.lineTo(...this.toPixels(person.x + person.vx, person.y + person.vy));
+    this.#stroke(c, this.colour.ink, 2);
+  }
+
+  #crash(c, now, episode) {
+    for (const ped of episode.touched) {
+      const [px, py] = this.toPixels((now.people[ped].x + now.car.x) / 2, (now.people[ped].y + now.car.y) / 2);
+      for (const [colour, width] of [[this.colour.halo, 7], [this.colour.goal, 3.5]]) {
+        c.beginPath();
+        c.arc(px, py, Math.max(20, 2.2 * this.scale), 0, 2 * Math.PI);
+        this.#stroke(c, colour, width);
+      }
+    }
+  }
+}
+
+// A crosswalk's stripes, along the traffic, side by side from kerb to kerb.
+function stripes([x0, y0, x1, y1], roads) {
+  const under = roads.filter((r) => r[0] < x1 && r[2] > x0 && r[1] < y1 && r[3] > y0);
+  const northward = under.some((r) => r[3] - r[1] > r[2] - r[0]);
+  const [low, high] = northward ? [x0, x1] : [y0, y1];
+  const found = [];
+  for (let begin = low + STRIPE / 2; begin < high - STRIPE / 2; begin += 2 * STRIPE) {
+    const end = Math.min(begin + STRIPE, high);
+    found.push(northward ? [begin, y0, end, y1] : [x0, begin, x1, end]);
+  }
+  return found;
+}
+
+const NAMES = ["block", "road", "sidewalk", "paint", "car", "route", "goal", "brake", "person", "plan", "jaywalk", "ring", "edge", "halo", "ink", "grid"];
+
+// The page's colours, which follow light and dark.
+function palette(element) {
+  const style = getComputedStyle(element);
+  return Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+}

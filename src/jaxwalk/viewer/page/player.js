@@ -1,0 +1,234 @@
+// Playing episodes: the controls, keys and touches around the drawings.
+
+const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
+const SWITCHES = ["hidden", "plans", "rings", "trails", "follow"];
+const KEYS = { h: "hidden", p: "plans", r: "rings", l: "trails", f: "follow" };
+
+class Player {
+  // element: made from player.html; data: the page's document.
+  constructor(element, data) {
+    this.element = element;
+    this.data = data;
+    this.time = 0;
+    this.playing = false;
+    this.episodes = [];
+    this.find = (selector) => element.querySelector(selector);
+    this.strips = new Strips(this.find(".strips"));
+    this.shows = Object.fromEntries(SWITCHES.map((name) => [name, this.find(`[name=${name}]`).checked]));
+    this.rate = 1;
+    this.#listen();
+    new ResizeObserver(() => this.draw()).observe(element);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+  }
+
+  // Show one episode, or several side by side (entries of the page's list), at a time [s].
+  async show(entries, time = 0) {
+    const ticket = (this.ticket = Symbol());
+    const episodes = await Promise.all(entries.map((entry) => Episode.load(entry, this.data.dt)));
+    if (ticket !== this.ticket) return; // another one was asked for meanwhile
+    this.pause();
+    this.entries = entries;
+    this.episodes = episodes;
+    this.end = Math.max(...episodes.map((episode) => episode.end));
+    this.find(".stages").replaceChildren(...episodes.map((episode) => this.#stage(episode)));
+    this.find(".scrub").max = this.end;
+    this.#listEvents();
+    this.#offerOthers();
+    this.seek(time);
+    this.element.dispatchEvent(new CustomEvent("shown", { detail: entries }));
+  }
+
+  #stage(episode) {
+    const stage = this.find("template").content.firstElementChild.cloneNode(true);
+    const about = episode.about, canvas = stage.querySelector("canvas");
+    stage.querySelector("figcaption").textContent =
+      `${about.driver} among ${about.pedestrians}, scenario ${about.scenario}: ${ending(about, this.data.dt)}`;
+    episode.drawing = new Drawing(canvas, this.data.maps[about.map]);
+    episode.canvas = canvas;
+    new Touch(canvas, episode.drawing, (view) => this.#look(view));
+    return stage;
+  }
+
+  // All drawings show the same part of the map.
+  #look(view) {
+    this.set("follow", false);
+    for (const { drawing } of this.episodes) drawing.view = view;
+    this.draw();
+  }
+
+  seek(time) {
+    this.time = Math.min(Math.max(time, 0), this.end);
+    this.draw();
+    if (!this.playing) this.#settle();
+  }
+
+  // Seconds, or the whole steps of the simulation nearest to it.
+  step(steps) {
+    this.pause();
+    this.seek((Math.round(this.time / this.data.dt) + steps) * this.data.dt);
+  }
+
+  play() {
+    if (this.time >= this.end) this.time = 0;
+    this.playing = true;
+    this.#showPlaying();
+    let before = performance.now();
+    const tick = (now) => {
+      if (!this.playing) return;
+      this.time = Math.min(this.time + ((now - before) / 1000) * this.rate, this.end);
+      before = now;
+      this.draw();
+      if (this.time >= this.end) this.pause();
+      else requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  pause() {
+    this.playing = false;
+    this.#showPlaying();
+    if (this.episodes.length) this.#settle();
+  }
+
+  toggle = () => (this.playing ? this.pause() : this.play());
+
+  #showPlaying() {
+    const button = this.find("[data-do=toggle]");
+    button.textContent = this.playing ? "❚❚ Pause" : "▶ Play";
+  }
+
+  set(name, on) {
+    this.shows[name] = on;
+    this.find(`[name=${name}]`).checked = on;
+    if (name === "follow") for (const { drawing } of this.episodes) drawing.view = null;
+  }
+
+  faster(by) {
+    const k = Math.min(Math.max(RATES.indexOf(this.rate) + by, 0), RATES.length - 1);
+    this.rate = RATES[k];
+    this.find("[name=rate]").value = String(this.rate);
+  }
+
+  nextEvent() {
+    const after = this.episodes[0].events.map((event) => event.frame * this.data.dt).find((t) => t > this.time + 0.01);
+    if (after !== undefined) {
+      this.pause();
+      this.seek(after);
+    }
+  }
+
+  draw() {
+    if (!this.episodes.length) return;
+    for (const episode of this.episodes) episode.drawing.draw(episode, this.time, this.shows);
+    this.strips.draw(this.episodes, this.time, this.end);
+    const scrub = this.find(".scrub"), text = `${this.time.toFixed(1)} s`;
+    scrub.value = this.time;
+    scrub.setAttribute("aria-valuetext", text);
+    const speeds = this.episodes.map((episode) => `${episode.at(this.time).car.speed.toFixed(1)} m/s`);
+    this.find(".clock").textContent = `${text} of ${this.end.toFixed(1)} s, ${speeds.join(" | ")}`;
+  }
+
+  // At rest: the address of the moment, and the picture in words.
+  #settle() {
+    const link = moment(this.entries[0], this.time);
+    history.replaceState(null, "", link);
+    this.find(".link").href = link;
+    for (const episode of this.episodes) episode.canvas.setAttribute("aria-label", inWords(episode, this.time));
+  }
+
+  #listEvents() {
+    const items = this.episodes[0].events.map((event) => {
+      const item = document.createElement("li"), button = document.createElement("button");
+      button.type = "button";
+      button.textContent = `${(event.frame * this.data.dt).toFixed(1)} s ${SIGNS[event.what]} ${said(event)}`;
+      button.addEventListener("click", () => (this.pause(), this.seek(event.frame * this.data.dt)));
+      item.append(button);
+      return item;
+    });
+    this.find(".events ol").replaceChildren(...items);
+  }
+
+  // The same scenario under other drivers, to be watched side by side.
+  #offerOthers() {
+    const [first, second] = this.entries, select = this.find("[name=beside]");
+    const others = this.data.episodes.filter((entry) => entry !== first && sameScenario(entry, first));
+    const options = others.map((entry) => new Option(`${entry.driver} among ${entry.pedestrians}`, this.data.episodes.indexOf(entry)));
+    select.replaceChildren(new Option("nothing", ""), ...options);
+    select.value = second ? String(this.data.episodes.indexOf(second)) : "";
+    select.closest("label").hidden = !others.length;
+  }
+
+  #listen() {
+    const actions = {
+      toggle: this.toggle, back: () => this.step(-1), forward: () => this.step(1), event: () => this.nextEvent(),
+      whole: () => this.#look(null),
+    };
+    for (const button of this.element.querySelectorAll("[data-do]")) button.addEventListener("click", actions[button.dataset.do]);
+    for (const name of SWITCHES) {
+      this.find(`[name=${name}]`).addEventListener("change", (event) => (this.set(name, event.target.checked), this.draw()));
+    }
+    this.find("[name=rate]").addEventListener("change", (event) => (this.rate = Number(event.target.value)));
+    this.find(".scrub").addEventListener("input", (event) => (this.pause(), this.seek(Number(event.target.value))));
+    this.find("[name=beside]").addEventListener("change", (event) => {
+      const chosen = event.target.value;
+      this.show([this.entries[0], ...(chosen ? [this.data.episodes[chosen]] : [])], this.time);
+    });
+    const strips = this.find(".strips");
+    const scrub = (event) => event.buttons && (this.pause(), this.seek(this.strips.timeAt(event.offsetX, this.end)));
+    strips.addEventListener("pointerdown", scrub);
+    strips.addEventListener("pointermove", scrub);
+    this.find(".link").addEventListener("click", (event) => (event.preventDefault(), this.#copyLink()));
+  }
+
+  async #copyLink() {
+    const link = new URL(moment(this.entries[0], this.time), location.href).href;
+    await navigator.clipboard?.writeText(link).catch(() => {});
+    this.find(".copied").textContent = navigator.clipboard ? "copied" : link;
+    setTimeout(() => (this.find(".copied").textContent = ""), 3000);
+  }
+
+  // Keys, wherever the page hands them over; true if it was one of ours.
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || /^(SELECT|INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox") return false;
+    if (event.key === " " && /^(BUTTON|A|SUMMARY|INPUT)$/.test(event.target.tagName)) return false;
+    const steps = event.shiftKey ? Math.round(1 / this.data.dt) : 1;
+    const actions = {
+      " ": this.toggle, k: this.toggle, ArrowLeft: () => this.step(-steps), ArrowRight: () => this.step(steps), "+": () => this.faster(1),
+      "-": () => this.faster(-1), Home: () => this.seek(0), End: () => this.seek(this.end), e: () => this.nextEvent(),
+    };
+    const name = KEYS[event.key];
+    if (name) this.set(name, !this.shows[name]);
+    else if (actions[event.key]) actions[event.key]();
+    else return false;
+    event.preventDefault();
+    this.draw();
+    return true;
+  }
+}
+
+const sameScenario = (a, b) => a.scenario === b.scenario && a.multiplier === b.multiplier;
+const ending = (about, dt) => `${{ collision: "collision", goal: "goal reached", timeout: "out of time" }[about.ending]} after ${(about.steps * dt).toFixed(1)} s`;
+
+function moment(about, time) {
+  const parts = { episode: about.scenario, driver: about.driver, pedestrians: about.pedestrians, t: time.toFixed(1) };
+  return `#${new URLSearchParams(parts)}`;
+}
+
+// The entry and the time that an address such as #episode=217&t=12.3 asks for; null if it asks for none.
+function asked(data, hash) {
+  const wanted = new URLSearchParams(hash.slice(1));
+  if (!wanted.has("episode")) return null;
+  const fits = (entry) =>
+    entry.scenario === Number(wanted.get("episode")) &&
+    ["driver", "pedestrians"].every((name) => !wanted.has(name) || wanted.get(name) === entry[name]);
+  const entry = data.episodes.find(fits);
+  return entry ? { entry, time: Number(wanted.get("t")) || 0 } : null;
+}
+
+// What the drawing shows, for those who can't see it.
+function inWords(episode, time) {
+  const { car, people } = episode.at(time);
+  const near = people.filter((person) => person.away < 12).sort((a, b) => a.away - b.away);
+  const them = near.map((person) => `pedestrian ${person.ped + 1} ${person.away.toFixed(1)} m away${person.jaywalking ? ", jaywalking" : ""}`);
+  return `At ${time.toFixed(1)} s the car drives ${car.speed.toFixed(1)} m/s. Within 12 metres: ${them.join("; ") || "nobody"}.`;
+}

@@ -1,0 +1,89 @@
+// Episodes as jaxwalk.viewer.record packs them, unpacked, and what they show at any time.
+
+const GOING = 1, ON_ROADWAY = 2, DECIDED = 4, JAYWALKS = 8;
+const METRE = 100, RADIAN = 1000;
+
+async function inflate(text) {
+  const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return JSON.parse(await new Response(stream).text());
+}
+
+// Differences back to values.
+function values(differences, perUnit = 1) {
+  let total = 0;
+  return Float64Array.from(differences, (difference) => (total += difference) / perUnit);
+}
+
+const points = (line) => ({ x: values(line.x, METRE), y: values(line.y, METRE) });
+const between = (array, k, share) => array[k] + (array[Math.min(k + 1, array.length - 1)] - array[k]) * share;
+
+class Episode {
+  // about: what the page's list says of it (scenario, driver, pedestrians, ending, map); record: what was packed.
+  constructor(about, record, dt) {
+    this.about = about;
+    this.dt = dt;
+    this.goal = record.goal;
+    this.touched = new Set(record.touched);
+    this.tendency = record.tendency;
+    this.events = record.events;
+    const car = record.car;
+    this.car = {
+      ...points(car), heading: values(car.heading, RADIAN),
+      speed: values(car.speed, METRE), acceleration: values(car.acceleration, METRE),
+    };
+    this.people = record.people.map((one) => ({ ...points(one), state: values(one.state) }));
+    this.route = record.route && points(record.route);
+    this.plans = record.paths?.map((plan) => ({ ...points(plan), jaywalks: new Set(plan.jaywalks), goals: plan.goals }));
+    this.plans?.forEach((plan, ped) => (plan.leg = this.#legs(plan, this.people[ped])));
+    this.last = this.car.x.length - 1;
+    this.end = this.last * dt;
+  }
+
+  static async load(about, dt) {
+    return new Episode(about, await inflate(about.record), dt);
+  }
+
+  // On which leg of the path somebody is in each frame: the first one, from the last frame's on, that passes there.
+  #legs(plan, person) {
+    let leg = 0;
+    return person.x.map((_, k) => {
+      let candidate = leg;
+      while (candidate < plan.x.length - 1 && distanceToLeg(plan, candidate, person.x[k], person.y[k]) > 0.1) candidate++;
+      if (candidate < plan.x.length - 1) leg = candidate;
+      return leg;
+    });
+  }
+
+  // Everything at a time [s], straight between frames.
+  at(time) {
+    const exact = Math.min(Math.max(time / this.dt, 0), this.last);
+    const frame = Math.floor(exact), share = exact - frame;
+    const car = Object.fromEntries(Object.entries(this.car).map(([name, array]) => [name, between(array, frame, share)]));
+    // A command belongs to the step that leads to its frame.
+    car.acceleration = this.car.acceleration[Math.min(Math.ceil(exact), this.last)];
+    const people = this.people.map((one, ped) => this.#person(one, ped, frame, share, car));
+    [...people].sort((a, b) => a.away - b.away).forEach((person, rank) => (person.rank = rank));
+    return { frame, car, people, over: exact > this.last - 1e-6 };
+  }
+
+  #person(one, ped, frame, share, car) {
+    const x = between(one.x, frame, share), y = between(one.y, frame, share);
+    const before = Math.max(frame - 1, 0), state = one.state[frame];
+    const moves = state & GOING && frame > 0;
+    return {
+      ped, x, y, state, away: Math.hypot(x - car.x, y - car.y), tendency: this.tendency[ped],
+      vx: moves ? (one.x[frame] - one.x[before]) / this.dt : 0,
+      vy: moves ? (one.y[frame] - one.y[before]) / this.dt : 0,
+      jaywalking: (state & ON_ROADWAY) > 0 && (state & JAYWALKS) > 0,
+      waiting: !(state & GOING) && frame > 0,
+    };
+  }
+}
+
+function distanceToLeg(line, leg, x, y) {
+  const ax = line.x[leg], ay = line.y[leg], dx = line.x[leg + 1] - ax, dy = line.y[leg + 1] - ay;
+  const squared = dx * dx + dy * dy;
+  const share = squared > 0 ? Math.min(Math.max(((x - ax) * dx + (y - ay) * dy) / squared, 0), 1) : 0;
+  return Math.hypot(x - ax - share * dx, y - ay - share * dy);
+}

@@ -1,0 +1,129 @@
+"""Episodes as records that a page can replay: whole numbers, each as its difference from the one before, so that they
+pack well. ``page/record.js`` reads them."""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from typing import Any
+
+import numpy as np
+
+from jaxwalk.metrics.braking import ONSET
+from jaxwalk.metrics.crossings import Crossings, find_crossings
+from jaxwalk.metrics.encounters import Encounters, find_encounters
+from jaxwalk.sim.paths import Paths
+from jaxwalk.sim.trajectory import JAYWALK, Trajectory
+
+PER_METRE, PER_RADIAN = 100, 1000
+"""Places are kept in centimetres, speeds in centimetres a second, headings in thousandths of a radian."""
+GOING, ON_ROADWAY, DECIDED, JAYWALKS = 1, 2, 4, 8
+"""Bits of a pedestrian's state: it walks, is between the kerbs, has decided how to cross, namely to jaywalk."""
+KINDS = {1: "crosswalk", 2: "jaywalk"}
+"""Names of the types of a crossing."""
+
+Record = dict[str, Any]
+
+
+def make_records(
+    trajectory: Trajectory, paths: Paths | None = None, routes: list[np.ndarray] | None = None
+) -> list[str]:
+    """Every episode as text: a JSON record (`docs/replay.md`), deflated, in base64.
+
+    Args:
+        trajectory: recorded episodes.
+        paths: where people were going to walk, ``(..., ped, episode)``; left out, no plans are shown.
+        routes: of each episode the lane route of the car, ``(point, 2)`` [m]; left out, none is shown.
+    """
+    crossings, steps = find_crossings(trajectory)
+    encounters = find_encounters(trajectory, crossings, steps)
+    packed = []
+    for episode in range(len(trajectory.length)):
+        record = _episode(trajectory, episode)
+        record["events"] = _events(trajectory, episode, crossings, encounters)
+        record["route"] = None if routes is None else _line(routes[episode])
+        if paths is not None:
+            record["paths"] = _plans(trajectory, episode, paths)
+        packed.append(_pack(record))
+    return packed
+
+
+def _pack(record: Record) -> str:
+    text = json.dumps(record, separators=(",", ":"), allow_nan=False)
+    return base64.b64encode(zlib.compress(text.encode(), 9)).decode("ascii")
+
+
+def _differences(values: np.ndarray, per_unit: float) -> list[int]:
+    """Whole numbers: the first one, then the change to each next one."""
+    whole = np.round(np.asarray(values, np.float64) * per_unit).astype(np.int64)
+    return np.diff(whole, prepend=0).tolist()
+
+
+def _line(points: np.ndarray) -> Record:
+    """A polyline ``(point, 2)`` [m]."""
+    return {"x": _differences(points[:, 0], PER_METRE), "y": _differences(points[:, 1], PER_METRE)}
+
+
+def _episode(t: Trajectory, e: int) -> Record:
+    """What moves."""
+    frames = slice(int(t.length[e]) + 1)
+    heading = np.unwrap(np.arctan2(t.car_sin[frames, e], t.car_cos[frames, e]))
+    state = t.going[frames, e] * GOING + t.on_roadway[frames, e] * ON_ROADWAY
+    state = state + (t.crossing[frames, e] > 0) * DECIDED + (t.crossing[frames, e] == JAYWALK) * JAYWALKS
+    return {
+        "goal": [round(float(t.goal_x[e]), 2), round(float(t.goal_y[e]), 2)],
+        "touched": np.flatnonzero(t.touched[e]).tolist() if t.collision[e] else [],
+        "tendency": np.round(t.jaywalking_tendency[e].astype(float), 2).tolist(),
+        "car": {
+            "x": _differences(t.car_x[frames, e], PER_METRE),
+            "y": _differences(t.car_y[frames, e], PER_METRE),
+            "heading": _differences(heading, PER_RADIAN),
+            "speed": _differences(t.car_speed[frames, e], PER_METRE),
+            "acceleration": _differences(t.car_acceleration[frames, e], PER_METRE),
+        },
+        "people": [
+            {
+                "x": _differences(t.ped_x[frames, e, ped], PER_METRE),
+                "y": _differences(t.ped_y[frames, e, ped], PER_METRE),
+                "state": _differences(state[:, ped], 1),
+            }
+            for ped in range(t.ped_x.shape[2])
+        ],
+    }
+
+
+def _events(t: Trajectory, e: int, crossings: Crossings, encounters: Encounters) -> list[Record]:
+    """What is marked on the time line, in the order of time; pedestrians count from 0."""
+    found: list[Record] = []
+    for row in np.flatnonzero(crossings.episode == e):
+        ped, kind = int(crossings.ped[row]), KINDS[int(crossings.type[row])]
+        if crossings.entry_seen[row]:
+            found.append({"frame": int(crossings.enter[row]), "what": kind, "ped": ped})
+    for row in np.flatnonzero((encounters.episode == e) & (encounters.braking == ONSET)):
+        onset = int(encounters.enter[row]) + round(float(encounters.braking_time[row]) / t.dt)
+        found.append({"frame": onset, "what": "brake", "ped": int(encounters.ped[row])})
+    ending = "collision" if t.collision[e] else "goal" if t.goal[e] else "timeout"
+    touched = np.flatnonzero(t.touched[e]) if t.collision[e] else []
+    found.append({"frame": int(t.length[e]), "what": ending, "ped": int(touched[0]) if len(touched) else None})
+    return sorted(found, key=lambda event: event["frame"])
+
+
+def _plans(t: Trajectory, e: int, paths: Paths) -> list[Record]:
+    """Everybody's path as far as the goal they are walking to at the end of the episode."""
+    last = int(t.length[e])
+    strides = np.hypot(np.diff(t.ped_x[: last + 1, e], axis=0), np.diff(t.ped_y[: last + 1, e], axis=0))
+    return [_plan(paths, e, ped, float(walked)) for ped, walked in enumerate(strides.sum(axis=0))]
+
+
+def _plan(paths: Paths, e: int, ped: int, walked: float) -> Record:
+    """One path; ``jaywalks``: the legs that are, ``goals``: the points that are goals."""
+    x, y = paths.x[:, ped, e], paths.y[:, ped, e]
+    arrivals = paths.arrivals[:, ped, e]
+    along = np.cumsum(np.hypot(np.diff(x), np.diff(y)))
+    now = min(int(np.searchsorted(along, walked)), len(arrivals) - 1)
+    legs = int(np.searchsorted(arrivals, arrivals[now], side="right"))
+    goals = np.flatnonzero(np.diff(arrivals[: legs + 1])) + 1
+    jaywalks = np.flatnonzero(paths.jaywalk[:legs, ped, e])
+    line = _line(np.stack([x[: legs + 1], y[: legs + 1]], axis=1))
+    return {**line, "jaywalks": jaywalks.tolist(), "goals": goals.tolist()}
