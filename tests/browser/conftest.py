@@ -28,9 +28,7 @@ def _executable(playwright) -> str:
 @pytest.fixture(scope="module")
 def browser():
     """A headless Chromium. (Not for the whole session: while Playwright runs, nobody else can call `asyncio.run`.)"""
-    sync_api = pytest.importorskip(
-        "playwright.sync_api", reason="playwright is not installed: pip install jaxwalk[dev]"
-    )
+    sync_api = pytest.importorskip("playwright.sync_api", reason="no playwright: pip install jaxwalk[dev]")
     with sync_api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=_executable(playwright), args=["--no-sandbox"])
         yield browser
@@ -65,7 +63,7 @@ def open_file(page):
 @pytest.fixture
 def axe():
     """Checks that axe finds nothing in a page that shuts somebody out."""
-    sync = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed")
+    sync = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: pip install jaxwalk[dev]")
 
     def check(page):
         found = sync.Axe().run(page).response["violations"]
