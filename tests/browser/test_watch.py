@@ -17,7 +17,7 @@ def _line(update):
     """Goals rise from 0 to 1; nothing has ended in the first update."""
     goals = update / 100
     return {
-        "update": update, "seconds": 2.0 * update, "episodes": float(update > 1), 
+        "update": update, "seconds": 2.0 * update, "episodes": float(update > 1),
         "goal_rate": goals, "collision_rate": 0.5 - goals / 2, "timeout_rate": 0.5 - goals / 2,
         "reward/driver": goals - 0.2, "reward/pedestrian": -0.001, "learning_rate": 1e-3 * (1 - goals),
         "driver/entropy": 1 / update, "pedestrian/entropy": 0.1, "driver/kl": 0.01, "driver/policy_loss": -1e-5,
