@@ -20,7 +20,7 @@ def test_the_document_is_as_promised(compared):
     results, rows = compared
     document = json.loads(results.to_json(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
     assert list(document) == ["schema", "scenarios", "cells"]
-    assert document["schema"] == 2
+    assert document["schema"] == 3
     assert document["scenarios"] == {"seed": 7, "count": 24, "hash": results.hash}
     pairs = [(cell["driver"], cell["pedestrians"]) for cell in document["cells"]]
     assert pairs == [(d, p) for d in ("route-follower", "random") for p in ("undecided", "always-go")]

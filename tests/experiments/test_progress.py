@@ -1,4 +1,4 @@
-"""The rate shown is that since the plan was made or changed."""
+"""The rate shown is that since the first update, or since the plan was changed."""
 
 import io
 import re
@@ -6,13 +6,13 @@ import re
 from rich.console import Console
 
 from jaxwalk.experiments import progress
-from jaxwalk.experiments.progress import TrainingProgress
+from jaxwalk.experiments.progress import Pace, TrainingProgress
 
 
 def test_a_new_plan_counts_from_there(monkeypatch):
     clock, out = [0.0], io.StringIO()
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
-    shown = TrainingProgress(Console(file=out, width=200), "training", done=0, planned=100, steps_per_update=1000)
+    shown = TrainingProgress(Console(file=out, width=200), "training", Pace(0, 100, 1000))
     for second in range(1, 31):
         clock[0] = float(second)
         shown.show(second, {})
@@ -20,5 +20,16 @@ def test_a_new_plan_counts_from_there(monkeypatch):
     clock[0] = 46.0
     shown.show(46, {})
     rates = [float(rate) for rate in re.findall(r"([\d.]+) k steps/s", out.getvalue())]
-    assert len(rates) >= 3
+    assert len(rates) == 2
     assert set(rates) == {1.0}
+
+
+def test_what_the_first_update_compiles_counts_for_nothing(monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
+    pace = Pace(10, 50, 1000)
+    assert (pace.rate, pace.left) == (None, None)
+    for second, updates in ((60.0, 11), (64.0, 13)):
+        clock[0] = second
+        pace.tell(updates)
+    assert (pace.rate, pace.left) == (500.0, 74.0)

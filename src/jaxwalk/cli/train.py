@@ -19,7 +19,7 @@ TUNABLE = (
     "learning_rate", "discount", "gae_lambda", "clip", "reward_scale", "chunk_rows",
 )  # fmt: skip
 """Options that are fields of `TrainConfig`."""
-GOES_WITH_RESUME = ("resume", "checkpoint_minutes")
+GOES_WITH_RESUME = ("resume", "checkpoint_minutes", "watch")
 """The only options that a resumed training takes."""
 
 
@@ -46,6 +46,7 @@ def run(options: Train) -> int:
         console=console,
         name="single-agent" if experiment.single_agent else "co-trained",
         checkpoint_minutes=options.checkpoint_minutes,
+        watch=options.watch,
     )
     made = f"{trained.updates:,} updates, {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes"
     if trained.interrupted:

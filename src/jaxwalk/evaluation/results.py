@@ -20,8 +20,8 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Estimate, Rate, Rows, Summary, summarise
 from jaxwalk.sim.environment import Street
 
-SCHEMA = 2
-"""Version of the JSON document."""
+SCHEMA = 3
+"""Version of the JSON document; it changes when something is added that reports need."""
 CONTACT_NAMES = ("", "crosswalk", "jaywalk", "sidewalk")
 """Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
 NAMES = ("driver", "pedestrians")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
@@ -14,20 +15,57 @@ MEMORY = 0.9
 """Share of the last value in the running means of rates."""
 
 
+@dataclass
+class Pace:
+    """How far a training is and how fast it goes. What is compiled during the first update doesn't count."""
+
+    made: int
+    """Updates made in all, also by earlier sessions."""
+    planned: int
+    steps_per_update: int
+    _since: tuple[float, int] | None = None
+    """Time [s] and updates made when counting began."""
+
+    def restart(self, planned: int) -> None:
+        """A new plan: count time and updates from now."""
+        self.planned, self._since = planned, (time.monotonic(), self.made)
+
+    def tell(self, updates: int) -> None:
+        """So many updates are made."""
+        self.made = updates
+        if self._since is None:
+            self._since = time.monotonic(), updates
+
+    @property
+    def _each(self) -> float | None:
+        """Seconds an update; None before it is known."""
+        if self._since is None or self.made <= self._since[1]:
+            return None
+        return max(time.monotonic() - self._since[0], 1e-9) / (self.made - self._since[1])
+
+    @property
+    def rate(self) -> float | None:
+        """Environment steps a second; None before it is known."""
+        return None if self._each is None else self.steps_per_update / self._each
+
+    @property
+    def left(self) -> float | None:
+        """Time to the last update [s]; None before it is known."""
+        return None if self._each is None else (self.planned - self.made) * self._each
+
+
 class TrainingProgress:
     """Shows updates, rate, time left, goal and collision rate. Use it in a ``with``."""
 
-    def __init__(self, console: Console, name: str, *, done: int, planned: int, steps_per_update: int) -> None:
-        """For updates ``done`` + 1 to ``planned``."""
-        self._console, self._name = console, name
-        self._begun, self._first, self._made, self._planned = time.monotonic(), done, done, planned
-        self._steps_per_update = steps_per_update
+    def __init__(self, console: Console, name: str, pace: Pace) -> None:
+        """Shows the ``pace``, which it is told."""
+        self._console, self._name, self._pace = console, name, pace
         self._said = -PLAIN_EVERY
         self._means: dict[str, float] = {}
         columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn(True))
         self._bar = Progress(*columns, TextColumn("{task.fields[news]}"), console=console, transient=True)
         self._live = console.is_terminal
-        self._task = self._bar.add_task(name, total=planned, completed=done, news="compiling")
+        self._task = self._bar.add_task(name, total=pace.planned, completed=pace.made, news="compiling")
 
     def __enter__(self) -> TrainingProgress:
         if self._live:
@@ -40,8 +78,8 @@ class TrainingProgress:
 
     def restart(self, planned: int) -> None:
         """A new plan: count time and updates from now."""
-        self._begun, self._planned, self._first = time.monotonic(), planned, self._made
-        self._bar.reset(self._task, total=planned, completed=self._made, news="")
+        self._pace.restart(planned)
+        self._bar.reset(self._task, total=planned, completed=self._pace.made, news="")
 
     def show(self, updates: int, metrics: Mapping[str, float]) -> None:
         """So many updates are made, and these were the last one's metrics."""
@@ -49,18 +87,15 @@ class TrainingProgress:
             if name in metrics and metrics.get("episodes", 1):
                 last = self._means.get(name, metrics[name])
                 self._means[name] = MEMORY * last + (1 - MEMORY) * metrics[name]
-        self._made = updates
-        passed = max(time.monotonic() - self._begun, 1e-9)
-        rate = (updates - self._first) * self._steps_per_update / passed
-        news = f"{rate / 1000:,.1f} k steps/s, " + self._rates()
-        self._bar.update(self._task, completed=updates, total=self._planned, news=news)
+        self._pace.tell(updates)
+        planned, rate, left = self._pace.planned, self._pace.rate, self._pace.left
+        news = (f"{rate / 1000:,.1f} k steps/s, " if rate else "") + self._rates()
+        self._bar.update(self._task, completed=updates, total=planned, news=news)
         now = time.monotonic()
-        if not self._live and (now - self._said >= PLAIN_EVERY or updates >= self._planned):
+        if not self._live and (now - self._said >= PLAIN_EVERY or updates >= planned):
             self._said = now
-            left = (self._planned - updates) * passed / max(updates - self._first, 1)
-            self._console.print(
-                f"{self._name}: update {updates:,} of {self._planned:,}, {news}, {clock(left)} left", soft_wrap=True
-            )
+            soon = "" if left is None else f", {clock(left)} left"
+            self._console.print(f"{self._name}: update {updates:,} of {planned:,}, {news}{soon}", soft_wrap=True)
 
     def _rates(self) -> str:
         shown = {name: f"{100 * value:.0f} %" for name, value in self._means.items()}

@@ -7,7 +7,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -17,9 +17,10 @@ import jax.numpy as jnp
 import numpy as np
 from rich.console import Console
 
-from jaxwalk.experiments.progress import TrainingProgress
+from jaxwalk.experiments.progress import Pace, TrainingProgress
 from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.runs import MetricsLog, Run, RunError
+from jaxwalk.experiments.watch import WatchPage, there_is_one
 from jaxwalk.experiments.world import fixed_policies, make_street
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.learning.config import TrainConfig
@@ -88,6 +89,8 @@ class Session:
     log: MetricsLog
     progress: TrainingProgress
     stop: Stop
+    page: WatchPage | None = None
+    """Where it can be watched."""
     begun: float = field(default_factory=time.monotonic)
     earlier: float = 0.0
     """Seconds spent by earlier sessions."""
@@ -114,8 +117,11 @@ class Session:
                 "Lower the learning rate or the reward scale, or try another seed"
             )
         values["steps"] = updates * self.run.experiment.steps_per_update
-        self.log.write({"update": updates, "seconds": round(self.seconds, 3), **values})
+        line = {"update": updates, "seconds": round(self.seconds, 3), **values}
+        self.log.write(line)
         self.progress.show(updates, values)
+        if self.page is not None:
+            self.page.show(line)
 
     def save(self, learner: Learner) -> None:
         """Write a checkpoint and the policy, unless the last steps spoiled the networks."""
@@ -146,6 +152,7 @@ def train(
     console: Console | None = None,
     name: str = "training",
     checkpoint_minutes: float = CHECKPOINT_MINUTES,
+    watch: bool = False,
 ) -> Trained:
     """Train until the run's planned number of updates, or go on until there.
 
@@ -156,23 +163,31 @@ def train(
         console: where progress goes; standard error by default.
         name: what to call this training there.
         checkpoint_minutes: minutes between checkpoints.
+        watch: write a page into the run folder that shows how it goes; one that is there is gone on with anyway.
     """
     begun, console = time.monotonic(), console or Console(stderr=True)
     street, config = make_street(run.experiment), replace(run.experiment.train, updates=1)
     learner = begin(run, street, config, resume=resume)
     done, planned = int(learner.updates), int(learner.planned)
     per_update = run.experiment.steps_per_update
-    progress = TrainingProgress(console, name, done=done, planned=planned, steps_per_update=per_update)
-    stop = Stop()
-    with MetricsLog(run, updates=done) as log, stop.listening(), progress:
+    pace = Pace(done, planned, per_update)
+    progress, stop = TrainingProgress(console, name, pace), Stop()
+    with MetricsLog(run, updates=done) as log, stop.listening(), progress, _page(run, name, pace, log, watch) as page:
+        if page is not None:
+            console.print(f"Watch it: open {page.path.absolute()} in a browser", soft_wrap=True)
         earlier = log.kept[-1]["seconds"] if log.kept else 0.0
-        session = Session(run, config, street, log, progress, stop, begun=begun, earlier=earlier)
+        session = Session(run, config, street, log, progress, stop, page, begun=begun, earlier=earlier)
         if minutes is not None:
             learner = _planned(session, learner, 60 * minutes)
         learner = _loop(session, learner, 60 * minutes if minutes else math.inf, 60 * checkpoint_minutes)
     updates = int(learner.updates)
     interrupted = updates < int(learner.planned)
     return Trained(updates, updates * per_update, session.seconds, interrupted)
+
+
+def _page(run: Run, name: str, pace: Pace, log: MetricsLog, watch: bool) -> AbstractContextManager[WatchPage | None]:
+    """The page to watch, if it is wanted or there: nobody should be told that a training that goes on has stopped."""
+    return WatchPage(run, name, pace, log.kept) if watch or there_is_one(run.path) else nullcontext()
 
 
 def begin(run: Run, street: Street, config: TrainConfig, *, resume: bool) -> Learner:

@@ -8,6 +8,7 @@ from typing import Any
 from jaxwalk.metrics.attribution import Attribution, exposure_columns, measure_exposure, summarise_attribution
 from jaxwalk.metrics.crossings import ByType, find_crossings
 from jaxwalk.metrics.decisions import JaywalkRate, find_decisions, summarise_decisions
+from jaxwalk.metrics.distributions import Distributions, distribution_columns, summarise_distributions
 from jaxwalk.metrics.encounters import EncounterSummary, encounter_columns, find_encounters, summarise_encounters
 from jaxwalk.metrics.meetings import find_meetings, matched_differences, meeting_columns
 from jaxwalk.metrics.outcomes import Outcomes, measure_outcomes, outcome_columns, summarise_outcomes
@@ -42,6 +43,7 @@ class Summary:
     attribution: Attribution
     encounters: ByType[EncounterSummary]
     surrogates: ByType[SurrogateSummary]
+    surrogate_distributions: ByType[Distributions]
     jaywalk_rate: JaywalkRate
     waiting: Waiting
 
@@ -91,6 +93,7 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
     columns |= exposure_columns(rows.exposure, dt=rows.dt)
     columns |= encounter_columns(rows.encounters, episodes=episodes)
     columns |= surrogate_columns(rows.surrogates, episodes=episodes)
+    columns |= distribution_columns(rows.surrogates, rows.encounters, episodes=episodes)
     columns |= speed_columns(rows.near_speeds, rows.placebo)
     columns |= meeting_columns(rows.meetings, episodes=episodes)
     columns |= waiting_columns(rows.waiting, dt=rows.dt)
@@ -103,6 +106,7 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
         attribution=summarise_attribution(sums),
         encounters=summarise_encounters(rows.encounters, sums),
         surrogates=summarise_surrogates(rows.surrogates, sums),
+        surrogate_distributions=summarise_distributions(sums),
         jaywalk_rate=summarise_decisions(rows.decisions),
         waiting=summarise_waiting(rows.waiting, sums),
     )

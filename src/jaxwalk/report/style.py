@@ -19,13 +19,27 @@ INK, GRID = "#222221", "#9a9a99"
 PAPER = INK
 """The paper's numbers are drawn in the colour of the text."""
 
+FULL, COLUMN = 7.1, 3.5
+"""Widths of a journal's page and of one of its two columns [inches]: 180 and 89 mm."""
+RESOLUTION = 300
+"""Of PNG files [dots per inch]."""
+SCREEN = 1.25
+"""A page shows drawings so much larger than they are printed: small print is hard to read on a screen."""
+
 _STYLE = {
     "svg.fonttype": "none",
-    "font.size": 10,
+    "font.size": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "legend.title_fontsize": 7,
+    "lines.linewidth": 1.2,
+    "axes.linewidth": 0.7,
+    "grid.linewidth": 0.6,
     "text.color": INK,
     "axes.labelcolor": INK,
     "axes.edgecolor": INK,
-    "axes.titlesize": 10,
+    "axes.titlesize": 8,
     "axes.titleweight": "bold",
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -49,7 +63,7 @@ def drawing(name: str) -> Iterator[None]:
 
 
 def panels(
-    count: int, *, rows: int = 1, width: float = 8.0, height: float = 3.4, **options
+    count: int, *, rows: int = 1, width: float = FULL, height: float = 3.0, **options
 ) -> tuple[Figure, list[Axes]]:
     """A figure of so many panels side by side, in each of ``rows`` [inches]; they come row by row."""
     figure = Figure(figsize=(width, height))
@@ -60,7 +74,7 @@ def panels(
 def save(figure: Figure, folder: Path, name: str) -> str:
     """Write the figure as SVG and PNG; returns the SVG to put into a page."""
     figure.savefig(folder / f"{name}.svg", metadata={"Date": None}, facecolor="white")
-    figure.savefig(folder / f"{name}.png", dpi=150, facecolor="white")
+    figure.savefig(folder / f"{name}.png", dpi=RESOLUTION, facecolor="white")
     figure.savefig(folder / f".{name}.part.svg", metadata={"Date": None}, transparent=True)
     part = folder / f".{name}.part.svg"
     text = part.read_text(encoding="utf-8")
@@ -69,7 +83,7 @@ def save(figure: Figure, folder: Path, name: str) -> str:
 
 
 def inline(svg: str, name: str) -> str:
-    """An SVG file's drawing for a page: no preamble, identifiers of its own, the page's colour and width."""
+    """An SVG file's drawing for a page: no preamble, identifiers of its own, the page's colour, a screen's width."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\bid="', f'id="{name}-', svg)
@@ -77,4 +91,4 @@ def inline(svg: str, name: str) -> str:
     svg = re.sub(r"url\(#", f"url(#{name}-", svg)
     svg = svg.replace(INK, "currentColor")
     svg = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1)
-    return re.sub(r'(<svg[^>]*?) width="([^"]*)"', r'\1 style="width: \2"', svg, count=1)
+    return re.sub(r'(<svg[^>]*?) width="([^"]*)"', rf'\1 style="width: calc({SCREEN} * \2)"', svg, count=1)

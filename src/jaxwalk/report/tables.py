@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from jaxwalk.report import published, surprise, verdicts
-from jaxwalk.report.figures import SHARES
+from jaxwalk.report.figures.people import SHARES
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, SINGLE_AGENT, Material
 from jaxwalk.report.seed_tables import pairs, training_seeds
 from jaxwalk.report.table import NONE, Table, shown

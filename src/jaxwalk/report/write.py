@@ -8,8 +8,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from jaxwalk.evaluation.results import SCHEMA
 from jaxwalk.metrics.statistics import FEWEST_SEEDS
 from jaxwalk.report.figures import draw_all
+from jaxwalk.report.latex import write_latex
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material, ReportError
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.style import inline
@@ -23,15 +25,18 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
     ``documents`` are the fields of `Material`.
     """
     try:
+        _check_version(documents)
         material = Material(**documents)
         tables = make_all(material)
         facts, summary = _facts(material), _summary(material)
+        figures = draw_all(material, folder / "figures")
     except (KeyError, TypeError, IndexError) as error:
         raise ReportError(
             f"{folder}: the results are damaged or of another version (no {error}); evaluate again"
         ) from error
     write_csv(tables, folder / "tables")
-    figures = draw_all(material, folder / "figures")
+    captions = {s.table: f"{s.heading}. {s.caption}" for s in SECTIONS if s.table}
+    write_latex(tables, captions, folder / "tables")
     page = _page(
         sections=[section for section in SECTIONS if section.table is None or section.table in tables],
         first_seed=material.training_seeds[0] if material.several else None,
@@ -43,6 +48,13 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
     unfinished.write_text(page, encoding="utf-8")
     unfinished.replace(path)
     return path
+
+
+def _check_version(documents: Mapping[str, Any]) -> None:
+    """Raise KeyError for documents of another schema."""
+    for name in ("results", "ablation"):
+        if documents[name].get("schema") != SCHEMA:
+            raise KeyError(f"schema {SCHEMA} in {name}.json")
 
 
 def _page(**content: Any) -> str:

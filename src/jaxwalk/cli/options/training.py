@@ -54,6 +54,8 @@ class Train:
     """Rows whose gradient is taken at once: speed only. Small for a processor's cache, 200000 or more for a GPU."""
     checkpoint_minutes: Annotated[float, option("2", "MIN")] = 2.0
     """Minutes between checkpoints."""
+    watch: Flag = False
+    """Also write watch.html into the run folder: opened in a browser, it shows how the training goes."""
 
     def run(self) -> int:
         """Do it."""

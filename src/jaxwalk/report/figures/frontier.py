@@ -19,7 +19,7 @@ SIGNS = tuple(zip("sv^<Dox", (GRID, PURPLE, SKY, GREEN, ORANGE, RED, BLUE), stri
 def frontier(material: Material) -> Figure:
     """Each driver's collisions against its time to the goal, a sign for each training seed; the best lie at the left
     below, and the line joins the drivers that nobody beats in both, by their means over seeds."""
-    figure, axes = panels(2, height=4.4, sharey=True)
+    figure, axes = panels(2, height=3.9, sharey=True)
     for axis, people in zip(axes, POPULATIONS, strict=True):
         _drivers(axis, material, people)
         axis.set(title=f"among {people}", xlabel="mean time to the goal [s]", yscale="log", ylim=(LEAST * 0.7, 100))

@@ -1,0 +1,86 @@
+"""How severe encounters are: the share of them that comes nearer to a collision than each of some thresholds.
+
+Shares are of all encounters of a type. So the curves of two types, or of two drivers, may be laid over each other; one
+that never reaches 1 leaves out the encounters without a number, which were never on a collision course, or whose paths
+don't meet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int
+
+from jaxwalk.metrics.crossings import TYPES, ByType
+from jaxwalk.metrics.encounters import Encounters
+from jaxwalk.metrics.statistics import interval, ratio
+from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CLOSE, PET_CRITICAL, TTC_CRITICAL, Surrogates
+
+THRESHOLDS: dict[str, tuple[float, ...]] = {
+    "ttc": (0.25, 0.5, 0.75, 1.0, TTC_CRITICAL, 2.0, 2.5, 3.0, 4.0, 5.0),
+    "pet": (0.25, 0.5, 0.75, 1.0, PET_CRITICAL, 2.0, 2.5, PET_CLOSE, 4.0, 5.0),
+    "drac": (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, DRAC_CRITICAL, 4.0, 5.0, 6.0, 8.0, 10.0),
+    "min_distance": (1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0),
+}
+"""Times [s] and distances [m] below these are counted, decelerations [m/s2] above."""
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """The share of a type's encounters beyond each threshold, with its bootstrap interval; None without encounters."""
+
+    threshold: tuple[float, ...]
+    value: tuple[float | None, ...]
+    low: tuple[float | None, ...]
+    high: tuple[float | None, ...]
+    count: int
+    """All encounters of the type."""
+
+
+@dataclass(frozen=True)
+class Distributions:
+    """Of the encounters of one type."""
+
+    ttc: Distribution
+    """Share with a time to collision below so many s."""
+    pet: Distribution
+    """Share with a post-encroachment time below so many s, whoever came first."""
+    drac: Distribution
+    """Share with a required deceleration above so many m/s2; above 0: those ever on a collision course."""
+    min_distance: Distribution
+    """Share in which the centres came nearer than so many m; below 1.5 m they collided."""
+
+
+def distribution_columns(table: Surrogates, encounters: Encounters, *, episodes: int) -> dict[str, np.ndarray]:
+    """Encounters beyond each threshold, (episode, type, threshold), and all of them, (episode, type)."""
+    cell = table.episode.astype(np.int64) * len(TYPES) + table.type - 1
+
+    def count(chosen: np.ndarray) -> Int[np.ndarray, "episode type"]:
+        found = np.bincount(cell[chosen], minlength=episodes * len(TYPES))
+        return found.reshape(episodes, len(TYPES)).astype(np.int16)  # (for a million episodes, small)
+
+    # signed so that less is more dangerous; NaN is less than nothing
+    values = {"ttc": table.ttc, "pet": np.abs(table.pet), "drac": -table.drac, "min_distance": encounters.min_distance}
+    signs = {"drac": -1}
+    return {"severity_met": count(np.ones(len(cell), bool))} | {
+        f"severity_{name}": np.stack([count(values[name] < signs.get(name, 1) * x) for x in thresholds], axis=2)
+        for name, thresholds in THRESHOLDS.items()
+    }
+
+
+def summarise_distributions(sums: dict[str, np.ndarray]) -> ByType[Distributions]:
+    """Distributions by type; ``sums`` are the resampled sums of `distribution_columns`."""
+    return ByType(*(Distributions(**{name: _distribution(name, kind, sums) for name in THRESHOLDS}) for kind in TYPES))
+
+
+def _distribution(name: str, kind: int, sums: dict[str, np.ndarray]) -> Distribution:
+    met, beyond = sums["severity_met"][:, kind - 1], sums[f"severity_{name}"][:, kind - 1]
+    shares = [interval(ratio(column, met), met[0]) for column in beyond.T]
+    return Distribution(
+        threshold=THRESHOLDS[name],
+        value=tuple(x.value for x in shares),
+        low=tuple(x.low for x in shares),
+        high=tuple(x.high for x in shares),
+        count=int(met[0]),
+    )

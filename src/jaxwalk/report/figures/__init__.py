@@ -1,0 +1,41 @@
+"""The figures of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from jaxwalk.report.figures.drivers import ablation, baselines
+from jaxwalk.report.figures.frontier import frontier
+from jaxwalk.report.figures.learning_curves import learning_curves
+from jaxwalk.report.figures.people import attribution, quarters, waiting
+from jaxwalk.report.figures.speeds import speed_differential, surprise
+from jaxwalk.report.figures.surrogates import surrogates
+from jaxwalk.report.material import Material
+from jaxwalk.report.style import drawing, save
+
+FIGURES: dict[str, Callable[[Material], Figure]] = {
+    "baselines": baselines,
+    "frontier": frontier,
+    "speed_differential": speed_differential,
+    "surprise": surprise,
+    "attribution": attribution,
+    "quarters": quarters,
+    "waiting": waiting,
+    "surrogates": surrogates,
+    "ablation": ablation,
+    "learning_curves": learning_curves,
+}
+"""Every figure, by name of its files."""
+
+
+def draw_all(material: Material, folder: Path) -> dict[str, str]:
+    """Write every figure; returns drawings for the page, by name."""
+    folder.mkdir(parents=True, exist_ok=True)
+    made = {}
+    for name, draw in FIGURES.items():
+        with drawing(name):
+            made[name] = save(draw(material), folder, name)
+    return made

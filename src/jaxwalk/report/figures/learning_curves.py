@@ -1,0 +1,58 @@
+"""How the drivers learned."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from jaxwalk.metrics import interquartile_mean
+from jaxwalk.report.material import Material
+from jaxwalk.report.style import GREEN, GRID, RED, panels
+
+SMOOTH = 20
+"""Learning curves are running means over this share (one in so many) of the training."""
+ENDINGS = (("goal_rate", GREEN), ("collision_rate", RED), ("timeout_rate", GRID))
+"""Of the learning curves, with their colours; timeouts only where there is room, with one training seed."""
+
+
+def learning_curves(material: Material) -> Figure:
+    """Goals and collisions during training, of the episodes that ended in each update."""
+    figure, axes = panels(2, sharey=True)
+    shown = ENDINGS[:2] if material.several else ENDINGS
+    for axis, (name, curves) in zip(axes, material.curves.items(), strict=True):
+        for rate, colour in shown:
+            _curve(axis, list(curves.values()), rate, colour)
+        axis.set(title=name, xlabel="environment steps [million]", ylim=(0, 100))
+        axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x / 1e6:g}"))
+    axes[0].set_ylabel("episodes [%]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _curve(axis: Axes, curves: list[list[dict[str, Any]]], rate: str, colour: str) -> None:
+    """The interquartile mean over training seeds and, if there are several, a thin line for each."""
+    steps = [line["steps"] for line in curves[0]]
+    seeds = [_running_mean([line[rate] for line in lines], [line["episodes"] for line in lines]) for lines in curves]
+    found = 100 * np.transpose(seeds)
+    if len(curves) > 1:
+        axis.plot(steps, found, color=colour, lw=0.6, alpha=0.5)
+    label = rate.removesuffix("_rate") + (", IQM" if len(curves) > 1 else "")
+    axis.plot(steps, interquartile_mean(found), color=colour, lw=2.0 if len(curves) > 1 else None, label=label)
+
+
+def _running_mean(values: list[float], weights: list[float]) -> list[float]:
+    """Weighted means over the last stretch up to each value; NaN before the first episode ends."""
+    width = max(1, len(values) // SMOOTH)
+    means = []
+    for i in range(len(values)):
+        part = slice(max(0, i + 1 - width), i + 1)
+        total = sum(weights[part])
+        means.append(
+            sum(v * w for v, w in zip(values[part], weights[part], strict=True)) / total if total else math.nan
+        )
+    return means

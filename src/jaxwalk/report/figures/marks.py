@@ -1,0 +1,46 @@
+"""How numbers are drawn: ours with 95 % intervals, the paper's as open diamonds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from matplotlib.axes import Axes
+
+from jaxwalk.report.material import ALWAYS_GO, LEARNED, Number
+from jaxwalk.report.style import BLUE, ORANGE, PAPER, RED
+
+COLOURS = {ALWAYS_GO: ORANGE, LEARNED: BLUE}
+TYPES = {"crosswalk": BLUE, "jaywalk": RED}
+"""Colours of populations, and of types of crossing."""
+DIAMOND: dict[str, Any] = {
+    "color": PAPER,
+    "marker": "D",
+    "markersize": 6,
+    "markerfacecolor": "none",
+    "linestyle": "none",
+    "zorder": 4,
+}
+"""How the paper's numbers look."""
+
+
+def points(
+    axis: Axes, ours: Iterable[Number], where: Iterable[float], *,
+    color: str, label: str, scale: float, marker: str = "o", flat: bool = False, line: bool = False,
+) -> None:  # fmt: skip
+    """Numbers with their intervals; ``flat``: values go to the right, places up."""
+    shown = [(place, n) for place, n in zip(where, ours, strict=True) if n["value"] is not None]
+    values = [scale * n["value"] for _, n in shown]
+    below = [scale * (n["value"] - _end(n, "low")) for _, n in shown]
+    above = [scale * (_end(n, "high") - n["value"]) for _, n in shown]
+    places, bars = [place for place, _ in shown], [below, above]
+    style: dict[str, Any] = {"color": color, "marker": marker, "markersize": 4, "capsize": 2, "label": label}
+    style["linestyle"] = "-" if line else "none"
+    if flat:
+        axis.errorbar(values, places, xerr=bars, **style)
+    else:
+        axis.errorbar(places, values, yerr=bars, **style)
+
+
+def _end(number: Number, name: str) -> float:
+    return number["value"] if number[name] is None else number[name]

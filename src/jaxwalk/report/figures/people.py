@@ -1,0 +1,82 @@
+"""What people do: how much of what happens is jaywalking's, who jaywalks, and who waits at the kerb."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from matplotlib.figure import Figure
+
+from jaxwalk.report import published
+from jaxwalk.report.figures.marks import COLOURS, DIAMOND, points
+from jaxwalk.report.material import CO_TRAINED, LEARNED, POPULATIONS, ROUTE_FOLLOWER, Material, Number
+from jaxwalk.report.style import BLUE, COLUMN, GRID, ORANGE, RED, SKY, panels
+
+SHARES: dict[str, Callable[[dict], Number]] = {
+    "of collisions on a roadway": lambda a: a["share"],
+    "of crossings": lambda a: a["per_crossing"]["share"],
+    "of encounters": lambda a: a["per_encounter"]["share"],
+    "of time on a roadway": lambda a: a["per_second"]["share"],
+    "of that, car within 20 m": lambda a: a["per_second_near"]["share"],
+}
+"""Jaywalking's shares, by what they are of."""
+
+
+def attribution(material: Material) -> Figure:
+    """Jaywalking's share of collisions beside its share of crossings, encounters and time."""
+    figure, (axis,) = panels(1, height=2.6)
+    places = [(0.17 * (2 * k - 1), people) for k, people in enumerate(POPULATIONS)]
+    names = list(SHARES)
+    for shift, people in places:
+        found = material.cell(CO_TRAINED, people)["attribution"]
+        ours = [find(found) for find in SHARES.values()]
+        where = [i + shift for i in range(len(names))]
+        points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100.0, flat=True)
+    for i, value in ((0, published.COLLISIONS_JAYWALK), (1, published.CROSSINGS_JAYWALK)):
+        axis.plot(value, i, **DIAMOND, label="paper" if i == 0 else None)
+    axis.set_yticks(range(len(names)), names)
+    axis.invert_yaxis()
+    axis.set(xlabel="share that is jaywalking [%]", xlim=(-2, 102))
+    figure.legend(*axis.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def quarters(material: Material) -> Figure:
+    """Jaywalk rate by quarter of the trait."""
+    figure, (axis,) = panels(1, width=COLUMN, height=2.6)
+    found = material.cell(CO_TRAINED, LEARNED)["jaywalk_rate"]["quarters"]
+    points(axis, found, [0.0, 1.0, 2.0, 3.0], color=BLUE, label="ours", scale=100.0)
+    for i, value in enumerate(published.QUARTERS):
+        axis.plot(i + 0.12, value, **DIAMOND, label="paper" if i == 0 else None)
+    axis.set_xticks(range(4), ["0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1"])
+    axis.set(xlabel="jaywalking tendency", ylabel="decisions to jaywalk [%]", ylim=(0, None), xlim=(-0.5, 3.5))
+    axis.legend(loc="upper left")
+    return figure
+
+
+KERB_DRIVERS = (ROUTE_FOLLOWER, CO_TRAINED)
+"""Before whom people wait: the driver that heeds nobody, and the one that learned with them."""
+KERB_AXES = {"by_distance": "distance of the car [m]", "by_speed": "speed of the car [m/s]"}
+MISSES = {"below 1 m": RED, "1 to 2.5 m": ORANGE, "2.5 to 5 m": SKY, "5 m or more": GRID}
+"""The predicted misses, in the order of a bin's rates."""
+FEWEST = 20
+"""Bins of fewer kerb moments are not drawn: if nobody waited there, the bootstrap would call that certain."""
+
+
+def waiting(material: Material) -> Figure:
+    """Wait rate at the kerb by the car's distance and by its speed, for each predicted miss; a driver in each row."""
+    figure, axes = panels(2, rows=len(KERB_DRIVERS), height=2.7 * len(KERB_DRIVERS) + 0.4, sharey=True)
+    places = [(driver, by, label) for driver in KERB_DRIVERS for by, label in KERB_AXES.items()]
+    for axis, (driver, by, label) in zip(axes, places, strict=True):
+        bins = material.cell(driver, LEARNED)["waiting"][by]
+        width = bins[0]["end"] - bins[0]["begin"]
+        for k, (name, colour) in enumerate(MISSES.items()):
+            known = [b for b in bins if b["rates"][k]["count"] >= FEWEST]
+            where = [(b["begin"] + b["end"]) / 2 + 0.08 * width * (k - 1.5) for b in known]
+            points(axis, [b["rates"][k] for b in known], where, color=colour, label=name, scale=100.0, line=True)
+        axis.set(title=f"before {driver}", xlabel=label, ylim=(-3, 103))
+        edges = [0, *(b["end"] for b in bins)]
+        axis.set_xticks(edges, [f"{x:g}" for x in edges])
+    for axis in axes[::2]:
+        axis.set_ylabel("waits at the kerb [%]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, title="predicted miss")
+    return figure

@@ -1,0 +1,55 @@
+"""How near encounters came to a collision: the share beyond every threshold, not the critical one alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CRITICAL, TTC_CRITICAL
+from jaxwalk.report.figures.marks import TYPES
+from jaxwalk.report.material import CO_TRAINED, LEARNED, SINGLE_AGENT, Material
+from jaxwalk.report.style import INK, panels
+from jaxwalk.sim.config import SimConfig
+
+DRIVERS = {CO_TRAINED: "-", SINGLE_AGENT: "--"}
+"""Whose encounters are drawn, among learned pedestrians, and how."""
+MEASURES = {
+    "ttc": ("time to collision below [s]", TTC_CRITICAL, "critical"),
+    "pet": ("post-encroachment time below [s]", PET_CRITICAL, "critical"),
+    "drac": ("required deceleration above [m/s²]", DRAC_CRITICAL, "critical"),
+    "min_distance": ("distance of the centres below [m]", SimConfig.collision_distance, "touch"),
+}
+"""The measures, with the value beyond which an encounter is critical."""
+FEWEST = 20
+"""Of fewer encounters no curve is drawn."""
+
+
+def surrogates(material: Material) -> Figure:
+    """The share of encounters beyond thresholds of four measures, by type and driver."""
+    figure, axes = panels(2, rows=2, height=5.2)
+    found = {driver: material.cell(driver, LEARNED)["surrogate_distributions"] for driver in DRIVERS}
+    for axis, (name, (label, critical, word)) in zip(axes, MEASURES.items(), strict=True):
+        for driver, line in DRIVERS.items():
+            for kind, colour in TYPES.items():
+                _curve(axis, found[driver][kind][name], colour, line, f"{driver}, {kind}")
+        axis.axvline(critical, color=INK, lw=0.8, ls=":")
+        where = axis.get_xaxis_transform()
+        axis.text(critical, 1.0, f" {word}", transform=where, va="top", fontsize=7, color=INK)
+        axis.set(xlabel=label, ylim=(0, None))
+    for axis in axes[::2]:
+        axis.set_ylabel("encounters [%]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
+
+
+def _curve(axis: Axes, found: Mapping[str, Any], colour: str, line: str, label: str) -> None:
+    """One distribution with its band."""
+    if found["count"] < FEWEST:
+        return
+    low, value, high = (100 * np.array(found[name], float) for name in ("low", "value", "high"))
+    axis.plot(found["threshold"], value, color=colour, ls=line, label=label)
+    axis.fill_between(found["threshold"], low, high, color=colour, alpha=0.15, lw=0)

@@ -1,0 +1,66 @@
+"""The distributions of severity: counted by hand, and in agreement with the shares beyond critical thresholds."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics.distributions import THRESHOLDS, distribution_columns, summarise_distributions
+from jaxwalk.metrics.statistics import episode_sums
+from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from metrics.scenes import Scene, Walk, trajectory
+from metrics.test_properties import few, trajectories
+
+
+def _rows(*scenes):
+    return measure(trajectory(*scenes))
+
+
+def _share(found, threshold):
+    return found.value[found.threshold.index(threshold)]
+
+
+def test_a_touch_beside_a_near_miss():
+    # head-on at 6 m/s: TTC 0 and PET 0 after the touch, DRAC 60; the other crosses 1.2 s before the car
+    hit = Scene(48, [Walk(30, 0, vx=-1, crossings=[(3, 48, JAYWALK)])], touched=[0])
+    missed = Scene(80, [Walk(20, -4, vy=2, crossings=[(1, 39, JAYWALK)])])
+    rows = _rows(hit, missed)
+    sums = episode_sums(distribution_columns(rows.surrogates, rows.encounters, episodes=2), resamples=50)
+    found = summarise_distributions(sums)
+    jaywalk = found.jaywalk
+    assert [x.count for x in (jaywalk.ttc, jaywalk.pet, jaywalk.drac, jaywalk.min_distance)] == [2, 2, 2, 2]
+    assert set(jaywalk.ttc.value) == {0.5}
+    assert (_share(jaywalk.pet, 1.0), _share(jaywalk.pet, 1.5)) == (0.5, 1.0)
+    assert set(jaywalk.drac.value) == {0.5}
+    assert (_share(jaywalk.min_distance, 1.5), _share(jaywalk.min_distance, 15.0)) == (0.5, 1.0)
+    assert (jaywalk.pet.low[0], jaywalk.pet.high[0]) == (0.0, 1.0)
+    assert found.crosswalk.ttc.count == 0
+    assert set(found.crosswalk.ttc.value + found.crosswalk.ttc.low) == {None}
+
+
+@few
+@given(trajectories)
+def test_they_agree_with_the_shares_beyond_critical_thresholds(world):
+    summary = summarise(measure(world), resamples=5)
+    for kind in ("crosswalk", "jaywalk"):
+        found, shares = getattr(summary.surrogate_distributions, kind), getattr(summary.surrogates, kind)
+        assert _share(found.ttc, 1.5) == shares.ttc_critical.value
+        assert _share(found.pet, 1.5) == shares.pet_critical.value
+        assert _share(found.pet, 3.0) == shares.pet_close.value
+        assert _share(found.drac, 3.4) == shares.drac_critical.value
+        for name in THRESHOLDS:
+            known = [x for x in getattr(found, name).value if x is not None]
+            assert np.all(np.diff(known) <= 0 if name == "drac" else np.diff(known) >= 0)
+
+
+def test_the_document_has_them():
+    walk = Walk(20, -4, vy=2, crossings=[(1, 39, CROSSWALK)])
+    document = json.loads(json.dumps(summarise(_rows(Scene(80, [walk])), resamples=5).as_dict(), allow_nan=False))
+    found = document["surrogate_distributions"]["crosswalk"]["min_distance"]
+    assert list(found) == ["threshold", "value", "low", "high", "count"]
+    assert len({len(found[name]) for name in ("threshold", "value", "low", "high")}) == 1
+    assert found["value"][0] == pytest.approx(0.0)
