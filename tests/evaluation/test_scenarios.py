@@ -28,7 +28,7 @@ def test_the_batch_size_changes_roundings_at_most(street, driver, undecided, row
 
 def test_an_evaluation_can_be_replayed(street, driver, undecided, rows):
     for scenario in (0, 18, 39):
-        episode = replay(street, driver, undecided, scenario=scenario, seed=7, batch=16)
+        episode = replay(street, driver, undecided, scenarios=[scenario], seed=7, batch=16)
         assert episode.scenario.tolist() == [scenario]
         assert episode.length[0] == rows.episodes.steps[scenario]
         assert episode.goal[0] == rows.episodes.goal[scenario]
@@ -52,7 +52,7 @@ def test_impossible_numbers_are_refused(street, driver, undecided, wrong, value)
 
 def test_there_is_no_scenario_below_0(street, driver, undecided):
     with pytest.raises(ValueError, match="scenario must lie in"):
-        replay(street, driver, undecided, scenario=-1, seed=1)
+        replay(street, driver, undecided, scenarios=[-1], seed=1)
 
 
 def test_the_hash_stands_for_the_scenarios(street):

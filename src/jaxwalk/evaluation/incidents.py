@@ -113,9 +113,8 @@ def describe(incidents: Incidents, trajectory: Trajectory, *, moving_speed: floa
     if lost := [int(number) for number in incidents.scenario if int(number) not in places]:
         raise ValueError(f"the trajectory lacks scenario {lost[0]}")
     e = np.array([places[int(number)] for number in incidents.scenario], int)
-    frame = np.array(
-        [_nearest(trajectory, *row) for row in zip(e, incidents.ped, incidents.first, incidents.last, strict=True)], int
-    )
+    rows = np.stack([e, incidents.ped, incidents.first, incidents.last], axis=1).tolist()
+    frame = np.array([_nearest(trajectory, *row) for row in rows], int)
     return Situations(
         frame=frame,
         car=_doing(trajectory, e, frame, moving_speed),

@@ -54,7 +54,7 @@ def _pack(record: Record) -> str:
     return base64.b64encode(zlib.compress(text.encode(), 9)).decode("ascii")
 
 
-def _differences(values: np.ndarray, per_unit: float) -> list[int]:
+def _differences(values: np.ndarray, per_unit: int) -> list[int]:
     """Whole numbers: the first one, then the change to each next one."""
     whole = np.round(np.asarray(values, np.float64) * per_unit).astype(np.int64)
     return np.diff(whole, prepend=0).tolist()
