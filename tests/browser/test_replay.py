@@ -185,7 +185,10 @@ def test_drawing_keeps_up_with_the_screen(opened):
         """() => new Promise((done) => {
           let draws = 0;
           const clear = CanvasRenderingContext2D.prototype.clearRect; // once for each drawing of the strips
-          CanvasRenderingContext2D.prototype.clearRect = function (...where) { draws++; return clear.apply(this, where); };
+          CanvasRenderingContext2D.prototype.clearRect = function (...where) {
+            draws++;
+            clear.apply(this, where);
+          };
           document.querySelector("[data-do=toggle]").click();
           setTimeout(() => done(draws), 1000);
         })"""
