@@ -3,87 +3,24 @@
 from __future__ import annotations
 
 import csv
-import json
 import re
 from html.parser import HTMLParser
 
 import pytest
 from markupsafe import escape
+from PIL import Image
 
-from jaxwalk.evaluation import Cell, Match, Results, over_training_seeds, paired_over_seeds
-from jaxwalk.metrics import measure, summarise
 from jaxwalk.report import ReportError, write_report
 from jaxwalk.report.figures import FIGURES
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.tables import SEVERAL_SEEDS, TABLES
 from jaxwalk.report.verdicts import Versus, verdict
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
-from metrics.scenes import Scene, Walk, trajectory
-
-DRIVERS = (
-    "random",
-    "constant-speed",
-    "rule-based",
-    "rule-based-braking",
-    "route-follower",
-    "single-agent",
-    "co-trained",
-)
-
-
-PEOPLE = [
-    Walk(30.0, -4.0, vy=1.0, crossings=[(2, 40, CROSSWALK)], kerb=[0, 1], waits=[1], miss=1.0),
-    Walk(40.0, 4.0, vy=-1.0, crossings=[(5, 45, JAYWALK)]),
-]
-REACHED = Scene(50, PEOPLE, goal=True)
-HIT = Scene(50, [Walk(25.0, 0.0, crossings=[(20, 50, JAYWALK)]), PEOPLE[0]], touched=[0])
-SCENES = {5: (REACHED, HIT, REACHED), 6: (REACHED, HIT, HIT), 7: (HIT, HIT, HIT)}
-"""What every driver met, by training seed."""
+from report.material import material
 
 
 @pytest.fixture(scope="module")
 def documents():
-    return _documents(1)
-
-
-def _documents(seeds):
-    rows = {seed: measure(trajectory(*scenes)) for seed, scenes in SCENES.items() if seed < 5 + seeds}
-    lines = [
-        {"update": n, "steps": 64 * n, "seconds": 1.0 * n, "episodes": float(n)}
-        | {"goal_rate": 0.5, "collision_rate": 0.25, "timeout_rate": 0.25}
-        for n in range(1, 9)
-    ]
-    return {
-        "results": _results(rows, DRIVERS, (0.25,)),
-        "ablation": _results(rows, ("co-trained",), (0.0, 0.1, 0.25, 0.6, 1.0)),
-        "curves": {name: dict.fromkeys(rows, lines) for name in ("co-trained", "single-agent")},
-        "provenance": {"commit": "abc123", "hardware": "an abacus", "versions": {"jax": "0.10.2"}},
-        "plan": {"recipe": "fast", "seed": 5, "seeds": seeds, "episodes": 3},
-        "minutes": {"evaluate": 1.5},
-        "episode": {"scenario": 2, "seed": 5, "training_seed": 5},
-        "episode_svg": '<?xml version="1.0"?><svg width="9pt" height="9pt"><path id="p" clip-path="url(#p)"/></svg>',
-    }
-
-
-def _results(rows, drivers, multipliers):
-    summaries = {seed: summarise(found, resamples=20) for seed, found in rows.items()}
-    matches = [
-        Match(Cell(driver, people, "mode", "sample", multiplier, summaries[seed], "route", "kerb"), rows[seed], seed)
-        for driver in drivers
-        for multiplier in multipliers
-        for people in ("always-go", "learned")
-        for seed in rows
-        if seed == 5 or not _untrained(driver, people)
-    ]
-    by_name = {driver: [m for m in matches if m.names == (driver, "always-go")] for driver in drivers}
-    pairs = [paired_over_seeds("collision", by_name[drivers[0]], by_name[drivers[-1]])]
-    document = Results(5, 3, "0123456789abcdef", ()).as_dict()
-    document |= {"cells": [m.as_dict() for m in matches], "over_seeds": over_training_seeds(matches), "paired": pairs}
-    return json.loads(json.dumps(document, allow_nan=False))
-
-
-def _untrained(driver, people):
-    return people == "always-go" and driver not in ("single-agent", "co-trained")
+    return material(1)
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +39,7 @@ def page(folder):
 def several(tmp_path_factory):
     """The folder of a report on three training seeds."""
     folder = tmp_path_factory.mktemp("several")
-    write_report(folder, _documents(3))
+    write_report(folder, material(3))
     return folder
 
 
@@ -128,6 +65,17 @@ def test_files_of_every_table_and_figure(folder):
     assert {p.name for p in (folder / "figures").iterdir()} == {
         f"{n}.{kind}" for n in FIGURES for kind in ("svg", "png")
     }
+
+
+def test_figures_are_as_journals_want_them(folder):
+    for file in (folder / "figures").glob("*.svg"):
+        svg = file.read_text(encoding="utf-8")
+        inches = float(re.search(r'width="([\d.]+)pt"', svg)[1]) / 72
+        assert inches == pytest.approx(3.5 if file.stem == "quarters" else 7.1), file
+        assert min(map(float, re.findall(r"font-size: ([\d.]+)px", svg))) >= 7, file  # (of an SVG in points)
+        with Image.open(file.with_suffix(".png")) as png:
+            assert png.info["dpi"] == pytest.approx((300, 300), rel=1e-3)
+            assert png.width == pytest.approx(300 * inches, abs=1)
 
 
 def test_where_it_comes_from_is_said(page):
@@ -200,8 +148,9 @@ def test_what_a_report_of_several_seeds_says(several, page):
     assert ">goal, IQM<" in text
 
 
-def test_two_seeds_give_no_interval(tmp_path):
-    write_report(tmp_path, _documents(2))
+def test_two_seeds_give_no_interval(tmp_path, monkeypatch):
+    monkeypatch.setattr("jaxwalk.report.write.draw_all", lambda *_: dict.fromkeys(FIGURES, ""))  # as always, but slow
+    write_report(tmp_path, material(2))
     assert "2 training seeds, 5 to 6: rates are their means (IQM: interquartile means), without intervals" in (
         tmp_path / "report.html"
     ).read_text(encoding="utf-8")
@@ -210,7 +159,7 @@ def test_two_seeds_give_no_interval(tmp_path):
 
 def test_the_same_results_make_the_same_report(documents, folder, tmp_path):
     write_report(tmp_path, documents)
-    for name in ("report.html", "figures/baselines.svg", "tables/matrix.csv"):
+    for name in ("report.html", "figures/baselines.svg", "tables/matrix.csv", "tables/matrix.tex"):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
 
 
@@ -218,6 +167,13 @@ def test_results_of_another_version_are_refused(documents, tmp_path):
     broken = {**documents, "results": {"cells": [{"driver": "random"}]}}
     with pytest.raises(ReportError, match="damaged or of another version"):
         write_report(tmp_path, broken)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_results_of_an_earlier_schema_are_refused_by_name(documents, tmp_path):
+    earlier = {**documents, "ablation": {**documents["ablation"], "schema": 2}}
+    with pytest.raises(ReportError, match=r"another version \(no 'schema 3 in ablation.json'\); evaluate again"):
+        write_report(tmp_path, earlier)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -27,8 +27,8 @@ SECTIONS = (
         "figure 3",
         "Goals and collisions of every driver on the same scenarios, among people who always go and among the "
         f"co-trained ones. {INTERVALS} The paper's figure mixes populations and does not say among whom its rules "
-        "drove; its trained drivers have a diamond for each population. A good driver stands at the right on the left "
-        "and at the left on the right; orange and blue far apart: it depends on whom it meets.",
+        "drove; its trained drivers have a diamond for each population. A good driver has its goals far right and its "
+        "collisions far left; where orange and blue lie far apart, much depends on whom it meets.",
         "baselines",
         "baselines",
         over_seeds=True,
@@ -148,11 +148,11 @@ SECTIONS = (
     Section(
         "How near to a collision",
         "",
-        "Of all encounters with learned pedestrians, the share beyond each threshold of four measures (metrics.md "
-        "says how they are computed), for the co-trained car (solid) and the one trained alone (dashed); bands: 95 % "
-        "intervals over episodes. A lower curve is safer at every threshold, not only at the critical one (dotted). "
-        "Red above blue: encounters with jaywalkers are the more dangerous ones. A curve of fewer than 20 encounters "
-        "is not drawn.",
+        "Of all encounters with people who always go (learned ones leave few encounters), the share beyond each "
+        "threshold of four measures (metrics.md says how they are computed), for the co-trained car (solid) and the "
+        "one trained alone (dashed); bands: 95 % intervals over episodes. A lower curve is safer at every threshold, "
+        "not only at the critical one (dotted). Red above blue: encounters with jaywalkers are the more dangerous "
+        "ones. A curve of fewer than 20 encounters is not drawn.",
         "surrogates",
     ),
     Section(

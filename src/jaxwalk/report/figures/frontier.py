@@ -6,6 +6,7 @@ from itertools import cycle
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from jaxwalk.report.material import POPULATIONS, Material
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PURPLE, RED, SKY, panels
@@ -23,6 +24,7 @@ def frontier(material: Material) -> Figure:
     for axis, people in zip(axes, POPULATIONS, strict=True):
         _drivers(axis, material, people)
         axis.set(title=f"among {people}", xlabel="mean time to the goal [s]", yscale="log", ylim=(LEAST * 0.7, 100))
+        axis.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
     axes[0].set_ylabel("collisions [%]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure

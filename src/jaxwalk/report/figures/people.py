@@ -64,7 +64,7 @@ FEWEST = 20
 
 def waiting(material: Material) -> Figure:
     """Wait rate at the kerb by the car's distance and by its speed, for each predicted miss; a driver in each row."""
-    figure, axes = panels(2, rows=len(KERB_DRIVERS), height=2.7 * len(KERB_DRIVERS) + 0.4, sharey=True)
+    figure, axes = panels(2, rows=len(KERB_DRIVERS), height=2.9 * len(KERB_DRIVERS) + 0.4, sharey=True)
     places = [(driver, by, label) for driver in KERB_DRIVERS for by, label in KERB_AXES.items()]
     for axis, (driver, by, label) in zip(axes, places, strict=True):
         bins = material.cell(driver, LEARNED)["waiting"][by]

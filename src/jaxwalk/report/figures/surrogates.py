@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 
 from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CRITICAL, TTC_CRITICAL
 from jaxwalk.report.figures.marks import TYPES
-from jaxwalk.report.material import CO_TRAINED, LEARNED, SINGLE_AGENT, Material
+from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, SINGLE_AGENT, Material
 from jaxwalk.report.style import INK, panels
 from jaxwalk.sim.config import SimConfig
 
 DRIVERS = {CO_TRAINED: "-", SINGLE_AGENT: "--"}
-"""Whose encounters are drawn, among learned pedestrians, and how."""
+"""Whose encounters are drawn, among people who leave it to the driver, and how."""
 MEASURES = {
     "ttc": ("time to collision below [s]", TTC_CRITICAL, "critical"),
     "pet": ("post-encroachment time below [s]", PET_CRITICAL, "critical"),
@@ -31,7 +31,7 @@ FEWEST = 20
 def surrogates(material: Material) -> Figure:
     """The share of encounters beyond thresholds of four measures, by type and driver."""
     figure, axes = panels(2, rows=2, height=5.2)
-    found = {driver: material.cell(driver, LEARNED)["surrogate_distributions"] for driver in DRIVERS}
+    found = {driver: material.cell(driver, ALWAYS_GO)["surrogate_distributions"] for driver in DRIVERS}
     for axis, (name, (label, critical, word)) in zip(axes, MEASURES.items(), strict=True):
         for driver, line in DRIVERS.items():
             for kind, colour in TYPES.items():
