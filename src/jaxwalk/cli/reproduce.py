@@ -1,16 +1,15 @@
-"""``jaxwalk reproduce`` and ``jaxwalk report``."""
+"""``jaxwalk reproduce``."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 from jaxwalk.cli import INTERRUPTED
 from jaxwalk.cli.options import Reproduce
 from jaxwalk.cli.train import bad_values
 from jaxwalk.experiments.parts import Interrupted
-from jaxwalk.experiments.reproduce import Plan, report, reproduce
+from jaxwalk.experiments.reproduce import Plan, reproduce
 
 
 def run(options: Reproduce) -> int:
@@ -30,10 +29,4 @@ def until_interrupted(make: Callable[[], str]) -> int:
     except (Interrupted, KeyboardInterrupt):
         print("Interrupted. The same command goes on where this one stopped.", file=sys.stderr)
         return INTERRUPTED
-    return 0
-
-
-def remake(folder: Path) -> int:
-    """Make the report again."""
-    print(f"Open {report(folder)}")
     return 0

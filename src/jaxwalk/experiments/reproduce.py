@@ -5,6 +5,7 @@ runs/single-agent/seed-0, ...    those of the car alone, with equally many updat
 plan.json                        what was asked for
 results.json, episodes.csv       every driver among every population (`jaxwalk.experiments.tournament`)
 ablation.json                    the co-trained drivers with less and more jaywalking
+gallery.json                     the worst collisions and the nearest misses, to be watched
 episode.png, episode.svg, .json   one episode
 provenance.json, minutes.json    commit, hardware, versions; how long each part took
 report.html, figures/, tables/   `jaxwalk.report`
@@ -18,19 +19,24 @@ from typing import Any
 
 from rich.console import Console
 
-from jaxwalk.evaluation import write_rows
+from jaxwalk.evaluation import evaluate, write_rows
+from jaxwalk.experiments.contestants import contestant
 from jaxwalk.experiments.episodes import draw_episode
+from jaxwalk.experiments.gallery import Cast, gallery
 from jaxwalk.experiments.parts import Effort, Work, read_json, run_folder
 from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
 from jaxwalk.interfaces import Policy
-from jaxwalk.report import CO_TRAINED, SINGLE_AGENT, write_report
+from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, write_report
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.trajectory import JAYWALK
 
 ABLATED = 2000
 """The ablation, which has ten cells for each training seed, takes at most so many scenarios."""
+WATCHED, INCIDENTS = 500, 20
+"""The gallery has this many incidents of each kind for each driver and population, found in the first scenarios."""
 INTERESTING = 200
 """The episode to be drawn is chosen among so many scenarios."""
 
@@ -71,6 +77,7 @@ def reproduce(folder: Path, plan: Plan, *, console: Console | None = None, base:
             ("training the car alone", _train_alone),
             ("every driver among every population", _evaluate),
             ("less and more jaywalking", _ablate),
+            ("collecting collisions and near misses", _collect),
             ("drawing an episode", _draw),
             ("report", _report),
         ]
@@ -123,6 +130,24 @@ def _ablate(work: Reproduction) -> None:
     work.keep("ablation.json", ablation(street, trained, scenarios, work.say))
 
 
+def _collect(work: Reproduction) -> None:
+    """Of the first training seed: what its drivers, and the one that heeds nobody, did worst."""
+    if work.json("gallery.json") is not None:
+        work.say("    there already")
+        return
+    street, seed = work.street(), work.plan.seed
+    trained = _trained(work, street, seed)
+    blind = {ROUTE_FOLLOWER: contestant(street, "driver", ROUTE_FOLLOWER)}
+    people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO), LEARNED: trained.learned}
+    cast = Cast(street, {**trained.drivers, **blind}, people, seed)
+    played = {
+        (driver, crowd): evaluate(street, policy, among, episodes=min(WATCHED, work.plan.episodes), seed=seed)
+        for driver, policy in cast.drivers.items()
+        for crowd, among in cast.populations.items()
+    }
+    work.keep("gallery.json", gallery(cast, played, most=INCIDENTS, say=work.say))
+
+
 def _draw(work: Reproduction) -> None:
     """Of the first training seed: the scenario in which the car came nearest to a jaywalker and still arrived."""
     if (work.folder / "episode.json").is_file():
@@ -139,9 +164,6 @@ def _draw(work: Reproduction) -> None:
 
 def _interesting(work: Reproduction, street: Street, driver: Policy, people: Policy) -> tuple[int, int]:
     """The scenario with the encounter that came nearest without a touch to a jaywalker, and the frame it began in."""
-    from jaxwalk.evaluation import evaluate
-    from jaxwalk.sim.trajectory import JAYWALK
-
     episodes = min(INTERESTING, work.plan.episodes)
     rows = evaluate(street, driver, people, episodes=episodes, seed=work.plan.seed)
     found, reached = rows.encounters, rows.episodes.goal
@@ -165,6 +187,8 @@ def report(folder: Path) -> Path:
         raise RunError(f"{folder}: has no {missing[0]}.json; make it with: jaxwalk reproduce --out {folder}")
     curves = {name: _curves(folder, name, documents["plan"]) for name in (CO_TRAINED, SINGLE_AGENT)}
     drawing = folder / "episode.svg"
+    if not documents["gallery"].get("incidents"):
+        documents["gallery"] = None
     documents["episode_svg"] = drawing.read_text(encoding="utf-8") if drawing.is_file() else None
     return write_report(folder, documents | {"curves": curves})
 
@@ -181,5 +205,5 @@ def _curves(folder: Path, name: str, plan: Any) -> dict[int, list[dict[str, Any]
     return {seed: Run.open(run_folder(folder, name, seed)).metrics() for seed in read.training_seeds}
 
 
-_PARTS = ("plan", "results", "ablation", "provenance", "minutes", "episode")
+_PARTS = ("plan", "results", "ablation", "provenance", "minutes", "gallery", "episode")
 """Documents that the report is made of."""

@@ -4,10 +4,20 @@ from jaxwalk.report.material import (
     ALWAYS_GO,
     CO_TRAINED,
     LEARNED,
+    ROUTE_FOLLOWER,
     SINGLE_AGENT,
     Material,
     ReportError,
 )
 from jaxwalk.report.write import write_report
 
-__all__ = ["ALWAYS_GO", "CO_TRAINED", "LEARNED", "SINGLE_AGENT", "Material", "ReportError", "write_report"]
+__all__ = [
+    "ALWAYS_GO",
+    "CO_TRAINED",
+    "LEARNED",
+    "ROUTE_FOLLOWER",
+    "SINGLE_AGENT",
+    "Material",
+    "ReportError",
+    "write_report",
+]

@@ -12,7 +12,6 @@ ROUTE_FOLLOWER = "route-follower"
 """The driver that is blind to people."""
 ALWAYS_GO, LEARNED = "always-go", "learned"
 """The populations."""
-POPULATIONS = (ALWAYS_GO, LEARNED)
 
 Number = Mapping[str, Any]
 """A number with its interval: ``value``, ``low`` and ``high``, each possibly None."""
@@ -29,16 +28,22 @@ class Material:
     results: Mapping[str, Any]
     """Every driver among every population: ``scenarios``, ``cells`` (as `jaxwalk.evaluation.Results` has them, with
     ``training_seed``), ``over_seeds`` and ``paired`` (`jaxwalk.evaluation.training_seeds`)."""
-    ablation: Mapping[str, Any]
-    """The same of the co-trained driver, with several jaywalk multipliers; nothing is paired."""
     curves: Mapping[str, Mapping[int, list[dict[str, Any]]]]
-    """Metrics of each update, by name of the trained driver and training seed."""
+    """Metrics of each update, by driver and training seed; of the drivers whose training is known."""
     provenance: Mapping[str, Any]
     """``commit``, ``hardware`` and ``versions``."""
-    plan: Mapping[str, Any]
-    """What was asked for: ``recipe``, ``seed``, ``seeds``, ``episodes``."""
     minutes: Mapping[str, float]
     """What each part took [min]."""
+    subject: str = CO_TRAINED
+    """The driver that the sections about one driver are about."""
+    headline: tuple[str, ...] = (CO_TRAINED, SINGLE_AGENT)
+    """The drivers whose numbers come first."""
+    plan: Mapping[str, Any] | None = None
+    """What was trained: ``recipe``, ``seed``, ``seeds``, ``episodes``; None if nothing was."""
+    ablation: Mapping[str, Any] | None = None
+    """``results`` of the co-trained driver with several jaywalk multipliers, if there are any; nothing is paired."""
+    gallery: Mapping[str, Any] | None = None
+    """Episodes and incidents to watch (`jaxwalk.experiments.gallery`)."""
     episode: Mapping[str, Any] | None = None
     """Which episode is drawn: ``scenario``, ``seed`` and ``training_seed``."""
     episode_svg: str | None = None
@@ -50,8 +55,30 @@ class Material:
         return tuple(dict.fromkeys(cell["driver"] for cell in self.results["cells"]))
 
     @property
+    def populations(self) -> tuple[str, ...]:
+        """Names in the order of evaluation."""
+        return tuple(dict.fromkeys(cell["pedestrians"] for cell in self.results["cells"]))
+
+    @property
+    def crowd(self) -> str:
+        """Among whom a section about one population looks: the first that is not always-go, if there is one."""
+        return next((people for people in self.populations if people != ALWAYS_GO), ALWAYS_GO)
+
+    @property
+    def rival(self) -> str | None:
+        """Whom the subject is drawn beside: the car trained alone, else the first other driver."""
+        others = [driver for driver in self.drivers if driver != self.subject]
+        return SINGLE_AGENT if SINGLE_AGENT in others else next(iter(others), None)
+
+    def met(self, driver: str, pedestrians: str) -> bool:
+        """Whether that driver was evaluated among that population."""
+        return any((c["driver"], c["pedestrians"]) == (driver, pedestrians) for c in self.results["cells"])
+
+    @property
     def training_seeds(self) -> tuple[int, ...]:
-        """All of them, from the first on."""
+        """All of them, from the first on; none if nothing was trained."""
+        if self.plan is None:
+            return ()
         return tuple(range(self.plan["seed"], self.plan["seed"] + self.plan["seeds"]))
 
     @property
@@ -69,12 +96,12 @@ class Material:
 
     def ablated(self, multiplier: float, pedestrians: str) -> Mapping[str, Any]:
         """The same of the co-trained driver with that jaywalk multiplier."""
-        return _find(self.ablation["over_seeds"], jaywalk_multiplier=multiplier, pedestrians=pedestrians)
+        return _find((self.ablation or {})["over_seeds"], jaywalk_multiplier=multiplier, pedestrians=pedestrians)
 
     @property
     def multipliers(self) -> tuple[float, ...]:
         """Of the ablation."""
-        return tuple(dict.fromkeys(cell["jaywalk_multiplier"] for cell in self.ablation["cells"]))
+        return tuple(dict.fromkeys(cell["jaywalk_multiplier"] for cell in (self.ablation or {"cells": ()})["cells"]))
 
 
 def _find(cells: Sequence[Mapping[str, Any]], **wanted: Any) -> Mapping[str, Any]:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+
+from jaxwalk.report.material import ALWAYS_GO, Material
+from jaxwalk.report.published import TRAINED
 
 
 @dataclass(frozen=True)
@@ -13,10 +17,17 @@ class Section:
     source: str
     """Where the paper has it."""
     caption: str
+    """``{subject}``, ``{rival}`` and ``{crowd}`` stand for names of the `Material`."""
     figure: str | None = None
     table: str | None = None
     over_seeds: bool = False
     """It shows all training seeds; else the first one's drivers and pedestrians."""
+    applies: Callable[[Material], bool] = lambda material: True
+    """Whether there is something to show."""
+
+    def said(self, material: Material) -> str:
+        """The caption, with the names of who is shown."""
+        return self.caption.format(subject=material.subject, rival=material.rival, crowd=material.crowd)
 
 
 INTERVALS = "Bars and brackets: 95 % intervals. Open diamonds: the paper."
@@ -25,8 +36,8 @@ SECTIONS = (
     Section(
         "Who reaches the goal",
         "figure 3",
-        "Goals and collisions of every driver on the same scenarios, among people who always go and among the "
-        f"co-trained ones. {INTERVALS} The paper's figure mixes populations and does not say among whom its rules "
+        "Goals and collisions of every driver on the same scenarios, among each population. "
+        f"{INTERVALS} The paper's figure mixes populations and does not say among whom its rules "
         "drove; its trained drivers have a diamond for each population. A good driver has its goals far right and its "
         "collisions far left; where orange and blue lie far apart, much depends on whom it meets.",
         "baselines",
@@ -39,6 +50,7 @@ SECTIONS = (
         "The car trained alone (among always-go) and the one trained with its pedestrians, with equally many updates "
         "from equally many environments of their own, each among both populations. Compare two drivers in one "
         "population for what training together did to the car, one driver in both for what it did to the people.",
+        applies=lambda m: all(m.met(*pair) for pair in TRAINED),
         table="co_training",
         over_seeds=True,
     ),
@@ -65,24 +77,26 @@ SECTIONS = (
         "The same trainings with other random numbers: networks at the start, scenarios, actions. Intervals are over "
         "the scenarios of the evaluation: where seeds lie farther apart than these are wide, training itself is a "
         "matter of luck.",
+        applies=lambda m: m.several,
         table="training_seeds",
         over_seeds=True,
     ),
     Section(
         "The same scenarios in pairs",
         "",
-        "Do people who learned to wait lower a driver's collisions, and does co-training? A pair is a scenario (of a "
+        "Which of two lets the same scenarios end better? A pair is a scenario (of a "
         "training seed, if there are several); the last counts are of pairs that end so on one side alone. p is the "
         "exact McNemar test over all pairs, as if they were independent: it is about these very policies. The "
         "difference's interval is by bootstrap over scenarios and, of several, over training seeds: then it is about "
         "training again. Holm's p may be read for all comparisons of the table at once.",
+        applies=lambda m: "paired" in m.results,
         table="pairs",
         over_seeds=True,
     ),
     Section(
         "Speed near jaywalkers and near crosswalk users",
         "figure 4, equation 2",
-        "Mean speed of the co-trained car among learned pedestrians, by the distance to the nearest pedestrian of "
+        "Mean speed of {subject} among {crowd} pedestrians, by the distance to the nearest pedestrian of "
         f"each type who is on a roadway. {INTERVALS} Left every frame weighs alike, as in the paper; in the middle "
         "every encounter does. The paper found the car faster near jaywalkers, most so when nearest: look for red "
         "above blue, and at the right for points above 0. In the table also: matched, where only cars at nearly the "
@@ -95,7 +109,7 @@ SECTIONS = (
     Section(
         "The jaywalker, or the place?",
         "equation 2",
-        "The same difference of the co-trained car, estimated five ways, from the one most open to other causes to "
+        "The same difference of {subject}, estimated five ways, from the one most open to other causes to "
         "the least; distances with fewer than 20 encounters of either type are left out. Bars: 95 % intervals. Above "
         "0 the car is faster near jaywalkers. What is as large near ghosts (grey), whom it cannot see, is the place's "
         "doing; what is left of people minus ghosts (red) is the car's answer to people, and among people who always "
@@ -105,7 +119,7 @@ SECTIONS = (
     Section(
         "Which collisions are jaywalking's",
         "section IV-B",
-        "Jaywalking's share of the co-trained car's collisions beside its share of what there was to collide with. A "
+        "Jaywalking's share of the collisions of {subject} beside its share of what there was to collide with. A "
         f"share of collisions larger than the share of exposure means more risk. {INTERVALS}",
         "attribution",
         "attribution",
@@ -113,7 +127,7 @@ SECTIONS = (
     Section(
         "What was hit",
         "",
-        "The co-trained car's collisions by what the pedestrian was doing. With a car that stands, it was the "
+        "The collisions of {subject} by what the pedestrian was doing. With a car that stands, it was the "
         "pedestrian who walked into it.",
         table="contacts",
     ),
@@ -128,7 +142,7 @@ SECTIONS = (
     Section(
         "Who waits at the kerb",
         "",
-        "How often learned pedestrians about to step into a roadway wait, by the car's distance and speed and by how "
+        "How often {crowd} pedestrians about to step into a roadway wait, by the car's distance and speed and by how "
         "close the two would come if they went on (predicted miss), with themselves ahead of the car and within 40 m. "
         "Bars and brackets: 95 % intervals. In the table, danger: the car also faster than 2 m/s, and a predicted "
         "miss below 2.5 m; harmless: it is farther than 40 m, or past. Bins of fewer than 20 moments are not drawn. "
@@ -137,6 +151,7 @@ SECTIONS = (
         "one that does.",
         "waiting",
         "waiting",
+        applies=lambda m: m.crowd != ALWAYS_GO and ALWAYS_GO in m.populations,
     ),
     Section(
         "How near the car comes",
@@ -148,9 +163,9 @@ SECTIONS = (
     Section(
         "How near to a collision",
         "",
-        "Of all encounters with people who always go (learned ones leave few encounters), the share beyond each "
-        "threshold of four measures (metrics.md says how they are computed), for the co-trained car (solid) and the "
-        "one trained alone (dashed); bands: 95 % intervals over episodes. A lower curve is safer at every threshold, "
+        "Of all encounters with the first population (always-go leave it to the driver), the share beyond each "
+        "threshold of four measures (metrics.md says how they are computed), for {subject} (solid) and {rival} "
+        "(dashed); bands: 95 % intervals over episodes. A lower curve is safer at every threshold, "
         "not only at the critical one (dotted). Red above blue: encounters with jaywalkers are the more dangerous "
         "ones. A curve of fewer than 20 encounters is not drawn.",
         "surrogates",
@@ -158,7 +173,7 @@ SECTIONS = (
     Section(
         "How soon the car brakes",
         "section IV-B",
-        "Time from a pedestrian's road entry to the car's braking onset, co-trained driver. The median (Kaplan-Meier) "
+        "Time from a pedestrian's road entry to the braking onset of {subject}. The median (Kaplan-Meier) "
         "counts those who never brake; a dash means that fewer than half brake while the pedestrian is on the road. "
         "A longer time for jaywalkers than for crosswalk users would be the car's surprise.",
         table="braking",
@@ -172,9 +187,10 @@ SECTIONS = (
         "ablation",
         "ablation",
         over_seeds=True,
+        applies=lambda m: m.ablation is not None,
     ),
     Section(
-        "How the two drivers learned",
+        "How the drivers learned",
         "",
         "Endings of the episodes that ended in each update (running mean over a twentieth of the training); of "
         "several training seeds, a thin line for each, and their interquartile mean. In training the car samples its "
@@ -182,6 +198,7 @@ SECTIONS = (
         "rise and level off before the end; if they still rise, more training would help.",
         "learning_curves",
         over_seeds=True,
+        applies=lambda m: bool(m.curves),
     ),
 )
 """The report, from top to bottom; the page adds the summary before and one episode after."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jaxwalk.metrics import holm
-from jaxwalk.report.material import CO_TRAINED, POPULATIONS, SINGLE_AGENT, Material
+from jaxwalk.report.material import CO_TRAINED, SINGLE_AGENT, Material
 from jaxwalk.report.table import Table, p_value, shown
 
 
@@ -17,7 +17,9 @@ def training_seeds(material: Material) -> Table:
         "speed difference within 3 m [m/s]", "jaywalking's share of collisions %",
     )  # fmt: skip
     rows = []
-    for driver, people in ((driver, people) for driver in (SINGLE_AGENT, CO_TRAINED) for people in POPULATIONS):
+    for driver, people in (
+        (driver, people) for driver in (SINGLE_AGENT, CO_TRAINED) for people in material.populations
+    ):
         for seed in material.training_seeds:
             cell = material.cell(driver, people, training_seed=seed)
             rates = (shown(cell[name]) for name in ("goal_rate", "collision_rate"))

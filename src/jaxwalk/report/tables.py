@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from jaxwalk.report import published, surprise, verdicts
 from jaxwalk.report.figures.people import SHARES
-from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, POPULATIONS, SINGLE_AGENT, Material
+from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material
 from jaxwalk.report.seed_tables import pairs, training_seeds
 from jaxwalk.report.table import NONE, Table, shown
 from jaxwalk.report.verdicts import Versus, verdict
@@ -15,9 +15,9 @@ from jaxwalk.report.verdicts import Versus, verdict
 QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
 
 
-def make_all(material: Material) -> dict[str, Table]:
-    """Every table, by name; those that compare training seeds only if there are several."""
-    return {name: make(material) for name, make in TABLES.items() if material.several or name not in SEVERAL_SEEDS}
+def make_all(names: Iterable[str], material: Material) -> dict[str, Table]:
+    """The tables of these names."""
+    return {name: TABLES[name](material) for name in names}
 
 
 def matrix(material: Material) -> Table:
@@ -26,7 +26,7 @@ def matrix(material: Material) -> Table:
     percents = (column for rate in rates for column in _columns(material, rate))
     columns = ("driver", "pedestrians", *percents, "collisions per km", "time to goal [s]")
     rows = []
-    for name, people in ((name, people) for name in material.drivers for people in POPULATIONS):
+    for name, people in ((name, people) for name in material.drivers for people in material.populations):
         found = material.over_seeds(name, people)
         percents = (text for rate in rates for text in _shown(material, found[f"{rate}_rate"]))
         per_km, time = found["collisions_per_km"]["mean"], found["mean_time_to_goal"]["mean"]
@@ -48,7 +48,10 @@ def _shown(material: Material, number: Mapping[str, Any]) -> tuple[str, ...]:
 
 def baselines(material: Material) -> Table:
     """The paper's figure of baselines: for each method, ours among both populations and theirs."""
-    columns = ("driver", *(f"{rate} %, {who}" for rate in ("goal", "collision") for who in (*POPULATIONS, "paper")))
+    columns = (
+        "driver",
+        *(f"{rate} %, {who}" for rate in ("goal", "collision") for who in (*material.populations, "paper")),
+    )
     theirs = {name: pair for name, pair in published.BASELINES.items()}
     theirs[SINGLE_AGENT] = published.TRAINED[SINGLE_AGENT, ALWAYS_GO]
     theirs[CO_TRAINED] = published.TRAINED[CO_TRAINED, LEARNED]
@@ -56,12 +59,12 @@ def baselines(material: Material) -> Table:
     for name in material.drivers:
         row = [name]
         for place, rate in enumerate(("goal_rate", "collision_rate")):
-            ours = {people: material.over_seeds(name, people)[rate]["mean"] for people in POPULATIONS}
+            ours = {people: material.over_seeds(name, people)[rate]["mean"] for people in material.populations}
             row += [shown(x) for x in ours.values()]
             row.append(f"{theirs[name][place]:g}" if name in theirs else NONE)
             if name in published.BASELINES:
-                what = f"{('goals', 'collisions')[place]} of {name} among {LEARNED}"
-                against.append(Versus(what, ours[LEARNED], theirs[name][place]))
+                what = f"{('goals', 'collisions')[place]} of {name} among {material.crowd}"
+                against.append(Versus(what, ours[material.crowd], theirs[name][place]))
         rows.append(tuple(row))
     return Table(columns, tuple(rows), verdict(against, verdicts.BASELINES))
 
@@ -82,7 +85,7 @@ def co_training(material: Material) -> Table:
 
 def speed_differential(material: Material) -> Table:
     """Car speed near jaywalkers minus near crosswalk users, by distance, four ways; and what they say together."""
-    bins = material.cell(CO_TRAINED, LEARNED)["speed_differential"]
+    bins = material.cell(material.subject, material.crowd)["speed_differential"]
     low, high = published.SPEED_GAP_FARTHER
     rows = []
     for place, weight, *numbers in surprise.four_ways(bins):
@@ -96,17 +99,17 @@ def speed_differential(material: Material) -> Table:
 
 def attribution(material: Material) -> Table:
     """Jaywalking's share of collisions beside its share of crossings and exposure, and the ratio of rates."""
-    columns = ("jaywalking's share", *(f"among {people}, %" for people in POPULATIONS), "paper, %")
-    found = {people: material.cell(CO_TRAINED, people)["attribution"] for people in POPULATIONS}
+    columns = ("jaywalking's share", *(f"among {people}, %" for people in material.populations), "paper, %")
+    found = {people: material.cell(material.subject, people)["attribution"] for people in material.populations}
     theirs = (f"{published.COLLISIONS_JAYWALK:g}", f"{published.CROSSINGS_JAYWALK:g}", NONE, NONE, NONE)
     rows = [
-        (name, *(shown(find(found[people])) for people in POPULATIONS), value)
+        (name, *(shown(find(found[people])) for people in material.populations), value)
         for (name, find), value in zip(SHARES.items(), theirs, strict=True)
     ]
     for name, scale in (("crossing", "per_crossing"), ("second on a roadway", "per_second")):
-        ratios = (shown(found[people][scale]["ratio"], 1.0) for people in POPULATIONS)
+        ratios = (shown(found[people][scale]["ratio"], 1.0) for people in material.populations)
         rows.append((f"collisions per {name}: jaywalk / crosswalk (a ratio, not %)", *ratios, NONE))
-    mine = found[LEARNED]
+    mine = found[material.crowd]
     against = [
         Versus("share of collisions", mine["share"], published.COLLISIONS_JAYWALK),
         Versus("share of crossings", mine["per_crossing"]["share"], published.CROSSINGS_JAYWALK),
@@ -115,7 +118,7 @@ def attribution(material: Material) -> Table:
 
 
 def contacts(material: Material) -> Table:
-    """What the people whom the co-trained car hit were doing, and whether the car was moving."""
+    """What the people whom the subject hit were doing, and whether the car was moving."""
     columns = (
         "pedestrians",
         "contact",
@@ -126,8 +129,8 @@ def contacts(material: Material) -> Table:
         "mean impact speed [m/s]",
     )
     rows = []
-    for people in POPULATIONS:
-        outcomes = material.cell(CO_TRAINED, people)["outcomes"]
+    for people in material.populations:
+        outcomes = material.cell(material.subject, people)["outcomes"]
         for kind in ("crosswalk", "jaywalk", "sidewalk"):
             c = outcomes[kind]
             counts = (str(c["moving"] + c["standing"]), shown(c["share"]), str(c["moving"]), str(c["standing"]))
@@ -137,7 +140,7 @@ def contacts(material: Material) -> Table:
 
 def quarters(material: Material) -> Table:
     """Jaywalk rate by quarter of the trait."""
-    cell = material.cell(CO_TRAINED, LEARNED)
+    cell = material.cell(material.subject, material.crowd)
     found, most = cell["jaywalk_rate"], 100 * cell["jaywalk_multiplier"]
     expected = [most * (0.125 + 0.25 * i) for i in range(4)]
     against = [
@@ -167,7 +170,7 @@ def waiting(material: Material) -> Table:
     price = ("waits of all steps %", "pace [m/s]", "of always-go's %", "longest stand on a roadway [steps]")
     rows = []
     for driver in material.drivers:
-        found, bold = (material.cell(driver, people)["waiting"] for people in (LEARNED, ALWAYS_GO))
+        found, bold = (material.cell(driver, people)["waiting"] for people in (material.crowd, ALWAYS_GO))
         danger, other, harmless, waited = (found[x] for x in ("danger", "other", "harmless", "waited"))
         pace, most = found["pace"], bold["pace"]["value"]
         row = (driver, shown(danger), f"{danger['count']:,}", shown(other), shown(harmless), f"{harmless['count']:,}")
@@ -180,12 +183,12 @@ def approach(material: Material) -> Table:
     """Smallest distance in an encounter: its 5th percentile."""
     columns = ("encounter", "pedestrians", "5th percentile of the minimum approach [m]", "paper", "encounters")
     rows, against = [], []
-    for people in POPULATIONS:
-        found = material.cell(CO_TRAINED, people)["encounters"]
+    for people in material.populations:
+        found = material.cell(material.subject, people)["encounters"]
         for kind, theirs in published.APPROACH.items():
             ours = found[kind]["minimum_approach"]
             rows.append((kind, people, shown(ours, 1.0, 2), f"{theirs}", f"{found[kind]['count']:,}"))
-            if people == LEARNED:
+            if people == material.crowd:
                 against.append(Versus(kind, ours, theirs, "m", 1.0))
     return Table(columns, tuple(rows), verdict(against, verdicts.APPROACH))
 
@@ -195,15 +198,15 @@ def braking(material: Material) -> Table:
     times = ("median of all [s]", "mean of those who brake [s]", "paper")
     columns = ("encounter", "pedestrians", *times, "brake", "never", "already", "standing")
     rows = []
-    for people in POPULATIONS:
+    for people in material.populations:
         for kind in ("jaywalk", "crosswalk"):
-            found = material.cell(CO_TRAINED, people)["encounters"][kind]["braking"]
+            found = material.cell(material.subject, people)["encounters"][kind]["braking"]
             theirs = f"{published.BRAKING}" if kind == "jaywalk" else NONE
             counts = (f"{found[x]:,}" for x in ("observed", "censored", "already", "standing"))
             rows.append(
                 (kind, people, shown(found["median"], 1.0, 2), shown(found["mean_observed"], 1.0, 2), theirs, *counts)
             )
-    ours = material.cell(CO_TRAINED, LEARNED)["encounters"]["jaywalk"]["braking"]["mean_observed"]
+    ours = material.cell(material.subject, material.crowd)["encounters"]["jaywalk"]["braking"]["mean_observed"]
     against = [Versus("mean time to braking for jaywalkers", ours, published.BRAKING, "s", 1.0)]
     return Table(columns, tuple(rows), verdict(against, verdicts.BRAKING))
 
@@ -222,7 +225,7 @@ def ablation(material: Material) -> Table:
     )
     rows, against = [], []
     for multiplier in material.multipliers:
-        for people in POPULATIONS:
+        for people in material.populations:
             found = material.ablated(multiplier, people)
             share = shown(found["jaywalk_share"]["mean"])
             pair = published.ABLATION[multiplier] if people == ALWAYS_GO else None
@@ -252,5 +255,3 @@ TABLES: dict[str, Callable[[Material], Table]] = {
     "ablation": ablation,
 }
 """Every table, by name of its file."""
-SEVERAL_SEEDS = ("training_seeds",)
-"""Tables that compare training seeds."""

@@ -12,11 +12,12 @@ from jaxwalk.evaluation.results import SCHEMA
 from jaxwalk.metrics.statistics import FEWEST_SEEDS
 from jaxwalk.report.figures import draw_all
 from jaxwalk.report.latex import write_latex
-from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material, ReportError
+from jaxwalk.report.material import Material, ReportError
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.style import inline
 from jaxwalk.report.table import shown, write_csv
 from jaxwalk.report.tables import make_all
+from jaxwalk.viewer.replay import as_script, gallery_html, gallery_script, gallery_style
 
 
 def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
@@ -27,21 +28,22 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
     try:
         _check_version(documents)
         material = Material(**documents)
-        tables = make_all(material)
+        sections = [section for section in SECTIONS if section.applies(material)]
+        tables = make_all([s.table for s in sections if s.table], material)
         facts, summary = _facts(material), _summary(material)
-        figures = draw_all(material, folder / "figures")
+        figures = draw_all([s.figure for s in sections if s.figure], material, folder / "figures")
     except (KeyError, TypeError, IndexError) as error:
         raise ReportError(
             f"{folder}: the results are damaged or of another version (no {error}); evaluate again"
         ) from error
+    captions = {s.table: f"{s.heading}. {s.said(material)}" for s in sections if s.table}
     write_csv(tables, folder / "tables")
-    captions = {s.table: f"{s.heading}. {s.caption}" for s in SECTIONS if s.table}
     write_latex(tables, captions, folder / "tables")
     page = _page(
-        sections=[section for section in SECTIONS if section.table is None or section.table in tables],
-        first_seed=material.training_seeds[0] if material.several else None,
-        tables=tables, figures=figures, facts=facts, summary=summary, episode=material.episode,
+        sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,
+        tables=tables, figures=figures, facts=facts, summary=summary,
         drawing=inline(material.episode_svg, "episode") if material.episode_svg else None,
+        gallery=_gallery(material.gallery) if material.gallery else None, cells=_to_watch(material.gallery),
     )  # fmt: skip
     path = folder / "report.html"
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
@@ -50,10 +52,21 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
     return path
 
 
+def _gallery(document: Mapping[str, Any]) -> dict[str, str]:
+    """The parts of the gallery of failures."""
+    return {"css": gallery_style(), "html": gallery_html(), "script": gallery_script(), "data": as_script(document)}
+
+
+def _to_watch(gallery: Mapping[str, Any] | None) -> set[str]:
+    """Whose collisions the gallery has, by the words that its script uses for them."""
+    episodes = gallery["episodes"] if gallery else []
+    return {f"{episode['driver']} among {episode['pedestrians']}" for episode in episodes}
+
+
 def _check_version(documents: Mapping[str, Any]) -> None:
     """Raise KeyError for documents of another schema."""
     for name in ("results", "ablation"):
-        if documents[name].get("schema") != SCHEMA:
+        if documents.get(name) is not None and documents[name].get("schema") != SCHEMA:
             raise KeyError(f"schema {SCHEMA} in {name}.json")
 
 
@@ -68,15 +81,15 @@ def _page(**content: Any) -> str:
 
 
 def _summary(material: Material) -> list[dict[str, str]]:
-    """The four numbers that people ask for first."""
+    """The numbers that people ask for first."""
     return [
         {
-            "title": f"{driver} among {people}",
+            "cell": f"{driver} among {people}",
             "goal": shown(found["goal_rate"]["mean"]),
             "collision": shown(found["collision_rate"]["mean"]),
         }
-        for driver in (CO_TRAINED, SINGLE_AGENT)
-        for people in (ALWAYS_GO, LEARNED)
+        for driver in material.headline
+        for people in material.populations
         for found in [material.over_seeds(driver, people)]
     ]
 
@@ -95,11 +108,10 @@ def _seeds(material: Material) -> str:
 def _facts(material: Material) -> list[tuple[str, str]]:
     """Where the numbers come from."""
     scenarios, made = material.results["scenarios"], material.provenance
-    facts = [
-        ("Recipe", material.plan["recipe"]),
-        ("Training seeds", _seeds(material)),
-        ("Scenarios", f"{scenarios['count']:,} in each cell, seed {scenarios['seed']}, hash {scenarios['hash']}"),
-    ]
+    facts = [] if material.plan is None else [("Recipe", material.plan["recipe"]), ("Training seeds", _seeds(material))]
+    facts.append(
+        ("Scenarios", f"{scenarios['count']:,} in each cell, seed {scenarios['seed']}, hash {scenarios['hash']}")
+    )
     for name, curves in material.curves.items():
         last = [lines[-1] for lines in curves.values()]
         times = ", ".join(f"{line['seconds'] / 60:.1f}" for line in last)

@@ -63,9 +63,23 @@ def part(name: str) -> str:
     return resources.files("jaxwalk.viewer").joinpath("page", name).read_text(encoding="utf-8")
 
 
-def player_script() -> str:
-    """Everything that the player is made of."""
-    return "\n".join(part(name) for name in SCRIPTS)
+def _joined(*names: str) -> str:
+    return "\n".join(part(name) for name in names)
+
+
+def gallery_html() -> str:
+    """The gallery of failures, with a player in a dialog, for another page; it needs the three parts that follow."""
+    return part("gallery.html").replace("{{ player }}", part("player.html"))
+
+
+def gallery_style() -> str:
+    """Its style sheet; the page gives the colours ``--ink``, ``--soft``, ``--page``, ``--line`` and ``--tint``."""
+    return _joined("player.css", "gallery.css")
+
+
+def gallery_script() -> str:
+    """Its script, a module: the class ``Gallery(element, data)``."""
+    return _joined(*SCRIPTS, "gallery.js")
 
 
 def replay_page(document: dict[str, Any], path: Path, *, title: str) -> None:
@@ -74,8 +88,8 @@ def replay_page(document: dict[str, Any], path: Path, *, title: str) -> None:
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
     page = environment.from_string(part("replay.html")).render(
-        title=title, css=part("page.css") + part("player.css"), player=part("player.html"), data=as_script(document),
-        script=player_script(),
+        title=title, css=_joined("page.css", "player.css"), player=part("player.html"), data=as_script(document),
+        script=_joined(*SCRIPTS),
     )  # fmt: skip
     with whole(path) as unfinished:
         unfinished.write_text(page, encoding="utf-8")

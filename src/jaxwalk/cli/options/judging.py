@@ -88,16 +88,36 @@ class Play:
 
 @dataclass(frozen=True)
 class Report:
-    """Make the report of a `jaxwalk reproduce` folder again: figures, tables and report.html."""
+    """One page to read: how drivers fare among people, figures, and the collisions to watch.
 
-    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")] = field()
-    """The folder that `jaxwalk reproduce` wrote."""
+    For example: jaxwalk report runs/first co-trained route-follower
+    """
+
+    runs: Annotated[tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="[RUN ...]")] = (
+        "co-trained", "single-agent", "route-follower",
+    )  # fmt: skip
+    """Drivers as in `jaxwalk evaluate`: names or run folders, the one that matters most first (default: three that come
+    with jaxwalk). Or one folder of `jaxwalk reproduce`: its report is made again."""
+    pedestrians: Annotated[tuple[str, ...], option("always-go learned", "P [P ...]")] = ("always-go", "learned")
+    """Among whom, up to three: always-go, learned, run folders or policy files."""
+    episodes: Annotated[int, option("500", "N")] = 500
+    """Scenarios for each driver and population."""
+    incidents: Annotated[int, option("40", "N")] = 40
+    """Show so many of the worst collisions, and of the nearest misses, of each driver and population; 0: none."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Which set of scenarios."""
+    map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
+    """Bundled maps or map files."""
+    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this."""
+    out: Annotated[Path, option("runs/report", "DIR")] = Path("runs/report")
+    """Folder for report.html, figures, tables and numbers; files of an earlier report are replaced."""
 
     def run(self) -> int:
         """Do it."""
-        from jaxwalk.cli.reproduce import remake
+        from jaxwalk.cli.report import run
 
-        return remake(self.folder)
+        return run(self)
 
 
 @dataclass(frozen=True)

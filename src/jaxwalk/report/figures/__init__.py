@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -31,11 +31,11 @@ FIGURES: dict[str, Callable[[Material], Figure]] = {
 """Every figure, by name of its files."""
 
 
-def draw_all(material: Material, folder: Path) -> dict[str, str]:
-    """Write every figure; returns drawings for the page, by name."""
+def draw_all(names: Iterable[str], material: Material, folder: Path) -> dict[str, str]:
+    """Write the figures of these names; returns drawings for the page, by name."""
     folder.mkdir(parents=True, exist_ok=True)
     made = {}
-    for name, draw in FIGURES.items():
+    for name in names:
         with drawing(name):
-            made[name] = save(draw(material), folder, name)
+            made[name] = save(FIGURES[name](material), folder, name)
     return made

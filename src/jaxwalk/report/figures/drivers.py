@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jaxwalk.report import published
-from jaxwalk.report.figures.marks import COLOURS, DIAMOND, points
-from jaxwalk.report.material import POPULATIONS, Material, Number
+from jaxwalk.report.figures.marks import DIAMOND, points, populations
+from jaxwalk.report.material import Material, Number
 from jaxwalk.report.style import INK, panels
 
 RATES = (("goal_rate", "goals [%]", 0), ("collision_rate", "collisions [%]", 1))
@@ -20,16 +20,18 @@ def baselines(material: Material) -> Figure:
     """Goals and collisions of every driver, among both populations."""
     figure, axes = panels(2, height=3.8, sharey=True)
     names = material.drivers
+    known = [name for name in names if _published(name, 0)]
     for axis, (rate, unit, place) in zip(axes, RATES, strict=True):
-        for k, people in enumerate(POPULATIONS):
+        for people, colour, aside in populations(material, spread=0.34):
             ours = [material.over_seeds(name, people)[rate] for name in names]
-            where = [i + 0.17 * (2 * k - 1) for i in range(len(names))]
+            where = [i + aside for i in range(len(names))]
             means, label = [number["mean"] for number in ours], f"ours, among {people}"
-            points(axis, means, where, color=COLOURS[people], label=label, scale=100.0, flat=True)
-            _each_seed(axis, ours, where, "each training seed" if k == 0 and material.several else None)
+            points(axis, means, where, color=colour, label=label, scale=100.0, flat=True)
+            first = people == material.populations[0]
+            _each_seed(axis, ours, where, "each training seed" if first and material.several else None)
         for i, name in enumerate(names):
             for value in _published(name, place):
-                axis.plot(value, i, **DIAMOND, label="paper" if i == 0 else None)
+                axis.plot(value, i, **DIAMOND, label="paper" if name == known[0] else None)
         axis.set(xlabel=unit, xlim=(-2, 102))
     axes[0].set_yticks(range(len(names)), names)
     axes[0].invert_yaxis()
@@ -55,10 +57,10 @@ def ablation(material: Material) -> Figure:
     """Goals and collisions of the co-trained driver by jaywalk multiplier."""
     figure, axes = panels(2)
     for axis, (rate, label, place) in zip(axes, RATES, strict=True):
-        for k, people in enumerate(POPULATIONS):
+        for people, colour, aside in populations(material, spread=0.02):
             ours = [material.ablated(m, people)[rate]["mean"] for m in material.multipliers]
-            where = [m + 0.01 * (2 * k - 1) for m in material.multipliers]
-            points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100.0, line=True)
+            where = [m + aside for m in material.multipliers]
+            points(axis, ours, where, color=colour, label=f"ours, among {people}", scale=100.0, line=True)
         theirs = [pair[place] for pair in published.ABLATION.values()]
         style: dict[str, Any] = DIAMOND | {"linestyle": ":", "label": "paper, among always-go"}
         axis.plot(list(published.ABLATION), theirs, **style)

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from jaxwalk.report.material import POPULATIONS, Material
+from jaxwalk.report.material import Material
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PURPLE, RED, SKY, panels
 
 LEAST = 0.01
@@ -20,8 +20,8 @@ SIGNS = tuple(zip("sv^<Dox", (GRID, PURPLE, SKY, GREEN, ORANGE, RED, BLUE), stri
 def frontier(material: Material) -> Figure:
     """Each driver's collisions against its time to the goal, a sign for each training seed; the best lie at the left
     below, and the line joins the drivers that nobody beats in both, by their means over seeds."""
-    figure, axes = panels(2, height=3.9, sharey=True)
-    for axis, people in zip(axes, POPULATIONS, strict=True):
+    figure, axes = panels(len(material.populations), height=3.9, sharey=True)
+    for axis, people in zip(axes, material.populations, strict=True):
         _drivers(axis, material, people)
         axis.set(title=f"among {people}", xlabel="mean time to the goal [s]", yscale="log", ylim=(LEAST * 0.7, 100))
         axis.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))

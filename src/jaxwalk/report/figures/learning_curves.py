@@ -22,7 +22,7 @@ ENDINGS = (("goal_rate", GREEN), ("collision_rate", RED), ("timeout_rate", GRID)
 
 def learning_curves(material: Material) -> Figure:
     """Goals and collisions during training, of the episodes that ended in each update."""
-    figure, axes = panels(2, sharey=True)
+    figure, axes = panels(len(material.curves), sharey=True)
     shown = ENDINGS[:2] if material.several else ENDINGS
     for axis, (name, curves) in zip(axes, material.curves.items(), strict=True):
         for rate, colour in shown:

@@ -7,12 +7,11 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from jaxwalk.report.material import ALWAYS_GO, LEARNED, Number
-from jaxwalk.report.style import BLUE, ORANGE, PAPER, RED
+from jaxwalk.report.material import Material, Number
+from jaxwalk.report.style import BLUE, GREEN, ORANGE, PAPER, PURPLE, RED
 
-COLOURS = {ALWAYS_GO: ORANGE, LEARNED: BLUE}
 TYPES = {"crosswalk": BLUE, "jaywalk": RED}
-"""Colours of populations, and of types of crossing."""
+"""Colours of the types of crossing."""
 DIAMOND: dict[str, Any] = {
     "color": PAPER,
     "marker": "D",
@@ -22,6 +21,14 @@ DIAMOND: dict[str, Any] = {
     "zorder": 4,
 }
 """How the paper's numbers look."""
+
+
+def populations(material: Material, *, spread: float) -> list[tuple[str, str, float]]:
+    """Each population with its colour and, its place beside the middle, over a width of ``spread`` in all."""
+    names = material.populations
+    colours = (ORANGE, BLUE, GREEN, PURPLE)
+    step = spread / max(len(names) - 1, 1)
+    return [(name, colours[k % len(colours)], step * (k - (len(names) - 1) / 2)) for k, name in enumerate(names)]
 
 
 def points(

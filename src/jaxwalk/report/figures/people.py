@@ -7,8 +7,8 @@ from collections.abc import Callable
 from matplotlib.figure import Figure
 
 from jaxwalk.report import published
-from jaxwalk.report.figures.marks import COLOURS, DIAMOND, points
-from jaxwalk.report.material import CO_TRAINED, LEARNED, POPULATIONS, ROUTE_FOLLOWER, Material, Number
+from jaxwalk.report.figures.marks import DIAMOND, points, populations
+from jaxwalk.report.material import ROUTE_FOLLOWER, Material, Number
 from jaxwalk.report.style import BLUE, COLUMN, GRID, ORANGE, RED, SKY, panels
 
 SHARES: dict[str, Callable[[dict], Number]] = {
@@ -24,13 +24,12 @@ SHARES: dict[str, Callable[[dict], Number]] = {
 def attribution(material: Material) -> Figure:
     """Jaywalking's share of collisions beside its share of crossings, encounters and time."""
     figure, (axis,) = panels(1, height=2.6)
-    places = [(0.17 * (2 * k - 1), people) for k, people in enumerate(POPULATIONS)]
     names = list(SHARES)
-    for shift, people in places:
-        found = material.cell(CO_TRAINED, people)["attribution"]
+    for people, colour, aside in populations(material, spread=0.34):
+        found = material.cell(material.subject, people)["attribution"]
         ours = [find(found) for find in SHARES.values()]
-        where = [i + shift for i in range(len(names))]
-        points(axis, ours, where, color=COLOURS[people], label=f"ours, among {people}", scale=100.0, flat=True)
+        where = [i + aside for i in range(len(names))]
+        points(axis, ours, where, color=colour, label=f"ours, among {people}", scale=100.0, flat=True)
     for i, value in ((0, published.COLLISIONS_JAYWALK), (1, published.CROSSINGS_JAYWALK)):
         axis.plot(value, i, **DIAMOND, label="paper" if i == 0 else None)
     axis.set_yticks(range(len(names)), names)
@@ -43,7 +42,7 @@ def attribution(material: Material) -> Figure:
 def quarters(material: Material) -> Figure:
     """Jaywalk rate by quarter of the trait."""
     figure, (axis,) = panels(1, width=COLUMN, height=2.6)
-    found = material.cell(CO_TRAINED, LEARNED)["jaywalk_rate"]["quarters"]
+    found = material.cell(material.subject, material.crowd)["jaywalk_rate"]["quarters"]
     points(axis, found, [0.0, 1.0, 2.0, 3.0], color=BLUE, label="ours", scale=100.0)
     for i, value in enumerate(published.QUARTERS):
         axis.plot(i + 0.12, value, **DIAMOND, label="paper" if i == 0 else None)
@@ -53,8 +52,6 @@ def quarters(material: Material) -> Figure:
     return figure
 
 
-KERB_DRIVERS = (ROUTE_FOLLOWER, CO_TRAINED)
-"""Before whom people wait: the driver that heeds nobody, and the one that learned with them."""
 KERB_AXES = {"by_distance": "distance of the car [m]", "by_speed": "speed of the car [m/s]"}
 MISSES = {"below 1 m": RED, "1 to 2.5 m": ORANGE, "2.5 to 5 m": SKY, "5 m or more": GRID}
 """The predicted misses, in the order of a bin's rates."""
@@ -64,10 +61,12 @@ FEWEST = 20
 
 def waiting(material: Material) -> Figure:
     """Wait rate at the kerb by the car's distance and by its speed, for each predicted miss; a driver in each row."""
-    figure, axes = panels(2, rows=len(KERB_DRIVERS), height=2.9 * len(KERB_DRIVERS) + 0.4, sharey=True)
-    places = [(driver, by, label) for driver in KERB_DRIVERS for by, label in KERB_AXES.items()]
+    # the driver that heeds nobody, and the subject
+    drivers = list(dict.fromkeys(d for d in (ROUTE_FOLLOWER, material.subject) if d in material.drivers))
+    figure, axes = panels(2, rows=len(drivers), height=2.9 * len(drivers) + 0.4, sharey=True)
+    places = [(driver, by, label) for driver in drivers for by, label in KERB_AXES.items()]
     for axis, (driver, by, label) in zip(axes, places, strict=True):
-        bins = material.cell(driver, LEARNED)["waiting"][by]
+        bins = material.cell(driver, material.crowd)["waiting"][by]
         width = bins[0]["end"] - bins[0]["begin"]
         for k, (name, colour) in enumerate(MISSES.items()):
             known = [b for b in bins if b["rates"][k]["count"] >= FEWEST]

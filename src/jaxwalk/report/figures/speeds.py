@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from jaxwalk.report import published
 from jaxwalk.report.figures.marks import DIAMOND, TYPES, points
-from jaxwalk.report.material import CO_TRAINED, LEARNED, POPULATIONS, Material, Number
+from jaxwalk.report.material import Material, Number
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, PURPLE, RED, SKY, panels
 from jaxwalk.report.surprise import FEWEST
 
@@ -22,7 +22,7 @@ WEIGHTS = (("pooled", "pooled over frames", PURPLE), ("by_encounter", "by encoun
 def speed_differential(material: Material) -> Figure:
     """Car speed by distance to the nearest pedestrian on a roadway, by type; the gap shaded, and drawn at the right."""
     figure, axes = panels(3, height=3.0)
-    bins = material.cell(CO_TRAINED, LEARNED)["speed_differential"]
+    bins = material.cell(material.subject, material.crowd)["speed_differential"]
     for axis, (weight, title, _) in zip(axes, WEIGHTS, strict=False):
         _speeds(axis, bins, weight)
         axis.set(title=f"car speed, {title} [m/s]", ylim=(0, 9))
@@ -68,9 +68,9 @@ def _gaps(axis: Axes, bins: list[dict[str, Any]]) -> None:
 
 def surprise(material: Material) -> Figure:
     """The difference four ways, and what of it is left beyond ghosts, among both populations."""
-    figure, axes = panels(2, height=3.2, sharey=True)
-    for axis, people in zip(axes, POPULATIONS, strict=True):
-        found = material.cell(CO_TRAINED, people)["speed_differential"]
+    figure, axes = panels(len(material.populations), height=3.2, sharey=True)
+    for axis, people in zip(axes, material.populations, strict=True):
+        found = material.cell(material.subject, people)["speed_differential"]
         bins = [b for b in found if b["by_encounter"]["difference"]["count"] >= FEWEST]
         for k, (name, (find, colour, marker)) in enumerate(WAYS.items()):
             where = [_middle(b) + 0.3 * (k - 2) for b in bins]

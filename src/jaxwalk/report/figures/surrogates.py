@@ -11,12 +11,10 @@ from matplotlib.figure import Figure
 
 from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CRITICAL, TTC_CRITICAL
 from jaxwalk.report.figures.marks import TYPES
-from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, SINGLE_AGENT, Material
+from jaxwalk.report.material import Material
 from jaxwalk.report.style import INK, panels
 from jaxwalk.sim.config import SimConfig
 
-DRIVERS = {CO_TRAINED: "-", SINGLE_AGENT: "--"}
-"""Whose encounters are drawn, among people who leave it to the driver, and how."""
 MEASURES = {
     "ttc": ("time to collision below [s]", TTC_CRITICAL, "critical"),
     "pet": ("post-encroachment time below [s]", PET_CRITICAL, "critical"),
@@ -31,9 +29,11 @@ FEWEST = 20
 def surrogates(material: Material) -> Figure:
     """The share of encounters beyond thresholds of four measures, by type and driver."""
     figure, axes = panels(2, rows=2, height=5.2)
-    found = {driver: material.cell(driver, ALWAYS_GO)["surrogate_distributions"] for driver in DRIVERS}
+    drivers = [(material.subject, "-"), *([(material.rival, "--")] if material.rival else [])]
+    people = material.populations[0]  # always-go, who leave it to the driver
+    found = {driver: material.cell(driver, people)["surrogate_distributions"] for driver, _ in drivers}
     for axis, (name, (label, critical, word)) in zip(axes, MEASURES.items(), strict=True):
-        for driver, line in DRIVERS.items():
+        for driver, line in drivers:
             for kind, colour in TYPES.items():
                 _curve(axis, found[driver][kind][name], colour, line, f"{driver}, {kind}")
         axis.axvline(critical, color=INK, lw=0.8, ls=":")

@@ -1,0 +1,57 @@
+"""``jaxwalk report``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.console import Console
+
+from jaxwalk.cli.options import Report, UsageError
+from jaxwalk.cli.train import bad_values
+from jaxwalk.evaluation import with_jaywalk_multiplier
+from jaxwalk.experiments.contestants import contestant, world_of
+from jaxwalk.experiments.driver_report import driver_report
+from jaxwalk.experiments.gallery import Cast
+from jaxwalk.experiments.reproduce import report as remake
+from jaxwalk.experiments.runs import check_writable
+
+MOST_POPULATIONS, MOST_INCIDENTS = 3, 200
+"""More would fit into no figure, and into no page."""
+
+
+def run(options: Report) -> int:
+    """Make the report; of a folder of `jaxwalk reproduce`, again."""
+    again = [Path(name) for name in options.runs if (Path(name) / "plan.json").is_file()]
+    if again:
+        if len(options.runs) > 1:
+            raise UsageError(f"{again[0]}: a folder of `jaxwalk reproduce` is reported on its own; name it alone")
+        print(f"Open {remake(again[0])}")
+        return 0
+    check(options)
+    with bad_values():
+        street = with_jaywalk_multiplier(
+            world_of([*options.runs, *options.pedestrians], options.map), options.jaywalk_multiplier
+        )
+        drivers = {name: contestant(street, "driver", name) for name in options.runs}
+        people = {name: contestant(street, "pedestrian", name) for name in options.pedestrians}
+    console = Console(stderr=True)
+    cast = Cast(street, drivers, people, options.seed)
+    page = driver_report(
+        options.out, cast, episodes=options.episodes, most=options.incidents,
+        say=lambda line: console.print(line, soft_wrap=True, markup=False),
+    )  # fmt: skip
+    print(f"Open {page}")
+    return 0
+
+
+def check(options: Report) -> None:
+    """Raise for options that can't be."""
+    if not 1 <= len(options.pedestrians) <= MOST_POPULATIONS:
+        raise UsageError(f"--pedestrians takes 1 to {MOST_POPULATIONS} populations, not {len(options.pedestrians)}")
+    if options.episodes < 1:
+        raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
+    if not 0 <= options.incidents <= MOST_INCIDENTS:
+        raise UsageError(f"--incidents must lie in [0, {MOST_INCIDENTS}], not {options.incidents}")
+    if not 0 <= options.seed < 2**31:
+        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
+    check_writable(options.out)
