@@ -25,6 +25,8 @@ EVERY = 2.0
 """Numbers are written at most once in so many seconds."""
 POINTS = 150
 """Curves have at most so many points, each the mean of equally many updates."""
+RECENT = 10
+"""Endings are also told over the episodes of so many last updates."""
 ENDINGS = ("goal_rate", "collision_rate", "timeout_rate")
 """Curves in which an update weighs as much as it has ended episodes."""
 LEARNING = ("learning_rate", *(f"{role}/{name}" for role in ("driver", "pedestrian") for name in (
@@ -83,18 +85,19 @@ def there_is_one(folder: Path) -> bool:
 
 
 def curves(lines: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """``at``, the last update of each of at most `POINTS` stretches, and ``curves``, means over them by name.
+    """``at``, the last update of each of at most `POINTS` stretches; ``curves``, means over them by name; ``recent``.
 
     None where no number is known, as of endings before the first episode ends.
     """
     if not lines:
-        return {"at": [], "curves": {}}
+        return {"at": [], "curves": {}, "recent": {}}
     begins = np.linspace(0, len(lines), min(len(lines), POINTS), endpoint=False).astype(int)
     last = [*(begins[1:] - 1), len(lines) - 1]
     names = [name for name in CURVES if name in lines[-1]]
     return {
         "at": [lines[i]["update"] for i in last],
         "curves": {name: _means(lines, name, begins) for name in names},
+        "recent": {name: _means(lines[-RECENT:], name, np.array([0]))[0] for name in names if name in ENDINGS},
     }
 
 
