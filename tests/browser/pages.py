@@ -64,3 +64,8 @@ def incidents():
         {"episode": 1, **missed, "nearest": 2.0, "contact": "crosswalk"},
         {"episode": 5, **hit, "risk": 0.3},
     ]
+
+
+def gallery_document():
+    """What the gallery of failures shows."""
+    return {**replay_document(), "lead": 3.0, "incidents": incidents()}

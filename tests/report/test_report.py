@@ -10,12 +10,16 @@ import pytest
 from markupsafe import escape
 from PIL import Image
 
+from browser.pages import gallery_document
 from jaxwalk.report import ReportError, write_report
 from jaxwalk.report.figures import FIGURES
 from jaxwalk.report.sections import SECTIONS
-from jaxwalk.report.tables import SEVERAL_SEEDS, TABLES
+from jaxwalk.report.tables import TABLES
 from jaxwalk.report.verdicts import Versus, verdict
 from report.material import material
+
+OF_SEVERAL = ("training_seeds",)
+"""Tables that compare training seeds."""
 
 
 @pytest.fixture(scope="module")
@@ -50,17 +54,17 @@ def _table(folder, name):
 
 def test_every_section_table_and_figure_is_in_the_page(page, several):
     for section in SECTIONS:
-        expected = section.table not in SEVERAL_SEEDS
+        expected = section.table not in OF_SEVERAL
         assert (f"<h2>{escape(section.heading)}" in page) == expected
         assert f"<h2>{escape(section.heading)}" in (several / "report.html").read_text(encoding="utf-8")
     shown = [section.table for section in SECTIONS if section.table]
     assert sorted(shown) == sorted(TABLES)
-    assert page.count("<table>") == len(TABLES) - len(SEVERAL_SEEDS)
+    assert page.count("<table>") == len(TABLES) - len(OF_SEVERAL)
     assert page.count("<svg") == len(FIGURES) + 1
 
 
 def test_files_of_every_table_and_figure(folder):
-    made = {f"{name}.{kind}" for name in set(TABLES) - set(SEVERAL_SEEDS) for kind in ("csv", "tex")}
+    made = {f"{name}.{kind}" for name in set(TABLES) - set(OF_SEVERAL) for kind in ("csv", "tex")}
     assert {p.name for p in (folder / "tables").iterdir()} == made
     assert {p.name for p in (folder / "figures").iterdir()} == {
         f"{n}.{kind}" for n in FIGURES for kind in ("svg", "png")
@@ -189,3 +193,39 @@ def test_verdicts():
     assert verdict([outside], "Because.") == "Differs from the paper: collisions: 2.00, below 14.0 %. Because."
     assert verdict([unknown], "Because.") == "Too few cases to say: time."
     assert "Because." in verdict([inside, outside, unknown], "Because.")
+
+
+def test_any_drivers_among_any_people(documents, tmp_path):
+    cells = [{**cell, "driver": f"my/{cell['driver']}"} for cell in documents["results"]["cells"]]
+    over = [{**found, "driver": f"my/{found['driver']}"} for found in documents["results"]["over_seeds"]]
+
+    def alone(found):
+        return [one for one in found if one["pedestrians"] == "always-go" and one["driver"] != "my/random"]
+
+    results = {**documents["results"], "cells": alone(cells), "over_seeds": alone(over)}
+    del results["paired"]
+    subject = "my/rule-based"
+    mine = {
+        "results": results, "curves": {}, "minutes": {"all": 1.0}, "provenance": documents["provenance"],
+        "subject": subject, "headline": (subject,), "gallery": gallery_document(),
+    }  # fmt: skip
+    text = write_report(tmp_path, mine).read_text(encoding="utf-8")
+    for heading in ("Co-training against training alone", "More and less jaywalking", "How the drivers learned"):
+        assert heading not in text
+    for heading in ("Collisions and near misses", "Who reaches the goal", "Every driver among every population"):
+        assert f"<h2>{heading}" in text
+    assert f"Mean speed of {subject} among always-go pedestrians" in text
+    assert f"of {subject} by what the pedestrian was doing" in text
+    assert "Training seeds" not in text
+    assert len(_table(tmp_path, "matrix")) == 6
+
+
+def test_numbers_of_who_can_be_watched_are_links(documents, tmp_path):
+    gallery = gallery_document()
+    for episode in gallery["episodes"]:
+        episode["driver"] = {"rash": "co-trained", "careful": "route-follower"}[episode["driver"]]
+    text = write_report(tmp_path, {**documents, "gallery": gallery}).read_text(encoding="utf-8")
+    linked = re.findall(r'<a href="#gallery" data-cell="([^"]*)">', text)
+    assert set(linked) == {"co-trained among always-go", "route-follower among always-go"}
+    assert linked[0] == "co-trained among always-go"
+    assert '"incidents":' in text

@@ -30,8 +30,8 @@ def baselines(material: Material) -> Figure:
             first = people == material.populations[0]
             _each_seed(axis, ours, where, "each training seed" if first and material.several else None)
         for i, name in enumerate(names):
-            for value in _published(name, place):
-                axis.plot(value, i, **DIAMOND, label="paper" if name == known[0] else None)
+            theirs = _published(name, place)
+            axis.plot(theirs, [i] * len(theirs), **DIAMOND, label="paper" if name in known[:1] else None)
         axis.set(xlabel=unit, xlim=(-2, 102))
     axes[0].set_yticks(range(len(names)), names)
     axes[0].invert_yaxis()

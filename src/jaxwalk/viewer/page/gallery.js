@@ -4,7 +4,7 @@ const AVOIDABLE = {
   driver: "avoidable by the driver", either: "avoidable by either", pedestrian: "avoidable by the pedestrian", unavoidable: "unavoidable",
 };
 const WHO = { jaywalk: "jaywalker", crosswalk: "crosswalk user", sidewalk: "pedestrian on the sidewalk" };
-const SHOWN = 24; // cards at first, and with each "Show more"
+const SHOWN = 12; // cards at first, and with each "Show more"
 const CLOSE_UP = 26; // a card's picture is so many metres wide
 
 class Gallery {
@@ -89,8 +89,9 @@ class Gallery {
   }
 
   #counted() {
-    const of = (kind) => this.chosen.filter((one) => one.kind === kind).length;
-    return `${of("collision")} collisions and ${of("near miss")} near misses. A click plays one.`;
+    const hits = this.chosen.filter((one) => one.kind === "collision").length, misses = this.chosen.length - hits;
+    const count = (n, one, many) => `${n} ${n === 1 ? one : many}`;
+    return `${count(hits, "collision", "collisions")} and ${count(misses, "near miss", "near misses")}. A click plays one.`;
   }
 
   // A button for each group, the largest first, that shows it alone.

@@ -1,0 +1,124 @@
+"""From a collision rate to watching the worst avoidable collision, as a reader of the report would."""
+
+from __future__ import annotations
+
+import pytest
+
+from browser.pages import gallery_document
+from jaxwalk.report import write_report
+from report.material import material
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """A report whose gallery has two drivers of the report's own."""
+    gallery = gallery_document()
+    for episode in gallery["episodes"]:
+        episode["driver"] = {"rash": "co-trained", "careful": "single-agent"}[episode["driver"]]
+    return write_report(tmp_path_factory.mktemp("report"), {**material(1), "gallery": gallery})
+
+
+@pytest.fixture
+def opened(file, open_file):
+    page = open_file(file)
+    page.wait_for_selector(".incidents button")
+    return page
+
+
+def cards(page):
+    """What is said of each incident."""
+    return page.locator(".incidents .how").all_text_contents()
+
+
+def test_three_clicks_to_the_worst_avoidable_collision(opened):
+    opened.click("a[data-cell='co-trained among always-go']")
+    assert len(cards(opened)) == 2
+    opened.click("text=avoidable by the driver (1)")
+    assert cards(opened) == ["Hit at 5.0 m/s, 20 % risk of serious injury, avoidable by the driver"]
+    opened.click(".incidents button")
+    opened.wait_for_selector("dialog[open] .stage canvas")
+    assert opened.text_content("dialog figcaption") == "co-trained among always-go, scenario 7: collision after 4.0 s"
+    assert float(opened.text_content("dialog .clock").split(" s")[0]) == 1.0  # 3 s before it
+
+
+def test_the_worst_come_first_and_near_misses_last(opened):
+    said = cards(opened)
+    assert [text.split(",")[0] for text in said] == ["Hit at 5.0 m/s"] * 3 + ["Near miss: 0.4 s to collision"]
+    assert [text.split(" % risk")[0][-2:] for text in said[:3]] == ["30", "20", "10"]
+    assert opened.text_content(".count") == "3 collisions and 1 near miss. A click plays one."
+
+
+def test_filters_and_sorting(opened):
+    opened.select_option("[name=kind]", "near miss")
+    assert len(cards(opened)) == 1
+    opened.select_option("[name=contact]", "jaywalk")
+    assert cards(opened) == []
+    opened.select_option("[name=kind]", "collision")
+    assert len(cards(opened)) == 3
+    opened.select_option("[name=sort]", "avoidability")
+    assert [text.rsplit(", ")[-1] for text in cards(opened)] == [
+        "avoidable by the driver", "avoidable by the driver", "avoidable by either",
+    ]  # fmt: skip
+    opened.select_option("[name=sort]", "scenario")
+    assert "scenario 7" in opened.text_content(".incidents li:first-child")
+    opened.select_option("[name=cell]", "single-agent among always-go")
+    assert len(cards(opened)) == 1
+
+
+def test_situations_are_counted_and_chosen(opened):
+    chips = opened.locator(".situations button")
+    assert chips.all_text_contents() == [
+        "jaywalker from the right, car going straight (3)", "crosswalk user from the right, car going straight (1)",
+    ]  # fmt: skip
+    chips.last.click()
+    assert len(cards(opened)) == 1
+    assert opened.locator(".situations button[aria-pressed=true]").count() == 1
+    opened.locator(".situations button[aria-pressed=true]").click()
+    assert len(cards(opened)) == 4
+
+
+def test_pictures_are_drawn(opened):
+    opened.locator(".incidents canvas").first.scroll_into_view_if_needed()
+    opened.wait_for_timeout(400)
+    blank = "c => !c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v, i, d) => v !== d[i % 4])"
+    assert not opened.eval_on_selector(".incidents canvas", blank)
+
+
+def test_keys_go_from_incident_to_incident_and_close(opened):
+    opened.click(".incidents button")
+    opened.wait_for_selector("dialog[open] .stage canvas")
+    first = opened.text_content("dialog figcaption")
+    opened.keyboard.press("n")
+    opened.wait_for_function("before => document.querySelector('dialog figcaption').textContent !== before", arg=first)
+    opened.click("[data-go='-1']")
+    opened.wait_for_function("before => document.querySelector('dialog figcaption').textContent === before", arg=first)
+    assert "episode=" in opened.evaluate("location.hash")
+    opened.keyboard.press("Escape")
+    opened.wait_for_selector("dialog", state="hidden")
+    assert opened.evaluate("location.hash") == ""
+
+
+def test_an_address_opens_the_moment(file, open_file):
+    page = open_file(file, "#episode=217&t=2.3&driver=single-agent")
+    page.wait_for_selector("dialog[open] .stage canvas")
+    assert page.text_content("dialog .clock").startswith("2.3 s")
+    page.click("[data-go=close]")
+    page.wait_for_selector("dialog", state="hidden")
+
+
+def test_the_same_scenario_under_another_driver(opened):
+    opened.click(".incidents button")
+    opened.wait_for_selector("dialog[open] .stage canvas")
+    opened.select_option("[name=beside]", index=1)
+    opened.wait_for_function("document.querySelectorAll('dialog .stage').length === 2")
+    scenarios = [text.split("scenario ")[1][:3] for text in opened.locator("dialog figcaption").all_text_contents()]
+    assert scenarios == ["217", "217"]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nobody_is_shut_out(opened, axe, scheme):
+    opened.emulate_media(color_scheme=scheme)
+    axe(opened)
+    opened.click(".incidents button")
+    opened.wait_for_selector("dialog[open] .stage canvas")
+    axe(opened)
