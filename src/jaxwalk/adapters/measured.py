@@ -62,32 +62,31 @@ class Measured:
 
 
 def measure_all(
-    recordings: Iterable[Tracks],
+    recordings: Iterable[tuple[Tracks, Areas | None]],
     *,
-    areas: Areas | None,
     config: SimConfig,
     progress: Callable[[int], None] | None = None,
 ) -> Measured:
     """Measure recordings, one after the other.
 
     Args:
-        recordings: at least one with a car that moves.
-        areas: where roadway and crosswalks are; not needed by tables that say it.
+        recordings: at least one with a car that moves; each with its areas, which a table that says who is on a
+            roadway doesn't need.
         config: of its values, the step of the resampling, when a car is moving and what is a touch are used.
         progress: called after each recording with their number so far.
 
     Raises:
         TracksError: no car moves, or a recording can't be.
     """
-    parts, known = [], None
-    for number, tracks in enumerate(recordings, start=1):
+    parts, known, ground = [], None, True
+    for number, (tracks, areas) in enumerate(recordings, start=1):
+        ground &= areas is not None or {"on_roadway", "on_crosswalk"} <= tracks.known.keys()
         known = frozenset(tracks.known) if known is None else known & tracks.known.keys()
         parts += measure_tracks(tracks, areas=areas, config=config)
         if progress is not None:
             progress(number)
     if known is None or not parts:
         raise TracksError("there is no car that moves for two frames: nothing to measure")
-    ground = areas is not None or {"on_roadway", "on_crosswalk"} <= known
     return Measured(Rows.join(parts), known, ground)
 
 
