@@ -83,7 +83,7 @@ def _episode(trajectory: Trajectory, episode: int) -> Tracks:
         return np.concatenate([of_car, of_people.T.reshape(-1)])
 
     def constant(of_car: float, of_person: float) -> np.ndarray:
-        return both(np.full(frames, of_car, np.float32), np.full((frames, people), of_person, np.float32))
+        return both(np.full(frames, of_car), np.full((frames, people), of_person))
 
     return Tracks(
         episode=int(trajectory.scenario[episode]),
