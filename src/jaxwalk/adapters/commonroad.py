@@ -57,7 +57,7 @@ def commonroad(tracks: Tracks, network: Network, *, name: str, config: SimConfig
     return ET.tostring(root, encoding="utf-8", xml_declaration=True)
 
 
-def _decimal(value: float) -> str:
+def _decimal(value: float | np.floating) -> str:
     """A number without an exponent, to a tenth of a millimetre or better."""
     return f"{float(value):.6f}".rstrip("0").rstrip(".")
 
@@ -212,7 +212,7 @@ def _add_problem(root: ET.Element, car: Path, tracks: Tracks, config: SimConfig)
     ET.SubElement(circle, "radius").text = _decimal(config.goal_distance)
     centre = ET.SubElement(circle, "center")
     for tag, column in (("x", "goal_x"), ("y", "goal_y")):
-        ET.SubElement(centre, tag).text = _decimal(tracks.known[column][rows[0]])
+        ET.SubElement(centre, tag).text = _decimal(float(tracks.known[column][rows[0]]))
 
 
 def read_commonroad(document: bytes) -> dict[int, Path]:

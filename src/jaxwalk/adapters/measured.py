@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from jaxwalk.adapters.areas import Areas
-from jaxwalk.adapters.recordings import measure_tracks
+from jaxwalk.adapters.recordings import GAP, measure_tracks
 from jaxwalk.adapters.tracks import Tracks, TracksError
 from jaxwalk.metrics import Rows, summarise
 from jaxwalk.sim.config import SimConfig
@@ -81,12 +81,14 @@ def measure_all(
     parts, known, ground = [], None, True
     for number, (tracks, areas) in enumerate(recordings, start=1):
         ground &= areas is not None or {"on_roadway", "on_crosswalk"} <= tracks.known.keys()
-        known = frozenset(tracks.known) if known is None else known & tracks.known.keys()
+        known = frozenset(tracks.known).intersection(tracks.known if known is None else known)
         parts += measure_tracks(tracks, areas=areas, config=config)
         if progress is not None:
             progress(number)
     if known is None or not parts:
-        raise TracksError("there is no car that moves for two frames: nothing to measure")
+        raise TracksError(
+            f"there is no car that moves for two frames (rows more than {GAP:g} s apart are cut): nothing to measure"
+        )
     return Measured(Rows.join(parts), known, ground)
 
 

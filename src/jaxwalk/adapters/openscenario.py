@@ -105,13 +105,13 @@ def _follow(xosc: ModuleType, who: str, path: Path, places: list):
 def read_openscenario(document: bytes) -> dict[int, Path]:
     """The paths in a document that `openscenario` wrote, of centres, by id."""
     root, found = ET.fromstring(document), {}
-    sizes = {one.get("name", ""): one.find(".//BoundingBox") for one in root.iter("ScenarioObject")}
+    bodies = {one.get("name", ""): one for one in root.iter("ScenarioObject")}
     for group in root.iter("ManeuverGroup"):
         who = next(group.iter("EntityRef")).get("entityRef", "")
         vertices = [(v.get("time"), v.find("Position/WorldPosition")) for v in group.iter("Vertex")]
         t = np.array([float(time or "nan") for time, _ in vertices])
         x, y, heading = (np.array([float(p.attrib[name]) for _, p in vertices if p is not None]) for name in "xyh")
-        centre, size = (sizes[who].find(name).attrib for name in ("Center", "Dimensions"))
+        centre, size = (next(bodies[who].iter(name)).attrib for name in ("Center", "Dimensions"))
         ahead = float(centre["x"])
         kind = who.rstrip("0123456789")
         found[int(who.removeprefix(kind))] = Path(

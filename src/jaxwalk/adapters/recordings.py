@@ -32,9 +32,9 @@ class View:
     """A car's time in view."""
 
     tracks: Tracks
-    car: Int[np.ndarray, "row"]
+    car: Int[np.ndarray, "_"]
     """Rows of the car, in order of time."""
-    people: tuple[Int[np.ndarray, "row"], ...]
+    people: tuple[Int[np.ndarray, "_"], ...]
     """Rows of each pedestrian in view meanwhile."""
     times: Float[np.ndarray, "frame"]
     """Of the episode's frames [s]."""
@@ -64,7 +64,7 @@ def views(tracks: Tracks, config: SimConfig) -> Iterator[View]:
         yield View(tracks, car, tuple(people), begin + np.arange(steps + 1) * config.dt)
 
 
-def _pieces(tracks: Tracks) -> list[Int[np.ndarray, "row"]]:
+def _pieces(tracks: Tracks) -> list[Int[np.ndarray, "_"]]:
     """The rows of every unbroken stay in view, in order of id and time. TracksError for two rows of one moment."""
     order = np.lexsort((tracks.t, tracks.id))
     same, later = np.diff(tracks.id[order]) == 0, np.diff(tracks.t[order])

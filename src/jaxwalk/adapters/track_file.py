@@ -21,6 +21,8 @@ KEY, AREAS = b"jaxwalk", b"jaxwalk_areas"
 """The file's metadata: what it is, and the ground, each as JSON."""
 EPISODES = 32
 """Episodes in each group of rows of the file, which is read at once."""
+FINITE = ("t", "x", "y", "vx", "vy", "heading")
+"""Columns without which nothing can be measured."""
 
 
 def check_parquet() -> None:
@@ -125,15 +127,23 @@ class TrackFile:
 
     def _columns(self, group: int) -> dict[str, np.ndarray]:
         """All columns of a group of rows."""
-        from pyarrow.compute import fill_null
-
         names = (*REQUIRED, *self.known)
         table = self._file.read_row_group(group, columns=list(names))
-        for name in REQUIRED:
-            if table[name].null_count:
-                raise TracksError(f"{self.path}: column {name} has empty values; fill them")
-        filled = {name: fill_null(table[name], OPTIONAL[name]) if name in OPTIONAL else table[name] for name in names}
-        return {name: column.to_numpy() for name, column in filled.items()}
+        return {name: self._column(name, table[name]) for name in names}
+
+    def _column(self, name: str, column: Any) -> np.ndarray:
+        """A column of pyarrow's, of the type that it must have. Only the optional ones may have empty values."""
+        import pyarrow
+        from pyarrow.compute import fill_null
+
+        if name in REQUIRED and column.null_count:
+            raise TracksError(f"{self.path}: column {name} has empty values; fill them")
+        kind = _kind(name, column.type)
+        try:
+            column = column.cast(kind)
+        except pyarrow.ArrowException:
+            raise TracksError(f"{self.path}: column {name} holds {column.type}; make it {kind}") from None
+        return (fill_null(column, OPTIONAL[name]) if name in OPTIONAL else column).to_numpy()
 
     def _recording(self, part: Mapping[str, np.ndarray], ended: set[int]) -> Tracks:
         """The rows of one episode as a recording; ``ended`` has those that came before, and gets this one."""
@@ -141,31 +151,21 @@ class TrackFile:
         if episode in ended:
             raise TracksError(f"{self.path}: the rows of episode {episode} are not together; sort the table by episode")
         ended.add(episode)
-        return _checked(
-            Tracks(
-                episode=episode,
-                id=_numbers(part, "id", np.integer, str(self.path)),
-                type=part["type"],
-                known={name: part[name] for name in self.known},
-                **{name: _numbers(part, name, np.floating, str(self.path)) for name in REQUIRED if name in UNITS},
-            ),
-            str(self.path),
-        )
+        known = {name: part[name] for name in self.known}
+        tracks = Tracks(episode=episode, known=known, **{name: part[name] for name in REQUIRED[1:]})
+        for name in FINITE:
+            if not np.isfinite(part[name]).all():
+                raise TracksError(f"{self.path}: column {name} of episode {episode} is not finite throughout; mend it")
+        return tracks
 
 
-def _numbers(part: Mapping[str, np.ndarray], name: str, kind: type, source: str) -> np.ndarray:
-    """A column that must be of a kind of number; whole numbers may stand for others."""
-    values = part[name]
-    if kind is np.floating and np.issubdtype(values.dtype, np.integer):
-        return values.astype(np.float64)
-    if not np.issubdtype(values.dtype, kind):
-        raise TracksError(f"{source}: column {name} holds {values.dtype}; make it numbers")
-    return values
+def _kind(name: str, found: Any) -> Any:
+    """The type that a column must have; numbers keep their precision."""
+    import pyarrow
 
-
-def _checked(tracks: Tracks, source: str) -> Tracks:
-    """The recording, if all its numbers are."""
-    for name in ("t", "x", "y", "vx", "vy", "heading"):
-        if not np.isfinite(getattr(tracks, name)).all():
-            raise TracksError(f"{source}: column {name} of episode {tracks.episode} is not finite throughout; mend it")
-    return tracks
+    if name in ("episode", "id"):
+        return pyarrow.int64()
+    if name in UNITS or isinstance(OPTIONAL.get(name), float):
+        return found if pyarrow.types.is_floating(found) else pyarrow.float64()
+    kinds = {bool: pyarrow.bool_(), int: pyarrow.int16(), str: pyarrow.string()}
+    return kinds[type(OPTIONAL.get(name, ""))]
