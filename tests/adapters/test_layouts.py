@@ -47,7 +47,7 @@ def _ind(folder, *, frames=100, meta="", classes="0,car\n1,pedestrian\n2,bicycle
 def test_ind(tmp_path):
     source = open_source(_ind(tmp_path))
     (tracks,) = source.recordings
-    assert (source.areas, source.dt, tracks.episode) == (None, None, 7)
+    assert (source.areas, source.rules, tracks.episode) == (None, {}, 7)
     assert sorted(set(tracks.type.tolist())) == ["bicycle", "car", "pedestrian"]
     mine = tracks.id == CAR
     assert tracks.heading[mine] == pytest.approx(np.full(100, np.pi / 2))
@@ -118,6 +118,12 @@ def test_any_layout_can_be_kept_as_our_table(tmp_path):
     file = TrackFile(tmp_path / "dut.parquet")
     again = measure_all(((one, file.areas) for one in file.recordings()), config=SimConfig()).as_dict()
     assert again == measure_all([(tracks, parse_areas(STREET, "street"))], config=SimConfig()).as_dict()
+
+
+def test_our_tables_say_by_which_rules_they_were_recorded(tmp_path):
+    (tracks,) = open_source(_dut(tmp_path), frame_rate=23.976).recordings
+    write_tracks(tmp_path / "t.parquet", [tracks], about={"dt": 0.05, "moving_speed": 0.4, "map": "paper"})
+    assert open_source(tmp_path / "t.parquet").rules == {"dt": 0.05, "moving_speed": 0.4}
 
 
 def test_other_files(tmp_path):

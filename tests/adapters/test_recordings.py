@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -94,13 +94,25 @@ def test_a_car_that_backs_up_moves_backwards():
     assert rows.surrogates.ttc == pytest.approx([(5 - 1.5) / 5], abs=1e-6)
 
 
+def test_y_may_point_down():
+    """As in the pictures of DUT and CITR: the same scene in a mirror, on a street that is its own mirror image."""
+    tracks = recording(car(0, 9, 0, 2, 8.0, heading=0.02), person(0, 9, 62, -5, vy=1.2), person(0, 9, 101, 5, vy=-1.0))
+    mirrored = replace(tracks, y=-tracks.y, vy=-tracks.vy, heading=-tracks.heading)
+    rows, other = _rows(tracks), _rows(mirrored)
+    assert rows.crossings.type.tolist() == other.crossings.type.tolist() == [2, 1]
+    for name in ("ttc", "pet", "t2", "drac", "exposed_time"):
+        values = getattr(rows.surrogates, name)
+        assert np.allclose(values, getattr(other.surrogates, name), equal_nan=True), name
+    assert np.isfinite(rows.surrogates.pet).any()
+
+
 def test_braking_is_read_from_the_speed():
     """10 m/s for 2 s, then 4 m/s2 less: the first frame with less speed is at 2.1 s, its command came at 2.0 s."""
     rate = 50
     tracks = recording(car(0, 4, 0, 0, 10.0), person(0, 4, 40, -5, vy=1.0), rate=rate)
     mine = tracks.type == "car"
     late = np.maximum(tracks.t - 2, 0)
-    slower = dataclasses.replace(
+    slower = replace(
         tracks, vx=np.where(mine, 10 - 4 * late, tracks.vx), x=np.where(mine, tracks.x - 2 * late**2, tracks.x)
     )
     rows = _rows(slower)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import sys
+import tomllib
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from importlib import resources
 from importlib.metadata import files
 
 import numpy as np
@@ -18,7 +20,9 @@ from jaxwalk.adapters.openscenario import openscenario, read_openscenario
 from jaxwalk.adapters.paths import Path, largest_error, paths
 from jaxwalk.adapters.road_network import EAST, NORTH, Arm, road_network
 from jaxwalk.adapters.tracks import TracksError
+from jaxwalk.maps import load_map
 from jaxwalk.sim.config import SimConfig
+from sim.maps import turned, write
 
 CONFIG = SimConfig()
 CENTIMETRE = 0.01
@@ -74,6 +78,16 @@ def test_lanes_of_the_papers_map(network):
     assert network.bounds() == (0, 0, 120, 120)
     turns = sorted(round(one.curvature, 3) for one in network.connections if one.junction == 1)
     assert turns == [-0.167, -0.167, 0, 0, 0.167, 0.167]
+
+
+def test_a_turned_map_has_turned_lanes(network, tmp_path):
+    table = tomllib.loads(resources.files("jaxwalk.maps").joinpath("paper.toml").read_text())
+    other = road_network(load_map(write(tmp_path / "turned.toml", turned(table))))
+    assert {(one.x, one.y, one.reach) for one in other.junctions} == {(64, 56, 6), (34, 56, 6)}
+    assert sorted(arm.length for arm in other.arms) == sorted(arm.length for arm in network.arms)
+    lengths = sorted((one.length, one.curvature) for one in network.connections)
+    assert sorted((one.length, one.curvature) for one in other.connections) == lengths
+    assert _valid(opendrive(other, "turned"), "opendrive_17_core.xsd") == []
 
 
 def test_a_road_that_meets_no_other(road_map):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 from rich.box import SIMPLE
@@ -18,6 +17,7 @@ from jaxwalk.adapters.layouts import Source, open_source
 from jaxwalk.adapters.measured import measure_all
 from jaxwalk.adapters.tracks import Tracks
 from jaxwalk.cli.options import Measure, UsageError
+from jaxwalk.cli.train import bad_values
 from jaxwalk.report.table import shown
 from jaxwalk.sim.config import SimConfig
 
@@ -30,10 +30,10 @@ def run(options: Measure) -> int:
     sources = [
         open_source(path, frame_rate=options.frame_rate, number=number) for number, path in enumerate(options.files)
     ]
-    steps = {source.dt for source in sources}
-    if len(steps) > 1:
-        raise UsageError(f"the files have different time steps ({steps}); measure each by itself")
-    config = replace(SimConfig(), dt=steps.pop() or SimConfig.dt)
+    if any(source.rules != sources[0].rules for source in sources):
+        raise UsageError("the files were recorded in worlds of different rules; measure each by itself")
+    with bad_values():
+        config = SimConfig(**sources[0].rules)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("measuring", total=None)
         found = measure_all(

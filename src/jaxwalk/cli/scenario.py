@@ -23,8 +23,8 @@ def run(options: Scenario) -> int:
     error = export_scenario(
         street, driver, people, options.out, scenario=options.scenario, seed=options.seed, name=name
     )
-    print(f"{options.out}: {EPISODE} with {MAP}, and {COMMONROAD}; read back: nobody is off by more than", end=" ")
-    print(f"{1000 * error:.3f} mm")
+    files = f"{EPISODE} with {MAP}, and {COMMONROAD}"
+    print(f"{options.out}: {files}; read back, nobody is off by more than {1000 * error:.4f} mm")
     return 0
 
 

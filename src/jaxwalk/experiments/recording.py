@@ -11,6 +11,7 @@ import jax
 import numpy as np
 
 from jaxwalk.adapters.areas import areas_of
+from jaxwalk.adapters.layouts import RULES
 from jaxwalk.adapters.track_file import write_tracks
 from jaxwalk.adapters.tracks import Tracks, tracks_of
 from jaxwalk.evaluation import BATCH, draw_scenarios, play
@@ -52,7 +53,8 @@ def record_tracks(
         raise SeveralMapsError("the trajectories of a file need one map; choose it with --map")
     ground = areas_of(jax.device_get(jax.tree.map(lambda x: x[0], street.maps)))
     recordings = _recorded(street, driver, pedestrians, episodes, seed, progress)
-    write_tracks(path, recordings, about={"dt": street.config.dt, **about, "seed": seed}, areas=ground)
+    rules = {name: getattr(street.config, name) for name in RULES}
+    write_tracks(path, recordings, about={**rules, **about, "seed": seed}, areas=ground)
 
 
 def _recorded(
