@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -132,7 +133,14 @@ BAD = {
     "bench an unknown part": ("bench --only all", "all"),
     "bench seed": ("bench --seed -1", "seed must lie in [0, 2^31), not -1"),
     "bench below a file": ("bench --out file/bench", "is a file, so nothing can be put into it"),
-    "report on nothing": ("report foreign", "foreign: has no plan.json"),
+    "play two in a picture": ("play --driver random rule-based --out a.png", "several only on a page (--html)"),
+    "play to two places": ("play --driver random --html --out a.html", "give one of the two"),
+    "report on nothing": ("report foreign", "foreign: is no run folder, it has no config.json"),
+    "report on nobody": ("report nobody", "nobody: no driver of that name"),
+    "report no episodes": ("report random --episodes 0", "--episodes must be at least 1, not 0"),
+    "report too many incidents": ("report random --incidents 201", "--incidents must lie in [0, 200], not 201"),
+    "report among too many": ("report random --pedestrians a b c d", "--pedestrians takes 1 to 3 populations, not 4"),
+    "report below a file": ("report random --out file/report", "is a file, so nothing can be put into it"),
 }
 
 
@@ -248,6 +256,36 @@ def test_play_draws(place, capsys):
     assert main(["play", "--driver", "rule-based", "--scenario", "2", "--out", "there/episode.png"]) == 0
     assert (place / "there" / "episode.png").read_bytes().startswith(b"\x89PNG")
     assert "scenario 2 of seed 0" in capsys.readouterr().out
+
+
+def test_play_makes_a_page_of_several_drivers_and_scenarios(place, capsys):
+    assert main("play --driver route-follower rule-based --scenario 2 5 2 --out there/replay.html".split()) == 0
+    said = "4 episodes of seed 0, route-follower, rule-based among always-go"
+    assert said in capsys.readouterr().out
+    text = (place / "there" / "replay.html").read_text(encoding="utf-8")
+    document = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    shown = [(e["driver"], e["scenario"]) for e in document["episodes"]]
+    assert shown == [("route-follower", 2), ("route-follower", 5), ("rule-based", 2), ("rule-based", 5)]
+    assert not re.search(r'(src|href)="(https?:)?//', text)
+
+
+def test_a_report_on_a_driver(place, capsys):
+    command = "report route-follower --pedestrians always-go --episodes 40 --incidents 3 --out mine"
+    assert main(command.split()) == 0
+    assert capsys.readouterr().out == "Open mine/report.html\n"
+    folder = place / "mine"
+    assert {p.name for p in folder.iterdir()} == {"report.html", "results.json", "episodes.csv", "figures", "tables"}
+    results = json.loads((folder / "results.json").read_text())
+    hits = results["cells"][0]["outcomes"]["all"]["per_km"]["count"]
+    assert hits > 3
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    document = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    kinds = [(one["kind"], one["avoidable"] is not None) for one in document["incidents"]]
+    assert kinds == [("collision", True)] * 3 + [("near miss", False)] * 3
+    for one in document["incidents"][:3]:
+        episode = document["episodes"][one["episode"]]
+        assert episode["ending"] == "collision"
+        assert one["t"] == pytest.approx(episode["steps"] * 0.1)
 
 
 def test_bench_prints_one_document_and_keeps_it(place, capfd):

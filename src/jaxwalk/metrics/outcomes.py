@@ -65,7 +65,11 @@ def _driven(trajectory: Trajectory) -> Float[np.ndarray, "episode"]:
 
 def _contacts(trajectory: Trajectory) -> tuple[Int[np.ndarray, "episode"], Int[np.ndarray, "episode"]]:
     """Contact type and pedestrian of every collision: of several touched, the nearest."""
+    contact, ped = np.zeros((2, len(trajectory.length)), np.int16)
+    ped -= 1
     hit = np.flatnonzero(trajectory.collision)
+    if not len(hit):  # there may be no people at all
+        return contact, ped
     last = trajectory.length[hit]
     touched = trajectory.touched[hit]
     if not touched.any(axis=1).all():
@@ -77,8 +81,6 @@ def _contacts(trajectory: Trajectory) -> tuple[Int[np.ndarray, "episode"], Int[n
     far = np.where(touched, events.distance(dx, dy), np.inf)
     # two may be equally near: the type must not depend on the order of the pedestrians, so the lowest code wins
     first = np.lexsort((kind, far), axis=1)[:, 0]
-    contact, ped = np.zeros((2, len(trajectory.length)), np.int16)
-    ped -= 1
     contact[hit], ped[hit] = kind[np.arange(len(hit)), first], first
     return contact, ped
 

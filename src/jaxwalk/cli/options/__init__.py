@@ -4,13 +4,15 @@ from typing import Annotated
 
 import tyro
 
+from jaxwalk.cli.options.exchange import Measure, Scenario, Tracks
 from jaxwalk.cli.options.judging import Evaluate, Play, Report, Share
 from jaxwalk.cli.options.option import UsageError
 from jaxwalk.cli.options.speed import Bench
 from jaxwalk.cli.options.training import HiddenIntent, Reproduce, Train
 
 __all__ = [
-    "Bench", "Command", "Evaluate", "HiddenIntent", "Play", "Report", "Reproduce", "Share", "Train", "UsageError",
+    "Bench", "Command", "Evaluate", "HiddenIntent", "Measure", "Play", "Report", "Reproduce", "Scenario", "Share",
+    "Tracks", "Train", "UsageError",
 ]  # fmt: skip
 
 Command = (
@@ -21,6 +23,9 @@ Command = (
     | Annotated[Report, tyro.conf.subcommand("report")]
     | Annotated[HiddenIntent, tyro.conf.subcommand("hidden-intent")]
     | Annotated[Share, tyro.conf.subcommand("share")]
+    | Annotated[Tracks, tyro.conf.subcommand("tracks")]
+    | Annotated[Measure, tyro.conf.subcommand("measure")]
+    | Annotated[Scenario, tyro.conf.subcommand("scenario")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 """What the command line can ask for."""

@@ -1,0 +1,86 @@
+"""Where the roadway and the crosswalks are: read from GeoJSON, or made of a map."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from jaxtyping import Bool, Float
+from shapely.geometry.base import BaseGeometry
+
+from jaxwalk.adapters.tracks import TracksError
+from jaxwalk.maps import RoadMap
+
+KINDS = {"roadway": "roads", "crosswalk": "crosswalks", "sidewalk": "sidewalks"}
+"""What a feature's ``kind`` may be, and which rectangles of a `RoadMap` it is."""
+
+
+@dataclass(frozen=True)
+class Areas:
+    """The ground of a place."""
+
+    roadway: BaseGeometry
+    """Between the kerbs, under crosswalks too [m]."""
+    crosswalk: BaseGeometry
+
+    def locate(
+        self, x: Float[np.ndarray, "..."], y: Float[np.ndarray, "..."]
+    ) -> tuple[Bool[np.ndarray, "..."], Bool[np.ndarray, "..."]]:
+        """Which points are on the roadway, and which on a crosswalk; a kerb is no roadway, NaN is nowhere."""
+        return shapely.contains_xy(self.roadway, x, y), shapely.contains_xy(self.crosswalk, x, y)
+
+
+def areas_of(road_map: RoadMap) -> dict[str, Any]:
+    """The ground of a map (no stack) as GeoJSON: a polygon for every rectangle, in metres."""
+    features = []
+    for kind, name in KINDS.items():
+        rectangles = np.asarray(getattr(road_map, name), float)
+        real = rectangles[rectangles[:, 0] <= rectangles[:, 2]]
+        shapes = shapely.box(*real.T)
+        features += [
+            {"type": "Feature", "properties": {"kind": kind}, "geometry": json.loads(text)}
+            for text in shapely.to_geojson(shapes)
+        ]
+    return {"type": "FeatureCollection", "features": features}
+
+
+def read_areas(path: str | Path) -> Areas:
+    """The areas of a GeoJSON file. TracksError if it is none."""
+    try:
+        document = json.loads(Path(path).read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise TracksError(f"{path}: no GeoJSON ({error}); write it as docs/trajectories.md shows") from None
+    return parse_areas(document, str(path))
+
+
+def parse_areas(document: Any, source: str) -> Areas:
+    """The areas of a GeoJSON document from ``source``. TracksError if it has no roadway, or something strange."""
+    if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
+        raise TracksError(f"{source}: the areas must be a GeoJSON FeatureCollection (docs/trajectories.md)")
+    shapes: dict[str, list[BaseGeometry]] = {kind: [] for kind in KINDS}
+    for number, feature in enumerate(document.get("features", ())):
+        kind, shape = _feature(feature, f"{source}: feature {number}")
+        shapes[kind].append(shape)
+    if not shapes["roadway"]:
+        raise TracksError(f'{source}: has no feature with {{"kind": "roadway"}} in its properties; add one')
+    roadway, crosswalk = (shapely.union_all(shapes[kind]) for kind in ("roadway", "crosswalk"))
+    shapely.prepare([roadway, crosswalk])
+    return Areas(roadway=roadway, crosswalk=crosswalk)
+
+
+def _feature(feature: Any, source: str) -> tuple[str, BaseGeometry]:
+    """Kind and shape of one feature."""
+    try:
+        kind, shape = feature["properties"]["kind"], shapely.from_geojson(json.dumps(feature["geometry"]))
+    except (KeyError, TypeError, shapely.GEOSException) as error:
+        raise TracksError(f"{source}: needs properties.kind and a geometry ({error})") from None
+    if kind not in KINDS:
+        raise TracksError(f"{source}: kind must be one of {', '.join(KINDS)}, not {kind!r}")
+    if shape is None or shape.geom_type not in ("Polygon", "MultiPolygon") or not shape.is_valid:
+        raise TracksError(f"{source}: must be a polygon that does not cross itself")
+    return kind, shape

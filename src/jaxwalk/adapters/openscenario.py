@@ -1,0 +1,121 @@
+"""An episode as OpenSCENARIO XML 1.2: everybody follows its trajectory, point by point, with times.
+
+A vehicle's place is that of its rear axle, as the standard has it; its box says where the centre is.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from types import ModuleType
+
+import numpy as np
+
+from jaxwalk.adapters.opendrive import load_library
+from jaxwalk.adapters.paths import Path, paths
+from jaxwalk.adapters.tracks import CAR, Tracks
+from jaxwalk.sim.config import SimConfig
+
+VERSION = 2
+"""The minor one."""
+HEIGHTS = {True: 1.5, False: 1.75}
+"""Of a car, and of a pedestrian [m]; nominal."""
+WHEEL, TRACK, MASS = 0.6, 1.6, 75.0
+"""Diameter and distance of the wheels [m], mass of a pedestrian [kg]; nominal."""
+
+
+def openscenario(tracks: Tracks, *, name: str, road_file: str, config: SimConfig) -> bytes:
+    """The document. TracksError without scenariogeneration.
+
+    Args:
+        tracks: an episode of ours: everybody is there all the time.
+        name: what it is.
+        road_file: name of the OpenDRIVE file beside it.
+        config: the car's wheelbase and limits.
+    """
+    library = load_library()
+    xosc = library.xosc
+    everybody = paths(tracks)
+    end = max(path.t[-1] for path in everybody.values())
+    entities, init = xosc.Entities(), xosc.Init()
+    board = xosc.StoryBoard(init, _at(xosc, "end", end, "stop"))
+    act = xosc.Act("episode", _at(xosc, "begin", 0.0, "start"))
+    for id, path in everybody.items():
+        who = f"{path.type}{id}"
+        back = config.wheelbase / 2 if path.type == CAR else 0.0
+        entities.add_scenario_object(who, _body(xosc, path, config))
+        places = _places(xosc, path, back)
+        init.add_init_action(who, xosc.TeleportAction(places[0]))
+        act.add_maneuver_group(_follow(xosc, who, path, places))
+    story = xosc.Story("story")
+    story.add_act(act)
+    board.add_story(story)
+    scenario = xosc.Scenario(
+        name, "jaxwalk", xosc.ParameterDeclarations(), entities, board, xosc.RoadNetwork(roadfile=road_file),
+        xosc.Catalog(), osc_minor_version=VERSION,
+    )  # fmt: skip
+    return library.helpers.prettify(scenario.get_element())
+
+
+def _at(xosc: ModuleType, name: str, time: float, point: str):
+    """A trigger at a time [s]."""
+    rule = xosc.Rule.greaterOrEqual
+    condition = xosc.SimulationTimeCondition(float(time), rule)
+    return xosc.ValueTrigger(name, 0, xosc.ConditionEdge.none, condition, triggeringpoint=point)
+
+
+def _body(xosc: ModuleType, path: Path, config: SimConfig):
+    """What somebody is and how large."""
+    is_car = path.type == CAR
+    centre = config.wheelbase / 2 if is_car else 0.0
+    height = HEIGHTS[is_car]
+    box = xosc.BoundingBox(path.width, path.length, height, centre, 0.0, height / 2)
+    if not is_car:
+        return xosc.Pedestrian("pedestrian", MASS, xosc.PedestrianCategory.pedestrian, box)
+    front = xosc.Axle(config.max_steering, WHEEL, TRACK, config.wheelbase, WHEEL / 2)
+    rear = xosc.Axle(0.0, WHEEL, TRACK, 0.0, WHEEL / 2)
+    limits = config.max_speed, config.max_acceleration, config.max_acceleration
+    return xosc.Vehicle("car", xosc.VehicleCategory.car, box, front, rear, *limits)
+
+
+def _places(xosc: ModuleType, path: Path, back: float) -> list:
+    """The places of a path, ``back`` metres behind the centre."""
+    x, y = path.x - back * np.cos(path.heading), path.y - back * np.sin(path.heading)
+    columns = (values.tolist() for values in (x, y, path.heading))
+    return [xosc.WorldPosition(x, y, 0, heading) for x, y, heading in zip(*columns, strict=True)]
+
+
+def _follow(xosc: ModuleType, who: str, path: Path, places: list):
+    """Somebody follows the path from time 0 on."""
+    trajectory = xosc.Trajectory(f"path of {who}", False)
+    trajectory.add_shape(xosc.Polyline(path.t.tolist(), places))
+    action = xosc.FollowTrajectoryAction(
+        trajectory, xosc.FollowingMode.position, xosc.ReferenceContext.absolute, scale=1, offset=0
+    )
+    event = xosc.Event(f"{who} follows", xosc.Priority.parallel)
+    event.add_trigger(_at(xosc, f"{who} begins", 0.0, "start"))
+    event.add_action(f"follow path of {who}", action)
+    maneuver = xosc.Maneuver(f"maneuver of {who}")
+    maneuver.add_event(event)
+    group = xosc.ManeuverGroup(f"group of {who}")
+    group.add_actor(who)
+    group.add_maneuver(maneuver)
+    return group
+
+
+def read_openscenario(document: bytes) -> dict[int, Path]:
+    """The paths in a document that `openscenario` wrote, of centres, by id."""
+    root, found = ET.fromstring(document), {}
+    bodies = {one.get("name", ""): one for one in root.iter("ScenarioObject")}
+    for group in root.iter("ManeuverGroup"):
+        who = next(group.iter("EntityRef")).get("entityRef", "")
+        vertices = [(v.get("time"), v.find("Position/WorldPosition")) for v in group.iter("Vertex")]
+        t = np.array([float(time or "nan") for time, _ in vertices])
+        x, y, heading = (np.array([float(p.attrib[name]) for _, p in vertices if p is not None]) for name in "xyh")
+        centre, size = (next(bodies[who].iter(name)).attrib for name in ("Center", "Dimensions"))
+        ahead = float(centre["x"])
+        kind = who.rstrip("0123456789")
+        found[int(who.removeprefix(kind))] = Path(
+            type=kind, t=t, x=x + ahead * np.cos(heading), y=y + ahead * np.sin(heading), heading=heading,
+            length=float(size["length"]), width=float(size["width"]),
+        )  # fmt: skip
+    return found

@@ -1,0 +1,58 @@
+"""Who moves along what in an episode, and how much two recordings of it differ."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from jaxwalk.adapters.tracks import Tracks
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where one road user was."""
+
+    type: str
+    t: Float[np.ndarray, "moment"]
+    """[s]"""
+    x: Float[np.ndarray, "moment"]
+    """Centre [m]."""
+    y: Float[np.ndarray, "moment"]
+    heading: Float[np.ndarray, "moment"]
+    """[rad]"""
+    length: float
+    """[m]"""
+    width: float
+
+
+def paths(tracks: Tracks) -> dict[int, Path]:
+    """The path of every road user, by id."""
+    found = {}
+    for id in np.unique(tracks.id).tolist():
+        rows = np.flatnonzero(tracks.id == id)
+        rows = rows[np.argsort(tracks.t[rows], kind="stable")]
+        t, x, y, heading = (getattr(tracks, name)[rows].astype(float) for name in ("t", "x", "y", "heading"))
+        size = (float(values[rows[0]]) for values in (tracks.length, tracks.width))
+        found[id] = Path(str(tracks.type[rows[0]]), t, x, y, heading, *size)
+    return found
+
+
+def largest_error(original: Mapping[int, Path], copy: Mapping[int, Path]) -> float:
+    """The largest distance between a road user and its copy, at the original's times [m]; inf if one is missing.
+
+    Between its moments, the copy moves on straight lines.
+    """
+    if original.keys() != copy.keys():
+        return float("inf")
+    errors = [0.0]
+    for id, path in original.items():
+        other = copy[id]
+        dx, dy = (
+            np.interp(path.t, other.t, there, left=np.inf, right=np.inf) - here
+            for here, there in ((path.x, other.x), (path.y, other.y))
+        )
+        errors.append(float(np.hypot(dx, dy).max()))
+    return max(errors)

@@ -1,0 +1,179 @@
+"""Anybody's trajectories as the metrics see them: every car in turn is the driver of an episode, its time in view.
+
+The people of an episode are all pedestrians in view meanwhile. Everything is resampled to one step. Who is out of view
+is nowhere (positions are NaN) and on no roadway, which is where all metrics of encounters look. What the table doesn't
+say (`jaxwalk.adapters.tracks.OPTIONAL`) is taken from places and speeds where they tell it, and else left out of the
+results (`jaxwalk.adapters.measured`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.adapters.areas import Areas
+from jaxwalk.adapters.tracks import CAR, COLLISION, CROSSINGS, GOAL, PEDESTRIAN, Tracks, TracksError
+from jaxwalk.metrics import Rows, measure
+from jaxwalk.metrics.braking import UNSEEN
+from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.trajectory import Trajectory
+
+GAP = 1.0
+"""Who is not seen for longer than this is out of view meanwhile, and somebody else afterwards [s]."""
+NEARLY = 1e-6
+"""Times this close are the same [s]."""
+
+
+@dataclass(frozen=True)
+class View:
+    """A car's time in view."""
+
+    tracks: Tracks
+    car: Int[np.ndarray, "_"]
+    """Rows of the car, in order of time."""
+    people: tuple[Int[np.ndarray, "_"], ...]
+    """Rows of each pedestrian in view meanwhile."""
+    times: Float[np.ndarray, "frame"]
+    """Of the episode's frames [s]."""
+
+
+def measure_tracks(tracks: Tracks, *, areas: Areas | None, config: SimConfig) -> Iterator[Rows]:
+    """The rows of each episode of a recording.
+
+    Without ``areas``, and without the columns of a table of ours, everywhere is roadway and nobody on a crosswalk.
+    """
+    for view in views(tracks, config):
+        trajectory = trajectory_of(view, areas=areas, config=config)
+        yield _without_unseen_entries(measure(trajectory, config=config), trajectory)
+
+
+def views(tracks: Tracks, config: SimConfig) -> Iterator[View]:
+    """Every car's time in view, if the car moves in it (of ours, which say how they ended, all)."""
+    pieces = _pieces(tracks)
+    of_type = {kind: [rows for rows in pieces if tracks.type[rows[0]] == kind] for kind in (CAR, PEDESTRIAN)}
+    for car in of_type[CAR]:
+        begin, end = tracks.t[car[0]], tracks.t[car[-1]]
+        steps = int(np.floor((end - begin) / config.dt + NEARLY))
+        parked = np.hypot(tracks.vx[car], tracks.vy[car]).max() < config.moving_speed
+        if steps < 1 or (parked and "ending" not in tracks.known):
+            continue
+        people = (rows for rows in of_type[PEDESTRIAN] if tracks.t[rows[0]] <= end and tracks.t[rows[-1]] >= begin)
+        yield View(tracks, car, tuple(people), begin + np.arange(steps + 1) * config.dt)
+
+
+def _pieces(tracks: Tracks) -> list[Int[np.ndarray, "_"]]:
+    """The rows of every unbroken stay in view, in order of id and time. TracksError for two rows of one moment."""
+    order = np.lexsort((tracks.t, tracks.id))
+    same, later = np.diff(tracks.id[order]) == 0, np.diff(tracks.t[order])
+    if (twice := np.flatnonzero(same & (later <= 0))).size:
+        who, when = tracks.id[order][twice[0]], tracks.t[order][twice[0]]
+        raise TracksError(f"episode {tracks.episode}: road user {who} has two rows at {when:g} s; keep one of them")
+    return np.split(order, np.flatnonzero(~same | (later > GAP)) + 1)
+
+
+def trajectory_of(view: View, *, areas: Areas | None, config: SimConfig) -> Trajectory:
+    """A view as a trajectory of one episode."""
+    length, known = len(view.times) - 1, view.tracks.known
+    ending = known["ending"][view.car[-1]] if "ending" in known else ""
+    touched = [bool(known["touched"][rows].any()) if "touched" in known else False for rows in view.people]
+    tau = [known["jaywalking_tendency"][rows[0]] if "jaywalking_tendency" in known else np.nan for rows in view.people]
+    goal = {name: np.array([known[name][view.car[-1]] if name in known else np.nan]) for name in ("goal_x", "goal_y")}
+    columns = _car(view, config) | {name: x[:, None] for name, x in _people(view, areas).items()}
+    return Trajectory(
+        dt=config.dt,
+        scenario=np.array([view.tracks.episode]),
+        length=np.array([length]),
+        goal=np.array([ending == GOAL]),
+        collision=np.array([ending == COLLISION]),
+        touched=np.array([touched], bool),
+        jaywalking_tendency=np.array([tau], float),
+        **goal,
+        **columns,
+    )
+
+
+def _car(view: View, config: SimConfig) -> dict[str, np.ndarray]:
+    """The car's columns, each (frame, 1). It moves along its heading, or backwards."""
+    tracks, rows, times = view.tracks, view.car, view.times
+    x, y, vx, vy = (_between(times, tracks.t[rows], getattr(tracks, name)[rows]) for name in ("x", "y", "vx", "vy"))
+    heading = _between(times, tracks.t[rows], np.unwrap(tracks.heading[rows]))
+    cos, sin = np.cos(heading).astype(x.dtype), np.sin(heading).astype(x.dtype)
+    forwards = np.where(vx * cos + vy * sin < 0, -1, 1).astype(x.dtype)
+    speed = np.hypot(vx, vy)
+    if "speed" in tracks.known:
+        speed = _between(times, tracks.t[rows], tracks.known["speed"][rows])
+    acceleration = np.append(0.0, np.diff(speed) / config.dt)
+    if "acceleration" in tracks.known:
+        acceleration = _between(times, tracks.t[rows], tracks.known["acceleration"][rows])
+    columns = {"x": x, "y": y, "cos": forwards * cos, "sin": forwards * sin}
+    columns |= {"speed": speed, "acceleration": acceleration}
+    return {f"car_{name}": values[:, None] for name, values in columns.items()}
+
+
+def _people(view: View, areas: Areas | None) -> dict[str, np.ndarray]:
+    """The pedestrians' columns, each (frame, ped)."""
+    tracks, times = view.tracks, view.times
+    known = tracks.known if areas or "on_roadway" in tracks.known else {}
+    shape = len(times), len(view.people)
+
+    def table(values: np.ndarray, between=_between) -> np.ndarray:
+        columns = [between(times, tracks.t[rows], values[rows]) for rows in view.people]
+        return np.stack(columns, axis=1) if columns else np.zeros(shape, values.dtype)
+
+    x, y, vx, vy = (table(getattr(tracks, name)) for name in ("x", "y", "vx", "vy"))
+    seen = ~np.isnan(x)
+    on_roadway, on_crosswalk = areas.locate(x, y) if areas else (seen, np.zeros(shape, bool))
+    columns = {
+        "on_roadway": on_roadway, "on_crosswalk": on_crosswalk, "crossing": np.zeros(shape, np.int8),
+        "decisions": np.zeros(shape, np.int16), "at_kerb": np.zeros(shape, bool), "going": np.ones(shape, bool),
+        "enters_roadway": np.zeros(shape, bool), "predicted_miss": np.full(shape, np.nan),
+    }  # fmt: skip
+    for name in columns.keys() & known.keys():
+        if name == "crossing":
+            columns[name] = table(_crossing_numbers(known[name]), _nearest)
+        else:
+            columns[name] = table(known[name], _between if name == "predicted_miss" else _nearest)
+    for name in ("on_roadway", "on_crosswalk", "at_kerb"):
+        columns[name] = columns[name] & seen
+    still = {name: np.nan_to_num(values) for name, values in (("ped_vx", vx), ("ped_vy", vy))}
+    return {"ped_x": x, "ped_y": y, **still, **columns}
+
+
+def _crossing_numbers(words: np.ndarray) -> Int[np.ndarray, "row"]:
+    """Numbers of `jaxwalk.sim.trajectory` for words. TracksError for others."""
+    found, place = np.unique(words.astype(str), return_inverse=True)
+    strange = set(found) - set(CROSSINGS)
+    if strange:
+        raise TracksError(f"column crossing: {', '.join(sorted(strange))}; it must be one of {', '.join(CROSSINGS)}")
+    return np.array([CROSSINGS.index(word) for word in found], np.int8)[place]
+
+
+def _between(times: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values at ``times``, on straight lines between those at ``t``; NaN where there are none."""
+    inside = (times >= t[0] - NEARLY) & (times <= t[-1] + NEARLY)
+    return np.where(inside, np.interp(times, t, values), np.nan).astype(values.dtype)
+
+
+def _nearest(times: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values at ``times``, each that of the nearest ``t``."""
+    return values[np.searchsorted((t[1:] + t[:-1]) / 2, times)]
+
+
+def _without_unseen_entries(rows: Rows, trajectory: Trajectory) -> Rows:
+    """Who came into view on the roadway was not seen to enter it: nothing is said of braking since then."""
+    seen = ~np.isnan(trajectory.ped_x[:, 0])
+
+    def unseen(enter: np.ndarray, ped: np.ndarray) -> Bool[np.ndarray, "row"]:
+        return (enter == 0) | ~seen[np.maximum(enter - 1, 0), ped]
+
+    late = unseen(rows.encounters.enter, rows.encounters.ped)
+    encounters = replace(
+        rows.encounters,
+        braking=np.where(late, UNSEEN, rows.encounters.braking).astype(np.int8),
+        braking_time=np.where(late, np.nan, rows.encounters.braking_time),
+    )
+    entry_seen = rows.crossings.entry_seen & ~unseen(rows.crossings.enter, rows.crossings.ped)
+    return replace(rows, encounters=encounters, crossings=replace(rows.crossings, entry_seen=entry_seen))

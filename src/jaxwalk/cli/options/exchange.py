@@ -1,0 +1,92 @@
+"""Commands that give trajectories and scenarios to others, or measure theirs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from jaxwalk.cli.options.option import Flag, option
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """Write episodes as one table of trajectories: a row for each road user and moment.
+
+    For example: jaxwalk tracks --driver route-follower --episodes 1000 --out tracks.parquet
+    """
+
+    driver: Annotated[str, option("needed", "D")] = ""
+    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder or a policy file."""
+    pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
+    """always-go, learned, a run folder or a policy file."""
+    episodes: Annotated[int, option("1", "N")] = 1
+    """Scenarios 0 to N - 1 of the seed, as `jaxwalk evaluate` plays them."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Which set of scenarios."""
+    map: Annotated[str, option("the run folder's, else paper", "MAP")] = ""
+    """A bundled map or a map file."""
+    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this."""
+    out: Annotated[Path, option("tracks.parquet", "FILE")] = Path("tracks.parquet")
+    """FILE.parquet; an existing file is replaced. Needs pip install "jaxwalk[data]"."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.tracks import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """The metrics of anybody's trajectories: surrogate safety, speed differential and what else they can tell.
+
+    For example: jaxwalk measure 07_tracks.csv --areas crossing.geojson
+    """
+
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE [FILE ...]")] = ()
+    """Tables as `jaxwalk tracks` writes them, XX_tracks.csv of inD, or NAME_traj_ped_filtered.csv of DUT or CITR."""
+    areas: Annotated[Path | None, option("the table's own", "FILE")] = None
+    """GeoJSON of roadway and crosswalks in the trajectories' metres; without, crossings can't be told apart."""
+    frame_rate: Annotated[float | None, option("the file's", "HZ")] = None
+    """Frames per second, which DUT (23.976) and CITR (29.97) do not say."""
+    json: Flag = False
+    """Print one JSON document instead of tables."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.measure import run
+
+        return run(self)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Write one episode for other simulators: OpenSCENARIO XML with OpenDRIVE, and CommonRoad XML.
+
+    For example: jaxwalk scenario --driver co-trained --pedestrians learned --scenario 3 --out scenario-3
+    """
+
+    driver: Annotated[str, option("needed", "D")] = ""
+    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder or a policy file."""
+    pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
+    """always-go, learned, a run folder or a policy file."""
+    scenario: Annotated[int, option("0", "N")] = 0
+    """Number of the scenario: a row of an evaluation with the same seed."""
+    seed: Annotated[int, option("0", "N")] = 0
+    """Which set of scenarios."""
+    map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
+    """Bundled maps or map files."""
+    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this."""
+    out: Annotated[Path, option("scenario", "DIR")] = Path("scenario")
+    """Folder for episode.xosc, map.xodr and commonroad.xml. Needs pip install "jaxwalk[scenarios]"."""
+
+    def run(self) -> int:
+        """Do it."""
+        from jaxwalk.cli.scenario import run
+
+        return run(self)

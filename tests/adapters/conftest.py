@@ -1,0 +1,37 @@
+"""One batch of real episodes, recorded once."""
+
+from __future__ import annotations
+
+import pytest
+
+from jaxwalk.adapters.areas import areas_of, parse_areas
+from jaxwalk.adapters.tracks import tracks_of
+from jaxwalk.maps import load_map
+
+EPISODES = 48
+
+
+@pytest.fixture(scope="session")
+def road_map():
+    return load_map("paper")
+
+
+@pytest.fixture(scope="session")
+def areas(road_map):
+    return parse_areas(areas_of(road_map), "the map")
+
+
+@pytest.fixture(scope="session")
+def recorded(street):
+    """The route follower among people who always go: goals, collisions and encounters of both types."""
+    from jaxwalk.evaluation import draw_scenarios, play
+    from jaxwalk.policies import DRIVERS, POPULATIONS
+
+    scenarios, keys = draw_scenarios(street, seed=0, first=0, count=EPISODES)
+    return play(street, DRIVERS["route-follower"](), POPULATIONS["always-go"](), scenarios, keys)
+
+
+@pytest.fixture(scope="session")
+def episodes(recorded):
+    """Its tables."""
+    return list(tracks_of(recorded))

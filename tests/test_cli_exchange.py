@@ -1,0 +1,86 @@
+"""``jaxwalk tracks``, ``measure`` and ``scenario``, as a user types them."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ET
+
+import jax
+import pyarrow.parquet
+import pytest
+
+from jaxwalk.cli import main
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path, monkeypatch):
+    """An empty working folder; the tests' own cache of compiled code."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(jax.config.jax_compilation_cache_dir or tmp_path / "cache"))
+    monkeypatch.setenv("COLUMNS", "200")
+    return tmp_path
+
+
+def _run(command):
+    return main(command.split())
+
+
+def test_what_tracks_writes_measure_measures_as_evaluate_does(place, capsys):
+    assert _run("tracks --driver route-follower --episodes 40 --seed 3 --out tracks.parquet") == 0
+    assert "40 episodes, scenarios 0 to 39 of seed 3" in capsys.readouterr().out
+    assert pyarrow.parquet.read_table(place / "tracks.parquet", columns=["episode"])[
+        "episode"
+    ].unique().to_pylist() == [*range(40)]
+    assert _run("measure tracks.parquet --json") == 0
+    measured = json.loads(capsys.readouterr().out)
+    assert _run("evaluate --driver route-follower --episodes 40 --seed 3 --json") == 0
+    cell = json.loads(capsys.readouterr().out)["cells"][0]
+    for name in ("outcomes", "attribution", "jaywalk_rate", "waiting"):
+        assert measured[name] == cell[name], name
+    for found, expected in zip(measured["speed_differential"], cell["speed_differential"], strict=True):
+        assert {**found, "placebo": None} == {**expected, "placebo": None}, "there are no ghosts in a file"
+    assert _run("measure tracks.parquet") == 0
+    shown = capsys.readouterr().out
+    assert "Encounters of 40 cars" in shown and "Speed near jaywalkers" in shown and "Left out" not in shown
+
+
+def test_an_episode_for_other_simulators(place, capsys):
+    assert _run("scenario --driver route-follower --scenario 3 --out there") == 0
+    said = capsys.readouterr().out
+    assert float(said.split("by more than ")[1].removesuffix(" mm\n")) < 50, "less than 5 cm"
+    assert sorted(path.name for path in (place / "there").iterdir()) == ["commonroad.xml", "episode.xosc", "map.xodr"]
+    header = ET.parse(place / "there" / "episode.xosc").find("FileHeader")
+    assert header.get("description") == "jaxwalk: route-follower among always-go, scenario 3 of seed 0"
+
+
+BAD = {
+    "no driver": ("tracks", "--driver is missing"),
+    "unknown driver": ("tracks --driver nobody", "nobody: no driver of that name"),
+    "no episodes": ("tracks --driver random --episodes 0", "--episodes must be at least 1"),
+    "negative seed": ("tracks --driver random --seed -1", "--seed must lie in"),
+    "another kind of file": ("tracks --driver random --out tracks.csv", "must end in .parquet"),
+    "a folder": ("tracks --driver random --out folder.parquet", "is a folder"),
+    "no map": ("tracks --driver random --map moon", "no such map"),
+    "nothing to measure": ("measure", "FILE is missing"),
+    "no such file": ("measure none.parquet", "none.parquet: no such file"),
+    "unknown layout": ("measure notes.txt", "of no known layout"),
+    "not the layout": ("measure 07_tracks.csv", "has no column trackId"),
+    "no frame rate": ("measure a_traj_ped_filtered.csv", "does not say its frame rate"),
+    "no areas": ("measure 07_tracks.csv --areas none.geojson", "none.geojson"),
+    "bad areas": ("measure 07_tracks.csv --areas notes.txt", "no GeoJSON"),
+    "no driver of a scenario": ("scenario", "--driver is missing"),
+    "negative scenario": ("scenario --driver random --scenario -1", "--scenario must lie in"),
+    "scenario in a file": ("scenario --driver random --out notes.txt", "is a file"),
+}
+
+
+@pytest.mark.parametrize("command, message", BAD.values(), ids=BAD)
+def test_what_cannot_be_used_ends_in_one_message(place, capsys, command, message):
+    for name in ("notes.txt", "07_tracks.csv", "a_traj_ped_filtered.csv"):
+        (place / name).write_text("id,x\n")
+    (place / "folder.parquet").mkdir()
+    before = sorted(place.iterdir())
+    assert _run(command) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.startswith("jaxwalk: ") and error.count("\n") == 1
+    assert sorted(place.iterdir()) == before, "nothing is written"
