@@ -13,10 +13,10 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Key
+from jaxtyping import Array, Bool, Key
 
 from jaxwalk.adapters.players import AdapterError, Weights, player, weights_of
-from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.interfaces import ByRole, Outcome, Policy
 from jaxwalk.rollout import FIRST_ACTION_KEY, Step, Stream, advance, environment_keys, restart, seed_key, start
 from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
 from jaxwalk.sim.environment import Street
@@ -122,6 +122,10 @@ def renew(game: Game, stream: Stream, which: Bool[Array, "env"]) -> Stream:
     return restart(game.street, stream, game.memory(which.size))
 
 
-def rewards_of(terms: dict[str, Array], like: Array) -> Float[Array, "..."]:
-    """An agent's reward: the sum of its terms; 0 where nothing is paid."""
-    return sum(terms.values(), jnp.zeros(like.shape))
+def rewards_of(outcome: Outcome) -> ByRole[Array]:
+    """Each agent's reward, ``(*agents, *batch)``: the sum of its terms; 0 where nothing is paid."""
+    terms, agents = outcome.rewards, outcome.terminated
+    return ByRole(
+        sum(terms.driver.values(), jnp.zeros(agents.driver.shape)),
+        sum(terms.pedestrian.values(), jnp.zeros(agents.pedestrian.shape)),
+    )

@@ -6,7 +6,7 @@ of `StreetEnv` and `StreetVectorEnv`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -25,7 +25,7 @@ import jax.numpy as jnp
 from jaxwalk.adapters.camera import Camera
 from jaxwalk.adapters.game import SEEDS, Game, keys_of
 from jaxwalk.adapters.players import AdapterError, Weights
-from jaxwalk.adapters.seat import NEVER, NEXT_STEP, SAME_STEP, Seat, Seen
+from jaxwalk.adapters.seat import EVENTS, NEVER, NEXT_STEP, SAME_STEP, Seat, Seen
 from jaxwalk.interfaces import Policy
 from jaxwalk.rollout import EVALUATION, TRAINING
 from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
@@ -99,9 +99,9 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._ended = bool(seen.ended[0])
         if self.camera is not None:
             self.camera.add(self.seat.stream, self.seat.last_events)
-        info: dict[str, Any] = {name: bool(happened[0]) for name, happened in seen.events.items()}
-        info["rewards"] = {name: float(term[0]) for name, term in seen.terms.items()}
-        ends = bool(seen.terminated[0]), bool(seen.events["timeout"][0])
+        info: dict[str, Any] = dict(zip(EVENTS, seen.events[:, 0].tolist(), strict=True))
+        info["rewards"] = dict(zip(self.seat.terms, seen.terms[:, 0].tolist(), strict=True))
+        ends = bool(seen.terminated[0]), bool(seen.truncated[0])
         return seen.observation[0], float(seen.reward[0]), *ends, info
 
     def render(self) -> np.ndarray | None:
@@ -162,11 +162,8 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """A step in every street."""
         seen = self.seat.step(actions)
-        if seen.final is None:
-            infos = _infos(seen, seen.valid)
-        else:
-            infos = _with_final(seen)
-        return seen.observation, seen.reward, seen.terminated, seen.events["timeout"], infos
+        infos = _infos(self.seat, seen, seen.valid) if seen.final is None else _with_final(self.seat, seen)
+        return seen.observation, seen.reward, seen.terminated, seen.truncated, infos
 
 
 def _game(
@@ -195,28 +192,32 @@ def _keys(env: Any, seed: int | list[int] | None, options: dict[str, Any] | None
     return keys_of(int(chosen), domain, first=int((options or {}).get("scenario", 0)), count=count)
 
 
-def _infos(seen: Seen, mask: np.ndarray) -> dict[str, Any]:
+def _infos(seat: Seat, seen: Seen, mask: np.ndarray) -> dict[str, Any]:
     """The info of those environments, as Gymnasium lays it out: each column with a mask, 0 where it says nothing."""
     if not mask.any():
         return {}
-    infos: dict[str, Any] = {}
-    for name, happened in seen.events.items():
-        infos |= {name: happened & mask, f"_{name}": mask.copy()}
-    terms: dict[str, Any] = {}
-    for name, term in seen.terms.items():
-        terms |= {name: term * mask, f"_{name}": mask.copy()}
-    return infos | {"rewards": terms, "_rewards": mask.copy()}
+    events = zip(EVENTS, seen.events & mask, strict=True)
+    terms = zip(seat.terms, seen.terms * mask, strict=True)
+    return _masked(events, mask) | {"rewards": _masked(terms, mask), "_rewards": mask}
 
 
-def _with_final(seen: Seen) -> dict[str, Any]:
+def _masked(columns: Iterable[tuple[str, np.ndarray]], mask: np.ndarray) -> dict[str, np.ndarray]:
+    masked = {}
+    for name, column in columns:
+        masked[name], masked[f"_{name}"] = column, mask
+    return masked
+
+
+def _with_final(seat: Seat, seen: Seen) -> dict[str, Any]:
     """The info with SAME_STEP: that of an episode's last step is in ``final_info``, beside its ``final_obs``."""
-    infos, ended = _infos(seen, ~seen.ended), seen.ended
+    ended = seen.ended
+    infos = _infos(seat, seen, ~ended)
     if ended.any() and seen.final is not None:
         last = np.full(len(ended), None, object)
         for place in np.flatnonzero(ended):
             last[place] = seen.final[place]
-        infos |= {"final_obs": last, "_final_obs": ended.copy()}
-        infos |= {"final_info": _infos(seen, ended), "_final_info": ended.copy()}
+        infos |= {"final_obs": last, "_final_obs": ended}
+        infos |= {"final_info": _infos(seat, seen, ended), "_final_info": ended}
     return infos
 
 

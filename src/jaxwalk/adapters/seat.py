@@ -25,7 +25,7 @@ from jaxwalk.sim.environment import Events
 NEVER, NEXT_STEP, SAME_STEP = "never", "next step", "same step"
 """When an ended episode gives way to the next one: when asked, in place of the step after its last, at the end of that."""
 EVENTS = ("goal", "collision", "timeout")
-"""How an episode can end."""
+"""How an episode can end: the first two terminate it, the last truncates it."""
 
 
 class Seen(NamedTuple):
@@ -36,33 +36,39 @@ class Seen(NamedTuple):
     final: Float[np.ndarray, "env feature"] | None
     """With SAME_STEP: of the state after the step."""
     reward: Float[np.ndarray, "env"]
-    terms: dict[str, Float[np.ndarray, "env"]]
-    """The terms whose sum it is."""
-    events: dict[str, Bool[np.ndarray, "env"]]
-    """By the names in `EVENTS`: how the episode ended, if it did."""
+    terms: Float[np.ndarray, "term env"]
+    """The terms whose sum it is, in the order of `Seat.terms`."""
+    events: Bool[np.ndarray, "event env"]
+    """In the order of `EVENTS`: how the episode ended, if it did."""
     valid: Bool[np.ndarray, "env"]
     """False where the step stood for the beginning of an episode: nothing was done or earned."""
 
     @property
     def terminated(self) -> Bool[np.ndarray, "env"]:
         """Arrived or collided."""
-        return self.events["goal"] | self.events["collision"]
+        return self.events[0] | self.events[1]
+
+    @property
+    def truncated(self) -> Bool[np.ndarray, "env"]:
+        """Out of time."""
+        return self.events[2]
 
     @property
     def ended(self) -> Bool[np.ndarray, "env"]:
         """For whatever reason."""
-        return self.terminated | self.events["timeout"]
+        return self.events.any(axis=0)
 
 
 class Rules:
-    """What of a game is no array, and how it is played: hashed once, since that is done at every call."""
+    """A game and how it is played from the seat. Compiled code holds all of it as constants: what is not handed over at
+    every call costs no time there. Equal rules share that code."""
 
     def __init__(self, game: Game, observation: str, autoreset: str) -> None:
-        """Equal rules share what was compiled."""
-        _, self.rest = eqx.partition(game, eqx.is_array)
-        self.observation, self.autoreset = observation, autoreset
-        leaves, structure = jax.tree.flatten(self.rest)
-        self._value = (tuple(leaves), structure, observation, autoreset)
+        self.game, self.observation, self.autoreset = game, observation, autoreset
+        arrays, rest = eqx.partition(game, eqx.is_array)
+        leaves, structure = jax.tree.flatten(rest)
+        content = tuple((x.shape, x.dtype, np.asarray(x).tobytes()) for x in jax.tree.leaves(arrays))
+        self._value = (content, tuple(leaves), structure, observation, autoreset)
         self._hash = hash(self._value)
 
     def __hash__(self) -> int:
@@ -79,29 +85,34 @@ class Seat:
         """Raises ValueError for an unknown observation set."""
         if count < 1:
             raise AdapterError(f"the number of environments must be at least 1, not {count}")
-        self.game, self.count = game, count
-        street = game.street
+        self.count, street = count, game.street
+        self.terms = tuple(street.weights.driver)
         self.low, self.high = bounds(street.maps, street.tables, street.config, "driver", observation)
         self.rules = Rules(game, observation, autoreset)
-        self.arrays = jax.device_put(eqx.filter(game, eqx.is_array))
-        self._stream: Stream | None = None
+        self.structure = jax.tree.structure(None)
+        self._leaves: list[Array] = []
         self.last_events: Events | None = None
 
     @property
     def stream(self) -> Stream:
-        """Where the streets stand; its keys are raw, which is quicker to hand over."""
-        if self._stream is None:
+        """Where the streets stand; its keys are raw."""
+        return jax.tree.unflatten(self.structure, self._begun())
+
+    def _begun(self) -> list[Array]:
+        """The arrays of the stream: a plain list is handed over much faster than a tree of objects."""
+        if not self._leaves:
             raise AdapterError("nothing has begun yet: call reset first")
-        return self._stream
+        return self._leaves
 
     def begin(self, keys: Key[Array, "env"]) -> Float[np.ndarray, "env feature"]:
         """The first episode of each key."""
-        self._stream, seen = _begin(self.rules, self.arrays, jax.random.key_data(keys))
+        stream, seen = _begin(self.rules, jax.random.key_data(keys))
+        self._leaves, self.structure = jax.tree.flatten(stream)
         return np.asarray(seen).T.copy()
 
     def next(self, which: Bool[np.ndarray, "env"]) -> Float[np.ndarray, "env feature"]:
         """The next episode wherever ``which`` says."""
-        self._stream, seen = _next(self.rules, self.arrays, self.stream, which)
+        self._leaves, seen = _next(self.rules, self.structure, self._begun(), which)
         return np.asarray(seen).T.copy()
 
     def step(self, action: Any) -> Seen:
@@ -111,55 +122,54 @@ class Seat:
             raise AdapterError(f"an action is acceleration and steering: {(self.count, 2)} numbers, not {action.shape}")
         if not np.isfinite(action).all():
             raise AdapterError("an action has a number that is not finite; the policy may have diverged")
-        self._stream, self.last_events, packed = _step(self.rules, self.arrays, self.stream, action.T)
+        self._leaves, self.last_events, packed = _step(self.rules, self.structure, self._begun(), action.T)
         return self._unpacked(np.asarray(packed))
 
     def _unpacked(self, packed: Float[np.ndarray, "row env"]) -> Seen:
         """What `_step` packed; everything is copied, so that it stays when the device's memory is used again."""
-        features, names = len(self.low), list(self.game.street.weights.driver)
+        features = len(self.low)
         both = self.rules.autoreset == SAME_STEP
-        blocks = np.split(packed, np.cumsum([features, features * both, 1, len(names), len(EVENTS)]))
+        blocks = np.split(packed, np.cumsum([features, features * both, 1, len(self.terms), len(EVENTS)]))
         observation, final, reward, terms, events, valid = blocks
         return Seen(
             observation=observation.T.copy(),
             final=final.T.copy() if both else None,
             reward=reward[0].astype(np.float64),
-            terms=dict(zip(names, terms.astype(np.float64), strict=True)),
-            events=dict(zip(EVENTS, events > 0, strict=True)),
+            terms=terms.astype(np.float64),
+            events=events > 0,
             valid=valid[0] > 0,
         )
 
 
 @partial(jax.jit, static_argnums=0)
-def _begin(rules: Rules, arrays: Game, keys: Array) -> tuple[Stream, Array]:
-    game: Game = eqx.combine(arrays, rules.rest)
-    stream = begin(game, jax.random.wrap_key_data(keys))
-    return _raw(stream), _look(rules, game, stream)
+def _begin(rules: Rules, keys: Array) -> tuple[Stream, Array]:
+    stream = begin(rules.game, jax.random.wrap_key_data(keys))
+    return _raw(stream), _look(rules, stream)
 
 
-@partial(jax.jit, static_argnums=0)
-def _next(rules: Rules, arrays: Game, stream: Stream, which: Array) -> tuple[Stream, Array]:
-    game: Game = eqx.combine(arrays, rules.rest)
-    stream = renew(game, _keyed(stream), which)
-    return _raw(stream), _look(rules, game, stream)
+@partial(jax.jit, static_argnums=(0, 1))
+def _next(rules: Rules, structure: Any, leaves: list[Array], which: Array) -> tuple[list[Array], Array]:
+    stream = renew(rules.game, _keyed(jax.tree.unflatten(structure, leaves)), which)
+    return jax.tree.leaves(_raw(stream)), _look(rules, stream)
 
 
-@partial(jax.jit, static_argnums=0, donate_argnums=2)
-def _step(rules: Rules, arrays: Game, stream: Stream, action: Array) -> tuple[Stream, Events, Array]:
-    """The stream after a step, and what `Seat._unpacked` takes apart."""
-    game: Game = eqx.combine(arrays, rules.rest)
-    stream, step = play(game, _keyed(stream), ByRole(action, None))
-    final = [_look(rules, game, stream)] if rules.autoreset == SAME_STEP else []
+@partial(jax.jit, static_argnums=(0, 1), donate_argnums=2)
+def _step(
+    rules: Rules, structure: Any, leaves: list[Array], action: Array
+) -> tuple[list[Array], Events, Float[Array, "row env"]]:
+    """The stream after a step, how episodes ended, and what `Seat._unpacked` takes apart."""
+    stream, step = play(rules.game, _keyed(jax.tree.unflatten(structure, leaves)), ByRole(action, None))
+    final = [_look(rules, stream)] if rules.autoreset == SAME_STEP else []
     if rules.autoreset != NEVER:
-        stream = renew(game, stream, stream.ended if final else stream.shown)
+        stream = renew(rules.game, stream, stream.ended if final else stream.shown)
     terms, events = step.outcome.rewards.driver, step.outcome.events
-    earned = [rewards_of(terms, step.valid), *terms.values(), *(getattr(events, name) for name in EVENTS), step.valid]
+    earned = [rewards_of(step.outcome).driver, *terms.values(), *(getattr(events, name) for name in EVENTS), step.valid]
     rows = jnp.stack([row * step.valid for row in earned]).astype(jnp.float32)
-    return _raw(stream), events, jnp.concatenate([_look(rules, game, stream), *final, rows])
+    return jax.tree.leaves(_raw(stream)), events, jnp.concatenate([_look(rules, stream), *final, rows])
 
 
-def _look(rules: Rules, game: Game, stream: Stream) -> Float[Array, "feature env"]:
-    return game.street.observe(stream.scenario, stream.state, "driver", rules.observation)
+def _look(rules: Rules, stream: Stream) -> Float[Array, "feature env"]:
+    return rules.game.street.observe(stream.scenario, stream.state, "driver", rules.observation)
 
 
 def _raw(stream: Stream) -> Stream:
