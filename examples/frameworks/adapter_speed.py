@@ -1,7 +1,7 @@
 """How fast the Gymnasium adapter is beside the native loop, and whether a long loop holds its memory.
 
-    python examples/frameworks/adapter_speed.py            # both at 512 environments, in turns
-    python examples/frameworks/adapter_speed.py --steps 1000000   # then so many steps of one `gymnasium.make` environment
+    python examples/frameworks/adapter_speed.py                   # both at 512 environments, in turns
+    python examples/frameworks/adapter_speed.py --steps 1000000   # then so many steps of a single environment
 
 Needs ``pip install 'jaxwalk[envs]'``. Native is `jaxwalk.rollout.rollout`: same observation, same pay, random actions.
 """
@@ -14,10 +14,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-import jaxwalk.adapters.gymnasium  # registers the environment
+import jaxwalk.adapters.gymnasium
 from jaxwalk import ByRole, Street
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 from jaxwalk.sim.weights import DRIVER_WEIGHTS
+
+gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 
 BLOCK = 256  # native steps in one call
 
@@ -40,7 +42,7 @@ def native(street, environments):
     def run():
         nonlocal stream
         begun = time.perf_counter()
-        stream, steps = jax.block_until_ready(play(stream))
+        stream, _ = jax.block_until_ready(play(stream))
         return time.perf_counter() - begun
 
     return run
@@ -101,10 +103,8 @@ def long_loop(steps):
         if number + 1 in (steps // 100, steps // 2, steps):
             live = len(jax.live_arrays())
             rate = (number + 1) / (time.perf_counter() - begun)
-            print(
-                f"step {number + 1:>9,}: {resident():,.0f} MB, {live} live arrays, {episodes} episodes, {rate:,.0f} steps/s",
-                flush=True,
-            )
+            now = f"step {number + 1:>9,}: {resident():,.0f} MB, {live} live arrays, {episodes} episodes"
+            print(f"{now}, {rate:,.0f} steps/s", flush=True)
 
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)

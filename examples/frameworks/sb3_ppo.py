@@ -4,8 +4,8 @@
     python examples/frameworks/sb3_ppo.py                   # some minutes on two cores
     python examples/frameworks/sb3_ppo.py --brief           # only to see that it runs
 
-``PPO("MlpPolicy", gymnasium.make("jaxwalk/Street-v0"))`` works as it is. Here 512 streets are stepped at once instead:
-`Streets` hands the native vector environment to Stable-Baselines3, whose own interface for that differs from Gymnasium's.
+``PPO("MlpPolicy", gymnasium.make("jaxwalk/Street-v0"))`` works as it is. Here 512 streets are stepped at once:
+`Streets` hands the native vector environment to Stable-Baselines3, whose own interface for that isn't Gymnasium's.
 """
 
 import argparse
@@ -17,10 +17,12 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv
 
-import jaxwalk.adapters.gymnasium  # registers the environment
+import jaxwalk.adapters.gymnasium
 from jaxwalk import Street, evaluate, summarise
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.sim.weights import DRIVER_WEIGHTS
+
+gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 
 SCALE = 0.1  # critics learn values of size 1 soonest
 REWARD = {term: SCALE * weight for term, weight in DRIVER_WEIGHTS["fast"].items()}

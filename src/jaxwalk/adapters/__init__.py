@@ -1,4 +1,4 @@
-"""The same street behind other people's interfaces: Gymnasium, PettingZoo and the style of JaxMARL (``docs/adapters.md``).
+"""The same street behind other people's interfaces: Gymnasium, PettingZoo, JaxMARL (``docs/adapters.md``).
 
 Importing this loads none of them: ``jaxwalk.adapters.gymnasium`` and ``jaxwalk.adapters.pettingzoo`` need the extra
 ``envs``; ``jaxwalk.adapters.jaxmarl`` needs nothing more.

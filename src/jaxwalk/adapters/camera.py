@@ -7,12 +7,13 @@ from typing import Any
 import equinox as eqx
 import jax
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Bool, UInt8
 
+from jaxwalk.adapters.game import EVENTS
 from jaxwalk.evaluation.game import frame
 from jaxwalk.rollout import Stream
 from jaxwalk.sim import vehicle
-from jaxwalk.sim.environment import Events, Street
+from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer.scene import Scene
 
@@ -37,29 +38,33 @@ class Camera:
         row, scenario = self._row(stream), stream.scenario
         frames = self.street.config.horizon + 1
         goal_x, goal_y = _goal(self.street.tables, scenario)
-        self.trajectory, self.scene = Trajectory(
-            dt=self.street.config.dt,
-            scenario=np.asarray(stream.episode),
-            length=np.zeros(1, np.int32),
-            goal=np.zeros(1, bool),
-            collision=np.zeros(1, bool),
-            touched=np.zeros((1, self.street.config.pedestrians), bool),
-            goal_x=np.asarray(goal_x),
-            goal_y=np.asarray(goal_y),
-            jaywalking_tendency=np.asarray(scenario.jaywalking_tendency).T,
-            **{name: np.zeros((frames, *x.shape), x.dtype) for name, x in row.items()},
-        ), None
+        self.trajectory, self.scene = (
+            Trajectory(
+                dt=self.street.config.dt,
+                scenario=np.asarray(stream.episode),
+                length=np.zeros(1, np.int32),
+                goal=np.zeros(1, bool),
+                collision=np.zeros(1, bool),
+                touched=np.zeros((1, self.street.config.pedestrians), bool),
+                goal_x=np.asarray(goal_x),
+                goal_y=np.asarray(goal_y),
+                jaywalking_tendency=np.asarray(scenario.jaywalking_tendency).T,
+                **{name: np.zeros((frames, *x.shape), x.dtype) for name, x in row.items()},
+            ),
+            None,
+        )
         self._write(0, row)
         self.map_index = int(scenario.map[0])
 
-    def add(self, stream: Stream, events: Events) -> None:
-        """The frame after a step."""
+    def add(self, stream: Stream, events: Bool[np.ndarray, "event env"]) -> None:
+        """The frame after a step; ``events`` in the order of `EVENTS`."""
         if self.trajectory is None:
             raise RuntimeError("the camera has seen no beginning")
         now = int(stream.state.step[0])
         self._write(now, self._row(stream))
         self.trajectory.length[0] = now
-        self.trajectory.goal[0], self.trajectory.collision[0] = bool(events.goal[0]), bool(events.collision[0])
+        happened = dict(zip(EVENTS, events, strict=True))
+        self.trajectory.goal[:], self.trajectory.collision[:] = happened["goal"], happened["collision"]
 
     def picture(self) -> UInt8[np.ndarray, "height width 3"]:
         """The last frame."""

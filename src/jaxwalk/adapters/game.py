@@ -1,7 +1,8 @@
 """A batch of streets in which some roles are played by policies and the others from outside: what all adapters share.
 
-Chance is as in a rollout and an evaluation: an environment's key and the number of its episode give the scenario and, with
-the step, what policies draw. So the first episode of key i of a seed's EVALUATION keys is scenario i of an evaluation.
+Chance is as in a rollout and an evaluation: an environment's key and the number of its episode give the scenario and,
+with the step, what policies draw. So the first episode of key i of a seed's EVALUATION keys is scenario i of an
+evaluation.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ SEEDS = 2**32
 """Seeds lie in [0, this)."""
 SCENARIOS = 2**30
 """Numbers of scenarios lie in [0, this)."""
+EVENTS = ("goal", "collision", "timeout")
+"""How an episode can end: the first two terminate it for the driver, the last truncates it."""
 ROLES = ("driver", "pedestrian")
 """In the order of `ByRole`."""
 

@@ -1,14 +1,14 @@
 """Gymnasium: drive the car among a chosen population. Importing this registers ``jaxwalk/Street-v0``.
 
-``gymnasium.make("jaxwalk/Street-v0", ...)`` and ``gymnasium.make_vec("jaxwalk/Street-v0", num_envs, ...)`` take the options
-of `StreetEnv` and `StreetVectorEnv`.
+``gymnasium.make("jaxwalk/Street-v0", ...)`` and ``gymnasium.make_vec("jaxwalk/Street-v0", num_envs, ...)`` take the
+options of `StreetEnv` and `StreetVectorEnv`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -23,16 +23,14 @@ import jax
 import jax.numpy as jnp
 
 from jaxwalk.adapters.camera import Camera
-from jaxwalk.adapters.game import SEEDS, Game, keys_of
+from jaxwalk.adapters.game import EVENTS, SEEDS, Game, keys_of
 from jaxwalk.adapters.players import AdapterError, Weights
-from jaxwalk.adapters.seat import EVENTS, NEVER, NEXT_STEP, SAME_STEP, Seat, Seen
+from jaxwalk.adapters.seat import NEVER, NEXT_STEP, SAME_STEP, Seat, Seen
 from jaxwalk.interfaces import Policy
 from jaxwalk.rollout import EVALUATION, TRAINING
 from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
 
 ID = "jaxwalk/Street-v0"
-FRAMES_PER_SECOND = 10
-"""Of pictures in real time, with steps of 0.1 s."""
 _MODES = {AutoresetMode.NEXT_STEP: NEXT_STEP, AutoresetMode.SAME_STEP: SAME_STEP}
 
 
@@ -43,7 +41,10 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     ``reset(seed=s, options={"scenario": n})`` plays scenario n of ``jaxwalk evaluate --seed s``.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": FRAMES_PER_SECOND}
+    metadata: dict[str, Any] = {  # noqa: RUF012 (as Gymnasium declares it)
+        "render_modes": ["rgb_array"],
+        "render_fps": round(1 / SimConfig.dt),
+    }
 
     def __init__(
         self,
@@ -76,6 +77,7 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self.seat = Seat(game, 1, observation=observation, autoreset=NEVER)
         self.observation_space, self.action_space = _spaces(self.seat)
         self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": round(1 / game.street.config.dt)}
         self.camera = Camera(game.street) if render_mode else None
         self._ended = False
 
@@ -98,7 +100,7 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         seen = self.seat.step(np.asarray(action)[None])
         self._ended = bool(seen.ended[0])
         if self.camera is not None:
-            self.camera.add(self.seat.stream, self.seat.last_events)
+            self.camera.add(self.seat.stream, seen.events)
         info: dict[str, Any] = dict(zip(EVENTS, seen.events[:, 0].tolist(), strict=True))
         info["rewards"] = dict(zip(self.seat.terms, seen.terms[:, 0].tolist(), strict=True))
         ends = bool(seen.terminated[0]), bool(seen.truncated[0])
@@ -112,12 +114,12 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     """Many streets at once, in one compiled step: a `gymnasium.vector.VectorEnv` with automatic resets.
 
-    With ``reset(seed=s)``, street i plays the episodes of the seed's own i-th key, so that the streets of no two seeds meet
-    (Gymnasium's wrappers would take seed s + i); with a list of seeds, each street is what `StreetEnv` is with its seed.
+    With ``reset(seed=s)``, street i plays the episodes of the seed's i-th key, so no two seeds share a street
+    (Gymnasium's own wrappers take seed s + i); with a list of seeds, each street is what `StreetEnv` is with its seed.
     ``options={"scenario": n}``: street i begins with scenario n + i of ``jaxwalk evaluate --seed s``.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012 (as Gymnasium declares it)
 
     def __init__(
         self,
@@ -133,8 +135,8 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     ) -> None:
         """As `StreetEnv`, ``num_envs`` of them.
 
-        ``autoreset_mode``: NEXT_STEP, where the step after an episode's last one ignores the action and begins the next, or
-        SAME_STEP, where that last step already returns the next one's beginning (and ``final_obs`` in the info).
+        ``autoreset_mode``: NEXT_STEP, where the step after an episode's last one ignores the action and begins the
+        next, or SAME_STEP, where that last step already returns the next one's beginning (the info has ``final_obs``).
         """
         mode = AutoresetMode(autoreset_mode)
         if mode not in _MODES:
@@ -157,9 +159,7 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             return self.seat.begin(_keys(self, seed, options, self.num_envs)), {}
         return self.seat.next(np.ones(self.num_envs, bool)), {}
 
-    def step(
-        self, actions: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """A step in every street."""
         seen = self.seat.step(actions)
         infos = _infos(self.seat, seen, seen.valid) if seen.final is None else _with_final(self.seat, seen)

@@ -1,7 +1,7 @@
-"""The street in the manner of JaxMARL: functions of keys and states, for `jax.jit` and `jax.vmap`. JaxMARL isn't needed.
+"""The street in the manner of JaxMARL: functions of keys and states, for `jax.jit` and `jax.vmap`. It needs no JaxMARL.
 
-Agents are those whom nobody else plays: with ``driver="route-follower"``, the twelve pedestrians, who are alike, as JaxMARL's
-IPPO and MAPPO scripts want them; with ``pedestrians="always-go"``, the car alone; else all thirteen.
+Agents are those whom nobody else plays: with ``driver="route-follower"``, the twelve pedestrians, who are alike, as
+JaxMARL's IPPO and MAPPO scripts want them; with ``pedestrians="always-go"``, the car alone; else all thirteen.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Bool, Int
 
-from jaxwalk.adapters.game import ROLES, Game, begin, play, renew, rewards_of
+from jaxwalk.adapters.game import EVENTS, ROLES, Game, begin, play, renew, rewards_of
 from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.interfaces import ByRole, Outcome, Policy
 from jaxwalk.rollout import Stream
@@ -77,8 +77,8 @@ Brought = tuple[dict[str, Array], StreetState, dict[str, Array], dict[str, Array
 class StreetMARL:
     """The street with the attributes and methods of JaxMARL's ``MultiAgentEnv``.
 
-    An episode ends for all at once, and JaxMARL knows one way to end: ``dones`` is true for goal, collision and timeout alike
-    (``infos`` tells which). `vmap` over it is cheap: `_merged` hands all environments to the simulator as one batch.
+    An episode ends for all at once, and JaxMARL knows one way to end: ``dones`` is true for goal, collision and timeout
+    alike (``infos`` tells which). `vmap` over it is cheap: `_merged` makes all environments one batch.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class StreetMARL:
         return self.action_spaces[agent]
 
     def reset(self, key: Array) -> tuple[dict[str, Array], StreetState]:
-        """The beginning of an environment's first episode. All that is chance in it, and in later ones, is in the key."""
+        """The beginning of an environment's first episode. All chance in it, and in later ones, is in the key."""
 
         def begins(keys: Array) -> tuple[ByRole[Array | None], StreetState]:
             began = begin(self.game, keys)
@@ -143,11 +143,11 @@ class StreetMARL:
     ) -> Brought:
         """As `step_env`; where the episode ended, observations and state are those of the beginning of the next one
         (or ``reset_state`` and its own)."""
-        seen, after, *brought = self._play(state, actions, renews=reset_state is None)
+        seen, after, rewards, dones, infos = self._play(state, actions, renews=reset_state is None)
         if reset_state is not None:
-            fresh, ended = (self.get_obs(reset_state), reset_state), after.done
-            seen, after = jax.tree.map(lambda new, old: jnp.where(ended, new, old), fresh, (seen, after))
-        return seen, after, *brought
+            fresh = self.get_obs(reset_state), reset_state
+            seen, after = jax.tree.map(lambda new, old: jnp.where(dones["__all__"], new, old), fresh, (seen, after))
+        return seen, after, rewards, dones, infos
 
     def step_env(self, key: Array, state: StreetState, actions: dict[str, Array]) -> Brought:
         """One step. The ``key`` isn't needed: an environment has its own from `reset`."""
@@ -175,7 +175,8 @@ class StreetMARL:
             return self._look(after), _state(after), rewards_of(step.outcome), step.outcome
 
         seen, after, rewards, outcome = _merged(plays)(state, self._together(actions))
-        dones = dict.fromkeys((*self.agents, "__all__"), outcome.ended[0])
+        ended: Array = outcome.ended[0]
+        dones = {name: ended for name in (*self.agents, "__all__")}
         return self._by_name(seen), after, self._by_name(rewards), dones, self._infos(outcome)
 
     def _look(self, now: Stream) -> ByRole[Array | None]:
@@ -193,8 +194,8 @@ class StreetMARL:
         parts: dict[str, Array] = {}
         if each.driver is not None and "driver" in self.agent_classes:
             parts[DRIVER] = each.driver[..., 0]
-        for i, name in enumerate(self.agent_classes.get("pedestrian", ())):
-            parts[name] = each.pedestrian[..., i, 0]
+        if each.pedestrian is not None and "pedestrian" in self.agent_classes:
+            parts |= {name: each.pedestrian[..., i, 0] for i, name in enumerate(self.agent_classes["pedestrian"])}
         return parts
 
     def _together(self, actions: dict[str, Array]) -> ByRole[Array | None]:
@@ -209,7 +210,7 @@ class StreetMARL:
 
     def _infos(self, outcome: Outcome) -> dict[str, Array]:
         """How the episode ended, if it did, and the terms of the rewards: an array with a number for each agent."""
-        events = {name: getattr(outcome.events, name)[0] for name in ("goal", "collision", "timeout")}
+        events = {name: getattr(outcome.events, name)[0] for name in EVENTS}
         infos = {name: jnp.full((self.num_agents,), happened) for name, happened in events.items()}
         others = self.num_agents - 1
         if "driver" in self.agent_classes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Key
 
 from jaxwalk.adapters.camera import Camera
-from jaxwalk.adapters.game import ROLES, Game, begin, keys_of, play, renew, rewards_of
+from jaxwalk.adapters.game import EVENTS, ROLES, Game, begin, keys_of, play, renew, rewards_of
 from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.interfaces import ByRole, Outcome
 from jaxwalk.rollout import EVALUATION, TRAINING, Stream
@@ -37,8 +37,8 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
     Whoever collided has ``terminated``, and so has a driver who arrived; for all others the end is ``truncated``.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {
-        "name": "jaxwalk_street_v0", "render_modes": ["rgb_array"], "render_fps": 10, "is_parallelizable": True,
+    metadata: dict[str, Any] = {  # noqa: RUF012 (as PettingZoo declares it)
+        "name": "jaxwalk_street_v0", "render_modes": ["rgb_array"], "render_fps": round(1 / SimConfig.dt), "is_parallelizable": True,
     }  # fmt: skip
 
     def __init__(
@@ -77,6 +77,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
             name: Box(-1.0, 1.0, (2,), np.float32) if name == DRIVER else Discrete(2) for name in self.possible_agents
         }
         self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": round(1 / self.game.street.config.dt)}
         self.camera = Camera(self.game.street) if render_mode else None
         self._stream: Stream | None = None
         self._seed: int | None = None
@@ -93,7 +94,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, dict[str, Any]]]:
         """Begin an episode: a seed's first one, or the next; ``options={"scenario": n}`` as in an evaluation."""
-        if seed is not None or self._seed is None or "scenario" in (options or {}):
+        if seed is not None or self._seed is None or self._stream is None or "scenario" in (options or {}):
             fresh = int(np.random.default_rng().integers(2**32)) if self._seed is None else self._seed
             self._seed = fresh if seed is None else seed
             domain = EVALUATION if "scenario" in (options or {}) else TRAINING
@@ -108,17 +109,15 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
 
     def step(
         self, actions: dict[str, Any]
-    ) -> tuple[
-        dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
-    ]:
+    ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         """One step of everybody."""
         if self._stream is None or not self.agents:
             raise AdapterError("the episode is over: call reset before the next step")
         together = self._together(actions)
-        self._stream, *brought = _step(self.game, self.observes, self._stream, together)
-        seen, earned, outcome = jax.device_get(brought)
+        stream, *brought = _step(self.game, self.observes, self._stream, together)
+        self._stream, (seen, earned, outcome) = stream, jax.device_get(brought)
         if self.camera is not None:
-            self.camera.add(self._stream, outcome.events)
+            self.camera.add(stream, np.stack([getattr(outcome.events, name) for name in EVENTS]))
         rewards, terminated, truncated = (
             {name: x.item() for name, x in self._by_name(each).items()}
             for each in (earned, outcome.terminated, outcome.truncated)
@@ -132,7 +131,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         """The street as it stands, with ``render_mode="rgb_array"``."""
         return None if self.camera is None else self.camera.picture()
 
-    def _by_name(self, each: ByRole[np.ndarray]) -> dict[str, np.ndarray]:
+    def _by_name(self, each: ByRole[Any]) -> dict[str, np.ndarray]:
         """Each agent's part of arrays ``(..., env)`` and ``(..., ped, env)`` of one environment."""
         people = {f"{PEDESTRIAN}{i}": each.pedestrian[..., i, 0] for i in range(self.people)}
         return {name: np.array(x) for name, x in {DRIVER: each.driver[..., 0], **people}.items()}
@@ -153,7 +152,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
 
     def _infos(self, outcome: Outcome) -> dict[str, dict[str, Any]]:
         """How the episode ended, if it did, and the terms of each agent's reward."""
-        events = {name: bool(getattr(outcome.events, name)[0]) for name in ("goal", "collision", "timeout")}
+        events = {name: bool(getattr(outcome.events, name)[0]) for name in EVENTS}
         infos = {name: {**events, "rewards": {}} for name in self.possible_agents}
         for term, of_driver in outcome.rewards.driver.items():
             infos[DRIVER]["rewards"][term] = float(of_driver[0])

@@ -15,17 +15,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Key
 
-from jaxwalk.adapters.game import Game, begin, play, renew, rewards_of
+from jaxwalk.adapters.game import EVENTS, Game, begin, play, renew, rewards_of
 from jaxwalk.adapters.players import AdapterError
 from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import Stream
 from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.environment import Events
 
 NEVER, NEXT_STEP, SAME_STEP = "never", "next step", "same step"
-"""When an ended episode gives way to the next one: when asked, in place of the step after its last, at the end of that."""
-EVENTS = ("goal", "collision", "timeout")
-"""How an episode can end: the first two terminate it, the last truncates it."""
+"""When an ended episode gives way to the next: when asked, in place of the step after its last one, right after that."""
 
 
 class Seen(NamedTuple):
@@ -56,7 +53,7 @@ class Seen(NamedTuple):
     @property
     def ended(self) -> Bool[np.ndarray, "env"]:
         """For whatever reason."""
-        return self.events.any(axis=0)
+        return self.terminated | self.truncated
 
 
 class Rules:
@@ -91,7 +88,6 @@ class Seat:
         self.rules = Rules(game, observation, autoreset)
         self.structure = jax.tree.structure(None)
         self._leaves: list[Array] = []
-        self.last_events: Events | None = None
 
     @property
     def stream(self) -> Stream:
@@ -122,7 +118,7 @@ class Seat:
             raise AdapterError(f"an action is acceleration and steering: {(self.count, 2)} numbers, not {action.shape}")
         if not np.isfinite(action).all():
             raise AdapterError("an action has a number that is not finite; the policy may have diverged")
-        self._leaves, self.last_events, packed = _step(self.rules, self.structure, self._begun(), action.T)
+        self._leaves, packed = _step(self.rules, self.structure, self._begun(), action.T)
         return self._unpacked(np.asarray(packed))
 
     def _unpacked(self, packed: Float[np.ndarray, "row env"]) -> Seen:
@@ -156,8 +152,8 @@ def _next(rules: Rules, structure: Any, leaves: list[Array], which: Array) -> tu
 @partial(jax.jit, static_argnums=(0, 1), donate_argnums=2)
 def _step(
     rules: Rules, structure: Any, leaves: list[Array], action: Array
-) -> tuple[list[Array], Events, Float[Array, "row env"]]:
-    """The stream after a step, how episodes ended, and what `Seat._unpacked` takes apart."""
+) -> tuple[list[Array], Float[Array, "row env"]]:
+    """The stream after a step, and what `Seat._unpacked` takes apart."""
     stream, step = play(rules.game, _keyed(jax.tree.unflatten(structure, leaves)), ByRole(action, None))
     final = [_look(rules, stream)] if rules.autoreset == SAME_STEP else []
     if rules.autoreset != NEVER:
@@ -165,7 +161,7 @@ def _step(
     terms, events = step.outcome.rewards.driver, step.outcome.events
     earned = [rewards_of(step.outcome).driver, *terms.values(), *(getattr(events, name) for name in EVENTS), step.valid]
     rows = jnp.stack([row * step.valid for row in earned]).astype(jnp.float32)
-    return jax.tree.leaves(_raw(stream)), events, jnp.concatenate([_look(rules, stream), *final, rows])
+    return jax.tree.leaves(_raw(stream)), jnp.concatenate([_look(rules, stream), *final, rows])
 
 
 def _look(rules: Rules, stream: Stream) -> Float[Array, "feature env"]:
