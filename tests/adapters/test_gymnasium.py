@@ -22,11 +22,11 @@ FULL_THROTTLE, BRAKE = np.array([1, 0], np.float32), np.array([-1, 0], np.float3
 
 
 def make(**options):
-    return gymnasium.make(ID, config=RULES, **options).unwrapped
+    return gymnasium.make(ID, **{"config": RULES, "pedestrians": "learned", **options}).unwrapped
 
 
-def make_many(count, **options):
-    return gymnasium.make_vec(ID, num_envs=count, config=RULES, **options)
+def make_many(count=3, **options):
+    return gymnasium.make_vec(ID, num_envs=count, **{"config": RULES, "pedestrians": "learned", **options})
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def env():
 
 @pytest.fixture(scope="module")
 def three():
-    return make_many(3, pedestrians="learned")
+    return make_many()
 
 
 def test_gymnasium_finds_nothing_wrong(env):
@@ -88,20 +88,22 @@ def test_pictures_show_the_episode_as_it_goes(env):
     assert make().render() is None
 
 
-def test_scenarios_are_those_of_an_evaluation():
+def test_scenarios_are_those_of_an_evaluation(three):
     """With the same chances for people who decide at random: outcomes and their times are the same."""
     street, count = Street.create(config=RULES), 24
     driver = ConstantSpeed(throttle=1.0)
     rows = evaluate(street, driver, player("pedestrian", "learned"), episodes=count, seed=7, batch=count)
-    envs = make_many(count, pedestrians="learned")
-    envs.reset(seed=7, options={"scenario": 0})
     steps, collided = np.zeros(count, int), np.zeros(count, bool)
-    playing = np.ones(count, bool)
-    while playing.any():
-        _, _, terminated, truncated, info = envs.step(np.tile(FULL_THROTTLE, (count, 1)))
-        steps += playing
-        collided |= playing & terminated & info["collision"]
-        playing &= ~(terminated | truncated)
+    for first in range(0, count, 3):
+        part = slice(first, first + 3)
+        three.reset(seed=7, options={"scenario": first})
+        playing = np.ones(3, bool)
+        while playing.any():
+            _, _, terminated, truncated, info = three.step(np.tile(FULL_THROTTLE, (3, 1)))
+            steps[part] += playing
+            ended = playing & (terminated | truncated)
+            collided[part] |= ended & info.get("collision", False)
+            playing &= ~ended
     assert 0 < rows.episodes.collision.sum() < count
     assert collided.tolist() == rows.episodes.collision.tolist()
     assert steps.tolist() == rows.episodes.steps.tolist()
@@ -109,8 +111,8 @@ def test_scenarios_are_those_of_an_evaluation():
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 def test_many_streets_are_as_gymnasium_would_step_single_ones(mode):
-    many = make_many(3, pedestrians="learned", autoreset_mode=mode)
-    singles = SyncVectorEnv([lambda: make(pedestrians="learned")] * 3, autoreset_mode=mode)
+    many = make_many(autoreset_mode=mode)
+    singles = SyncVectorEnv([make] * 3, autoreset_mode=mode)
     assert many.metadata["autoreset_mode"] == mode
     assert many.observation_space == singles.observation_space and many.action_space == singles.action_space
     assert data_equivalence(many.reset(seed=[5, 6, 7]), singles.reset(seed=[5, 6, 7]))
@@ -136,7 +138,7 @@ def test_a_step_is_compiled_once_also_for_an_equal_environment(three):
     three.reset(seed=0)
     three.step(np.zeros((3, 2), np.float32))
     before = seat._step._cache_size()
-    equal = make_many(3, pedestrians="learned")
+    equal = make_many()
     equal.reset(seed=9)
     for envs in (three, equal, three):
         envs.step(np.zeros((3, 2), np.float32))
@@ -178,7 +180,7 @@ class Statues:
 
 
 def test_a_population_may_be_any_object_that_is_a_policy():
-    envs = make_many(3, pedestrians=Statues(), observation="paper", reward={"time": 1.0})
+    envs = make_many(pedestrians=Statues(), observation="paper", reward={"time": 1.0})
     first, _ = envs.reset(seed=0)
     for _ in range(8):
         observation, reward, *_ = envs.step(np.tile(BRAKE, (3, 1)))
@@ -203,7 +205,7 @@ def test_impossible_options_are_named(options, message):
 
 def test_impossible_actions_and_seeds_are_named(three):
     with pytest.raises(AdapterError, match="call reset first"):
-        make_many(3).step(np.zeros((3, 2), np.float32))
+        make_many().step(np.zeros((3, 2), np.float32))
     three.reset(seed=0)
     with pytest.raises(AdapterError, match=r"\(3, 2\) numbers, not \(2,\)"):
         three.step(np.zeros(2, np.float32))
@@ -216,7 +218,7 @@ def test_impossible_actions_and_seeds_are_named(three):
     with pytest.raises(AdapterError, match="scenario must be 0 or more"):
         three.reset(seed=0, options={"scenario": -1})
     with pytest.raises(AdapterError, match="NextStep or SameStep, not Disabled"):
-        make_many(3, autoreset_mode="Disabled")
+        make_many(autoreset_mode="Disabled")
 
 
 def test_roles_come_in_the_order_of_byrole():

@@ -98,5 +98,5 @@ def test_keys_of_either_kind_and_a_given_next_state(env):
     assert jnp.array_equal(old["driver"], new["driver"])
     actions = {name: jnp.zeros(2) if name == "driver" else jnp.ones((), jnp.int32) for name in env.agents}
     for _ in range(HORIZON):
-        seen, state, _, dones, _ = env.step(jax.random.key(0), state, actions, state)
+        _, state, _, dones, _ = env.step(jax.random.key(0), state, actions, state)
     assert bool(dones["__all__"]) and int(state.step) == HORIZON - 1  # it came back to the state before its last step

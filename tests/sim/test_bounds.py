@@ -4,10 +4,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from sim.play import SETS, actions, everything, random_actions
 
 from jaxwalk.sim.bounds import ROUNDING, bounds
 from jaxwalk.sim.observation import LAYOUTS, part
+from sim.play import SETS, actions, everything, random_actions
 
 
 def of(street, role, name):

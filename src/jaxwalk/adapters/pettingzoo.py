@@ -38,8 +38,11 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (as PettingZoo declares it)
-        "name": "jaxwalk_street_v0", "render_modes": ["rgb_array"], "render_fps": round(1 / SimConfig.dt), "is_parallelizable": True,
-    }  # fmt: skip
+        "name": "jaxwalk_street_v0",
+        "render_modes": ["rgb_array"],
+        "render_fps": round(1 / SimConfig.dt),
+        "is_parallelizable": True,
+    }
 
     def __init__(
         self,

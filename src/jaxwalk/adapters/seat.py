@@ -22,7 +22,7 @@ from jaxwalk.rollout import Stream
 from jaxwalk.sim.bounds import bounds
 
 NEVER, NEXT_STEP, SAME_STEP = "never", "next step", "same step"
-"""When an ended episode gives way to the next: when asked, in place of the step after its last one, right after that."""
+"""When an ended episode gives way to the next: when asked, in place of the step after its last, or right after that."""
 
 
 class Seen(NamedTuple):
