@@ -1,1 +1,5 @@
-"""Other people's interfaces and file formats."""
+"""The same street behind other people's interfaces: Gymnasium, PettingZoo, JaxMARL (``docs/adapters.md``).
+
+Importing this loads none of them: ``jaxwalk.adapters.gymnasium`` and ``jaxwalk.adapters.pettingzoo`` need the extra
+``envs``; ``jaxwalk.adapters.jaxmarl`` needs nothing more.
+"""

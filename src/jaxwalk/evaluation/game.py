@@ -113,7 +113,7 @@ def _begin(street: Street, memory: ByRole[Any], intervening: Any, scenarios: Sce
     state = street.reset(scenarios)
     no = jnp.zeros(state.step.shape, bool)
     nobody = jnp.zeros(scenarios.start.shape, bool)
-    return Game(state, memory, intervening, no, no, no, nobody), _frame(street, scenarios, state)
+    return Game(state, memory, intervening, no, no, no, nobody), frame(street, scenarios, state)
 
 
 @eqx.filter_jit
@@ -122,7 +122,7 @@ def _play_block(setup: Setup, game: Game) -> tuple[Game, Frame]:
 
     def body(game: Game, _: None) -> tuple[Game, Frame]:
         game = _step(setup, game)
-        return game, _frame(setup.street, setup.scenarios, game.state)
+        return game, frame(setup.street, setup.scenarios, game.state)
 
     return jax.lax.scan(body, game, None, length=BLOCK)
 
@@ -153,7 +153,7 @@ def _act(setup: Setup, game: Game) -> tuple[ByRole[Array], ByRole[Any], Any]:
     return actions, memory, intervening
 
 
-def _frame(street: Street, scenarios: Scenario, state: State) -> Frame:
+def frame(street: Street, scenarios: Scenario, state: State) -> Frame:
     """What is recorded of a moment."""
     car, people = state.vehicle, state.pedestrian
     return {

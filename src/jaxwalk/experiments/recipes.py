@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 from jaxwalk.learning.config import FAST, PAPER, TrainConfig, own_environments
 from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.weights import DRIVER_WEIGHTS, PEDESTRIAN_WEIGHTS
 
 
 @dataclass(frozen=True)
@@ -57,34 +58,13 @@ class Experiment:
 
 
 RECIPES: dict[str, Experiment] = {
-    "fast": Experiment(
-        recipe="fast",
-        train=FAST,
-        driver_weights={
-            "progress": 0.5,
-            "goal": 20.0,
-            "collision": -100.0,
-            "closeness": -1.0,
-            "off_lane": -0.02,
-            "misaligned": -0.1,
-            "time": -0.02,
-        },
-        pedestrian_weights={"waited": -0.02, "collision": -100.0},
-    ),
-    "paper": Experiment(
-        recipe="paper",
-        train=PAPER,
-        driver_weights={
-            "crow_progress": 1.0,
-            "goal": 50.0,
-            "collision": -50.0,
-            "crosswalk_speeding": -0.3,
-            "jaywalker_speeding": -0.3,
-            "off_lane": -0.05,
-            "misaligned": -0.1,
-        },
-        pedestrian_weights={"walked": 2.0, "arrival": 5.0, "collision": -25.0, "waiting": 0.3},
-    ),
+    name: Experiment(
+        recipe=name,
+        train=train,
+        driver_weights=DRIVER_WEIGHTS[name],
+        pedestrian_weights=PEDESTRIAN_WEIGHTS[name],
+    )
+    for name, train in {"fast": FAST, "paper": PAPER}.items()
 }
 """The recipes, by name."""
 

@@ -54,6 +54,11 @@ class Scene:
         self.canvas.draw()  # without what moves
         self.background = self.canvas.copy_from_bbox(self.figure.bbox)
 
+    def grown(self) -> None:
+        """Take note of frames that were written into the trajectory since."""
+        self.last = int(self.trajectory.length[self.episode])
+        self.jaywalks = _jaywalks(self.trajectory, self.episode)
+
     def show(self, frame: int) -> None:
         """Make the figure show a frame (0 to the episode's length)."""
         t, e = self.trajectory, self.episode

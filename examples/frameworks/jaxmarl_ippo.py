@@ -1,0 +1,73 @@
+"""JaxMARL's own IPPO script trains the pedestrians: when is it worth waiting for a car that follows its route blindly?
+
+    pip install jaxwalk jaxmarl distrax hydra-core omegaconf wandb
+    git clone https://github.com/FLAIROX/JaxMARL       # its scripts are not in the package
+    python examples/frameworks/jaxmarl_ippo.py JaxMARL/baselines/IPPO/ippo_ff_mpe.py
+
+The script is used as it is: it asks ``jaxmarl.make`` for an environment by name, and here gets ours. It knows agents
+who are all alike and choose among a few actions, so it trains the twelve pedestrians; a rule drives. The configuration
+is that of the script with the lines below changed.
+"""
+
+import argparse
+import importlib.util
+import time
+from pathlib import Path
+from unittest import mock
+
+import jax
+import jaxmarl
+import numpy as np
+import wandb
+from omegaconf import OmegaConf
+
+from jaxwalk.adapters.jaxmarl import StreetMARL
+
+CONFIG = {
+    "ENV_NAME": "jaxwalk",
+    "ENV_KWARGS": {"driver": "route-follower", "pedestrian_observation": "kerb"},
+    "NUM_ENVS": 64,
+    "TOTAL_TIMESTEPS": 1e6,
+    "LR": 1e-3,
+    "GAMMA": 0.995,
+    "NUM_SEEDS": 1,
+    "SEED": 0,
+}
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("script", type=Path, help="JaxMARL's baselines/IPPO/ippo_ff_mpe.py")
+parser.add_argument("--brief", action="store_true", help="only to see that it runs")
+options = parser.parse_args()
+
+spec = importlib.util.spec_from_file_location("ippo", options.script)
+ippo = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(ippo)
+
+theirs = OmegaConf.to_container(OmegaConf.load(options.script.parent / "config" / "ippo_ff_mpe.yaml"))
+config = {**theirs, **CONFIG}
+if options.brief:
+    config |= {"NUM_ENVS": 8, "NUM_STEPS": 32, "TOTAL_TIMESTEPS": 8 * 32 * 2}
+
+wandb.init(mode="disabled")
+begun = time.perf_counter()
+with mock.patch.object(jaxmarl, "make", lambda name, **chosen: StreetMARL(**chosen)):
+    train = ippo.make_train(config)
+metrics = jax.device_get(jax.jit(train)(jax.random.PRNGKey(config["SEED"]))["metrics"])
+print(f"{config['TOTAL_TIMESTEPS']:,.0f} steps in {time.perf_counter() - begun:.0f} s, compiling included")
+
+
+def per_episode(name, updates):
+    """How many episodes of some updates ended so."""
+    return metrics[name][updates].sum() / metrics["returned_episode"][updates].sum()
+
+
+tenth = max(1, len(metrics["returned_episode"]) // 10)
+for when, updates in (("first tenth", slice(0, tenth)), ("last tenth", slice(-tenth, None))):
+    if metrics["returned_episode"][updates].sum() == 0:
+        print(f"{when}: no episode ended")
+        continue
+    print(
+        f"{when}: collisions in {per_episode('collision', updates):.1%} of the episodes, "
+        f"goals in {per_episode('goal', updates):.1%}, "
+        f"return of a pedestrian {np.mean(metrics['returned_episode_returns'][updates]) / 12:.2f}"
+    )

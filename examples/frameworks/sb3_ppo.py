@@ -1,0 +1,134 @@
+"""Stable-Baselines3's PPO learns to drive among people who always go; then it meets the route-follower's scenarios.
+
+    pip install 'jaxwalk[envs]' stable-baselines3
+    python examples/frameworks/sb3_ppo.py                   # some minutes on two cores
+    python examples/frameworks/sb3_ppo.py --brief           # only to see that it runs
+
+``PPO("MlpPolicy", gymnasium.make("jaxwalk/Street-v0"))`` works as it is. Here 512 streets are stepped at once:
+`Streets` hands the native vector environment to Stable-Baselines3, whose own interface for that isn't Gymnasium's.
+"""
+
+import argparse
+import time
+
+import gymnasium
+import numpy as np
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.vec_env import VecEnv
+
+import jaxwalk.adapters.gymnasium
+from jaxwalk import Street, evaluate, summarise
+from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.sim.weights import DRIVER_WEIGHTS
+
+gymnasium.register_envs(jaxwalk.adapters.gymnasium)
+
+SCALE = 0.1  # critics learn values of size 1 soonest
+REWARD = {term: SCALE * weight for term, weight in DRIVER_WEIGHTS["fast"].items()}
+
+
+class Streets(VecEnv):
+    """The vector environment as Stable-Baselines3 wants it: an ended episode's last observation is in its info."""
+
+    def __init__(self, count, **options):
+        self.streets = gymnasium.make_vec(
+            "jaxwalk/Street-v0", num_envs=count, autoreset_mode="SameStep", reward=REWARD, **options
+        )
+        super().__init__(count, self.streets.single_observation_space, self.streets.single_action_space)
+
+    def reset(self):
+        observation, _ = self.streets.reset(seed=self._seeds[0])
+        self._reset_seeds()
+        return observation
+
+    def step_async(self, actions):
+        self.actions = actions
+
+    def step_wait(self):
+        observation, reward, terminated, truncated, info = self.streets.step(self.actions)
+        infos = [{} for _ in range(self.num_envs)]
+        for place in np.flatnonzero(terminated | truncated):
+            infos[place] = {
+                "terminal_observation": info["final_obs"][place],
+                "TimeLimit.truncated": bool(truncated[place]),
+            }
+        return observation, reward.astype(np.float32), terminated | truncated, infos
+
+    def close(self):
+        self.streets.close()
+
+    def get_attr(self, attr_name, indices=None):
+        return [getattr(self.streets, attr_name)] * len(list(self._get_indices(indices)))
+
+    def set_attr(self, attr_name, value, indices=None):
+        setattr(self.streets, attr_name, value)
+
+    def env_method(self, method_name, *method_args, indices=None, **method_kwargs):
+        return [getattr(self.streets, method_name)(*method_args, **method_kwargs)]
+
+    def env_is_wrapped(self, wrapper_class, indices=None):
+        return [False] * len(list(self._get_indices(indices)))
+
+
+def outcomes(model, scenarios, *, seed, batch=512):
+    """Shares of goals and collisions in scenarios 0, 1, ... of a seed, through the adapter."""
+    batch = min(batch, scenarios)
+    streets = gymnasium.make_vec("jaxwalk/Street-v0", num_envs=batch)
+    goals = collisions = 0
+    for first in range(0, scenarios, batch):
+        observation, _ = streets.reset(seed=seed, options={"scenario": first})
+        playing = np.ones(batch, bool)
+        while playing.any():
+            actions, _ = model.predict(observation, deterministic=True)
+            observation, _, terminated, truncated, info = streets.step(actions)
+            ended = playing & (terminated | truncated)
+            goals += int((ended & info["goal"]).sum()) if ended.any() else 0
+            collisions += int((ended & info["collision"]).sum()) if ended.any() else 0
+            playing &= ~ended
+    return goals / scenarios, collisions / scenarios
+
+
+def train(options):
+    """PPO with the numbers of jaxwalk's own recipe ``fast``."""
+    count, steps = options.environments, 64
+    model = PPO(
+        "MlpPolicy",
+        Streets(count),
+        n_steps=steps,
+        batch_size=count * steps // 32,
+        n_epochs=2,
+        learning_rate=lambda left: 1e-3 * left,
+        gamma=0.995,
+        ent_coef=0.001,
+        policy_kwargs={"net_arch": [256, 256], "activation_fn": torch.nn.ReLU, "log_std_init": float(np.log(0.5))},
+        seed=options.seed,
+        device="cpu",
+    )
+    begun = time.perf_counter()
+    model.learn(options.steps)
+    print(f"{model.num_timesteps:,} steps in {time.perf_counter() - begun:.0f} s", flush=True)
+    return model
+
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("--steps", type=int, default=4_000_000, help="of all environments together")
+parser.add_argument("--environments", type=int, default=512)
+parser.add_argument("--scenarios", type=int, default=2048, help="to be judged on; a multiple of 512, or fewer")
+parser.add_argument("--seed", type=int, default=0)
+parser.add_argument("--out", help="where to write the policy, as Stable-Baselines3 does (.zip)")
+parser.add_argument("--brief", action="store_true", help="only to see that it runs")
+options = parser.parse_args()
+if options.brief:
+    options.environments, options.steps, options.scenarios = 32, 4096, 32
+
+model = train(options)
+if options.out:
+    model.save(options.out)
+goals, collisions = outcomes(model, options.scenarios, seed=0)
+print(f"PPO:            goals {goals:.1%}, collisions {collisions:.1%}")
+rows = evaluate(Street.create(), RouteFollower(), AlwaysGo(), episodes=options.scenarios, seed=0)
+rule = summarise(rows).outcomes
+print(f"route-follower: goals {rule.goal.value:.1%}, collisions {rule.collision.value:.1%}")
+if not options.brief and not (goals > rule.goal.value and collisions < rule.collision.value):
+    raise SystemExit("PPO has not learned to drive better than the rule")

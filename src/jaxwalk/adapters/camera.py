@@ -1,0 +1,86 @@
+"""Pictures of an episode while it is played from outside."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import equinox as eqx
+import jax
+import numpy as np
+from jaxtyping import Bool, UInt8
+
+from jaxwalk.adapters.game import EVENTS
+from jaxwalk.evaluation.game import frame
+from jaxwalk.rollout import Stream
+from jaxwalk.sim import vehicle
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.viewer.scene import Scene
+
+WIDTH = 640
+"""Width of a picture in pixels."""
+
+_look = eqx.filter_jit(frame)
+_goal = eqx.filter_jit(vehicle.goal)
+
+
+class Camera:
+    """Writes down an episode, step by step, and shows where it stands."""
+
+    def __init__(self, street: Street, *, width: int = WIDTH) -> None:
+        """``width`` of the pictures in pixels."""
+        self.street, self.width = street, width
+        self.trajectory: Trajectory | None = None
+        self.scene: Scene | None = None
+
+    def begin(self, stream: Stream) -> None:
+        """An episode's first frame; ``stream`` holds one environment."""
+        row, scenario = self._row(stream), stream.scenario
+        frames = self.street.config.horizon + 1
+        goal_x, goal_y = _goal(self.street.tables, scenario)
+        self.trajectory, self.scene = (
+            Trajectory(
+                dt=self.street.config.dt,
+                scenario=np.asarray(stream.episode),
+                length=np.zeros(1, np.int32),
+                goal=np.zeros(1, bool),
+                collision=np.zeros(1, bool),
+                touched=np.zeros((1, self.street.config.pedestrians), bool),
+                goal_x=np.asarray(goal_x),
+                goal_y=np.asarray(goal_y),
+                jaywalking_tendency=np.asarray(scenario.jaywalking_tendency).T,
+                **{name: np.zeros((frames, *x.shape), x.dtype) for name, x in row.items()},
+            ),
+            None,
+        )
+        self._write(0, row)
+        self.map_index = int(scenario.map[0])
+
+    def add(self, stream: Stream, events: Bool[np.ndarray, "event env"]) -> None:
+        """The frame after a step; ``events`` in the order of `EVENTS`."""
+        if self.trajectory is None:
+            raise RuntimeError("the camera has seen no beginning")
+        now = int(stream.state.step[0])
+        self._write(now, self._row(stream))
+        self.trajectory.length[0] = now
+        happened = dict(zip(EVENTS, events, strict=True))
+        self.trajectory.goal[:], self.trajectory.collision[:] = happened["goal"], happened["collision"]
+
+    def picture(self) -> UInt8[np.ndarray, "height width 3"]:
+        """The last frame."""
+        if self.trajectory is None:
+            raise RuntimeError("the camera has seen no beginning")
+        if self.scene is None:
+            road_map = jax.device_get(jax.tree.map(lambda x: x[self.map_index], self.street.maps))
+            self.scene = Scene(self.trajectory, 0, road_map, width=self.width)
+        self.scene.grown()
+        return self.scene.pixels(self.scene.last)
+
+    def _row(self, stream: Stream) -> dict[str, np.ndarray]:
+        """A moment as the rows of a `Trajectory`."""
+        seen: dict[str, Any] = _look(self.street, stream.scenario, stream.state)
+        return {name: np.asarray(x).swapaxes(0, 1) if x.ndim == 2 else np.asarray(x) for name, x in seen.items()}
+
+    def _write(self, at: int, row: dict[str, np.ndarray]) -> None:
+        for name, value in row.items():
+            getattr(self.trajectory, name)[at] = value

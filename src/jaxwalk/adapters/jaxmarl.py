@@ -1,0 +1,258 @@
+"""The street in the manner of JaxMARL: functions of keys and states, for `jax.jit` and `jax.vmap`. It needs no JaxMARL.
+
+Agents are those whom nobody else plays: with ``driver="route-follower"``, the twelve pedestrians, who are alike, as
+JaxMARL's IPPO and MAPPO scripts want them; with ``pedestrians="always-go"``, the car alone; else all thirteen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax.custom_batching import custom_vmap
+from jaxtyping import Array, Bool, Int
+
+from jaxwalk.adapters.game import EVENTS, ROLES, Game, begin, play, renew, rewards_of
+from jaxwalk.adapters.players import AdapterError, Weights
+from jaxwalk.interfaces import ByRole, Outcome, Policy
+from jaxwalk.rollout import Stream
+from jaxwalk.sim.bounds import bounds
+from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
+
+DRIVER, PEDESTRIAN = "driver", "pedestrian_"
+"""The car's name, and how those of the people begin."""
+
+
+class Discrete:
+    """A choice among ``n``."""
+
+    def __init__(self, n: int) -> None:
+        self.n, self.shape, self.dtype = n, (), jnp.int32
+
+    def sample(self, key: Array) -> Int[Array, ""]:
+        return jax.random.randint(key, self.shape, 0, self.n)
+
+    def contains(self, x: Array) -> Bool[Array, ""]:
+        return (x >= 0) & (x < self.n)
+
+
+class Box:
+    """Numbers between bounds."""
+
+    def __init__(self, low: Any, high: Any, shape: tuple[int, ...]) -> None:
+        self.low, self.high, self.shape, self.dtype = jnp.asarray(low), jnp.asarray(high), shape, jnp.float32
+
+    def sample(self, key: Array) -> Array:
+        return jax.random.uniform(key, self.shape, minval=self.low, maxval=self.high)
+
+    def contains(self, x: Array) -> Bool[Array, ""]:
+        return ((x >= self.low) & (x <= self.high)).all()
+
+
+class StreetState(eqx.Module):
+    """One environment; its arrays end in an axis of size 1, the simulator's batch."""
+
+    stream: Stream
+    """What it plays, and the key from which come its episodes one after the other."""
+
+    @property
+    def step(self) -> Int[Array, ""]:
+        """Steps since the episode's start."""
+        return self.stream.state.step[0]
+
+    @property
+    def done(self) -> Bool[Array, ""]:
+        """Whether the episode is over."""
+        return self.stream.ended[0]
+
+
+Brought = tuple[dict[str, Array], StreetState, dict[str, Array], dict[str, Array], dict[str, Array]]
+"""Of a step: observations, next state, rewards, dones and infos (arrays with one number for each agent)."""
+
+
+class StreetMARL:
+    """The street with the attributes and methods of JaxMARL's ``MultiAgentEnv``.
+
+    An episode ends for all at once, and JaxMARL knows one way to end: ``dones`` is true for goal, collision and timeout
+    alike (``infos`` tells which). `vmap` over it is cheap: `_merged` makes all environments one batch.
+    """
+
+    def __init__(
+        self,
+        *,
+        driver: str | Path | Policy | None = None,
+        pedestrians: str | Path | Policy | None = None,
+        driver_observation: str = "route",
+        pedestrian_observation: str = "kerb",
+        driver_reward: Weights = "fast",
+        pedestrian_reward: Weights = "fast",
+        maps: Sequence[str | Path] = ("paper",),
+        jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
+        config: SimConfig | None = None,
+    ) -> None:
+        """A street; ``driver`` and ``pedestrians`` name who plays these roles, where that isn't left to the agents.
+
+        Raises ValueError for an impossible option; the message names it.
+        """
+        if driver is not None and pedestrians is not None:
+            raise AdapterError("driver and pedestrians are both played by policies: leave one of them to the agents")
+        self.game = Game.create(
+            driver=driver, pedestrians=pedestrians, maps=maps, config=config, jaywalk_multiplier=jaywalk_multiplier,
+            driver_reward=driver_reward, pedestrian_reward=pedestrian_reward,
+        )  # fmt: skip
+        people = [] if pedestrians is not None else range(self.game.street.config.pedestrians)
+        by_role = {"driver": [DRIVER] if driver is None else [], "pedestrian": [f"{PEDESTRIAN}{i}" for i in people]}
+        self.agent_classes = {role: names for role, names in by_role.items() if names}
+        self.agents = [name for names in by_role.values() for name in names]
+        self.num_agents = len(self.agents)
+        self.observes = {"driver": driver_observation, "pedestrian": pedestrian_observation}
+        seen = {role: self._seen_by(role) for role in self.agent_classes}
+        done = {"driver": Box(-1.0, 1.0, (2,)), "pedestrian": Discrete(2)}
+        self.observation_spaces = {name: seen[role] for role in self.agent_classes for name in by_role[role]}
+        self.action_spaces = {name: done[role] for role in self.agent_classes for name in by_role[role]}
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return "jaxwalk_street"
+
+    def observation_space(self, agent: str) -> Box:
+        """What an agent sees."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Box | Discrete:
+        """The driver: acceleration and steering, shares of their limits. A pedestrian: wait (0) or go (1)."""
+        return self.action_spaces[agent]
+
+    def reset(self, key: Array) -> tuple[dict[str, Array], StreetState]:
+        """The beginning of an environment's first episode. All chance in it, and in later ones, is in the key."""
+
+        def begins(keys: Array) -> tuple[ByRole[Array | None], StreetState]:
+            began = begin(self.game, keys)
+            return self._look(began), _state(began)
+
+        seen, began = _merged(begins)(_typed(key)[None])
+        return self._by_name(seen), began
+
+    def step(
+        self, key: Array, state: StreetState, actions: dict[str, Array], reset_state: StreetState | None = None
+    ) -> Brought:
+        """As `step_env`; where the episode ended, observations and state are those of the beginning of the next one
+        (or ``reset_state`` and its own)."""
+        seen, after, rewards, dones, infos = self._play(state, actions, renews=reset_state is None)
+        if reset_state is not None:
+            fresh = self.get_obs(reset_state), reset_state
+            seen, after = jax.tree.map(lambda new, old: jnp.where(dones["__all__"], new, old), fresh, (seen, after))
+        return seen, after, rewards, dones, infos
+
+    def step_env(self, key: Array, state: StreetState, actions: dict[str, Array]) -> Brought:
+        """One step. The ``key`` isn't needed: an environment has its own from `reset`."""
+        return self._play(state, actions, renews=False)
+
+    def get_obs(self, state: StreetState) -> dict[str, Array]:
+        """What everybody sees."""
+        return self._by_name(_merged(lambda now: self._look(_stream(now)))(state))
+
+    def get_avail_actions(self, state: StreetState) -> dict[str, Bool[Array, "2"]]:
+        """Pedestrians can always wait and go. (A driver has no choices to be counted.)"""
+        return {name: jnp.ones(2, bool) for name in self.agent_classes.get("pedestrian", ())}
+
+    def _seen_by(self, role: str) -> Box:
+        street = self.game.street
+        low, high = bounds(street.maps, street.tables, street.config, role, self.observes[role])
+        return Box(low, high, low.shape)
+
+    def _play(self, state: StreetState, actions: dict[str, Array], *, renews: bool) -> Brought:
+        """One step, and then perhaps the next episode."""
+
+        def plays(now: StreetState, given: ByRole[Array | None]) -> tuple[Any, ...]:
+            after, step = play(self.game, _stream(now), given)
+            after = renew(self.game, after, after.ended) if renews else after
+            return self._look(after), _state(after), rewards_of(step.outcome), step.outcome
+
+        seen, after, rewards, outcome = _merged(plays)(state, self._together(actions))
+        ended: Array = outcome.ended[0]
+        dones = {name: ended for name in (*self.agents, "__all__")}
+        return self._by_name(seen), after, self._by_name(rewards), dones, self._infos(outcome)
+
+    def _look(self, now: Stream) -> ByRole[Array | None]:
+        """What those roles see that are left to agents."""
+
+        def of(role: str) -> Array | None:
+            if role not in self.agent_classes:
+                return None
+            return self.game.street.observe(now.scenario, now.state, role, self.observes[role])
+
+        return ByRole(*map(of, ROLES))
+
+    def _by_name(self, each: ByRole[Array | None]) -> dict[str, Array]:
+        """Each agent's part of arrays ``(..., env)`` and ``(..., ped, env)`` of one environment."""
+        parts: dict[str, Array] = {}
+        if each.driver is not None and "driver" in self.agent_classes:
+            parts[DRIVER] = each.driver[..., 0]
+        if each.pedestrian is not None and "pedestrian" in self.agent_classes:
+            parts |= {name: each.pedestrian[..., i, 0] for i, name in enumerate(self.agent_classes["pedestrian"])}
+        return parts
+
+    def _together(self, actions: dict[str, Array]) -> ByRole[Array | None]:
+        """Everybody's actions as arrays of one environment."""
+        driver, people = None, None
+        if "driver" in self.agent_classes:
+            driver = jnp.asarray(actions[DRIVER], jnp.float32).reshape(2, 1)
+        if "pedestrian" in self.agent_classes:
+            names = self.agent_classes["pedestrian"]
+            people = jnp.stack([jnp.asarray(actions[name], jnp.int32).reshape(1) for name in names])
+        return ByRole(driver, people)
+
+    def _infos(self, outcome: Outcome) -> dict[str, Array]:
+        """How the episode ended, if it did, and the terms of the rewards: an array with a number for each agent."""
+        events = {name: getattr(outcome.events, name)[0] for name in EVENTS}
+        infos = {name: jnp.full((self.num_agents,), happened) for name, happened in events.items()}
+        others = self.num_agents - 1
+        if "driver" in self.agent_classes:
+            for term, paid in outcome.rewards.driver.items():
+                infos[f"driver/{term}"] = jnp.concatenate([paid, jnp.zeros(others)])
+        if "pedestrian" in self.agent_classes:
+            for term, paid in outcome.rewards.pedestrian.items():
+                infos[f"pedestrian/{term}"] = jnp.concatenate([jnp.zeros(self.num_agents - len(paid)), paid[:, 0]])
+        return infos
+
+
+def _stream(state: StreetState) -> Stream:
+    """The stream of a batch; it counts its steps once, a state has a number for each environment."""
+    return eqx.tree_at(lambda s: s.step, state.stream, jnp.zeros((), jnp.int32))
+
+
+def _state(stream: Stream) -> StreetState:
+    return StreetState(eqx.tree_at(lambda s: s.step, stream, stream.state.step))
+
+
+def _typed(key: Array) -> Array:
+    """A key as JAX has them now; JaxMARL's scripts make the older kind, two bare numbers."""
+    return key if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else jax.random.wrap_key_data(key)
+
+
+def _merged(function: Any) -> Any:
+    """A function of arrays that end in an environment axis, whose `vmap` puts the new axis into that one.
+
+    Plain `vmap` would put environments in front, where the simulator is several times slower.
+    """
+    merged = custom_vmap(function)
+
+    @merged.def_vmap
+    def rule(size: int, batched: Any, *arguments: Any) -> tuple[Any, Any]:
+        def join(x: Array, mapped: bool) -> Array:
+            x = jnp.moveaxis(x, 0, -1) if mapped else jnp.broadcast_to(x[..., None], (*x.shape, size))
+            return x.reshape(*x.shape[:-2], -1)
+
+        def part(x: Array) -> Array:
+            return jnp.moveaxis(x.reshape(*x.shape[:-1], -1, size), -1, 0)
+
+        result = _merged(function)(*jax.tree.map(join, arguments, tuple(batched)))
+        return jax.tree.map(part, result), jax.tree.map(lambda x: True, result)
+
+    return merged

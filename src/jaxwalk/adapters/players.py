@@ -1,0 +1,47 @@
+"""Who plays the roles that the user of an adapter doesn't, and what everybody is paid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from jaxwalk.evaluation import SAMPLES, with_mode
+from jaxwalk.interfaces import Policy
+from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, shipped_policy
+from jaxwalk.sim.weights import DRIVER_WEIGHTS, PEDESTRIAN_WEIGHTS
+
+Weights = str | Mapping[str, float]
+"""A recipe's name, or a weight for each of some reward terms (`jaxwalk.sim.reward`)."""
+
+_RULES: dict[str, Any] = {"driver": DRIVERS, "pedestrian": POPULATIONS}
+_WEIGHTS = {"driver": DRIVER_WEIGHTS, "pedestrian": PEDESTRIAN_WEIGHTS}
+
+
+class AdapterError(ValueError):
+    """What an adapter was asked for can't be done; one line says why and what to do."""
+
+
+def player(role: str, who: str | Path | Policy) -> Policy:
+    """A policy for a role: itself, or by the name of a rule or shipped policy, or a policy file.
+
+    A trained policy acts as in an evaluation: pedestrians draw their actions, a driver takes the likeliest one.
+    """
+    if not isinstance(who, str | Path):
+        return who
+    if who in _RULES[role]:
+        return _RULES[role][who]()
+    file = shipped_policy(role, str(who)) or Path(who)
+    if not file.is_file():
+        known = ", ".join((*_RULES[role], *SHIPPED[role]))
+        raise AdapterError(f"{who}: no {role} of that name ({known}) and no policy file; check the name")
+    return with_mode(load_policy(file, role), sample=getattr(SAMPLES, role))
+
+
+def weights_of(role: str, weights: Weights) -> Mapping[str, float]:
+    """What a role is paid for: as given, or as the recipe of that name pays."""
+    if not isinstance(weights, str):
+        return weights
+    if weights not in _WEIGHTS[role]:
+        raise AdapterError(f"no recipe {weights!r} to pay the {role} by; there are: {', '.join(_WEIGHTS[role])}")
+    return _WEIGHTS[role][weights]

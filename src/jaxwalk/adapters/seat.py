@@ -1,0 +1,176 @@
+"""The driver's seat in a batch of streets, for a loop in Python: what goes in and comes out are NumPy arrays.
+
+A step is one call of one compiled function, and one packed array is all that it hands to the host: many small transfers
+would cost more than the simulation.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Key
+
+from jaxwalk.adapters.game import EVENTS, Game, begin, play, renew, rewards_of
+from jaxwalk.adapters.players import AdapterError
+from jaxwalk.interfaces import ByRole
+from jaxwalk.rollout import Stream
+from jaxwalk.sim.bounds import bounds
+
+NEVER, NEXT_STEP, SAME_STEP = "never", "next step", "same step"
+"""When an ended episode gives way to the next: when asked, in place of the step after its last, or right after that."""
+
+
+class Seen(NamedTuple):
+    """What a step brought; arrays ``(env, ...)``."""
+
+    observation: Float[np.ndarray, "env feature"]
+    """Of the state after the step, or of the next episode's first one."""
+    final: Float[np.ndarray, "env feature"] | None
+    """With SAME_STEP: of the state after the step."""
+    reward: Float[np.ndarray, "env"]
+    terms: Float[np.ndarray, "term env"]
+    """The terms whose sum it is, in the order of `Seat.terms`."""
+    events: Bool[np.ndarray, "event env"]
+    """In the order of `EVENTS`: how the episode ended, if it did."""
+    valid: Bool[np.ndarray, "env"]
+    """False where the step stood for the beginning of an episode: nothing was done or earned."""
+
+    @property
+    def terminated(self) -> Bool[np.ndarray, "env"]:
+        """Arrived or collided."""
+        return self.events[0] | self.events[1]
+
+    @property
+    def truncated(self) -> Bool[np.ndarray, "env"]:
+        """Out of time."""
+        return self.events[2]
+
+    @property
+    def ended(self) -> Bool[np.ndarray, "env"]:
+        """For whatever reason."""
+        return self.terminated | self.truncated
+
+
+class Rules:
+    """A game and how it is played from the seat. Compiled code holds all of it as constants: what is not handed over at
+    every call costs no time there. Equal rules share that code."""
+
+    def __init__(self, game: Game, observation: str, autoreset: str) -> None:
+        self.game, self.observation, self.autoreset = game, observation, autoreset
+        arrays, rest = eqx.partition(game, eqx.is_array)
+        leaves, structure = jax.tree.flatten(rest)
+        content = tuple((x.shape, x.dtype, np.asarray(x).tobytes()) for x in jax.tree.leaves(arrays))
+        self._value = (content, tuple(leaves), structure, observation, autoreset)
+        self._hash = hash(self._value)
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (isinstance(other, Rules) and self._value == other._value)
+
+
+class Seat:
+    """Drives the cars of ``count`` streets."""
+
+    def __init__(self, game: Game, count: int, *, observation: str, autoreset: str) -> None:
+        """Raises ValueError for an unknown observation set."""
+        if count < 1:
+            raise AdapterError(f"the number of environments must be at least 1, not {count}")
+        self.count, street = count, game.street
+        self.terms = tuple(street.weights.driver)
+        self.low, self.high = bounds(street.maps, street.tables, street.config, "driver", observation)
+        self.rules = Rules(game, observation, autoreset)
+        self.structure = jax.tree.structure(None)
+        self._leaves: list[Array] = []
+
+    @property
+    def stream(self) -> Stream:
+        """Where the streets stand; its keys are raw."""
+        return jax.tree.unflatten(self.structure, self._begun())
+
+    def _begun(self) -> list[Array]:
+        """The arrays of the stream: a plain list is handed over much faster than a tree of objects."""
+        if not self._leaves:
+            raise AdapterError("nothing has begun yet: call reset first")
+        return self._leaves
+
+    def begin(self, keys: Key[Array, "env"]) -> Float[np.ndarray, "env feature"]:
+        """The first episode of each key."""
+        stream, seen = _begin(self.rules, jax.random.key_data(keys))
+        self._leaves, self.structure = jax.tree.flatten(stream)
+        return np.asarray(seen).T.copy()
+
+    def next(self, which: Bool[np.ndarray, "env"]) -> Float[np.ndarray, "env feature"]:
+        """The next episode wherever ``which`` says."""
+        self._leaves, seen = _next(self.rules, self.structure, self._begun(), which)
+        return np.asarray(seen).T.copy()
+
+    def step(self, action: Any) -> Seen:
+        """One step of every street; ``action`` is (env, 2), acceleration and steering."""
+        action = np.asarray(action, np.float32)
+        if action.shape != (self.count, 2):
+            raise AdapterError(f"an action is acceleration and steering: {(self.count, 2)} numbers, not {action.shape}")
+        if not np.isfinite(action).all():
+            raise AdapterError("an action has a number that is not finite; the policy may have diverged")
+        self._leaves, packed = _step(self.rules, self.structure, self._begun(), action.T)
+        return self._unpacked(np.asarray(packed))
+
+    def _unpacked(self, packed: Float[np.ndarray, "row env"]) -> Seen:
+        """What `_step` packed; everything is copied, so that it stays when the device's memory is used again."""
+        features = len(self.low)
+        both = self.rules.autoreset == SAME_STEP
+        blocks = np.split(packed, np.cumsum([features, features * both, 1, len(self.terms), len(EVENTS)]))
+        observation, final, reward, terms, events, valid = blocks
+        return Seen(
+            observation=observation.T.copy(),
+            final=final.T.copy() if both else None,
+            reward=reward[0].astype(np.float64),
+            terms=terms.astype(np.float64),
+            events=events > 0,
+            valid=valid[0] > 0,
+        )
+
+
+@partial(jax.jit, static_argnums=0)
+def _begin(rules: Rules, keys: Array) -> tuple[Stream, Array]:
+    stream = begin(rules.game, jax.random.wrap_key_data(keys))
+    return _raw(stream), _look(rules, stream)
+
+
+@partial(jax.jit, static_argnums=(0, 1))
+def _next(rules: Rules, structure: Any, leaves: list[Array], which: Array) -> tuple[list[Array], Array]:
+    stream = renew(rules.game, _keyed(jax.tree.unflatten(structure, leaves)), which)
+    return jax.tree.leaves(_raw(stream)), _look(rules, stream)
+
+
+@partial(jax.jit, static_argnums=(0, 1), donate_argnums=2)
+def _step(
+    rules: Rules, structure: Any, leaves: list[Array], action: Array
+) -> tuple[list[Array], Float[Array, "row env"]]:
+    """The stream after a step, and what `Seat._unpacked` takes apart."""
+    stream, step = play(rules.game, _keyed(jax.tree.unflatten(structure, leaves)), ByRole(action, None))
+    final = [_look(rules, stream)] if rules.autoreset == SAME_STEP else []
+    if rules.autoreset != NEVER:
+        stream = renew(rules.game, stream, stream.ended if final else stream.shown)
+    terms, events = step.outcome.rewards.driver, step.outcome.events
+    earned = [rewards_of(step.outcome).driver, *terms.values(), *(getattr(events, name) for name in EVENTS), step.valid]
+    rows = jnp.stack([row * step.valid for row in earned]).astype(jnp.float32)
+    return jax.tree.leaves(_raw(stream)), jnp.concatenate([_look(rules, stream), *final, rows])
+
+
+def _look(rules: Rules, stream: Stream) -> Float[Array, "feature env"]:
+    return rules.game.street.observe(stream.scenario, stream.state, "driver", rules.observation)
+
+
+def _raw(stream: Stream) -> Stream:
+    return eqx.tree_at(lambda s: s.key, stream, jax.random.key_data(stream.key))
+
+
+def _keyed(stream: Stream) -> Stream:
+    return eqx.tree_at(lambda s: s.key, stream, jax.random.wrap_key_data(stream.key))
