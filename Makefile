@@ -9,7 +9,7 @@ INSTALLED := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null || echo $(BIN)/uv)
 
 .DEFAULT_GOAL := help
-.PHONY: help install check lint types contracts test format reproduce evidence bench wheel lock clean
+.PHONY: help install check lint types contracts test format reproduce evidence pictures bench wheel lock clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -54,6 +54,15 @@ reproduce: install  ## the paper's tables and figures again, into runs/reproduce
 evidence: install  ## the whole suite for the shipped drivers and the rules, into runs/evidence: some 15 minutes
 	$(BIN)/jaxwalk evaluate --driver random constant-speed rule-based rule-based-braking route-follower single-agent \
 	  co-trained --pedestrians always-go learned --episodes 10000 --counterfactuals 200 --encounters --out runs/evidence
+
+# The scenario is one in which the co-trained car lets a jaywalker pass.
+EPISODE = --driver co-trained --pedestrians learned --scenario 17
+
+pictures: install  ## the pictures of README and docs, and an animation for talks: needs Chromium
+	$(BIN)/jaxwalk play $(EPISODE) --time 4 --out docs/images/episode.png
+	$(BIN)/jaxwalk play $(EPISODE) --out docs/images/episode.gif
+	$(BIN)/jaxwalk report --out runs/report
+	$(BIN)/python docs/screenshots.py runs/report/report.html docs/images
 
 bench: install  ## how fast simulator and training are on this machine: some minutes
 	$(BIN)/jaxwalk bench

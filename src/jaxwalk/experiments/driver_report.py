@@ -43,9 +43,10 @@ def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Ca
     played = {match.names: match.rows for match in matches}
     watched = gallery(cast, played, most=most, say=say) if most else None
     write_rows(folder / "episodes.csv", [(*match.names, match.rows) for match in matches])
-    write_whole(folder / "results.json", json.dumps(results, indent=2, allow_nan=False) + "\n")
+    text = json.dumps(results, indent=2, allow_nan=False) + "\n"
+    write_whole(folder / "results.json", text)
     documents = {
-        "results": results,
+        "results": json.loads(text),
         "curves": _curves(list(cast.drivers)),
         "provenance": provenance(),
         "minutes": {"all": (time.monotonic() - began) / 60},

@@ -21,8 +21,8 @@ CAR_LENGTH, CAR_WIDTH = 4.5, 1.8
 """[m]; only drawn: collisions are decided by the centres."""
 CAR, JAYWALKED, GOAL, CRASH = "#1f5fd0", "#ffd400", "#d81e2c", "#d81e2c"
 """Colours of the car, of jaywalks, of the goal and of a collision."""
-TENDENCY = LinearSegmentedColormap.from_list("tendency", ["#159a4b", "#8a9a3c", "#c46a2b", "#c8102e"])
-"""From green (never jaywalks) to red, without the yellow of jaywalks."""
+TENDENCY = LinearSegmentedColormap.from_list("tendency", ["#fff4d6", "#f5b242", "#cd540a", "#541408"])
+"""From pale (never jaywalks) to dark: told apart by lightness alone, so by everybody. Those of ``page/drawing.js``."""
 INCHES = 8.0
 """Width for which texts and lines are sized; the pixels per inch make it larger or smaller."""
 TRAIL = 3.0
@@ -122,7 +122,7 @@ class Scene:
             Line2D([], [], color=CAR, linewidth=6, label="car"),
             Line2D([], [], color=CAR, linewidth=2, alpha=0.7, label="its path"),
             Line2D([], [], color=GOAL, marker="x", markersize=9, markeredgewidth=3, linestyle="none", label="its goal"),
-            Line2D([], [], color="#8a9a3c", marker="o", markeredgecolor="#222222", label="pedestrian, last 3 s"),
+            Line2D([], [], color="#cd540a", marker="o", markeredgecolor="#222222", label="pedestrian, last 3 s"),
             Line2D([], [], color=JAYWALKED, linewidth=3.5, label="jaywalk"),
         ]
         self.axes.legend(

@@ -73,6 +73,8 @@ class Play:
     """Bundled maps or map files."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
+    time: Annotated[float | None, option("the end", "S")] = None
+    """The moment that a picture shows [s]."""
     html: Flag = False
     """Make a page; short for --out episode.html."""
     out: Annotated[Path | None, option("episode.png", "FILE")] = None
