@@ -19,7 +19,8 @@ def run(options: Play) -> int:
     with bad_values():
         street = world_of([options.driver, options.pedestrians], options.map)
         street = with_jaywalk_multiplier(street, options.jaywalk_multiplier)
-        driver = contestant(street, "driver", options.driver)
+        trust, seconds = options.trust, options.driver_seconds
+        driver = contestant(street, "driver", options.driver, trust=trust, seconds=seconds)
         people = contestant(street, "pedestrian", options.pedestrians)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     played = draw_episode(street, driver, people, options.out, scenario=options.scenario, seed=options.seed)

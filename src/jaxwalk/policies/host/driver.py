@@ -51,14 +51,14 @@ class HostDriver:
         self.name, self.observes = name, observes
         self.turn = threading.Lock()
         self.seconds_spent, self.steps_made = 0.0, 0
+        self.failure: str | None = None
         self._driver, self._seconds = driver, seconds
         self._thread = _Thread()
-        self._failure: str | None = None
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
         """A new batch begins. It remembers by itself."""
-        if self._failure:
-            raise DriverError(self._failure)
+        if self.failure:
+            raise DriverError(self.failure)
         if hasattr(self._driver, "reset"):
             self._ask("reset", *batch)
 
@@ -77,9 +77,9 @@ class HostDriver:
         return jnp.asarray(self._checked(answer, len(rows)).T), memory
 
     def fail(self, what: str) -> DriverError:
-        """The error to raise about it: ``what`` follows its name."""
-        self._failure = f"{self.name}: {what}"
-        return DriverError(self._failure)
+        """The error to raise about it; ``what`` begins with what it did."""
+        self.failure = what if what.startswith(f"{self.name}: ") else f"{self.name}: {what}"
+        return DriverError(self.failure)
 
     def _ask(self, method: str, *arguments: Any) -> Any:
         """What a method of the driver returns."""
@@ -109,10 +109,11 @@ class HostDriver:
 
 def wrong_action(actions: Float[np.ndarray, "2 episode"], playing: np.ndarray) -> tuple[int, str] | None:
     """The first episode of those ``playing`` with an impossible action, and what is wrong; None if there is none."""
-    finite, inside = np.isfinite(actions).all(axis=0), (np.abs(actions) <= 1 + BEYOND).all(axis=0)
-    for episode in np.flatnonzero(playing & ~(finite & inside))[:1]:
+    possible = (np.abs(actions) <= 1 + BEYOND).all(axis=0)  # (not so for NaN)
+    for episode in np.flatnonzero(playing & ~possible)[:1]:
         acceleration, steering = actions[:, episode]
-        hint = "clip it if that is meant" if finite[episode] else "something in it is undefined for what it observes"
+        finite = np.isfinite(acceleration + steering)
+        hint = "clip it if that is meant" if finite else "find out what it divides by, or where a value is missing"
         return int(episode), f"act returned [{acceleration:g} {steering:g}], not two numbers in [-1, 1]; {hint}"
     return None
 

@@ -66,4 +66,6 @@ def _failures(name: str, doing: str) -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        raise DriverError(f"{name}: {doing} raised {type(error).__name__}: {error}; mend it or check the name") from error
+        raise DriverError(
+            f"{name}: {doing} raised {type(error).__name__}: {error}; mend it or check the name"
+        ) from error

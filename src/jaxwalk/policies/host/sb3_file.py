@@ -135,7 +135,8 @@ def _unpickled(path: Path) -> tuple[Sb3Driver, str]:
     except ImportError as error:
         raise DriverError(f"{path}: needs Stable-Baselines3: pip install 'jaxwalk[sb3]'") from error
     try:
-        data, weights, _ = load_from_zip_file(str(path), device="cpu")
+        loaded: Any = load_from_zip_file(str(path), device="cpu")
+        data, weights, _ = loaded
         options = dict(data["policy_kwargs"])
         if issubclass(data["policy_class"], ActorCriticPolicy):
             options["use_sde"] = data["use_sde"]

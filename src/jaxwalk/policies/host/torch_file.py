@@ -45,7 +45,7 @@ def load(path: Path, *, trust: bool) -> tuple[TorchDriver, str]:
     if kind != "TorchScript" and not trust:
         raise DriverError(f"{path}: {kind}, which can run any code while it is loaded; {WAY_OUT}")
     torch = import_torch(path)
-    extra = {OBSERVES: ""}
+    extra: dict[str, Any] = {OBSERVES: ""}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of torch.jit.load: people have such files
