@@ -57,13 +57,14 @@ def contestant(
         return rules[name]()
     if role == "driver" and is_host_driver(name):
         return load_host_driver(name, trust=trust, seconds=seconds)
-    file = _policy_file(role, name)
+    file = policy_file(role, name)
     observes = read_metadata(file)["roles"].get(role, {}).get("observes", "paper")
     policy = load_policy(file, role, expect_size=_observation_size(street, role, observes, file))
     return with_mode(policy, sample=getattr(SAMPLES, role) if sample is None else sample)
 
 
-def _policy_file(role: str, name: str) -> Path:
+def policy_file(role: str, name: str) -> Path:
+    """The file of a shipped policy, a run folder or itself; raises ContestantError or RunError if there is none."""
     shipped = shipped_policy(role, name)
     if shipped is not None:
         return shipped

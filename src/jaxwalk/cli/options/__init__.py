@@ -4,13 +4,15 @@ from typing import Annotated
 
 import tyro
 
+from jaxwalk.cli.options.formats import Export, Observations
 from jaxwalk.cli.options.judging import Evaluate, Play, Report, Share
 from jaxwalk.cli.options.option import UsageError
 from jaxwalk.cli.options.speed import Bench
 from jaxwalk.cli.options.training import HiddenIntent, Reproduce, Train
 
 __all__ = [
-    "Bench", "Command", "Evaluate", "HiddenIntent", "Play", "Report", "Reproduce", "Share", "Train", "UsageError",
+    "Bench", "Command", "Evaluate", "Export", "HiddenIntent", "Observations", "Play", "Report", "Reproduce", "Share",
+    "Train", "UsageError",
 ]  # fmt: skip
 
 Command = (
@@ -21,6 +23,8 @@ Command = (
     | Annotated[Report, tyro.conf.subcommand("report")]
     | Annotated[HiddenIntent, tyro.conf.subcommand("hidden-intent")]
     | Annotated[Share, tyro.conf.subcommand("share")]
+    | Annotated[Export, tyro.conf.subcommand("export")]
+    | Annotated[Observations, tyro.conf.subcommand("observations")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 """What the command line can ask for."""
