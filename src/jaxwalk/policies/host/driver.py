@@ -21,6 +21,7 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from textwrap import shorten
 from typing import Any
 
 import jax.numpy as jnp
@@ -31,6 +32,8 @@ SECONDS = 10.0
 """A driver may think so long about one step of its batch, unless told otherwise."""
 NUMBERS = "fiu"
 """Kinds of NumPy types that are real numbers."""
+MESSAGE = 300
+"""Characters that are repeated of the message of a driver's own error."""
 BEYOND = 1e-4
 """An action may exceed [-1, 1] by this much, by rounding; the simulator clips it."""
 
@@ -160,4 +163,4 @@ def _described(error: BaseException) -> str:
     """As in ``ZeroDivisionError: division by zero (mine.py, line 12)``."""
     last = traceback.extract_tb(error.__traceback__)[-1:]
     where = "".join(f" ({Path(frame.filename).name}, line {frame.lineno})" for frame in last)
-    return " ".join(f"{type(error).__name__}: {error}{where}".split())
+    return shorten(f"{type(error).__name__}: {error}", MESSAGE) + where
