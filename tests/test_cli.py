@@ -252,7 +252,7 @@ class Mine:
 
 def test_a_driver_of_ones_own_is_evaluated_and_its_cost_shown(place, capsys):
     (place / "mine.py").write_text(OWN)
-    assert main("evaluate --driver mine:Mine --episodes 3 --seed 7 --out kept".split()) == 0
+    assert main(["evaluate", "--driver", "mine:Mine", "--episodes", "3", "--seed", "7", "--out", "kept"]) == 0
     cell = json.loads((place / "kept" / "results.json").read_text())["cells"][0]
     assert (cell["driver"], cell["driver_observes"]) == ("mine:Mine", "paper")
     assert f"mine:Mine: {cell['driver_ms_per_step']:.3g} ms for a step of 512 episodes" in capsys.readouterr().out
@@ -260,7 +260,7 @@ def test_a_driver_of_ones_own_is_evaluated_and_its_cost_shown(place, capsys):
 
 def test_what_was_evaluated_before_a_driver_failed_is_kept(place, capsys):
     (place / "mine.py").write_text(OWN)
-    assert main("evaluate --driver mine.py:Mine --episodes 600 --seed 7 --out kept".split()) == 2
+    assert main(["evaluate", "--driver", "mine.py:Mine", "--episodes", "600", "--seed", "7", "--out", "kept"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     message = " ".join(err.split())

@@ -34,11 +34,11 @@ ENVIRONMENTS, STEPS = 64, 256
 class Met(eqx.Module):
     """What a policy met and did: arrays ``(..., row)``."""
 
-    observation: Array
+    observation: Array | np.ndarray
     memory: Held | None
     """Before it acted."""
-    action: Array
-    outputs: Array
+    action: Array | np.ndarray
+    outputs: Array | np.ndarray
     """Of its network."""
 
 
