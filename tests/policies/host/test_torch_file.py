@@ -49,6 +49,27 @@ def test_torchscript_needs_no_trust(script, network):
     _check(load_host_driver(script), network)
 
 
+@pytest.mark.parametrize("kind", ["script.pt", "exported.pt2"])
+def test_the_file_may_name_what_it_observes(tmp_path, kind):
+    network = torch.nn.Sequential(torch.nn.Linear(65, 2), torch.nn.Tanh()).eval()  # two sets have 65 features
+    path, named = str(tmp_path / kind), {"observes": "route-belief"}
+    if kind == "script.pt":
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)
+            torch.jit.script(network).save(path, _extra_files=named)
+    else:
+        torch.export.save(torch.export.export(network, (torch.zeros(4, 65),)), path, extra_files=named)
+    assert load_host_driver(path, trust=kind == "exported.pt2").observes == "route-belief"
+
+
+def test_a_set_must_be_named_if_the_size_does_not_say(tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        torch.jit.script(torch.nn.Linear(65, 2)).save(str(tmp_path / "script.pt"))
+    with pytest.raises(DriverError, match=r"takes 65 numbers; the sets' sizes are: .*route-belief 65.*naming one"):
+        load_host_driver(str(tmp_path / "script.pt"))
+
+
 def test_a_pickled_module_needs_trust(tmp_path, network):
     path = tmp_path / "pickled.pt"
     torch.save(network, path)

@@ -129,34 +129,39 @@ class _RaisedError(Exception):
 
 
 class _Thread:
-    """Calls functions in one thread of its own, which begins with the first; a call that takes too long is given up."""
+    """Calls functions in one thread of its own; a call that takes too long is given up, and its thread with it."""
 
     def __init__(self) -> None:
-        self._calls: SimpleQueue[tuple[Callable[..., Any], tuple[Any, ...]]] = SimpleQueue()
-        self._results: SimpleQueue[tuple[Any, BaseException | None]] = SimpleQueue()
-        self._begun = False
+        self._queues: tuple[SimpleQueue[Any], SimpleQueue[Any]] | None = None
 
     def call(self, function: Callable[..., Any], arguments: tuple[Any, ...], seconds: float) -> Any:
         """What the function returns. Raises _RaisedError if it raises, TimeoutError if it takes longer."""
-        if not self._begun:
-            threading.Thread(target=self._serve, daemon=True).start()  # a daemon: one that hangs doesn't keep us
-            self._begun = True
-        self._calls.put((function, arguments))
+        if self._queues is None:
+            self._queues = SimpleQueue(), SimpleQueue()
+            threading.Thread(target=_serve, args=self._queues, daemon=True).start()  # (a daemon doesn't keep us)
+        calls, results = self._queues
+        calls.put((function, arguments))
         try:
-            result, error = self._results.get(timeout=seconds)
+            result, error = results.get(timeout=seconds)
         except Empty:
+            self._queues = None
             raise TimeoutError from None
+        except BaseException:  # Ctrl-C: what comes later must not be taken for another answer
+            self._queues = None
+            raise
         if error is not None:
             raise _RaisedError(error)
         return result
 
-    def _serve(self) -> None:
-        while True:
-            function, arguments = self._calls.get()
-            try:
-                self._results.put((function(*arguments), None))
-            except BaseException as error:  # (SystemExit, too, would end the thread and leave the caller waiting)
-                self._results.put((None, error))
+
+def _serve(calls: SimpleQueue[Any], results: SimpleQueue[Any]) -> None:
+    """Call what comes, one after the other: results are (value, None) or (None, what was raised)."""
+    while True:
+        function, arguments = calls.get()
+        try:
+            results.put((function(*arguments), None))
+        except BaseException as error:  # (SystemExit, too, would end the thread and leave the caller waiting)
+            results.put((None, error))
 
 
 def _described(error: BaseException) -> str:

@@ -61,7 +61,9 @@ def set_of_size(path: Path, features: int, observes: str | None = None) -> str:
         return observes
     sizes = ", ".join(f"{name} {size('driver', name)}" for name in LAYOUTS["driver"])
     named = f" and names the observation set {observes!r}" if observes else ""
-    raise DriverError(f"{path}: takes {features} numbers{named}; the sets' sizes are: {sizes}; take one of them")
+    raise DriverError(
+        f"{path}: takes {features} numbers{named}; the sets' sizes are: {sizes}; see docs/drivers.md for naming one"
+    )
 
 
 def _is_class(name: str) -> bool:
