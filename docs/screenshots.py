@@ -1,4 +1,4 @@
-"""Screenshots of a report for the documentation: python docs/screenshots.py REPORT.html FOLDER. Part of `make pictures`."""
+"""Screenshots of a report for the documentation (`make pictures`): python docs/screenshots.py REPORT.html FOLDER."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ import jax
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.cli.options import Bench, Evaluate, HiddenIntent, Play, Reproduce, Train
+from jaxwalk.cli.options import Bench, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
 from jaxwalk.experiments.recipes import RECIPES, with_training
 from jaxwalk.experiments.runs import Run
 from jaxwalk.interfaces import Box
@@ -58,7 +58,10 @@ def _half_map(path):
 
 FILES = {
     "policy": lambda p: _policy(p / "small.safetensors"),
-    "nonsense": lambda p: (p / "nonsense.safetensors").write_bytes(b"nonsense"),
+    "nonsense": lambda p: [
+        (p / f"nonsense.{x}").write_bytes(b"nonsense") for x in ("safetensors", "onnx", "zip", "pt")
+    ],
+    "idle": lambda p: (p / "idle.py").write_text("class Idle: pass\n"),
     "foreign": lambda p: _foreign_run(p / "foreign"),
     "damaged": lambda p: _damaged_run(p / "damaged"),
     "untrained": lambda p: Run.create(p / "untrained", RECIPES["fast"]),
@@ -105,6 +108,17 @@ BAD = {
     "nonsense policy": ("evaluate --driver nonsense.safetensors", "nonsense.safetensors: damaged"),
     "untrained driver": ("evaluate --driver untrained", "untrained: has no policy.safetensors"),
     "damaged driver": ("evaluate --driver damaged", "config.json: train: Value error, clip must be above 0"),
+    "unknown module": ("evaluate --driver nowhere:Mine", "nowhere:Mine: importing nowhere raised ModuleNotFoundError"),
+    "driver of nothing": ("evaluate --driver idle.py:Idle", "idle.py:Idle: has no method act(observation)"),
+    "no limit": ("evaluate --driver idle.py:Idle --driver-seconds 0", "its limit for a step must be above 0 s, not 0"),
+    "no ONNX file": ("play --driver nowhere.onnx", "nowhere.onnx: no such file"),
+    "nonsense as ONNX": ("evaluate --driver nonsense.onnx", "nonsense.onnx: damaged or no ONNX file"),
+    "nonsense as an agent": ("evaluate --driver nonsense.zip", "damaged or no Stable-Baselines3 agent"),
+    "pickled": ("evaluate --driver nonsense.pt", "can run any code while it is loaded"),
+    "export a rule": ("export route-follower --out r.onnx", "route-follower: is a rule, not a trained policy"),
+    "export nobody": ("export nobody --out r.onnx", "nobody: no driver of that name"),
+    "export to nowhere": ("export co-trained", "--out FILE.onnx is missing"),
+    "export to another kind": ("export co-trained --out r.txt", "--out r.txt: name a file that ends in .onnx"),
     "one to compare": ("evaluate --compare random", "--compare needs two different drivers, not random"),
     "three to compare": ("evaluate --compare random rule-based random", "two different drivers, not random rule-based"),
     "the same twice": ("evaluate --compare random random", "--compare needs two different drivers, not random"),
@@ -185,13 +199,20 @@ def test_version(capsys):
     assert capsys.readouterr().out == f"jaxwalk {version('jaxwalk')}\n"
 
 
-@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, HiddenIntent, Bench])
+@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, HiddenIntent, Observations, Bench])
 def test_help_says_every_default(command, capsys):
     name = "hidden-intent" if command is HiddenIntent else command.__name__.lower()
     assert main([name, "--help"]) == 0
     text = capsys.readouterr().out
     assert text.count("(default:") == len(dataclasses.fields(command))
     assert "None" not in text
+
+
+def test_help_of_export_says_what_to_name(capsys):
+    assert main(["export", "--help"]) == 0
+    text = capsys.readouterr().out
+    assert text.count("(default:") == len(dataclasses.fields(Export)) - 1  # all but the policy
+    assert "POLICY" in text
 
 
 def test_help_loads_no_jax():
@@ -222,6 +243,49 @@ def test_the_table_shows_intervals_and_the_hash(capsys):
     assert out.count("rule-based") == 2
     assert "3 scenarios of seed 7, hash " in out
     assert "[" in out
+
+
+OWN = """
+import numpy as np
+
+class Mine:
+    batches = 0
+    def reset(self, episodes):
+        self.batches, self.step = self.batches + 1, 0
+    def act(self, observation):
+        self.step += 1
+        action = np.zeros((len(observation), 2))
+        action[:, 0] = 1
+        return action[:, self.batches > 1 and self.step == 3 :]
+"""
+
+
+def test_a_driver_of_ones_own_is_evaluated_and_its_cost_shown(place, capsys):
+    (place / "mine.py").write_text(OWN)
+    assert main(["evaluate", "--driver", "mine:Mine", "--episodes", "3", "--seed", "7", "--out", "kept"]) == 0
+    cell = json.loads((place / "kept" / "results.json").read_text())["cells"][0]
+    assert (cell["driver"], cell["driver_observes"]) == ("mine:Mine", "paper")
+    assert f"mine:Mine: {cell['driver_ms_per_step']:.3g} ms for a step of 512 episodes" in capsys.readouterr().out
+
+
+def test_what_was_evaluated_before_a_driver_failed_is_kept(place, capsys):
+    (place / "mine.py").write_text(OWN)
+    assert main(["evaluate", "--driver", "mine.py:Mine", "--episodes", "600", "--seed", "7", "--out", "kept"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    message = " ".join(err.split())
+    assert "jaxwalk: mine.py:Mine: act returned shape (512, 1); return an array of shape (512, 2)" in message
+    assert "(scenario 512 and 511 others, played together, step 2); the 512 episodes evaluated before are" in message
+    assert [path.name for path in (place / "kept").iterdir()] == ["episodes-partial.csv"]
+    assert len((place / "kept" / "episodes-partial.csv").read_text().splitlines()) == 1 + 512
+
+
+def test_observations_are_listed(capsys):
+    assert main(["observations", "--role", "pedestrian"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "paper: 20 features"
+    assert lines[1].split() == ["0", "to", "1", "position"]
+    assert lines[9].split() == ["18", "to", "19", "nearest_other"]
 
 
 def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys):
@@ -261,7 +325,8 @@ def test_play_draws(place, capsys):
 
 
 def test_play_makes_a_page_of_several_drivers_and_scenarios(place, capsys):
-    assert main("play --driver route-follower rule-based --scenario 2 5 2 --out there/replay.html".split()) == 0
+    command = "play --driver route-follower rule-based --scenario 2 5 2 --out there/replay.html"
+    assert main(command.split()) == 0
     said = "4 episodes of seed 0, route-follower, rule-based among always-go"
     assert said in capsys.readouterr().out
     text = (place / "there" / "replay.html").read_text(encoding="utf-8")

@@ -19,6 +19,7 @@ from jaxwalk.evaluation import (
     BATCH,
     Counterfactuals,
     ReplayError,
+    Stopped,
     check_parquet,
     compare,
     compared,
@@ -53,8 +54,8 @@ def run(options: Evaluate) -> int:
     names = [*drivers, *options.pedestrians]
     with bad_values():
         streets = _streets(world_of(names, options.map), options.jaywalk_multiplier)
-        driver_samples = True if options.sample_driver else None
-        cars = {x: contestant(streets[0], "driver", x, sample=driver_samples) for x in drivers}
+        chosen = {"sample": options.sample_driver or None, "trust": options.trust, "seconds": options.driver_seconds}
+        cars = {x: contestant(streets[0], "driver", x, **chosen) for x in drivers}
         people_sample = False if options.pedestrian_mode else None
         people = {x: contestant(streets[0], "pedestrian", x, sample=people_sample) for x in options.pedestrians}
     document, rows = _play(options, streets, cars, people)
@@ -72,7 +73,8 @@ def run(options: Evaluate) -> int:
     else:
         console = Console()
         console.width = max(console.width, 132)  # the numbers need it; a narrower terminal wraps
-        console.print(table(document), *map(escape, said(document)), document_line(document), sep="\n")
+        lines = [*said(document), *cost_lines(document), document_line(document)]
+        console.print(table(document), *map(escape, lines), sep="\n")
     return 0
 
 
@@ -126,9 +128,13 @@ def _play(
             before += episodes if played >= episodes else 0
 
         for street in streets:
-            found, played = compare(
-                street, drivers, people, episodes=options.episodes, seed=options.seed, progress=tell
-            )
+            try:
+                found, played = compare(
+                    street, drivers, people, episodes=options.episodes, seed=options.seed, progress=tell
+                )
+            except Stopped as stopped:
+                kept = _keep_unfinished(options.out, streets, [*rows, stopped.rows])
+                raise UsageError(f"{stopped}; {kept}") from stopped
             documents.append(found.as_dict())
             rows.append(played)
     cells = [cell for document in documents for cell in document["cells"]]
@@ -176,12 +182,32 @@ def _compared(options: Evaluate, streets: list[Street], rows: list[Played]) -> l
     return compared(a, b, among)
 
 
+def _keep_unfinished(out: Path | None, streets: list[Street], rows: list[Played]) -> str:
+    """Write what was evaluated before a driver failed, whole batches; says what became of it."""
+    episodes = sum(len(found.episodes.scenario) for played in rows for found in played.values())
+    if not episodes:
+        return "no batch had been finished before"
+    if out is None:
+        return f"{episodes:,} episodes had been evaluated before: --out DIR would keep them"
+    out.mkdir(parents=True, exist_ok=True)
+    files = _write_episodes(out, "episodes-partial", streets, rows)
+    return f"the {episodes:,} episodes evaluated before are kept in {', '.join(map(str, files))}"
+
+
+def _write_episodes(out: Path, name: str, streets: list[Street], rows: list[Played]) -> list[Path]:
+    """A row per episode, in a file for each multiplier; ``rows`` may be of the first streets only."""
+    files = []
+    for street, played in zip(streets, rows, strict=False):
+        suffix = f"-x{float(street.jaywalk_multiplier):g}" if len(streets) > 1 else ""
+        files.append(out / f"{name}{suffix}.csv")
+        write_rows(files[-1], [(*pair, found) for pair, found in played.items()])
+    return files
+
+
 def _keep_rows(out: Path, streets: list[Street], rows: list[Played], *, encounters: bool) -> None:
     """Write a row per episode for each multiplier, and a row per encounter if asked for."""
     out.mkdir(parents=True, exist_ok=True)
-    for street, played in zip(streets, rows, strict=True):
-        suffix = f"-x{float(street.jaywalk_multiplier):g}" if len(streets) > 1 else ""
-        write_rows(out / f"episodes{suffix}.csv", [(*pair, found) for pair, found in played.items()])
+    _write_episodes(out, "episodes", streets, rows)
     if encounters:
         of_street = zip(map(jaywalk_multiplier, streets), rows, strict=True)
         cells = [(*pair, multiplier, found) for multiplier, played in of_street for pair, found in played.items()]
@@ -215,6 +241,18 @@ def table(document: dict[str, Any]) -> Table:
         driver = cell["driver"] + (f" ({observes})" if observes in HIDDEN else "")
         made.add_row(driver, cell["pedestrians"], *extra, *rates, escape(shown(cell["mean_time_to_goal"], 1.0)))
     return made
+
+
+def cost_lines(document: dict[str, Any]) -> list[str]:
+    """What each driver that is not JAX took for a step, in each of its cells."""
+    costs: dict[str, list[float]] = {}
+    for cell in document["cells"]:
+        if "driver_ms_per_step" in cell:
+            costs.setdefault(cell["driver"], []).append(cell["driver_ms_per_step"])
+    return [
+        f"{driver}: {', '.join(f'{cost:.3g}' for cost in each)} ms for a step of {BATCH} episodes"
+        for driver, each in costs.items()
+    ]
 
 
 def document_line(document: dict[str, Any]) -> str:

@@ -26,7 +26,8 @@ def run(options: Play) -> int:
     with bad_values():
         street = world_of([*options.driver, options.pedestrians], options.map)
         street = with_jaywalk_multiplier(street, options.jaywalk_multiplier)
-        drivers = {name: contestant(street, "driver", name) for name in options.driver}
+        trust, seconds = options.trust, options.driver_seconds
+        drivers = {name: contestant(street, "driver", name, trust=trust, seconds=seconds) for name in options.driver}
         people = contestant(street, "pedestrian", options.pedestrians)
     out.parent.mkdir(parents=True, exist_ok=True)
     show = _page if out.suffix.lower() == PAGE else _drawing

@@ -32,7 +32,8 @@ def run(options: Report) -> int:
         street = with_jaywalk_multiplier(
             world_of([*options.runs, *options.pedestrians], options.map), options.jaywalk_multiplier
         )
-        drivers = {name: contestant(street, "driver", name) for name in options.runs}
+        trust, seconds = options.trust, options.driver_seconds
+        drivers = {name: contestant(street, "driver", name, trust=trust, seconds=seconds) for name in options.runs}
         people = {name: contestant(street, "pedestrian", name) for name in options.pedestrians}
     console = Console(stderr=True)
     cast = Cast(street, drivers, people, options.seed)

@@ -12,7 +12,7 @@ from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
 from jaxwalk.evaluation.game import play
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
-from jaxwalk.evaluation.results import Cell, Results, compare, write_rows
+from jaxwalk.evaluation.results import Cell, Results, Stopped, compare, write_rows
 from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios, draw_scenarios, evaluate, replay, scenario_hash
 from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
@@ -29,6 +29,7 @@ __all__ = [
     "Paired",
     "ReplayError",
     "Results",
+    "Stopped",
     "check_parquet",
     "choose_scenarios",
     "compare",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import count
 from typing import Any
 
 import equinox as eqx
@@ -10,8 +12,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Int, Key
 
+from jaxwalk.evaluation.hosted import Answered, ask
 from jaxwalk.evaluation.interventions import Intervention, Now
 from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.policies.host import HostDriver
 from jaxwalk.rollout import FIRST_ACTION_KEY
 from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.environment import Street
@@ -67,7 +71,7 @@ def play(
 
     Args:
         street: the world.
-        driver: decides for the car.
+        driver: decides for the car. A `HostDriver` is asked between steps, everybody else within the compiled program.
         pedestrians: decides for all people.
         scenarios: a batch, arrays ``(..., episode)``.
         keys: one for each episode; what a policy draws depends on it and on the step alone.
@@ -81,20 +85,46 @@ def play(
 
     Raises:
         ValueError: ``keys`` is no batch, or not as long as the scenarios' batch.
+        DriverError: a `HostDriver` failed.
     """
     if keys.ndim != 1 or scenarios.route.shape != keys.shape:
         shapes = f"keys {keys.shape}, scenarios {scenarios.route.shape}"
         raise ValueError(f"play needs a batch of scenarios and one key for each, not: {shapes}")
     last = np.full(keys.shape, street.config.horizon) if until is None else until
-    policies = ByRole(driver, pedestrians)
+    numbers = np.arange(len(keys)) if numbers is None else np.asarray(numbers)
+    compiled = Answered.nothing(driver.observes, keys.shape) if isinstance(driver, HostDriver) else driver
+    policies = ByRole(compiled, pedestrians)
     setup = Setup(street, policies, intervention, scenarios, keys, jnp.asarray(last, jnp.int32))
     intervening = None if intervention is None else intervention.init(keys.shape)
     game, first = _begin(street, _fresh_memory(street, policies, keys.shape), intervening, scenarios)
     blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]
-    while not bool(game.ended.all()):
-        game, frames = _play_block(setup, game)
+    rest = _ask_and_play(setup, game, driver, numbers) if isinstance(driver, HostDriver) else _play(setup, game)
+    for after, frames in rest:
+        game = after
         blocks.append({name: np.asarray(x) for name, x in frames.items()})
     return _trajectory(street, scenarios, game, blocks, numbers)
+
+
+def _play(setup: Setup, game: Game) -> Iterator[tuple[Game, Frame]]:
+    """Block after block, until all episodes have ended."""
+    while not bool(game.ended.all()):
+        game, frames = _play_block(setup, game, BLOCK)
+        yield game, frames
+
+
+def _ask_and_play(setup: Setup, game: Game, driver: HostDriver, numbers: np.ndarray) -> Iterator[tuple[Game, Frame]]:
+    """Step after step likewise; each begins with what the driver answers to what it observes."""
+    with driver.turn:
+        driver.init((), game.ended.shape)
+        for step in count():
+            playing = ~np.asarray(game.ended)
+            if not playing.any():
+                return
+            seen = setup.street.observe(setup.scenarios, game.state, "driver", driver.observes)
+            answer = ask(driver, seen, playing=playing, numbers=numbers, step=step)
+            setup = eqx.tree_at(lambda setup: setup.policies.driver, setup, answer)
+            game, frames = _play_block(setup, game, 1)
+            yield game, frames
 
 
 _goal = eqx.filter_jit(vehicle.goal)
@@ -117,14 +147,14 @@ def _begin(street: Street, memory: ByRole[Any], intervening: Any, scenarios: Sce
 
 
 @eqx.filter_jit
-def _play_block(setup: Setup, game: Game) -> tuple[Game, Frame]:
-    """``BLOCK`` steps, and their frames along a leading axis."""
+def _play_block(setup: Setup, game: Game, steps: int) -> tuple[Game, Frame]:
+    """So many steps, and their frames along a leading axis."""
 
     def body(game: Game, _: None) -> tuple[Game, Frame]:
         game = _step(setup, game)
         return game, frame(setup.street, setup.scenarios, game.state)
 
-    return jax.lax.scan(body, game, None, length=BLOCK)
+    return jax.lax.scan(body, game, None, length=steps)
 
 
 def _step(setup: Setup, game: Game) -> Game:
@@ -191,7 +221,7 @@ def _trajectory(
     scenarios: Scenario,
     game: Game,
     blocks: list[dict[str, np.ndarray]],
-    numbers: Int[np.ndarray, "episode"] | None,
+    numbers: Int[np.ndarray, "episode"],
 ) -> Trajectory:
     """The recording in the order frame, episode, pedestrian."""
     length = np.asarray(game.state.step)
@@ -200,7 +230,7 @@ def _trajectory(
     goal_x, goal_y = _goal(street.tables, scenarios)
     return Trajectory(
         dt=street.config.dt,
-        scenario=np.arange(len(length)) if numbers is None else np.asarray(numbers),
+        scenario=numbers,
         length=length,
         goal=np.asarray(game.goal),
         collision=np.asarray(game.collision),

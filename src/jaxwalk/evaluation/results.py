@@ -13,11 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
-from jaxwalk.evaluation.scenarios import BATCH, evaluate, scenario_hash
+from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches, scenario_hash
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Estimate, Rate, Rows, Summary, summarise
+from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.sim.environment import Street
 
 SCHEMA = 3
@@ -46,10 +48,13 @@ class Cell:
     driver_observes: str
     """Name of the observation set; those in `jaxwalk.sim.observation.HIDDEN` no real car could have."""
     pedestrian_observes: str
+    driver_ms_per_step: float | None = None
+    """Of a driver that is not JAX: how long it took for a step of its batch, on average [ms]."""
 
     def as_dict(self) -> dict[str, Any]:
         """Plain dicts, lists and numbers: the headline first, then everything of the summary."""
         outcomes = self.summary.outcomes
+        cost = {} if self.driver_ms_per_step is None else {"driver_ms_per_step": self.driver_ms_per_step}
         return {
             "driver": self.driver,
             "pedestrians": self.pedestrians,
@@ -58,6 +63,7 @@ class Cell:
             "driver_observes": self.driver_observes,
             "pedestrian_observes": self.pedestrian_observes,
             "jaywalk_multiplier": self.jaywalk_multiplier,
+            **cost,
             "goal_rate": _with_interval(outcomes.goal),
             "collision_rate": _with_interval(outcomes.collision),
             "timeout_rate": _with_interval(outcomes.timeout),
@@ -86,7 +92,7 @@ class Results:
         raise KeyError(f"no cell for {driver} among {pedestrians}")
 
     def as_dict(self) -> dict[str, Any]:
-        """The document: nothing in it depends on when or where it was made."""
+        """The document: nothing in it but ``driver_ms_per_step`` depends on when or where it was made."""
         return {
             "schema": SCHEMA,
             "scenarios": {"seed": self.seed, "count": self.count, "hash": self.hash},
@@ -96,6 +102,15 @@ class Results:
     def to_json(self) -> str:
         """The document as text; the same results give the same text. What does not exist is null."""
         return json.dumps(self.as_dict(), indent=2, allow_nan=False)
+
+
+class Stopped(ValueError):
+    """A driver failed in the middle of a comparison. The message is the driver's error's."""
+
+    def __init__(self, message: str, rows: dict[tuple[str, str], Rows]) -> None:
+        """``rows``: what had been evaluated until then, in whole batches."""
+        super().__init__(message)
+        self.rows = rows
 
 
 def compare(
@@ -124,20 +139,57 @@ def compare(
 
     Raises:
         ValueError: ``episodes``, ``batch`` or ``seed`` is impossible.
+        Stopped: a driver that is not JAX failed; the error has the rows so far.
     """
     cells, rows = [], {}
     for driver_name, driver in drivers.items():
         for name, pedestrians in populations.items():
             tell = partial(progress, driver_name, name) if progress is not None else None
-            measured = evaluate(street, driver, pedestrians, episodes=episodes, seed=seed, batch=batch, progress=tell)
-            cells.append(make_cell(street, driver_name, driver, name, pedestrians, measured))
-            rows[driver_name, name] = measured
+            batches = evaluate_batches(
+                street, driver, pedestrians, episodes=episodes, seed=seed, batch=batch, progress=tell
+            )
+            before = _cost(driver)
+            measured, failure = _joined(batches)
+            if measured is not None:
+                rows[driver_name, name] = measured
+            if measured is None or failure is not None:
+                raise Stopped(str(failure), rows) from failure
+            cost = _ms_per_step(_cost(driver) - before)
+            cells.append(make_cell(street, driver_name, driver, name, pedestrians, measured, cost))
     digest = scenario_hash(street, seed=seed, episodes=episodes, batch=batch)
     return Results(seed, episodes, digest, tuple(cells)), rows
 
 
+def _joined(batches: Iterable[Rows]) -> tuple[Rows | None, DriverError | None]:
+    """The rows of all batches, or of those before the driver failed (None: of no batch), and how it failed."""
+    parts, failure = [], None
+    try:
+        for part in batches:
+            parts.append(part)
+    except DriverError as error:
+        failure = error
+    return Rows.join(parts) if parts else None, failure
+
+
+def _cost(driver: Policy) -> Float[np.ndarray, "2"]:
+    """Seconds that a driver took until now, and for how many steps; zeros for one that is compiled with the rest."""
+    spent = (driver.seconds_spent, driver.steps_made) if isinstance(driver, HostDriver) else (0, 0)
+    return np.array(spent, float)
+
+
+def _ms_per_step(cost: Float[np.ndarray, "2"]) -> float | None:
+    seconds, steps = cost.tolist()
+    return round(1000 * seconds / steps, 3) if steps else None
+
+
 def make_cell(
-    street: Street, driver_name: str, driver: Policy, population_name: str, pedestrians: Policy, rows: Rows
+    street: Street,
+    driver_name: str,
+    driver: Policy,
+    population_name: str,
+    pedestrians: Policy,
+    rows: Rows,
+    driver_ms_per_step: float | None = None,
 ) -> Cell:
     """The cell of rows that `evaluate` gave for these policies on this street."""
     return Cell(
@@ -149,6 +201,7 @@ def make_cell(
         summary=summarise(rows),
         driver_observes=driver.observes,
         pedestrian_observes=pedestrians.observes,
+        driver_ms_per_step=driver_ms_per_step,
     )
 
 

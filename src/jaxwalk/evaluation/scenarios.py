@@ -8,7 +8,7 @@ does not depend, to the last bit, on how many episodes are asked for. Another ba
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import chain
@@ -64,7 +64,25 @@ def evaluate(
 
     Raises:
         ValueError: ``episodes``, ``batch`` or ``seed`` is impossible.
+        DriverError: a driver that is not JAX failed.
     """
+    batches = evaluate_batches(
+        street, driver, pedestrians, episodes=episodes, seed=seed, batch=batch, progress=progress
+    )
+    return Rows.join(list(batches))
+
+
+def evaluate_batches(
+    street: Street,
+    driver: Policy,
+    pedestrians: Policy,
+    *,
+    episodes: int,
+    seed: int,
+    batch: int = BATCH,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[Rows]:
+    """What `evaluate` joins, batch after batch, each as soon as it is played."""
     _check(episodes, batch, seed)
 
     def rows(first: int) -> Rows:
@@ -74,14 +92,12 @@ def evaluate(
         ghosts = walk_ghosts(street, scenarios, keys, frames=frames)
         return measure(_some(trajectory, asked, frames), _some(ghosts, asked, frames), config=street.config)
 
-    parts = []
     with ThreadPoolExecutor(AT_ONCE) as pool:
         compiled = rows(0)
-        for part in chain([compiled], pool.map(rows, range(batch, episodes, batch))):
-            parts.append(part)
+        for number, part in enumerate(chain([compiled], pool.map(rows, range(batch, episodes, batch))), 1):
             if progress is not None:
-                progress(min(len(parts) * batch, episodes), episodes)
-    return Rows.join(parts)
+                progress(min(number * batch, episodes), episodes)
+            yield part
 
 
 def replay(

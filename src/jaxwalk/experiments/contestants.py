@@ -13,6 +13,7 @@ from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
+from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
 
@@ -38,18 +39,32 @@ def world_of(names: Sequence[str], maps: Sequence[str]) -> Street:
     return Street.create(chosen, worlds[0] if worlds else SimConfig())
 
 
-def contestant(street: Street, role: str, name: str, *, sample: bool | None = None) -> Policy:
-    """The policy of that name for a role. ``sample``: draws its actions at random (default: as `SAMPLES` says)."""
+def contestant(
+    street: Street, role: str, name: str, *, sample: bool | None = None, trust: bool = False, seconds: float = SECONDS
+) -> Policy:
+    """The policy of that name for a role.
+
+    Args:
+        street: the world it is to act in.
+        role: ``driver`` or ``pedestrian``.
+        name: of a rule, a shipped policy, a run folder, a policy file or, for a driver, what `load_host_driver` takes.
+        sample: it draws its actions at random (default: as `SAMPLES` says).
+        trust: also load what can run code that is hidden in a file.
+        seconds: the limit of a driver that is not JAX for one step.
+    """
     rules: dict[str, Any] = RULES[role]
     if name in rules:
         return rules[name]()
-    file = _policy_file(role, name)
+    if role == "driver" and is_host_driver(name):
+        return load_host_driver(name, trust=trust, seconds=seconds)
+    file = policy_file(role, name)
     observes = read_metadata(file)["roles"].get(role, {}).get("observes", "paper")
     policy = load_policy(file, role, expect_size=_observation_size(street, role, observes, file))
     return with_mode(policy, sample=getattr(SAMPLES, role) if sample is None else sample)
 
 
-def _policy_file(role: str, name: str) -> Path:
+def policy_file(role: str, name: str) -> Path:
+    """The file of a shipped policy, a run folder or itself; raises ContestantError or RunError if there is none."""
     shipped = shipped_policy(role, name)
     if shipped is not None:
         return shipped

@@ -280,3 +280,8 @@ def part(role: str, name: str, which: str) -> slice:
     names = list(layout)
     begin = sum(layout[before] for before in names[: names.index(which)])
     return slice(begin, begin + size)
+
+
+def size(role: str, name: str) -> int:
+    """How many features an observation set has; raises KeyError for one that doesn't exist."""
+    return sum(LAYOUTS[role][name].values())

@@ -5,14 +5,15 @@ from typing import Annotated
 import tyro
 
 from jaxwalk.cli.options.exchange import Measure, Scenario, Tracks
+from jaxwalk.cli.options.formats import Export, Observations
 from jaxwalk.cli.options.judging import Evaluate, Play, Report, Share
 from jaxwalk.cli.options.option import UsageError
 from jaxwalk.cli.options.speed import Bench
 from jaxwalk.cli.options.training import HiddenIntent, Reproduce, Train
 
 __all__ = [
-    "Bench", "Command", "Evaluate", "HiddenIntent", "Measure", "Play", "Report", "Reproduce", "Scenario", "Share",
-    "Tracks", "Train", "UsageError",
+    "Bench", "Command", "Evaluate", "Export", "HiddenIntent", "Measure", "Observations", "Play", "Report", "Reproduce",
+    "Scenario", "Share", "Tracks", "Train", "UsageError",
 ]  # fmt: skip
 
 Command = (
@@ -26,6 +27,8 @@ Command = (
     | Annotated[Tracks, tyro.conf.subcommand("tracks")]
     | Annotated[Measure, tyro.conf.subcommand("measure")]
     | Annotated[Scenario, tyro.conf.subcommand("scenario")]
+    | Annotated[Export, tyro.conf.subcommand("export")]
+    | Annotated[Observations, tyro.conf.subcommand("observations")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 """What the command line can ask for."""

@@ -20,7 +20,8 @@ class Evaluate:
 
     driver: Annotated[tuple[str, ...], option("needed, unless --compare", "D [D ...]")] = ()
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, oracle), trained policies that
-    come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders or policy files."""
+    come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders or policy files; or
+    your own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs/drivers.md)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
     """always-go, learned and paper-learned (who come with jaxwalk), run folders or policy files."""
     compare: Annotated[tuple[str, ...], option("none", "A B")] = ()
@@ -35,6 +36,10 @@ class Evaluate:
     """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
     sample_driver: Flag = False
     """A learned driver draws its actions at random, as in training; else it takes the likeliest."""
+    trust: Flag = False
+    """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
+    driver_seconds: Annotated[float, option("10", "S")] = 10.0
+    """A driver that is not JAX may take so long for one step of its batch."""
     pedestrian_mode: Flag = False
     """Learned pedestrians take the likeliest action; else they draw at random, as in training."""
     counterfactuals: Annotated[int, option("0", "N")] = 0
@@ -61,8 +66,8 @@ class Play:
     """
 
     driver: Annotated[tuple[str, ...], option("needed", "D [D ...]")] = ()
-    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder or a policy file;
-    several (on a page only) can be watched side by side."""
+    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder, a policy file or your
+    own driver; several (on a page only) can be watched side by side."""
     pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
     """always-go, learned, a run folder or a policy file."""
     scenario: Annotated[tuple[int, ...], option("0", "N [N ...]")] = (0,)
@@ -80,6 +85,10 @@ class Play:
     out: Annotated[Path | None, option("episode.png", "FILE")] = None
     """.html for a page, .png, .svg or .pdf for a picture, .gif or .mp4 for an animation; an existing file is
     replaced."""
+    trust: Flag = False
+    """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
+    driver_seconds: Annotated[float, option("10", "S")] = 10.0
+    """A driver that is not JAX may take so long for one step of its batch."""
 
     def run(self) -> int:
         """Do it."""
@@ -114,6 +123,10 @@ class Report:
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("runs/report", "DIR")] = Path("runs/report")
     """Folder for report.html, figures, tables and numbers; files of an earlier report are replaced."""
+    trust: Flag = False
+    """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
+    driver_seconds: Annotated[float, option("10", "S")] = 10.0
+    """A driver that is not JAX may take so long for one step of its batch."""
 
     def run(self) -> int:
         """Do it."""

@@ -1,0 +1,71 @@
+"""Drivers in plain Python: ``module:Class`` or ``path/to/file.py:Class``. Naming one is trusting it: its code runs."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from jaxwalk.policies.host.driver import DriverError
+
+OBSERVES = "paper"
+"""The observation set of a driver that names none."""
+
+
+def load_class(name: str) -> tuple[Any, str]:
+    """One driver of the class (or of a function that makes one), and the observation set it reads."""
+    home, _, attribute = name.rpartition(":")
+    with _failures(name, f"importing {home}"):
+        module = _file_module(Path(home)) if home.endswith(".py") else _module(home)
+    make = getattr(module, attribute, None)
+    if not callable(make):
+        raise DriverError(f"{name}: {home} has no class {attribute}; check the name")
+    with _failures(name, f"{attribute}()"):
+        driver = make()
+    if not callable(getattr(driver, "act", None)):
+        raise DriverError(f"{name}: has no method act(observation); give it one that returns an array (episodes, 2)")
+    return driver, str(getattr(driver, "observes", OBSERVES))
+
+
+def _module(name: str) -> ModuleType:
+    """A module, looked for in the working folder first."""
+    with _importable(Path.cwd()):
+        return import_module(name)
+
+
+def _file_module(path: Path) -> ModuleType:
+    """A file as a module, which may import its neighbours."""
+    spec = spec_from_file_location(f"jaxwalk_driver_{path.stem}", path)  # (a file may be called torch.py)
+    if not path.is_file() or spec is None or spec.loader is None:
+        raise FileNotFoundError(f"no file {path}")
+    module = module_from_spec(spec)
+    sys.modules[spec.name] = module  # as an import would: dataclasses look for their module there
+    with _importable(path.parent.absolute()):
+        spec.loader.exec_module(module)
+    return module
+
+
+@contextmanager
+def _importable(folder: Path) -> Iterator[None]:
+    sys.path.insert(0, os.fspath(folder))
+    try:
+        yield
+    finally:
+        sys.path.remove(os.fspath(folder))
+
+
+@contextmanager
+def _failures(name: str, doing: str) -> Iterator[None]:
+    """Whatever is raised meanwhile is somebody else's mistake: say whose."""
+    try:
+        yield
+    except Exception as error:
+        raise DriverError(
+            f"{name}: {doing} raised {type(error).__name__}: {error}; mend it or check the name"
+        ) from error

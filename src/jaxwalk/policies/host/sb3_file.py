@@ -1,0 +1,161 @@
+"""A Stable-Baselines3 agent, as ``model.save("ppo.zip")`` writes it; deterministic, clipped to [-1, 1].
+
+The usual agents (PPO and A2C with an ``MlpPolicy``) are put together from their weights alone: nothing is unpickled.
+All other agents are pickled objects and take ``trust``. Observations must be a flat named set, as the Gymnasium
+adapter gives them; which set, their size says.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxwalk.policies.host.driver import DriverError
+from jaxwalk.policies.host.load import set_of_size
+from jaxwalk.policies.host.torch_file import import_torch
+
+ACTIVATIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "torch.nn.modules.activation.Tanh": np.tanh,
+    "torch.nn.modules.activation.ReLU": lambda x: np.maximum(x, 0),
+}
+"""Between layers, by the class that the agent's file names."""
+TANH = "torch.nn.modules.activation.Tanh"
+"""Stable-Baselines3's default for PPO and A2C."""
+HARMLESS = {"activation_fn", "net_arch", "log_std_init", "ortho_init", "optimizer_class", "optimizer_kwargs"}
+"""``policy_kwargs`` that change nothing about the action, or that the weights tell."""
+LAYER = re.compile(r"mlp_extractor\.policy_net\.(\d+)\.weight")
+NOT_THE_ACTOR = ("mlp_extractor.value_net.", "value_net.", "log_std")
+
+Layers = list[tuple[np.ndarray, np.ndarray]]
+
+
+class _OtherAgentError(Exception):
+    """It can't be put together from its weights, because of what the message says."""
+
+
+class MlpDriver:
+    """Fully connected layers; what they return is clipped, as Stable-Baselines3 does."""
+
+    def __init__(self, layers: Layers, activation: Callable[[np.ndarray], np.ndarray]) -> None:
+        self._layers, self._activation = layers, activation
+
+    def act(self, observation: np.ndarray) -> np.ndarray:
+        """The mean of the action, clipped."""
+        *hidden, (weight, bias) = self._layers
+        for hidden_weight, hidden_bias in hidden:
+            observation = self._activation(observation @ hidden_weight.T + hidden_bias)
+        return np.clip(observation @ weight.T + bias, -1, 1)
+
+
+class Sb3Driver:
+    """Asks Stable-Baselines3's own policy object."""
+
+    def __init__(self, policy: Any) -> None:
+        self._policy = policy
+
+    def act(self, observation: np.ndarray) -> np.ndarray:
+        """Its deterministic action, clipped."""
+        action, _ = self._policy.predict(observation, deterministic=True)
+        return np.clip(action, -1, 1)
+
+
+def load(path: Path, *, trust: bool) -> tuple[MlpDriver | Sb3Driver, str]:
+    """The driver and its observation set.
+
+    Raises DriverError for a file that is no such agent, or that needs ``trust`` and has it not.
+    """
+    data = _data(path)
+    _check_actions(path, data)
+    torch = import_torch(path)
+    try:
+        layers, activation = _layers(torch, path), ACTIVATIONS[_activation(data)]
+    except _OtherAgentError as reason:
+        if trust:
+            return _unpickled(path)
+        raise DriverError(
+            f"{path}: {reason}, so it can't be put together without unpickling, which can run any code; export it to "
+            "ONNX, or say --trust if you know where it comes from"
+        ) from reason
+    return MlpDriver(layers, activation), set_of_size(path, layers[0][0].shape[1])
+
+
+def _data(path: Path) -> dict[str, Any]:
+    """The agent's description: JSON, in which pickled objects are text that nobody touches."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            data = json.loads(archive.read("data"))
+            archive.getinfo("policy.pth")
+    except (zipfile.BadZipFile, KeyError, ValueError) as error:
+        raise DriverError(f"{path}: damaged or no Stable-Baselines3 agent ({error}); save it again") from error
+    if not isinstance(data, dict):
+        raise DriverError(f"{path}: damaged or no Stable-Baselines3 agent (data is no object); save it again")
+    return data
+
+
+def _activation(data: Mapping[str, Any]) -> str:
+    """The class between layers, from the text that stands beside the pickled one."""
+    options = {name: x for name, x in (data.get("policy_kwargs") or {}).items() if not name.startswith(":")}
+    unknown = ", ".join(sorted(options.keys() - HARMLESS))
+    if unknown:
+        raise _OtherAgentError(f"its policy was made with {unknown}")
+    found = re.fullmatch(r"<class '(.+)'>", str(options.get("activation_fn", f"<class '{TANH}'>")))
+    if not found or found[1] not in ACTIVATIONS:
+        raise _OtherAgentError(f"its activation function is {options['activation_fn']}")
+    return found[1]
+
+
+def _layers(torch: Any, path: Path) -> Layers:
+    """The actor's layers, first to last."""
+    with zipfile.ZipFile(path) as archive, archive.open("policy.pth") as file:
+        try:
+            weights = torch.load(file, map_location="cpu", weights_only=True)
+        except Exception as error:  # (pickle.UnpicklingError for what is no tensor, others for a damaged file)
+            raise _OtherAgentError("its weights hold more than tensors, or are damaged") from error
+    numbers = sorted(int(found[1]) for name in weights if (found := LAYER.fullmatch(name)))
+    names = [*(f"mlp_extractor.policy_net.{i}" for i in numbers), "action_net"]
+    wanted = {f"{name}.{kind}" for name in names for kind in ("weight", "bias")}
+    others = {name for name in weights.keys() - wanted if not name.startswith(NOT_THE_ACTOR)}
+    missing = wanted - weights.keys()
+    if others or missing:
+        raise _OtherAgentError(f"it is no PPO or A2C MlpPolicy ({', '.join(sorted(others | missing)[:3])})")
+    return [(weights[f"{name}.weight"].numpy(), weights[f"{name}.bias"].numpy()) for name in names]
+
+
+def _unpickled(path: Path) -> tuple[Sb3Driver, str]:
+    """Any agent, by Stable-Baselines3 itself."""
+    try:
+        from stable_baselines3.common.policies import ActorCriticPolicy
+        from stable_baselines3.common.save_util import load_from_zip_file
+    except ImportError as error:
+        raise DriverError(f"{path}: needs Stable-Baselines3: pip install 'jaxwalk[frameworks]'") from error
+    try:
+        loaded: Any = load_from_zip_file(str(path), device="cpu")
+        data, weights, _ = loaded
+        options = dict(data["policy_kwargs"])
+        if issubclass(data["policy_class"], ActorCriticPolicy):
+            options["use_sde"] = data["use_sde"]
+        spaces = data["observation_space"], data["action_space"]
+        policy = data["policy_class"](*spaces, lambda _: 0.0, **options)
+        policy.load_state_dict(weights["policy"])
+    except Exception as error:  # (whatever somebody's classes raise)
+        raise DriverError(f"{path}: Stable-Baselines3 can't load it ({error}); save it with this version") from error
+    if len(spaces[0].shape or ()) != 1:
+        raise DriverError(f"{path}: observes {spaces[0]}, not one flat box; train it on the Gymnasium adapter")
+    return Sb3Driver(policy.eval()), set_of_size(path, spaces[0].shape[0])
+
+
+def _check_actions(path: Path, data: Mapping[str, Any]) -> None:
+    """Raise unless actions are two numbers in [-1, 1], by the text that stands beside the pickled space."""
+    space = data.get("action_space") or {}
+    bounds = str(space.get("low")), str(space.get("high"))
+    if bounds != ("[-1. -1.]", "[1. 1.]"):
+        raise DriverError(
+            f"{path}: its actions lie between {bounds[0]} and {bounds[1]}, not [-1. -1.] and [1. 1.]; "
+            "train it on the Gymnasium adapter"
+        )

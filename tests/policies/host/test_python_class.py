@@ -1,0 +1,91 @@
+from __future__ import annotations
+
+import pytest
+
+from jaxwalk.policies.host import DriverError, is_host_driver, load_host_driver
+
+SOURCE = """
+import dataclasses
+from neighbour import THROTTLE
+
+@dataclasses.dataclass
+class Mine:
+    throttle: float = THROTTLE
+    observes = "route"
+    def act(self, observation):
+        return [[self.throttle, 0.0]] * len(observation)
+
+class Plain:
+    def act(self, observation):
+        return observation[:, :2]
+
+class Lost(Plain):
+    observes = "everything"
+
+class Broken(Plain):
+    def __init__(self):
+        raise KeyError("weights")
+
+class Needy(Plain):
+    def __init__(self, weights):
+        pass
+
+class Idle:
+    observes = "route"
+
+NUMBER = 3
+"""
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    (tmp_path / "my_drivers.py").write_text(SOURCE)
+    (tmp_path / "neighbour.py").write_text("THROTTLE = 0.5")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delitem(__import__("sys").modules, "my_drivers", raising=False)
+    monkeypatch.delitem(__import__("sys").modules, "neighbour", raising=False)
+    return tmp_path
+
+
+@pytest.mark.parametrize("home", ["my_drivers", "my_drivers.py", "{place}/my_drivers.py"])
+def test_a_class_is_found_in_a_module_or_a_file(place, home):
+    name = home.format(place=place) + ":Mine"
+    assert is_host_driver(name)
+    driver = load_host_driver(name)
+    assert (driver.name, driver.observes) == (name, "route")
+    import jax.numpy as jnp
+
+    assert driver.act(None, None, jnp.zeros((59, 2)))[0].tolist() == [[0.5, 0.5], [0.0, 0.0]]
+
+
+def test_without_observes_it_is_paper(place):
+    assert load_host_driver("my_drivers:Plain").observes == "paper"
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("nowhere:Mine", "nowhere:Mine: importing nowhere raised ModuleNotFoundError"),
+        ("nowhere.py:Mine", "importing nowhere.py raised FileNotFoundError: no file nowhere.py"),
+        ("my_drivers:Yours", "my_drivers has no class Yours"),
+        ("my_drivers:NUMBER", "my_drivers has no class NUMBER"),
+        ("my_drivers:Idle", r"has no method act\(observation\)"),
+        ("my_drivers:Broken", r"Broken\(\) raised KeyError: 'weights'"),
+        ("my_drivers:Needy", r"Needy\(\) raised TypeError"),
+        ("my_drivers:Lost", r"observes 'everything', but .* there are: paper \(34\), route \(59\)"),
+        ("driver.onnx", "driver.onnx: no such file"),
+    ],
+)
+def test_what_cannot_be_used_is_said(place, name, message):
+    with pytest.raises(DriverError, match=message):
+        load_host_driver(name)
+
+
+def test_a_limit_must_be_one(place):
+    with pytest.raises(DriverError, match="must be above 0 s, not 0"):
+        load_host_driver("my_drivers:Plain", seconds=0.0)
+
+
+@pytest.mark.parametrize("name", ["rule-based", "runs/first", "first.safetensors", "C:/runs/first"])
+def test_other_names_are_somebody_elses(name):
+    assert not is_host_driver(name)
