@@ -62,6 +62,9 @@ def test_who_is_out_of_view_is_nowhere():
     seen = (seen >= 20) & (seen <= 40)
     assert np.array_equal(~np.isnan(trajectory.ped_x[:, 0]), seen)
     assert np.array_equal(trajectory.on_roadway[:, 0], seen)
+    says_so = replace(tracks, known=dict.fromkeys(("on_roadway", "on_crosswalk"), tracks.type == "pedestrian"))
+    trajectory = trajectory_of(next(views(says_so, CONFIG)), areas=None, config=CONFIG)
+    assert np.array_equal(trajectory.on_crosswalk[:, 0], seen), "on a crosswalk in every row, and nowhere without one"
     rows = _rows(tracks)
     assert rows.encounters.min_distance == pytest.approx([np.hypot(18, 1)], abs=1e-4), (
         "at 4 s, though the car drives up to it"

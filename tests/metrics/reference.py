@@ -176,7 +176,9 @@ def surrogates(t, radius=1.5):
     for e, p, _, _, enter, start, last, *_ in encounters(t):
         ttcs = [time_to_collision(t, k, e, p, radius) for k in range(start, last + 1)]
         speeds = [math.hypot(*relative_velocity(t, k, e, p)) for k in range(start, last + 1)]
-        dracs = [v**2 / (2 * v * ttc) if v * ttc else 0.0 for v, ttc in zip(speeds, ttcs, strict=True) if ttc > 0]
+        dracs = [
+            0.0 if ttc == math.inf else v**2 / (2 * v * ttc) for v, ttc in zip(speeds, ttcs, strict=True) if ttc > 0
+        ]
         area = conflict_area(t, e, p, enter, start, last, radius)
         pet, t2 = math.nan, math.nan
         if area is not None:
