@@ -8,9 +8,10 @@ from gymnasium.utils.env_checker import check_env, data_equivalence
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import jaxwalk.adapters.gymnasium
-from jaxwalk import ByRole, Street, evaluate
+from jaxwalk import ByRole, Street
 from jaxwalk.adapters import seat
 from jaxwalk.adapters.players import AdapterError, player
+from jaxwalk.evaluation import draw_scenarios, play
 from jaxwalk.policies import ConstantSpeed
 from jaxwalk.sim.config import SimConfig
 
@@ -91,8 +92,8 @@ def test_pictures_show_the_episode_as_it_goes(env):
 def test_scenarios_are_those_of_an_evaluation(three):
     """With the same chances for people who decide at random: outcomes and their times are the same."""
     street, count = Street.create(config=RULES), 24
-    driver = ConstantSpeed(throttle=1.0)
-    rows = evaluate(street, driver, player("pedestrian", "learned"), episodes=count, seed=7, batch=count)
+    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=count)
+    native = play(street, ConstantSpeed(throttle=1.0), player("pedestrian", "learned"), scenarios, keys)
     steps, collided = np.zeros(count, int), np.zeros(count, bool)
     for first in range(0, count, 3):
         part = slice(first, first + 3)
@@ -104,9 +105,9 @@ def test_scenarios_are_those_of_an_evaluation(three):
             ended = playing & (terminated | truncated)
             collided[part] |= ended & info.get("collision", False)
             playing &= ~ended
-    assert 0 < rows.episodes.collision.sum() < count
-    assert collided.tolist() == rows.episodes.collision.tolist()
-    assert steps.tolist() == rows.episodes.steps.tolist()
+    assert 0 < native.collision.sum() < count
+    assert collided.tolist() == native.collision.tolist()
+    assert steps.tolist() == native.length.tolist()
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])

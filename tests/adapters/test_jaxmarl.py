@@ -32,13 +32,22 @@ def played(env):
                 for i, name in names
             }
 
+        steps = jax.vmap(lambda state: state.step)
+
         def body(carry, key):
             many, one = carry
             actions = act(key, len(keys))
             step_keys = jax.random.split(key, len(keys))
             *_, _ = brought = jax.vmap(env.step)(step_keys, many, actions)
             alone = env.step(step_keys[0], one, {name: x[0] for name, x in actions.items()})
-            return (brought[1], alone[1]), (brought[0], *brought[2:], alone[0], alone[2], many.step, brought[1].step)
+            return (brought[1], alone[1]), (
+                brought[0],
+                *brought[2:],
+                alone[0],
+                alone[2],
+                steps(many),
+                steps(brought[1]),
+            )
 
         _, many = jax.vmap(env.reset)(keys)
         _, one = env.reset(keys[0])
@@ -53,7 +62,6 @@ def test_agents_and_spaces(env):
     assert env.agents == ["driver", *(f"pedestrian_{i}" for i in range(12))] and env.num_agents == 13
     assert env.action_space("driver").shape == (2,) and env.action_space("pedestrian_4").n == 2
     assert sorted(env.agent_classes) == ["driver", "pedestrian"]
-    assert env.get_avail_actions(None).keys() == set(env.agents[1:])
     people = StreetMARL(driver="route-follower")
     assert people.agents == env.agents[1:]
     assert len({id(people.observation_space(name)) for name in people.agents}) == 1
@@ -96,7 +104,11 @@ def test_keys_of_either_kind_and_a_given_next_state(env):
     old, state = env.reset(jax.random.PRNGKey(5))
     new, _ = env.reset(jax.random.key(5))
     assert jnp.array_equal(old["driver"], new["driver"])
+    assert {name: mask.tolist() for name, mask in env.get_avail_actions(state).items()} == dict.fromkeys(
+        env.agents[1:], [True, True]
+    )
     actions = {name: jnp.zeros(2) if name == "driver" else jnp.ones((), jnp.int32) for name in env.agents}
+    step = jax.jit(env.step)
     for _ in range(HORIZON):
-        _, state, _, dones, _ = env.step(jax.random.key(0), state, actions, state)
+        _, state, _, dones, _ = step(jax.random.key(0), state, actions, state)
     assert bool(dones["__all__"]) and int(state.step) == HORIZON - 1  # it came back to the state before its last step

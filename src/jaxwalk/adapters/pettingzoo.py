@@ -126,7 +126,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
             for each in (earned, outcome.terminated, outcome.truncated)
         )
         infos = self._infos(outcome)
-        if outcome.ended[0]:
+        if terminated[DRIVER] or truncated[DRIVER]:
             self.agents = []
         return self._by_name(seen), rewards, terminated, truncated, infos
 
