@@ -41,7 +41,7 @@ def export_scenario(
         TracksError: scenariogeneration is missing, or the map has no room for its junctions.
     """
     tracks = next(tracks_of(replay(street, driver, pedestrians, scenarios=[scenario], seed=seed)))
-    network = road_network(map_of(street, scenarios=[scenario], seed=seed))
+    network = road_network(map_of(street, scenario=scenario, seed=seed))
     documents = {
         EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config),
         MAP: opendrive(network, name),
