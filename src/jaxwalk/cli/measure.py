@@ -12,12 +12,12 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from jaxwalk.adapters.areas import Areas, read_areas
-from jaxwalk.adapters.layouts import Source, open_source
-from jaxwalk.adapters.measured import measure_all
-from jaxwalk.adapters.tracks import Tracks
 from jaxwalk.cli.options import Measure, UsageError
 from jaxwalk.cli.train import bad_values
+from jaxwalk.formats.areas import Areas, read_areas
+from jaxwalk.formats.layouts import Source, open_source
+from jaxwalk.formats.measured import measure_all
+from jaxwalk.formats.tracks import Tracks
 from jaxwalk.report.table import shown
 from jaxwalk.sim.config import SimConfig
 

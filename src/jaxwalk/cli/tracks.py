@@ -7,13 +7,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from jaxwalk.adapters.track_file import check_parquet
 from jaxwalk.cli.options import Tracks, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.experiments.contestants import contestant, world_of
 from jaxwalk.experiments.recording import record_tracks
 from jaxwalk.experiments.runs import Run, check_writable
+from jaxwalk.formats.track_file import check_parquet
 
 
 def run(options: Tracks) -> int:

@@ -10,11 +10,11 @@ from typing import Any
 import jax
 import numpy as np
 
-from jaxwalk.adapters.areas import areas_of
-from jaxwalk.adapters.layouts import RULES
-from jaxwalk.adapters.track_file import write_tracks
-from jaxwalk.adapters.tracks import Tracks, tracks_of
 from jaxwalk.evaluation import BATCH, draw_scenarios, play
+from jaxwalk.formats.areas import areas_of
+from jaxwalk.formats.layouts import RULES
+from jaxwalk.formats.track_file import write_tracks
+from jaxwalk.formats.tracks import Tracks, tracks_of
 from jaxwalk.interfaces import Policy
 from jaxwalk.sim.environment import Street
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jaxwalk.adapters.commonroad import commonroad, read_commonroad
-from jaxwalk.adapters.opendrive import opendrive
-from jaxwalk.adapters.openscenario import openscenario, read_openscenario
-from jaxwalk.adapters.paths import largest_error, paths
-from jaxwalk.adapters.road_network import road_network
-from jaxwalk.adapters.tracks import tracks_of
 from jaxwalk.evaluation import replay
 from jaxwalk.experiments.episodes import map_of
 from jaxwalk.experiments.runs import write_whole
+from jaxwalk.formats.commonroad import commonroad, read_commonroad
+from jaxwalk.formats.opendrive import opendrive
+from jaxwalk.formats.openscenario import openscenario, read_openscenario
+from jaxwalk.formats.paths import largest_error, paths
+from jaxwalk.formats.road_network import road_network
+from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy
 from jaxwalk.sim.environment import Street
 

@@ -10,9 +10,9 @@ from types import ModuleType
 
 import numpy as np
 
-from jaxwalk.adapters.opendrive import load_library
-from jaxwalk.adapters.paths import Path, paths
-from jaxwalk.adapters.tracks import CAR, Tracks
+from jaxwalk.formats.opendrive import load_library
+from jaxwalk.formats.paths import Path, paths
+from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.config import SimConfig
 
 VERSION = 2

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from jaxwalk.adapters.tracks import Tracks
+from jaxwalk.formats.tracks import Tracks
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from jaxwalk.adapters.areas import Areas
-from jaxwalk.adapters.recordings import GAP, measure_tracks
-from jaxwalk.adapters.tracks import Tracks, TracksError
+from jaxwalk.formats.areas import Areas
+from jaxwalk.formats.recordings import GAP, measure_tracks
+from jaxwalk.formats.tracks import Tracks, TracksError
 from jaxwalk.metrics import Rows, summarise
 from jaxwalk.sim.config import SimConfig
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxwalk.adapters.tracks import CAR, PEDESTRIAN, Tracks
+from jaxwalk.formats.tracks import CAR, PEDESTRIAN, Tracks
 
 
 @dataclass(frozen=True)

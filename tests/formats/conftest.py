@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jaxwalk.adapters.areas import areas_of, parse_areas
-from jaxwalk.adapters.tracks import tracks_of
+from jaxwalk.formats.areas import areas_of, parse_areas
+from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.maps import load_map
 
 EPISODES = 48

@@ -10,11 +10,11 @@ import pyarrow
 import pyarrow.parquet
 import pytest
 
-from jaxwalk.adapters import track_file
-from jaxwalk.adapters.areas import areas_of
-from jaxwalk.adapters.measured import measure_all
-from jaxwalk.adapters.track_file import TrackFile, write_tracks
-from jaxwalk.adapters.tracks import OF_CARS, OF_PEOPLE, REQUIRED, TracksError, tracks_of
+from jaxwalk.formats import track_file
+from jaxwalk.formats.areas import areas_of
+from jaxwalk.formats.measured import measure_all
+from jaxwalk.formats.track_file import TrackFile, write_tracks
+from jaxwalk.formats.tracks import OF_CARS, OF_PEOPLE, REQUIRED, TracksError, tracks_of
 from jaxwalk.metrics import Rows, measure, summarise
 from metrics.scenes import JAYWALK, Scene, Walk, trajectory
 

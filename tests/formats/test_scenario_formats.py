@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 import xmlschema
 
-from jaxwalk.adapters.commonroad import commonroad, read_commonroad
-from jaxwalk.adapters.opendrive import opendrive
-from jaxwalk.adapters.openscenario import openscenario, read_openscenario
-from jaxwalk.adapters.paths import Path, largest_error, paths
-from jaxwalk.adapters.road_network import EAST, NORTH, Arm, road_network
-from jaxwalk.adapters.tracks import TracksError
+from jaxwalk.formats.commonroad import commonroad, read_commonroad
+from jaxwalk.formats.opendrive import opendrive
+from jaxwalk.formats.openscenario import openscenario, read_openscenario
+from jaxwalk.formats.paths import Path, largest_error, paths
+from jaxwalk.formats.road_network import EAST, NORTH, Arm, road_network
+from jaxwalk.formats.tracks import TracksError
 from jaxwalk.maps import load_map
 from jaxwalk.sim.config import SimConfig
 from sim.maps import turned, write

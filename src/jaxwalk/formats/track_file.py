@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from jaxwalk.adapters.areas import Areas, parse_areas
-from jaxwalk.adapters.tracks import CAR, OF_CARS, OPTIONAL, PEDESTRIAN, REQUIRED, UNITS, Tracks, TracksError
+from jaxwalk.formats.areas import Areas, parse_areas
+from jaxwalk.formats.tracks import CAR, OF_CARS, OPTIONAL, PEDESTRIAN, REQUIRED, UNITS, Tracks, TracksError
 
 SCHEMA = 1
 """Version of the table."""
@@ -40,7 +40,7 @@ def write_tracks(
         path: the file.
         recordings: at least one, all with the same optional columns; they are taken some at a time.
         about: kept in the file's metadata with the version of the table: ``dt`` [s], and what else describes it.
-        areas: GeoJSON of the ground, as `jaxwalk.adapters.areas.areas_of` makes it.
+        areas: GeoJSON of the ground, as `jaxwalk.formats.areas.areas_of` makes it.
 
     Raises:
         TracksError: pyarrow is missing, or there is nothing to write.

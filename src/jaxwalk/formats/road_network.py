@@ -13,7 +13,7 @@ from itertools import permutations
 
 import numpy as np
 
-from jaxwalk.adapters.tracks import TracksError
+from jaxwalk.formats.tracks import TracksError
 from jaxwalk.maps import RoadMap
 
 Rectangle = tuple[float, float, float, float]

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.scene import STREET, car, person, recording
-from jaxwalk.adapters.areas import parse_areas, read_areas
-from jaxwalk.adapters.measured import measure_all
-from jaxwalk.adapters.recordings import trajectory_of, views
-from jaxwalk.adapters.tracks import TracksError
+from formats.scene import STREET, car, person, recording
+from jaxwalk.formats.areas import parse_areas, read_areas
+from jaxwalk.formats.measured import measure_all
+from jaxwalk.formats.recordings import trajectory_of, views
+from jaxwalk.formats.tracks import TracksError
 from jaxwalk.metrics.braking import NEVER, ONSET, UNSEEN
 from jaxwalk.sim.config import SimConfig
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxwalk.adapters.csv_columns import read_columns
-from jaxwalk.adapters.tracks import CAR, PEDESTRIAN, Tracks, TracksError
+from jaxwalk.formats.csv_columns import read_columns
+from jaxwalk.formats.tracks import CAR, PEDESTRIAN, Tracks, TracksError
 
 ENDING = "_tracks.csv"
 """How the name of a recording's main file ends."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxwalk.adapters.tracks import TracksError
+from jaxwalk.formats.tracks import TracksError
 
 
 def read_columns(path: Path, numbers: Collection[str], words: Collection[str] = ()) -> dict[str, np.ndarray]:

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from types import ModuleType
 
-from jaxwalk.adapters.road_network import Arm, Connection, Network, Rectangle
-from jaxwalk.adapters.tracks import TracksError
+from jaxwalk.formats.road_network import Arm, Connection, Network, Rectangle
+from jaxwalk.formats.tracks import TracksError
 
 FIRST_CONNECTION, FIRST_JUNCTION = 1000, 2000
 """Arms have the ids 0, 1, ...; connecting roads and junctions begin here."""

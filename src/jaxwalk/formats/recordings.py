@@ -2,8 +2,8 @@
 
 The people of an episode are all pedestrians in view meanwhile. Everything is resampled to one step. Who is out of view
 is nowhere (positions are NaN) and on no roadway, which is where all metrics of encounters look. What the table doesn't
-say (`jaxwalk.adapters.tracks.OPTIONAL`) is taken from places and speeds where they tell it, and else left out of the
-results (`jaxwalk.adapters.measured`).
+say (`jaxwalk.formats.tracks.OPTIONAL`) is taken from places and speeds where they tell it, and else left out of the
+results (`jaxwalk.formats.measured`).
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from jaxwalk.adapters.areas import Areas
-from jaxwalk.adapters.tracks import CAR, COLLISION, CROSSINGS, GOAL, PEDESTRIAN, Tracks, TracksError
+from jaxwalk.formats.areas import Areas
+from jaxwalk.formats.tracks import CAR, COLLISION, CROSSINGS, GOAL, PEDESTRIAN, Tracks, TracksError
 from jaxwalk.metrics import Rows, measure
 from jaxwalk.metrics.braking import UNSEEN
 from jaxwalk.sim.config import SimConfig

@@ -13,7 +13,7 @@ import shapely
 from jaxtyping import Bool, Float
 from shapely.geometry.base import BaseGeometry
 
-from jaxwalk.adapters.tracks import TracksError
+from jaxwalk.formats.tracks import TracksError
 from jaxwalk.maps import RoadMap
 
 KINDS = {"roadway": "roads", "crosswalk": "crosswalks", "sidewalk": "sidewalks"}

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxwalk.adapters.csv_columns import read_columns
-from jaxwalk.adapters.tracks import CAR, PEDESTRIAN, Tracks, TracksError
+from jaxwalk.formats.csv_columns import read_columns
+from jaxwalk.formats.tracks import CAR, PEDESTRIAN, Tracks, TracksError
 
 PEOPLE, VEHICLES = "_traj_ped_filtered.csv", "_traj_veh_filtered.csv"
 """How the names of a clip's two files end."""

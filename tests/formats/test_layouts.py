@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adapters.scene import STREET
-from jaxwalk.adapters.areas import parse_areas
-from jaxwalk.adapters.layouts import open_source
-from jaxwalk.adapters.measured import measure_all
-from jaxwalk.adapters.track_file import TrackFile, write_tracks
-from jaxwalk.adapters.tracks import TracksError
+from formats.scene import STREET
+from jaxwalk.formats.areas import parse_areas
+from jaxwalk.formats.layouts import open_source
+from jaxwalk.formats.measured import measure_all
+from jaxwalk.formats.track_file import TrackFile, write_tracks
+from jaxwalk.formats.tracks import TracksError
 from jaxwalk.sim.config import SimConfig
 
 HEAD = (

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jaxwalk.adapters.areas import Areas
-from jaxwalk.adapters.ind import ENDING, read_ind
-from jaxwalk.adapters.track_file import TrackFile
-from jaxwalk.adapters.tracks import Tracks, TracksError
-from jaxwalk.adapters.vci import PEOPLE, RATES, VEHICLES, read_vci
+from jaxwalk.formats.areas import Areas
+from jaxwalk.formats.ind import ENDING, read_ind
+from jaxwalk.formats.track_file import TrackFile
+from jaxwalk.formats.tracks import Tracks, TracksError
+from jaxwalk.formats.vci import PEOPLE, RATES, VEHICLES, read_vci
 
 RULES = ("dt", "collision_distance", "moving_speed")
 """Values of `SimConfig` that the metrics depend on."""

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxwalk.adapters.paths import Path, paths
-from jaxwalk.adapters.road_network import Arm, Connection, Network, Rectangle
-from jaxwalk.adapters.tracks import CAR, Tracks
+from jaxwalk.formats.paths import Path, paths
+from jaxwalk.formats.road_network import Arm, Connection, Network, Rectangle
+from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.config import SimConfig
 
 FIRST_OBSTACLE, PROBLEM = 10_000, 20_000
