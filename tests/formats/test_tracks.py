@@ -109,7 +109,8 @@ def test_places_tell_who_crosses_how(episodes, recorded, areas, street):
     assert set(found.rows.crossings.type.tolist()) == {1, 2}
     document = found.as_dict()
     assert document.keys() == {
-        "episodes", "kilometres", "hours", "speed_differential", "encounters", "surrogates", "left_out",
+        "episodes", "kilometres", "hours", "speed_differential", "encounters", "surrogates", "surrogate_distributions",
+        "left_out",
     }  # fmt: skip
     assert "ending" in document["left_out"]["outcomes, attribution, those who were hit"]
     assert "fatal" not in document["surrogates"]["jaywalk"]

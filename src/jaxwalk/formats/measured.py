@@ -95,11 +95,11 @@ def measure_all(
 def _of_anybody(found: dict[str, Any]) -> dict[str, Any]:
     """Without what needs to know where the roadway is."""
     encounters = _without(found["encounters"]["jaywalk"], ("braking",))  # on no crosswalk, as far as is known
-    surrogates = found["surrogates"]["jaywalk"]
+    of_anybody = {name: {ANYBODY: found[name]["jaywalk"]} for name in ("surrogates", "surrogate_distributions")}
     rest = _without(found, ("speed_differential", "attribution", "jaywalk_rate", "waiting"))
     if "outcomes" in rest:
         rest["outcomes"] = _without(rest["outcomes"], CONTACT_NAMES)
-    return {**rest, "encounters": {ANYBODY: encounters}, "surrogates": {ANYBODY: surrogates}}
+    return {**rest, **of_anybody, "encounters": {ANYBODY: encounters}}
 
 
 def _without(found: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
