@@ -20,7 +20,9 @@ def main(report: Path, folder: Path) -> None:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=named, args=["--no-sandbox"])
         for scheme in ("light", "dark"):
-            page = browser.new_page(viewport={"width": 1180, "height": 900}, color_scheme=scheme)
+            page = browser.new_page(
+                viewport={"width": 1180, "height": 900}, color_scheme=scheme, reduced_motion="reduce"
+            )
             page.goto(report.absolute().as_uri())
             _tour(page, folder, scheme)
         browser.close()

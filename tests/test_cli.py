@@ -67,6 +67,7 @@ FILES = {
     "untrained": lambda p: Run.create(p / "untrained", RECIPES["fast"]),
     "map": lambda p: _half_map(p / "half.toml"),
     "file": lambda p: (p / "file").write_text(""),
+    "reproduced": lambda p: [(p / "reproduced").mkdir(), (p / "reproduced" / "plan.json").write_text("{}")],
 }
 
 BAD = {
@@ -150,9 +151,11 @@ BAD = {
     "play two in a picture": ("play --driver random rule-based --out a.png", "several only on a page (--html)"),
     "play to two places": ("play --driver random --html --out a.html", "give one of the two"),
     "play a moment of a film": ("play --driver random --time 2 --out a.gif", "--time is the moment of a picture"),
-    "play after the end": ("play --driver rule-based --time 99 --out a.png", "there is no frame 990: the episode has"),
+    "play never": ("play --driver random --time nan --out a.png", "--time must be 0 or more, not nan"),
+    "play after the end": ("play --driver rule-based --time 99 --out a.png", "at 99 s the episode is over: it takes"),
     "report on nothing": ("report foreign", "foreign: is no run folder, it has no config.json"),
     "report on nobody": ("report nobody", "nobody: no driver of that name"),
+    "report otherwise": ("report reproduced --episodes 5", "--episodes and all other options are those of"),
     "report no episodes": ("report random --episodes 0", "--episodes must be at least 1, not 0"),
     "report too many incidents": ("report random --incidents 201", "--incidents must lie in [0, 200], not 201"),
     "report among too many": ("report random --pedestrians a b c d", "--pedestrians takes 1 to 3 populations, not 4"),

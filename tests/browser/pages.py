@@ -68,4 +68,4 @@ def incidents():
 
 def gallery_document():
     """What the gallery of failures shows."""
-    return {**replay_document(), "lead": 3.0, "incidents": incidents()}
+    return {**replay_document(), "lead": 3.0, "most": 40, "scenarios": 500, "incidents": incidents()}

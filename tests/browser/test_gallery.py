@@ -77,6 +77,42 @@ def test_situations_are_counted_and_chosen(opened):
     assert len(cards(opened)) == 4
 
 
+def test_time_runs_as_fast_as_it_should_however_often_one_goes_on(browser, file):
+    page = browser.new_page()
+    page.goto(file.as_uri())
+    page.click(".incidents button")
+    for _ in range(3):
+        page.wait_for_timeout(100)
+        page.keyboard.press("n")
+        page.wait_for_timeout(100)
+        page.keyboard.press("b")
+    page.wait_for_timeout(100)
+    page.evaluate("() => { gallery.player.rate = 0.1; gallery.player.seek(0); window.began = performance.now(); }")
+    page.wait_for_timeout(1500)
+    ratio = page.evaluate("gallery.player.time / ((performance.now() - began) / 1000)")
+    page.close()
+    assert 0.03 < ratio < 0.13  # a tenth of real time: twice as much were two clocks
+
+
+def test_a_drag_that_ends_outside_closes_nothing(opened):
+    opened.click(".incidents button")
+    opened.wait_for_selector("dialog[open] .stage canvas")
+    box = opened.locator("dialog .strips").bounding_box()
+    opened.mouse.move(box["x"] + 50, box["y"] + 50)
+    opened.mouse.down()
+    opened.mouse.move(2, 2, steps=4)
+    opened.mouse.up()
+    assert opened.is_visible("dialog")
+    opened.mouse.click(2, 2)
+    opened.wait_for_selector("dialog", state="hidden")
+
+
+def test_an_address_of_nothing_is_said(file, open_file):
+    page = open_file(file, "#episode=3")
+    page.wait_for_selector("text=The episode asked for is not on this page.")
+    assert not page.is_visible("dialog")
+
+
 def test_pictures_are_drawn(opened):
     opened.locator(".incidents canvas").first.scroll_into_view_if_needed()
     opened.wait_for_timeout(400)
@@ -88,11 +124,16 @@ def test_keys_go_from_incident_to_incident_and_close(opened):
     opened.click(".incidents button")
     opened.wait_for_selector("dialog[open] .stage canvas")
     first = opened.text_content("dialog figcaption")
+    opened.select_option("[name=beside]", index=0)
+    opened.focus("dialog [name=beside]")
+    opened.keyboard.press("n")  # is the list's own key
+    assert opened.text_content("dialog figcaption") == first
+    opened.focus("dialog [data-do=toggle]")
     opened.keyboard.press("n")
     opened.wait_for_function("before => document.querySelector('dialog figcaption').textContent !== before", arg=first)
     opened.click("[data-go='-1']")
     opened.wait_for_function("before => document.querySelector('dialog figcaption').textContent === before", arg=first)
-    assert "episode=" in opened.evaluate("location.hash")
+    opened.wait_for_function("location.hash.includes('episode=')")
     opened.keyboard.press("Escape")
     opened.wait_for_selector("dialog", state="hidden")
     assert opened.evaluate("location.hash") == ""

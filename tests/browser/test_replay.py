@@ -51,17 +51,24 @@ def test_a_moment_has_an_address(file, open_file):
     assert page.text_content("figcaption").startswith("careful among always-go, scenario 217")
     assert "t=2.3" in page.get_attribute(".link", "href")
     page.keyboard.press("ArrowRight")
-    assert "t=2.4" in page.evaluate("location.hash")
+    page.wait_for_function("location.hash.includes('t=2.4')")
     page.evaluate("location.hash = '#episode=9&t=1'")
     page.wait_for_function("document.querySelector('figcaption').textContent.includes('scenario 9')")
     assert clock(page) == 1
 
 
+def test_an_address_of_nothing_is_said(file, open_file):
+    page = open_file(file, "#episode=218&t=2.3")
+    page.wait_for_selector("text=The episode asked for is not on this page.")
+    assert page.text_content("figcaption").startswith("rash among always-go, scenario 7")
+
+
 def test_play_runs_to_the_end_and_pause_stops(opened):
+    opened.wait_for_selector(".stage canvas")
     opened.select_option("[name=rate]", "4")
     opened.click("[data-do=toggle]")
-    opened.wait_for_function("document.querySelector('.clock').textContent.startsWith('4.0 s')")
-    assert "Play" in opened.text_content("[data-do=toggle]")
+    opened.wait_for_function("document.querySelector('[data-do=toggle]').textContent.includes('Play')")
+    assert clock(opened) == 4
     opened.click("[data-do=toggle]")
     opened.wait_for_timeout(150)
     opened.keyboard.press("k")
@@ -131,11 +138,16 @@ def test_the_same_scenario_side_by_side(opened):
     assert opened.eval_on_selector(".scrub", "scrub => Number(scrub.max)") == 5
     opened.keyboard.press("End")
     assert opened.text_content(".clock").strip().endswith("5.0 m/s | 2.0 m/s")
+    assert opened.get_attribute(".stage:first-child canvas", "aria-label").startswith("It ended at 4.0 s")
+    address = opened.get_attribute(".link", "href")
     opened.select_option("[name=beside]", label="nothing")
     opened.wait_for_function("document.querySelectorAll('.stage').length === 1")
+    opened.evaluate("address => { location.hash = address; }", address)
+    opened.wait_for_function("document.querySelectorAll('.stage').length === 2")
 
 
 def test_another_episode_can_be_chosen(opened):
+    opened.wait_for_selector(".stage canvas")
     opened.select_option("[name=episode]", index=4)
     opened.wait_for_function("document.querySelector('figcaption').textContent.startsWith('careful')")
     assert opened.text_content("figcaption").endswith("scenario 9: goal reached after 5.0 s")
@@ -148,6 +160,11 @@ def test_the_map_can_be_dragged_and_zoomed(opened):
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     opened.mouse.move(x, y)
     opened.mouse.wheel(0, -400)
+    opened.wait_for_timeout(50)
+    assert pixels(opened) == whole  # without Ctrl, the page scrolls
+    opened.keyboard.down("Control")
+    opened.mouse.wheel(0, -400)
+    opened.keyboard.up("Control")
     opened.wait_for_timeout(50)
     near = pixels(opened)
     assert near != whole

@@ -18,9 +18,9 @@ SCENES = (
     Scene(50, [FROM_THE_RIGHT], touched=[0], speed=5.0),  # 0: hit at 5 m/s
     Scene(50, [FROM_THE_LEFT], touched=[0], speed=8.0),  # 1: hit at 8 m/s
     Scene(50, [FROM_THE_RIGHT], touched=[0], speed=[5.0] * 50 + [0.0]),  # 2: walked into the standing car
-    Scene(50, [FROM_THE_RIGHT], goal=True, x=-12.0),  # 3: missed
+    Scene(50, [Walk(25.0, -4.0, vy=0.85, crossings=[(20, 50, JAYWALK)])], goal=True, x=-4.0),  # 3: missed
     Scene(50, [Walk(0.0, 40.0)], goal=True),  # 4: met nobody
-    Scene(50, [Walk(26.0, -3.0, vy=1.0, crossings=[(10, 50, JAYWALK)])], goal=True),  # 5: missed, nearer
+    Scene(50, [Walk(26.0, -3.0, vy=0.85, crossings=[(10, 50, JAYWALK)])], goal=True),  # 5: missed, nearer
 )
 
 

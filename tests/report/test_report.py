@@ -217,6 +217,9 @@ def test_any_drivers_among_any_people(documents, tmp_path):
     assert f"Mean speed of {subject} among always-go pedestrians" in text
     assert f"of {subject} by what the pedestrian was doing" in text
     assert "Training seeds" not in text
+    assert "None" not in text
+    assert "Differs from the paper" not in text
+    assert "data-cell" not in text.split('<script type="application/json"')[0]  # the gallery is about others
     assert len(_table(tmp_path, "matrix")) == 6
 
 

@@ -13,7 +13,7 @@ import pytest
 from jaxwalk.maps import load_map
 from jaxwalk.sim.paths import Paths
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
-from jaxwalk.viewer.record import DECIDED, GOING, JAYWALKS, ON_ROADWAY, make_records
+from jaxwalk.viewer.record import GOING, JAYWALKS, ON_ROADWAY, make_records
 from jaxwalk.viewer.replay import as_script, document, entries, replay_page
 from metrics.scenes import Scene, Walk, trajectory
 
@@ -59,7 +59,7 @@ def test_states_say_who_goes_and_how_they_cross(recorded):
     state = np.cumsum(unpacked(make_records(recorded)[0])["people"][0]["state"])
     assert state[1] & GOING == 0
     assert state[2] & GOING
-    assert state[20] & (ON_ROADWAY | DECIDED | JAYWALKS) == ON_ROADWAY | DECIDED | JAYWALKS
+    assert state[20] & (ON_ROADWAY | JAYWALKS) == ON_ROADWAY | JAYWALKS
     assert state[45] & ON_ROADWAY == 0
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +16,6 @@ from jaxwalk.cli.options import Evaluate, Share, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import (
     BATCH,
-    Counterfactuals,
-    ReplayError,
     Stopped,
     check_parquet,
     compare,
@@ -40,9 +37,6 @@ from jaxwalk.report.suite import said, suite
 from jaxwalk.report.table import shown
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
-
-SMALL_BATCH = 64
-"""Collisions replayed at once."""
 
 Played = dict[tuple[str, str], Rows]
 
@@ -157,18 +151,11 @@ def _replay_collisions(
         task = bar.add_task("replaying collisions", total=len(played))
         for cell, (street, driver, population, found) in zip(document["cells"], played, strict=True):
             bar.update(task, description=f"replaying collisions of {driver} among {population}")
-            replayed = _replayed(options, street, drivers[driver], people[population], found)
+            replayed = counterfactuals(
+                street, drivers[driver], people[population], found, seed=options.seed, at_most=options.counterfactuals
+            )
             cell["counterfactuals"] = summarise_counterfactuals(replayed).as_dict()
             bar.advance(task)
-
-
-def _replayed(options: Evaluate, street: Street, driver: Policy, people: Policy, rows: Rows) -> Counterfactuals:
-    """In small batches, which are quicker for few collisions; where these round differently, as it was evaluated."""
-    replay = partial(counterfactuals, street, driver, people, rows, seed=options.seed, at_most=options.counterfactuals)
-    try:
-        return replay(batch=SMALL_BATCH)
-    except ReplayError:
-        return replay(batch=BATCH)
 
 
 def _compared(options: Evaluate, streets: list[Street], rows: list[Played]) -> list[dict[str, Any]]:

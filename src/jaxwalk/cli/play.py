@@ -37,8 +37,7 @@ def run(options: Play) -> int:
 
 def _drawing(options: Play, out: Path, street: Street, drivers: dict[str, Policy], people: Policy) -> str:
     (driver,), (scenario,) = drivers.values(), options.scenario
-    frame = None if options.time is None else round(options.time / street.config.dt)
-    played = draw_episode(street, driver, people, out, scenario=scenario, seed=options.seed, frame=frame)
+    played = draw_episode(street, driver, people, out, scenario=scenario, seed=options.seed, time=options.time)
     ending = "goal" if played.goal[0] else "collision" if played.collision[0] else "timeout"
     return f"scenario {scenario} of seed {options.seed}: {ending} after {played.length[0] * played.dt:.1f} s"
 
@@ -83,6 +82,8 @@ def _check_file(options: Play, out: Path) -> None:
         raise UsageError(f"--out {out}: is a folder; name a file")
     if kind != PAGE and (len(options.driver) > 1 or len(options.scenario) > 1):
         raise UsageError(f"--out {out}: shows one driver in one scenario; several only on a page (--html)")
+    if options.time is not None and not 0 <= options.time < float("inf"):
+        raise UsageError(f"--time must be 0 or more, not {options.time}")
     if options.time is not None and kind not in STILL:
         raise UsageError(f"--time is the moment of a picture ({', '.join(STILL)}), not of {out}")
     if kind == ".mp4":

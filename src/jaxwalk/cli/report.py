@@ -25,6 +25,8 @@ def run(options: Report) -> int:
     if again:
         if len(options.runs) > 1:
             raise UsageError(f"{again[0]}: a folder of `jaxwalk reproduce` is reported on its own; name it alone")
+        if options != Report(runs=options.runs):
+            raise UsageError(f"{again[0]}: --episodes and all other options are those of its `jaxwalk reproduce`")
         print(f"Open {remake(again[0])}")
         return 0
     check(options)

@@ -105,13 +105,13 @@ def counterfactuals(
 
     Raises:
         ReplayError: an unchanged replay ends otherwise than the row says.
-        ValueError: ``at_most`` is negative.
+        ValueError: ``at_most`` is negative, or ``batch`` below 1.
     """
-    if at_most is not None and at_most < 0:
-        raise ValueError(f"at_most must be 0 or more, not {at_most}")
+    if (at_most or 0) < 0 or (batch is not None and batch < 1):
+        raise ValueError(f"at_most must be 0 or more and batch at least 1, not {at_most} and {batch}")
     found = find_hits(rows)
-    chosen = found if scenarios is None else found.some(np.isin(found.scenario, list(scenarios)))
-    hits = chosen.some(slice(at_most))
+    wanted = found.scenario if scenarios is None else list(scenarios)
+    hits = found.some(np.isin(found.scenario, wanted)).some(slice(at_most))
     replayed = partial(_replay_all, street, driver, pedestrians, hits, seed, progress)
     try:
         avoided = replayed(batch or SMALL_BATCH)

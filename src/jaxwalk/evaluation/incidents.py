@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float, Int, Shaped
 
 from jaxwalk.metrics import Rows
 from jaxwalk.metrics.injury import monfort_mueller_mais3
+from jaxwalk.metrics.surrogate import TTC_CRITICAL
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -40,7 +41,7 @@ class Incidents:
     risk: Float[np.ndarray, "incident"]
     """Of a serious injury or death (Monfort and Mueller, 2025); 0 if the car stood, NaN for a near miss."""
     ttc: Float[np.ndarray, "incident"]
-    """Smallest time to collision of a near miss [s]; NaN for a collision, and if they were never on its course."""
+    """Smallest time to collision of a near miss [s], below `TTC_CRITICAL`; NaN for a collision."""
     nearest: Float[np.ndarray, "incident"]
     """Smallest distance of the centres in a near miss [m]; NaN for a collision."""
     first: Int[np.ndarray, "incident"]
@@ -50,7 +51,8 @@ class Incidents:
 
 
 def find_incidents(rows: Rows, *, most: int) -> Incidents:
-    """The ``most`` worst collisions, and as many of the nearest misses, one for each scenario.
+    """The ``most`` worst collisions, and as many of the nearest misses (whose time to collision is critical), one for
+    each scenario.
 
     Raises:
         ValueError: ``most`` is negative.
@@ -77,8 +79,8 @@ def _hits(rows: Rows, most: int) -> Incidents:
 def _misses(rows: Rows, most: int) -> Incidents:
     found, ttc = rows.encounters, rows.surrogates.ttc
     missed = np.flatnonzero(~rows.episodes.collision[found.episode])
-    near = np.where(np.isnan(ttc), np.inf, ttc)
-    order = missed[np.lexsort((found.scenario[missed], found.min_distance[missed], near[missed]))]
+    missed = missed[ttc[missed] < TTC_CRITICAL]
+    order = missed[np.lexsort((found.scenario[missed], found.min_distance[missed], ttc[missed]))]
     _, first = np.unique(found.scenario[order], return_index=True)
     worst = order[np.sort(first)][:most]
     nothing = np.full(len(worst), np.nan)

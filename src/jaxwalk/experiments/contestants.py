@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +25,15 @@ class ContestantError(ValueError):
     """A name that stands for no driver or population; one line says what to do."""
 
 
+def run_folders(names: Iterable[str]) -> list[str]:
+    """Those of the names that stand for run folders: names of rules and of shipped policies come first."""
+    known = {name for role, rules in RULES.items() for name in (*rules, *SHIPPED[role])}
+    return [name for name in names if name not in known and Path(name).is_dir()]
+
+
 def world_of(names: Sequence[str], maps: Sequence[str]) -> Street:
     """The street to evaluate on: the given maps, else those that the run folders among the names were trained on."""
-    known = {name for role, rules in RULES.items() for name in (*rules, *SHIPPED[role])}
-    runs = [Run.open(name).experiment for name in names if name not in known and Path(name).is_dir()]
+    runs = [Run.open(name).experiment for name in run_folders(names)]
     trained = list(dict.fromkeys(run.maps for run in runs))
     if not maps and len(trained) > 1:
         raise ContestantError(f"the run folders were trained on different maps ({trained}); choose some with --map")

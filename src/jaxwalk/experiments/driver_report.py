@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-from jaxwalk.evaluation import Match, paired_over_seeds, write_rows
+from jaxwalk.evaluation import Match, ReplayError, paired_over_seeds, write_rows
+from jaxwalk.experiments.contestants import run_folders
 from jaxwalk.experiments.gallery import Cast, gallery
 from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.runs import Run, write_whole
 from jaxwalk.experiments.tournament import Scenarios, document_of, play_rounds
+from jaxwalk.metrics import Rows
 from jaxwalk.report import write_report
 
 MANY = 4
@@ -35,19 +37,19 @@ def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Ca
     """
     began = time.monotonic()
     folder.mkdir(parents=True, exist_ok=True)
+    curves = _curves(cast.drivers)
     round_ = (None, cast.drivers, cast.populations)
     start, matches = play_rounds(cast.street, [round_], Scenarios(episodes, cast.seed), say)
     results = document_of(start, matches)
     if len(cast.drivers) > 1:
         results["paired"] = _pairs(cast, matches)
-    played = {match.names: match.rows for match in matches}
-    watched = gallery(cast, played, most=most, say=say) if most else None
     write_rows(folder / "episodes.csv", [(*match.names, match.rows) for match in matches])
     text = json.dumps(results, indent=2, allow_nan=False) + "\n"
     write_whole(folder / "results.json", text)
+    watched = _gallery(cast, {match.names: match.rows for match in matches}, most, say)
     documents = {
         "results": json.loads(text),
-        "curves": _curves(list(cast.drivers)),
+        "curves": curves,
         "provenance": provenance(),
         "minutes": {"all": (time.monotonic() - began) / 60},
         "subject": next(iter(cast.drivers)),
@@ -56,6 +58,17 @@ def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Ca
     }
     say("    drawing")
     return write_report(folder, documents)
+
+
+def _gallery(
+    cast: Cast, played: dict[tuple[str, str], Rows], most: int, say: Callable[[str], None]
+) -> dict[str, Any] | None:
+    """The gallery, if incidents are asked for, and can be played again."""
+    try:
+        return gallery(cast, played, most=most, say=say) if most else None
+    except ReplayError as error:
+        say(f"    no gallery: {error}")
+        return None
 
 
 def _pairs(cast: Cast, matches: Sequence[Match]) -> list[dict[str, Any]]:
@@ -68,7 +81,7 @@ def _pairs(cast: Cast, matches: Sequence[Match]) -> list[dict[str, Any]]:
     ]
 
 
-def _curves(drivers: Sequence[str]) -> dict[str, dict[int, list[dict[str, Any]]]]:
+def _curves(drivers: Iterable[str]) -> dict[str, dict[int, list[dict[str, Any]]]]:
     """Metrics of each update of those drivers that are run folders."""
-    runs = {name: Run.open(name) for name in drivers if Path(name).is_dir()}
+    runs = {name: Run.open(name) for name in run_folders(drivers)}
     return {name: {run.experiment.seed: run.metrics()} for name, run in runs.items() if run.metrics()}

@@ -9,7 +9,7 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.maps import RoadMap
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory
-from jaxwalk.viewer import animation, picture
+from jaxwalk.viewer import ViewerError, animation, picture
 
 MOVING = (".gif", ".mp4")
 """Files that show the whole episode; others show its last frame."""
@@ -23,15 +23,21 @@ def draw_episode(
     *,
     scenario: int,
     seed: int,
-    frame: int | None = None,
+    time: float | None = None,
 ) -> Trajectory:
-    """Play a scenario as an evaluation does, and write a picture or an animation of it."""
+    """Play a scenario as an evaluation does, and write a picture or an animation of it.
+
+    ``time`` [s]: the moment that a picture shows; its end if left out. Raises ViewerError if it had ended before.
+    """
     trajectory = replay(street, driver, pedestrians, scenarios=[scenario], seed=seed)
     ground = map_of(street, scenario=scenario, seed=seed)
     if path.suffix.lower() in MOVING:
         animation(trajectory, 0, ground, path)
     else:
-        picture(trajectory, 0, ground, path, frame=frame)
+        end = float(trajectory.length[0]) * trajectory.dt
+        if time is not None and time > end:
+            raise ViewerError(f"at {time:g} s the episode is over: it takes {end:.1f} s")
+        picture(trajectory, 0, ground, path, frame=None if time is None else round(time / trajectory.dt))
     return trajectory
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
-from jaxwalk.evaluation import Incidents, counterfactuals, describe, find_incidents, replay
+from jaxwalk.evaluation import Incidents, ReplayError, counterfactuals, describe, find_incidents, replay
 from jaxwalk.evaluation.results import CONTACT_NAMES
+from jaxwalk.evaluation.scenarios import AT_ONCE
 from jaxwalk.experiments.replays import recording
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
@@ -38,6 +41,9 @@ def gallery(
         played: what was measured of each driver among each population.
         most: incidents of each kind (collisions, near misses) for each driver and population.
         say: called with a line as the work goes on.
+
+    Raises:
+        ReplayError: a driver does not do the same again in the same scenario.
     """
     found = {pair: find_incidents(rows, most=most) for pair, rows in played.items()}
     say("    recording episodes")
@@ -47,12 +53,16 @@ def gallery(
     }
     document = recording(cast.street, cast.drivers, cast.populations, numbers, seed=cast.seed)
     places = {(e["driver"], e["pedestrians"], e["scenario"]): k for k, e in enumerate(document["episodes"])}
-    incidents = []
-    for pair, some in found.items():
+
+    def incidents_of(pair: tuple[str, str]) -> list[dict[str, Any]]:
         say(f"    collisions of {pair[0]} among {pair[1]}: could they have been avoided?")
-        for row in _rows(cast, pair, played[pair], some):
-            incidents.append({"episode": places[*pair, row.pop("scenario")], **row})
-    return {**document, "lead": LEAD, "incidents": incidents}
+        rows = _rows(cast, pair, played[pair], found[pair])
+        return [{"episode": places[*pair, row.pop("scenario")], **row} for row in rows]
+
+    with ThreadPoolExecutor(AT_ONCE) as pool:  # most of the time goes into compiling, each on one core
+        incidents = list(chain.from_iterable(pool.map(incidents_of, found)))
+    scenarios = max(len(rows.episodes.scenario) for rows in played.values())
+    return {**document, "lead": LEAD, "most": most, "scenarios": scenarios, "incidents": incidents}
 
 
 def _rows(cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents) -> list[dict[str, Any]]:
@@ -64,6 +74,8 @@ def _rows(cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents) -> lis
     replayed = counterfactuals(street, driver, people, rows, seed=cast.seed, scenarios=hits)
     labels = dict(zip(replayed.scenario.tolist(), replayed.label.tolist(), strict=True))
     trajectory = replay(street, driver, people, scenarios=some.scenario.tolist(), seed=cast.seed)
+    if (trajectory.length != rows.episodes.steps[some.scenario]).any():
+        raise ReplayError(f"{pair[0]} among {pair[1]} does not do the same again in the same scenario")
     how = describe(some, trajectory, moving_speed=street.config.moving_speed)
     return [
         {

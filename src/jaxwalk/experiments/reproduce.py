@@ -158,7 +158,7 @@ def _draw(work: Reproduction) -> None:
     scenario, frame = _interesting(work, street, driver, trained.learned)
     for kind in ("png", "svg"):
         file = work.folder / f"episode.{kind}"
-        draw_episode(street, driver, trained.learned, file, scenario=scenario, seed=seed, frame=frame)
+        draw_episode(street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.config.dt)
     work.keep("episode.json", {"scenario": scenario, "seed": seed, "training_seed": seed, "frame": frame})
 
 

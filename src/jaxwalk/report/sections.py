@@ -17,7 +17,8 @@ class Section:
     source: str
     """Where the paper has it."""
     caption: str
-    """``{subject}``, ``{rival}`` and ``{crowd}`` stand for names of the `Material`."""
+    """``{subject}``, ``{crowd}`` and ``{first}`` (population) stand for names of the `Material`, ``{beside}`` for its
+    rival."""
     figure: str | None = None
     table: str | None = None
     over_seeds: bool = False
@@ -27,10 +28,13 @@ class Section:
 
     def said(self, material: Material) -> str:
         """The caption, with the names of who is shown."""
-        return self.caption.format(subject=material.subject, rival=material.rival, crowd=material.crowd)
+        beside = f" and {material.rival} (dashed)" if material.rival else ""
+        return self.caption.format(
+            subject=material.subject, beside=beside, crowd=material.crowd, first=material.populations[0]
+        )
 
 
-INTERVALS = "Bars and brackets: 95 % intervals. Open diamonds: the paper."
+INTERVALS = "Bars and brackets: 95 % intervals. Open diamonds: the paper's drivers."
 
 SECTIONS = (
     Section(
@@ -39,7 +43,7 @@ SECTIONS = (
         "Goals and collisions of every driver on the same scenarios, among each population. "
         f"{INTERVALS} The paper's figure mixes populations and does not say among whom its rules "
         "drove; its trained drivers have a diamond for each population. A good driver has its goals far right and its "
-        "collisions far left; where orange and blue lie far apart, much depends on whom it meets.",
+        "collisions far left; where the colours lie far apart, much depends on whom it meets.",
         "baselines",
         "baselines",
         over_seeds=True,
@@ -50,7 +54,7 @@ SECTIONS = (
         "The car trained alone (among always-go) and the one trained with its pedestrians, with equally many updates "
         "from equally many environments of their own, each among both populations. Compare two drivers in one "
         "population for what training together did to the car, one driver in both for what it did to the people.",
-        applies=lambda m: all(m.met(*pair) for pair in TRAINED),
+        applies=lambda m: m.plan is not None and all(m.met(*pair) for pair in TRAINED),
         table="co_training",
         over_seeds=True,
     ),
@@ -163,9 +167,9 @@ SECTIONS = (
     Section(
         "How near to a collision",
         "",
-        "Of all encounters with the first population (always-go leave it to the driver), the share beyond each "
-        "threshold of four measures (metrics.md says how they are computed), for {subject} (solid) and {rival} "
-        "(dashed); bands: 95 % intervals over episodes. A lower curve is safer at every threshold, "
+        "Of all encounters with {first} pedestrians, the share beyond each "
+        "threshold of four measures (metrics.md says how they are computed), for {subject} (solid){beside}; "
+        "bands: 95 % intervals over episodes. A lower curve is safer at every threshold, "
         "not only at the critical one (dotted). Red above blue: encounters with jaywalkers are the more dangerous "
         "ones. A curve of fewer than 20 encounters is not drawn.",
         "surrogates",

@@ -28,6 +28,7 @@ SCREEN = 1.25
 
 _STYLE = {
     "svg.fonttype": "none",
+    "text.parse_math": False,  # names are names
     "font.size": 8,
     "xtick.labelsize": 7,
     "ytick.labelsize": 7,

@@ -93,7 +93,7 @@ APPROACH = (
 )
 BRAKING = (
     "Ours begins at the first braking command of 1 m/s² or more held for 0.3 s after road entry, and counts a car that "
-    "was braking already, or never brakes, apart (the median below accounts for the latter); the paper defines none "
+    "was braking already, or never brakes, apart (the median accounts for the latter); the paper defines none "
     "of these."
 )
 ABLATION = f"{TRAINED} As in the paper the driver is evaluated, not retrained."

@@ -59,7 +59,8 @@ def _gallery(document: Mapping[str, Any]) -> dict[str, str]:
 
 def _to_watch(gallery: Mapping[str, Any] | None) -> set[str]:
     """Whose collisions the gallery has, by the words that its script uses for them."""
-    episodes = gallery["episodes"] if gallery else []
+    hits = [one for one in gallery["incidents"] if one["kind"] == "collision"] if gallery else []
+    episodes = [gallery["episodes"][one["episode"]] for one in hits] if gallery else []
     return {f"{episode['driver']} among {episode['pedestrians']}" for episode in episodes}
 
 

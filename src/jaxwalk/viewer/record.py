@@ -18,8 +18,8 @@ from jaxwalk.sim.trajectory import JAYWALK, Trajectory
 
 PER_METRE, PER_RADIAN = 100, 1000
 """Places are kept in centimetres, speeds in centimetres a second, headings in thousandths of a radian."""
-GOING, ON_ROADWAY, DECIDED, JAYWALKS = 1, 2, 4, 8
-"""Bits of a pedestrian's state: it walks, is between the kerbs, has decided how to cross, namely to jaywalk."""
+GOING, ON_ROADWAY, JAYWALKS = 1, 2, 4
+"""Bits of a pedestrian's state: it walks, is between the kerbs, has decided to jaywalk."""
 KINDS = {1: "crosswalk", 2: "jaywalk"}
 """Names of the types of a crossing."""
 
@@ -70,7 +70,7 @@ def _episode(t: Trajectory, e: int) -> Record:
     frames = slice(int(t.length[e]) + 1)
     heading = np.unwrap(np.arctan2(t.car_sin[frames, e], t.car_cos[frames, e]))
     state = t.going[frames, e] * GOING + t.on_roadway[frames, e] * ON_ROADWAY
-    state = state + (t.crossing[frames, e] > 0) * DECIDED + (t.crossing[frames, e] == JAYWALK) * JAYWALKS
+    state = state + (t.crossing[frames, e] == JAYWALK) * JAYWALKS
     return {
         "goal": [round(float(t.goal_x[e]), 2), round(float(t.goal_y[e]), 2)],
         "touched": np.flatnonzero(t.touched[e]).tolist() if t.collision[e] else [],

@@ -42,7 +42,10 @@ def surrogates(material: Material) -> Figure:
         axis.set(xlabel=label, ylim=(0, None))
     for axis in axes[::2]:
         axis.set_ylabel("encounters [%]")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    named = {}
+    for axis in axes:  # a panel may lack curves
+        named |= dict(zip(*reversed(axis.get_legend_handles_labels()), strict=True))
+    figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=4)
     return figure
 
 

@@ -16,10 +16,11 @@ class Gallery {
     this.player = new Player(this.find(".player"), data);
     this.avoidable = this.situation = "";
     this.shown = SHOWN;
-    this.pictures = new IntersectionObserver((seen) => seen.forEach((one) => one.isIntersecting && this.#picture(one.target)), { rootMargin: "200px" });
     this.#offerCells();
     this.#listen();
     this.update();
+    new ResizeObserver(() => this.#pictures()).observe(element);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#pictures());
   }
 
   get wanted() {
@@ -36,16 +37,9 @@ class Gallery {
     this.form.addEventListener("submit", (event) => event.preventDefault());
     this.find(".more").addEventListener("click", () => ((this.shown += SHOWN), this.update()));
     const dialog = this.find("dialog");
-    dialog.addEventListener("close", () => {
-      this.player.pause();
-      history.replaceState(null, "", location.pathname + location.search);
-    });
-    dialog.addEventListener("click", (event) => event.target === dialog && dialog.close());
-    dialog.addEventListener("keydown", (event) => {
-      if (event.key === "n") this.#go(1);
-      else if (event.key === "b") this.#go(-1);
-      else this.player.key(event);
-    });
+    dialog.addEventListener("close", () => this.player.leave());
+    dialog.addEventListener("pointerdown", (event) => event.target === dialog && isOutside(event, dialog) && dialog.close());
+    dialog.addEventListener("keydown", (event) => this.player.key(event, { n: () => this.#go(1), b: () => this.#go(-1) }));
     for (const button of dialog.querySelectorAll("[data-go]")) {
       button.addEventListener("click", () => (button.dataset.go === "close" ? dialog.close() : this.#go(Number(button.dataset.go))));
     }
@@ -86,12 +80,13 @@ class Gallery {
     this.find(".count").textContent = this.#counted();
     this.find(".incidents").replaceChildren(...this.chosen.slice(0, this.shown).map((one) => this.#card(one)));
     this.find(".more").hidden = this.chosen.length <= this.shown;
+    this.#pictures();
   }
 
   #counted() {
     const hits = this.chosen.filter((one) => one.kind === "collision").length, misses = this.chosen.length - hits;
     const count = (n, one, many) => `${n} ${n === 1 ? one : many}`;
-    return `${count(hits, "collision", "collisions")} and ${count(misses, "near miss", "near misses")}. A click plays one.`;
+    return `${count(hits, "collision", "collisions")} and ${count(misses, "near miss", "near misses")}.${this.chosen.length ? " A click plays one." : ""}`;
   }
 
   // A button for each group, the largest first, that shows it alone.
@@ -126,12 +121,14 @@ class Gallery {
     button.append(canvas, ...lines.map(([name, text]) => Object.assign(document.createElement("span"), { className: name, textContent: text })));
     button.addEventListener("click", () => this.watch(incident));
     item.append(button);
-    this.pictures.observe(canvas);
     return item;
   }
 
+  #pictures() {
+    for (const canvas of this.element.querySelectorAll(".incidents canvas")) this.#picture(canvas);
+  }
+
   async #picture(canvas) {
-    this.pictures.unobserve(canvas);
     const incident = canvas.incident, entry = this.#entry(incident);
     const episode = await Episode.load(entry, this.data.dt), map = this.data.maps[entry.map];
     const drawing = new Drawing(canvas, map), { x, y } = episode.at(incident.t).car;
@@ -142,26 +139,39 @@ class Gallery {
 
   // Play an incident from a little before it.
   async watch(incident) {
-    this.current = incident;
-    this.find("#watched").textContent = capital(situation(incident));
-    const dialog = this.find("dialog");
-    if (!dialog.open) dialog.showModal();
     this.player.set("follow", true);
-    await this.player.show([this.#entry(incident)], incident.t - this.data.lead);
-    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play();
+    const shown = await this.#show(incident, capital(situation(incident)), [this.#entry(incident)], incident.t - this.data.lead);
+    if (shown && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play();
   }
 
-  // Any episode of the page at a time, as an address asks for it.
-  async open({ entry, time }) {
-    this.find("#watched").textContent = `Scenario ${entry.scenario}`;
-    if (!this.find("dialog").open) this.find("dialog").showModal();
-    await this.player.show([entry], time);
+  // Any episodes of the page at a time, as an address asks for them.
+  async open({ entries, time }) {
+    if (!entries.length) {
+      this.find(".count").textContent = "The episode asked for is not on this page.";
+      return;
+    }
+    const incident = this.data.incidents.find((one) => this.#entry(one) === entries[0]);
+    await this.#show(incident, `Scenario ${entries[0].scenario}`, entries, time);
+  }
+
+  // True if they are shown, and nothing else was asked for meanwhile.
+  async #show(incident, title, entries, time) {
+    const dialog = this.find("dialog");
+    this.current = incident;
+    this.find("#watched").textContent = title;
+    if (!dialog.open) dialog.showModal();
+    return (await this.player.show(entries, time)) && dialog.open;
   }
 
   #go(by) {
-    const next = this.chosen[this.chosen.indexOf(this.current) + by];
+    const here = this.chosen.indexOf(this.current), next = here < 0 ? undefined : this.chosen[here + by];
     if (next) this.watch(next);
   }
+}
+
+function isOutside({ clientX: x, clientY: y }, element) {
+  const box = element.getBoundingClientRect();
+  return x < box.left || x > box.right || y < box.top || y > box.bottom;
 }
 
 const cellOf = (entry) => `${entry.driver} among ${entry.pedestrians}`;
@@ -169,7 +179,7 @@ const situation = (one) => `${WHO[one.contact]} ${one.side === "standing" ? "sta
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 function severity(one) {
-  if (one.kind === "near miss") return `Near miss: ${one.ttc === null ? "" : `${one.ttc.toFixed(1)} s to collision, `}${one.nearest.toFixed(1)} m`;
+  if (one.kind === "near miss") return `Near miss: ${one.ttc.toFixed(1)} s to collision, came within ${one.nearest.toFixed(1)} m`;
   const who = one.avoidable ? `, ${AVOIDABLE[one.avoidable]}` : "";
   if (!one.moving) return `Walked into the standing car${who}`;
   return `Hit at ${one.speed.toFixed(1)} m/s, ${Math.round(100 * one.risk)} % risk of serious injury${who}`;

@@ -16,26 +16,29 @@ class Player {
     this.strips = new Strips(this.find(".strips"));
     this.shows = Object.fromEntries(SWITCHES.map((name) => [name, this.find(`[name=${name}]`).checked]));
     this.rate = 1;
+    this.digits = Math.max(1, Math.ceil(-Math.log10(data.dt) - 1e-9));
     this.#listen();
     new ResizeObserver(() => this.draw()).observe(element);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
   }
 
-  // Show one episode, or several side by side (entries of the page's list), at a time [s].
+  // Show one episode, or several side by side (entries of the page's list), at a time [s]. False if another was asked for
+  // meanwhile.
   async show(entries, time = 0) {
     const ticket = (this.ticket = Symbol());
     const episodes = await Promise.all(entries.map((entry) => Episode.load(entry, this.data.dt)));
-    if (ticket !== this.ticket) return; // another one was asked for meanwhile
+    if (ticket !== this.ticket) return false;
     this.pause();
     this.entries = entries;
     this.episodes = episodes;
     this.end = Math.max(...episodes.map((episode) => episode.end));
     this.find(".stages").replaceChildren(...episodes.map((episode) => this.#stage(episode)));
-    this.find(".scrub").max = this.end;
+    Object.assign(this.find(".scrub"), { step: this.data.dt, max: this.end });
     this.#listEvents();
     this.#offerOthers();
     this.seek(time);
     this.element.dispatchEvent(new CustomEvent("shown", { detail: entries }));
+    return true;
   }
 
   #stage(episode) {
@@ -57,6 +60,7 @@ class Player {
   }
 
   seek(time) {
+    if (!this.episodes.length) return;
     this.time = Math.min(Math.max(time, 0), this.end);
     this.draw();
     if (!this.playing) this.#settle();
@@ -69,6 +73,8 @@ class Player {
   }
 
   play() {
+    if (!this.episodes.length) return;
+    cancelAnimationFrame(this.frame);
     if (this.time >= this.end) this.time = 0;
     this.playing = true;
     this.#showPlaying();
@@ -79,12 +85,13 @@ class Player {
       before = now;
       this.draw();
       if (this.time >= this.end) this.pause();
-      else requestAnimationFrame(tick);
+      else this.frame = requestAnimationFrame(tick);
     };
-    requestAnimationFrame(tick);
+    this.frame = requestAnimationFrame(tick);
   }
 
   pause() {
+    cancelAnimationFrame(this.frame);
     this.playing = false;
     this.#showPlaying();
     if (this.episodes.length) this.#settle();
@@ -110,7 +117,7 @@ class Player {
   }
 
   nextEvent() {
-    const after = this.episodes[0].events.map((event) => event.frame * this.data.dt).find((t) => t > this.time + 0.01);
+    const after = this.episodes[0]?.events.map((event) => event.frame * this.data.dt).find((t) => t > this.time + 0.01);
     if (after !== undefined) {
       this.pause();
       this.seek(after);
@@ -121,18 +128,23 @@ class Player {
     if (!this.episodes.length) return;
     for (const episode of this.episodes) episode.drawing.draw(episode, this.time, this.shows);
     this.strips.draw(this.episodes, this.time, this.end);
-    const scrub = this.find(".scrub"), text = `${this.time.toFixed(1)} s`;
+    const scrub = this.find(".scrub"), text = `${this.time.toFixed(this.digits)} s`;
     scrub.value = this.time;
     scrub.setAttribute("aria-valuetext", text);
     const speeds = this.episodes.map((episode) => `${episode.at(this.time).car.speed.toFixed(1)} m/s`);
     this.find(".clock").textContent = `${text} of ${this.end.toFixed(1)} s, ${speeds.join(" | ")}`;
   }
 
-  // At rest: the address of the moment, and the picture in words.
+  get link() {
+    return moment(this.entries, this.time.toFixed(this.digits));
+  }
+
+  // At rest: the address of the moment (not at every step of a drag: browsers allow a hundred changes in 30 s), and the
+  // picture in words.
   #settle() {
-    const link = moment(this.entries[0], this.time);
-    history.replaceState(null, "", link);
-    this.find(".link").href = link;
+    clearTimeout(this.settling);
+    this.settling = setTimeout(() => history.replaceState(null, "", this.link), 250);
+    this.find(".link").href = this.link;
     for (const episode of this.episodes) episode.canvas.setAttribute("aria-label", inWords(episode, this.time));
   }
 
@@ -175,60 +187,73 @@ class Player {
     });
     const strips = this.find(".strips");
     const scrub = (event) => event.buttons && (this.pause(), this.seek(this.strips.timeAt(event.offsetX, this.end)));
-    strips.addEventListener("pointerdown", scrub);
+    strips.addEventListener("pointerdown", (event) => (strips.setPointerCapture(event.pointerId), scrub(event)));
     strips.addEventListener("pointermove", scrub);
     this.find(".link").addEventListener("click", (event) => (event.preventDefault(), this.#copyLink()));
   }
 
+  // No longer shown: nothing plays on, and the address is the page's again.
+  leave() {
+    this.ticket = null;
+    this.pause();
+    clearTimeout(this.settling);
+    history.replaceState(null, "", location.pathname + location.search);
+  }
+
   async #copyLink() {
-    const link = new URL(moment(this.entries[0], this.time), location.href).href;
+    const link = new URL(this.link, location.href).href;
     await navigator.clipboard?.writeText(link).catch(() => {});
     this.find(".copied").textContent = navigator.clipboard ? "copied" : link;
     setTimeout(() => (this.find(".copied").textContent = ""), 3000);
   }
 
-  // Keys, wherever the page hands them over; true if it was one of ours.
-  key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || /^(SELECT|INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox") return false;
-    if (event.key === " " && /^(BUTTON|A|SUMMARY|INPUT)$/.test(event.target.tagName)) return false;
+  // Keys, wherever the page hands them over; more: the page's own, by key.
+  key(event, more = {}) {
+    if (event.ctrlKey || event.metaKey || event.altKey || !this.episodes.length) return;
+    const { tagName: tag, type } = event.target;
+    if (/^(SELECT|INPUT|TEXTAREA)$/.test(tag) && type !== "checkbox") return; // they have keys of their own
+    if (event.key === " " && /^(BUTTON|A|SUMMARY|INPUT)$/.test(tag)) return;
     const steps = event.shiftKey ? Math.round(1 / this.data.dt) : 1;
     const actions = {
       " ": this.toggle, k: this.toggle, ArrowLeft: () => this.step(-steps), ArrowRight: () => this.step(steps), "+": () => this.faster(1),
       "-": () => this.faster(-1), Home: () => this.seek(0), End: () => this.seek(this.end), e: () => this.nextEvent(),
+      ...more,
     };
     const name = KEYS[event.key];
     if (name) this.set(name, !this.shows[name]);
     else if (actions[event.key]) actions[event.key]();
-    else return false;
+    else return;
     event.preventDefault();
     this.draw();
-    return true;
   }
 }
 
 const sameScenario = (a, b) => a.scenario === b.scenario && a.multiplier === b.multiplier;
 const ending = (about, dt) => `${{ collision: "collision", goal: "goal reached", timeout: "out of time" }[about.ending]} after ${(about.steps * dt).toFixed(1)} s`;
 
-function moment(about, time) {
-  const parts = { episode: about.scenario, driver: about.driver, pedestrians: about.pedestrians, t: time.toFixed(1) };
+function moment([first, second], time) {
+  const parts = { episode: first.scenario, driver: first.driver, pedestrians: first.pedestrians, t: time };
+  if (second) Object.assign(parts, { beside: second.driver, among: second.pedestrians });
   return `#${new URLSearchParams(parts)}`;
 }
 
-// The entry and the time that an address such as #episode=217&t=12.3 asks for; null if it asks for none.
+// The entries and the time that an address such as #episode=217&t=12.3 asks for: null if it asks for none, no entries if
+// they are not on this page.
 function asked(data, hash) {
   const wanted = new URLSearchParams(hash.slice(1));
   if (!wanted.has("episode")) return null;
-  const fits = (entry) =>
+  const find = (driver, pedestrians) => data.episodes.find((entry) =>
     entry.scenario === Number(wanted.get("episode")) &&
-    ["driver", "pedestrians"].every((name) => !wanted.has(name) || wanted.get(name) === entry[name]);
-  const entry = data.episodes.find(fits);
-  return entry ? { entry, time: Number(wanted.get("t")) || 0 } : null;
+    (!wanted.has(driver) || wanted.get(driver) === entry.driver) && (!wanted.has(pedestrians) || wanted.get(pedestrians) === entry.pedestrians));
+  const entries = [find("driver", "pedestrians"), wanted.has("beside") && find("beside", "among")].filter(Boolean);
+  return { entries, time: Number(wanted.get("t")) || 0 };
 }
 
 // What the drawing shows, for those who can't see it.
 function inWords(episode, time) {
   const { car, people } = episode.at(time);
+  const when = time > episode.end ? `It ended at ${episode.end.toFixed(1)} s: the car drove` : `At ${time.toFixed(1)} s the car drives`;
   const near = people.filter((person) => person.away < 12).sort((a, b) => a.away - b.away);
   const them = near.map((person) => `pedestrian ${person.ped + 1} ${person.away.toFixed(1)} m away${person.jaywalking ? ", jaywalking" : ""}`);
-  return `At ${time.toFixed(1)} s the car drives ${car.speed.toFixed(1)} m/s. Within 12 metres: ${them.join("; ") || "nobody"}.`;
+  return `${when} ${car.speed.toFixed(1)} m/s. Within 12 metres: ${them.join("; ") || "nobody"}.`;
 }

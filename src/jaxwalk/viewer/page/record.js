@@ -1,6 +1,6 @@
 // Episodes as jaxwalk.viewer.record packs them, unpacked, and what they show at any time.
 
-const GOING = 1, ON_ROADWAY = 2, DECIDED = 4, JAYWALKS = 8;
+const GOING = 1, ON_ROADWAY = 2, JAYWALKS = 4;
 const METRE = 100, RADIAN = 1000;
 
 async function inflate(text) {
@@ -44,12 +44,15 @@ class Episode {
     return new Episode(about, await inflate(about.record), dt);
   }
 
-  // On which leg of the path somebody is in each frame: the first one, from the last frame's on, that passes there.
+  // On which leg of the path somebody is in each frame: the first one, from the last frame's on, that passes there and is
+  // not yet walked to its end (who turns round passes the same place again).
   #legs(plan, person) {
+    const ends = lengths(plan), walked = lengths(person);
     let leg = 0;
     return person.x.map((_, k) => {
+      const left = (candidate) => ends[candidate + 1] < walked[k] - 0.02 || distanceToLeg(plan, candidate, person.x[k], person.y[k]) > 0.1;
       let candidate = leg;
-      while (candidate < plan.x.length - 1 && distanceToLeg(plan, candidate, person.x[k], person.y[k]) > 0.1) candidate++;
+      while (candidate < plan.x.length - 1 && left(candidate)) candidate++;
       if (candidate < plan.x.length - 1) leg = candidate;
       return leg;
     });
@@ -79,6 +82,12 @@ class Episode {
       waiting: !(state & GOING) && frame > 0,
     };
   }
+}
+
+// Metres along a line up to each of its points.
+function lengths({ x, y }) {
+  let total = 0;
+  return x.map((here, k) => (total += k ? Math.hypot(here - x[k - 1], y[k] - y[k - 1]) : 0));
 }
 
 function distanceToLeg(line, leg, x, y) {

@@ -1,4 +1,5 @@
-// Moving a drawing by hand: drag, wheel, two fingers; a double click shows all of the map.
+// Moving a drawing by hand: drag, wheel with Ctrl (without, the page scrolls), two fingers; a double click shows all of the
+// map.
 
 class Touch {
   // look: called with the view { x, y, zoom } that is asked for; null: all of the map.
@@ -30,6 +31,7 @@ class Touch {
   }
 
   #wheel(event) {
+    if (!event.ctrlKey && !event.metaKey) return;
     event.preventDefault();
     this.#zoom(Math.exp(-event.deltaY / 400), [event.offsetX, event.offsetY]);
   }
