@@ -1,0 +1,237 @@
+"""The command line: help at once, documents that repeat, files as promised."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from jaxwalk.cli import main
+from jaxwalk.cli.options import Bench, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
+from jaxwalk.experiments.recipes import with_training
+from jaxwalk.experiments.runs import Run
+
+SMALL = ("--environments", "8", "--steps", "8", "--minibatches", "2")
+
+
+def test_version(capsys):
+    from importlib.metadata import version
+
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"jaxwalk {version('jaxwalk')}\n"
+
+
+@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, HiddenIntent, Observations, Bench])
+def test_help_says_every_default(command, capsys):
+    name = "hidden-intent" if command is HiddenIntent else command.__name__.lower()
+    assert main([name, "--help"]) == 0
+    text = capsys.readouterr().out
+    assert text.count("(default:") == len(dataclasses.fields(command))
+    assert "None" not in text
+
+
+def test_help_of_export_says_what_to_name(capsys):
+    assert main(["export", "--help"]) == 0
+    text = capsys.readouterr().out
+    assert text.count("(default:") == len(dataclasses.fields(Export)) - 1  # all but the policy
+    assert "POLICY" in text
+
+
+def test_help_loads_no_jax():
+    code = "import sys; from jaxwalk.cli import main; main(['train', '--help']); assert 'jax' not in sys.modules"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
+
+
+def test_an_evaluation_repeats_itself(place, capsys):
+    command = "evaluate --driver rule-based --pedestrians always-go --episodes 3 --seed 7 --json"
+    assert main([*command.split(), "--out", "kept"]) == 0
+    first = capsys.readouterr().out
+    assert main(command.split()) == 0
+    assert capsys.readouterr().out == first
+    assert (place / "kept" / "results.json").read_text() == first
+    document = json.loads(first)
+    assert document["schema"] == 3
+    assert document["scenarios"].keys() == {"seed", "count", "hash"}
+    assert document["cells"][0]["goal_rate"].keys() == {"value", "low", "high"}
+    rows = (place / "kept" / "episodes.csv").read_text().splitlines()
+    assert len(rows) == 4
+    assert rows[0].startswith("scenario,")
+
+
+def test_the_table_shows_intervals_and_the_hash(capsys):
+    command = "evaluate --driver rule-based --pedestrians always-go --episodes 3 --seed 7 --jaywalk-multiplier 0 1"
+    assert main(command.split()) == 0
+    out = capsys.readouterr().out
+    assert out.count("rule-based") == 2
+    assert "3 scenarios of seed 7, hash " in out
+    assert "[" in out
+
+
+OWN = """
+import numpy as np
+
+class Mine:
+    batches = 0
+    def reset(self, episodes):
+        self.batches, self.step = self.batches + 1, 0
+    def act(self, observation):
+        self.step += 1
+        action = np.zeros((len(observation), 2))
+        action[:, 0] = 1
+        return action[:, self.batches > 1 and self.step == 3 :]
+"""
+
+
+def test_a_driver_of_ones_own_is_evaluated_and_its_cost_shown(place, capsys):
+    (place / "mine.py").write_text(OWN)
+    assert main(["evaluate", "--driver", "mine:Mine", "--episodes", "3", "--seed", "7", "--out", "kept"]) == 0
+    cell = json.loads((place / "kept" / "results.json").read_text())["cells"][0]
+    assert (cell["driver"], cell["driver_observes"]) == ("mine:Mine", "paper")
+    assert f"mine:Mine: {cell['driver_ms_per_step']:.3g} ms for a step of 512 episodes" in capsys.readouterr().out
+
+
+def test_what_was_evaluated_before_a_driver_failed_is_kept(place, capsys):
+    (place / "mine.py").write_text(OWN)
+    assert main(["evaluate", "--driver", "mine.py:Mine", "--episodes", "600", "--seed", "7", "--out", "kept"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    message = " ".join(err.split())
+    assert "jaxwalk: mine.py:Mine: act returned shape (512, 1); return an array of shape (512, 2)" in message
+    assert "(scenario 512 and 511 others, played together, step 2); the 512 episodes evaluated before are" in message
+    assert [path.name for path in (place / "kept").iterdir()] == ["episodes-partial.csv"]
+    assert len((place / "kept" / "episodes-partial.csv").read_text().splitlines()) == 1 + 512
+
+
+def test_observations_are_listed(capsys):
+    assert main(["observations", "--role", "pedestrian"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "paper: 20 features"
+    assert lines[1].split() == ["0", "to", "1", "position"]
+    assert lines[9].split() == ["18", "to", "19", "nearest_other"]
+
+
+def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys):
+    command = "evaluate --compare rule-based random --episodes 3 --seed 7 --out kept --encounters"
+    assert main(command.split()) == 0
+    out = capsys.readouterr().out
+    assert out.count("3 scenarios") == 3  # two tests, and which scenarios they were
+    assert {file.name for file in (place / "kept").iterdir()} == {
+        "encounters.parquet", "episodes.csv", "results.json", "suite.md",
+    }  # fmt: skip
+    suite = (place / "kept" / "suite.md").read_text()
+    assert "| rule-based among always-go |" in suite and "Made at commit" in suite
+    compared = json.loads((place / "kept" / "results.json").read_text())["compared"]
+    for one in compared:
+        assert one["in_words"] in suite and one["in_words"] in out
+    assert [(one["a"], one["b"], one["ending"]) for one in compared] == [
+        ("rule-based", "random", "collision"), ("rule-based", "random", "goal"),
+    ]  # fmt: skip
+
+
+def test_the_table_marks_who_sees_what_is_hidden():
+    from jaxwalk.cli.evaluate import table
+
+    number = {"value": 0.5, "low": None, "high": None}
+    names = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
+    cell = {"pedestrians": "always-go", "jaywalk_multiplier": 0.25, **dict.fromkeys(names, number)}
+    sets = ("route", "route-belief", "route-told", "privileged")
+    shown = table({"cells": [{**cell, "driver": "mine", "driver_observes": name} for name in sets]})
+    marked = ["mine", "mine", "mine (route-told)", "mine (privileged)"]
+    assert list(shown.columns[0].cells) == marked
+
+
+def test_play_draws(place, capsys):
+    assert main(["play", "--driver", "rule-based", "--scenario", "2", "--out", "there/episode.png"]) == 0
+    assert (place / "there" / "episode.png").read_bytes().startswith(b"\x89PNG")
+    assert "scenario 2 of seed 0" in capsys.readouterr().out
+
+
+def test_play_makes_a_page_of_several_drivers_and_scenarios(place, capsys):
+    command = "play --driver route-follower rule-based --scenario 2 5 2 --out there/replay.html"
+    assert main(command.split()) == 0
+    said = "4 episodes of seed 0, route-follower, rule-based among always-go"
+    assert said in capsys.readouterr().out
+    text = (place / "there" / "replay.html").read_text(encoding="utf-8")
+    document = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    shown = [(e["driver"], e["scenario"]) for e in document["episodes"]]
+    assert shown == [("route-follower", 2), ("route-follower", 5), ("rule-based", 2), ("rule-based", 5)]
+    assert not re.search(r'(src|href)="(https?:)?//', text)
+
+
+def test_a_report_on_a_driver(place, capsys):
+    command = "report route-follower --pedestrians always-go --episodes 40 --incidents 3 --out mine"
+    assert main(command.split()) == 0
+    assert capsys.readouterr().out == "Open mine/report.html\n"
+    folder = place / "mine"
+    assert {p.name for p in folder.iterdir()} == {"report.html", "results.json", "episodes.csv", "figures", "tables"}
+    results = json.loads((folder / "results.json").read_text())
+    hits = results["cells"][0]["outcomes"]["all"]["per_km"]["count"]
+    assert hits > 3
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    document = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    kinds = [(one["kind"], one["avoidable"] is not None) for one in document["incidents"]]
+    assert kinds == [("collision", True)] * 3 + [("near miss", False)] * 3
+    for one in document["incidents"][:3]:
+        episode = document["episodes"][one["episode"]]
+        assert episode["ending"] == "collision"
+        assert one["t"] == pytest.approx(episode["steps"] * 0.1)
+
+
+def test_bench_prints_one_document_and_keeps_it(place, capfd):
+    command = "bench --only env --environments 8 --seconds 0.05 --json --out bench"
+    assert main(command.split()) == 0
+    out, err = capfd.readouterr()
+    document = json.loads(out)
+    assert (place / "bench" / "bench.json").read_text() == out
+    assert document["figures"]["env_steps_per_s"]["value"] == document["rows"]["env"][0]["env_steps_per_s"] > 0
+    assert document["hardware"].keys() >= {"processor", "cores", "memory_bytes", "accelerator"}
+    assert document["provenance"]["versions"].keys() >= {"jax", "jaxlib", "python"}
+    assert "sets JAX_NUM_CPU_DEVICES=" in err
+
+
+def test_bench_prints_a_table(capfd, monkeypatch):
+    from jaxwalk.experiments.benchmark import document
+
+    monkeypatch.setattr(document, "starts", lambda: {"import_s": 0.25, "help_s": 0.5})
+    assert main(["bench", "--only", "compile"]) == 0
+    out = capfd.readouterr().out
+    assert "import_s" in out
+    assert "0.25 s" in out
+
+
+def test_ctrl_c_leaves_a_run_that_resumes(place):
+    command = [sys.executable, "-m", "jaxwalk", "train", "--run", "run", "--updates", "100000", *SMALL]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=place) as process:
+        _wait_for(lambda: len(_lines(place)) >= 2, process)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    assert "jaxwalk train --resume run" in " ".join(err.split())
+    run = Run.open(place / "run")
+    made = run.metrics()[-1]["update"]
+    assert [line["update"] for line in run.metrics()] == list(range(1, made + 1))
+    run.describe(with_training(run.experiment, updates=100000))
+    from jaxwalk.learning import checkpoint
+
+    assert checkpoint.latest(run.checkpoints) == made
+    assert run.policy.is_file()
+
+
+def _lines(place):
+    path = place / "run" / "metrics.jsonl"
+    return path.read_text().splitlines() if path.is_file() else []
+
+
+def _wait_for(happened, process, seconds=300):
+    until = time.monotonic() + seconds
+    while not happened():
+        assert process.poll() is None, process.stderr.read()
+        assert time.monotonic() < until
+        time.sleep(0.05)
