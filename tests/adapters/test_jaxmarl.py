@@ -38,16 +38,9 @@ def played(env):
             many, one = carry
             actions = act(key, len(keys))
             step_keys = jax.random.split(key, len(keys))
-            *_, _ = brought = jax.vmap(env.step)(step_keys, many, actions)
+            seen, after, *rest = jax.vmap(env.step)(step_keys, many, actions)
             alone = env.step(step_keys[0], one, {name: x[0] for name, x in actions.items()})
-            return (brought[1], alone[1]), (
-                brought[0],
-                *brought[2:],
-                alone[0],
-                alone[2],
-                steps(many),
-                steps(brought[1]),
-            )
+            return (after, alone[1]), (seen, *rest, alone[0], alone[2], steps(many), steps(after))
 
         _, many = jax.vmap(env.reset)(keys)
         _, one = env.reset(keys[0])
@@ -104,9 +97,8 @@ def test_keys_of_either_kind_and_a_given_next_state(env):
     old, state = env.reset(jax.random.PRNGKey(5))
     new, _ = env.reset(jax.random.key(5))
     assert jnp.array_equal(old["driver"], new["driver"])
-    assert {name: mask.tolist() for name, mask in env.get_avail_actions(state).items()} == dict.fromkeys(
-        env.agents[1:], [True, True]
-    )
+    available = env.get_avail_actions(state)
+    assert list(available) == env.agents[1:] and all(mask.tolist() == [True, True] for mask in available.values())
     actions = {name: jnp.zeros(2) if name == "driver" else jnp.ones((), jnp.int32) for name in env.agents}
     step = jax.jit(env.step)
     for _ in range(HORIZON):
