@@ -16,7 +16,7 @@ import numpy as np
 
 import jaxwalk.adapters.gymnasium
 from jaxwalk import ByRole, Street
-from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
+from jaxwalk.rollout import RESTART_EVERY, TRAINING, advance, environment_keys, restart, rollout, seed_key, start
 from jaxwalk.sim.weights import DRIVER_WEIGHTS
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
@@ -25,7 +25,8 @@ BLOCK = 256  # native steps in one call
 
 
 def native(street, environments):
-    """A function that plays BLOCK steps of every environment and returns how long they took."""
+    """Two functions that play BLOCK steps of every environment and return how long they took: all steps in one compiled
+    loop, and a compiled step in a loop in Python, which is what a policy in Python could have at best."""
 
     def act(key, scenario, state, memory):
         words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random: as good as fresh numbers
@@ -39,13 +40,28 @@ def native(street, environments):
     play = jax.jit(lambda stream: rollout(street, act, stream, BLOCK, keep=kept), donate_argnums=0)
     stream = start(street, environment_keys(seed_key(0, TRAINING), 0, environments))
 
-    def run():
+    def one_step(stream):
+        stream, step = advance(street, act, stream, stream.key)
+        return stream, jnp.concatenate([step.record, kept(step)[1][None]])
+
+    step = jax.jit(one_step, donate_argnums=0)
+    again = jax.jit(lambda stream: restart(street, stream), donate_argnums=0)
+
+    def compiled():
         nonlocal stream
         begun = time.perf_counter()
         stream, _ = jax.block_until_ready(play(stream))
         return time.perf_counter() - begun
 
-    return run
+    def in_python():
+        nonlocal stream
+        begun = time.perf_counter()
+        for number in range(BLOCK):
+            stream, seen = step(again(stream) if number % RESTART_EVERY == 0 else stream)
+            np.array(seen)
+        return time.perf_counter() - begun
+
+    return compiled, in_python
 
 
 def adapted(environments, mode):
@@ -66,8 +82,10 @@ def adapted(environments, mode):
 
 def speed(environments, rounds):
     street = Street.create(driver_weights=DRIVER_WEIGHTS["fast"])
+    compiled, in_python = native(street, environments)
     loops = {
-        "native": native(street, environments),
+        "native, compiled loop": compiled,
+        "native, Python loop": in_python,
         "vector, next step": adapted(environments, "NextStep"),
         "vector, same step": adapted(environments, "SameStep"),
     }
@@ -77,11 +95,12 @@ def speed(environments, rounds):
             seconds = loop()
             if number >= 2:  # compiled, and away from the first steps
                 taken[name].append(seconds)
-    fastest = min(taken["native"])
+    fastest = [min(seconds) for name, seconds in taken.items() if name.startswith("native")]
     for name, seconds in taken.items():
         rate = environments * BLOCK / np.array([min(seconds), np.median(seconds)])
-        share = fastest / min(seconds)
-        print(f"{name:18} {rate[0]:>10,.0f} steps/s (median {rate[1]:,.0f}), {share:.2f} of native")
+        of_compiled, of_python = (native / min(seconds) for native in fastest)
+        shares = f"{of_compiled:.2f} and {of_python:.2f} of the native loops"
+        print(f"{name:22} {rate[0]:>10,.0f} steps/s (median {rate[1]:,.0f}), {shares}")
 
 
 def resident():

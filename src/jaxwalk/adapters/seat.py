@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Key
 
-from jaxwalk.adapters.game import EVENTS, Game, begin, play, renew, rewards_of
+from jaxwalk.adapters.game import EVENTS, Game, begin, play, renew
 from jaxwalk.adapters.players import AdapterError
 from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import Stream
@@ -32,13 +32,17 @@ class Seen(NamedTuple):
     """Of the state after the step, or of the next episode's first one."""
     final: Float[np.ndarray, "env feature"] | None
     """With SAME_STEP: of the state after the step."""
-    reward: Float[np.ndarray, "env"]
     terms: Float[np.ndarray, "term env"]
-    """The terms whose sum it is, in the order of `Seat.terms`."""
+    """What was earned, in the order of `Seat.terms`."""
     events: Bool[np.ndarray, "event env"]
     """In the order of `EVENTS`: how the episode ended, if it did."""
     valid: Bool[np.ndarray, "env"]
     """False where the step stood for the beginning of an episode: nothing was done or earned."""
+
+    @property
+    def reward(self) -> Float[np.ndarray, "env"]:
+        """The sum of the terms."""
+        return self.terms.sum(axis=0)
 
     @property
     def terminated(self) -> Bool[np.ndarray, "env"]:
@@ -125,12 +129,11 @@ class Seat:
         """What `_step` packed; everything is copied, so that it stays when the device's memory is used again."""
         features = len(self.low)
         both = self.rules.autoreset == SAME_STEP
-        blocks = np.split(packed, np.cumsum([features, features * both, 1, len(self.terms), len(EVENTS)]))
-        observation, final, reward, terms, events, valid = blocks
+        blocks = np.split(packed, np.cumsum([features, features * both, len(self.terms), len(EVENTS)]))
+        observation, final, terms, events, valid = blocks
         return Seen(
             observation=observation.T.copy(),
             final=final.T.copy() if both else None,
-            reward=reward[0].astype(np.float64),
             terms=terms.astype(np.float64),
             events=events > 0,
             valid=valid[0] > 0,
@@ -159,7 +162,7 @@ def _step(
     if rules.autoreset != NEVER:
         stream = renew(rules.game, stream, stream.ended if final else stream.shown)
     terms, events = step.outcome.rewards.driver, step.outcome.events
-    earned = [rewards_of(step.outcome).driver, *terms.values(), *(getattr(events, name) for name in EVENTS), step.valid]
+    earned = [*terms.values(), *(getattr(events, name) for name in EVENTS), step.valid]
     rows = jnp.stack([row * step.valid for row in earned]).astype(jnp.float32)
     return jax.tree.leaves(_raw(stream)), jnp.concatenate([_look(rules, stream), *final, rows])
 
