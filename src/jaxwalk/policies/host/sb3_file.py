@@ -11,6 +11,7 @@ import json
 import re
 import zipfile
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -130,15 +131,15 @@ def _layers(torch: Any, path: Path) -> Layers:
 def _unpickled(path: Path) -> tuple[Sb3Driver, str]:
     """Any agent, by Stable-Baselines3 itself."""
     try:
-        from stable_baselines3.common.policies import ActorCriticPolicy
-        from stable_baselines3.common.save_util import load_from_zip_file
+        policies = import_module("stable_baselines3.common.policies")
+        saving = import_module("stable_baselines3.common.save_util")
     except ImportError as error:
         raise DriverError(f"{path}: needs Stable-Baselines3: pip install 'jaxwalk[frameworks]'") from error
     try:
-        loaded: Any = load_from_zip_file(str(path), device="cpu")
+        loaded: Any = saving.load_from_zip_file(str(path), device="cpu")
         data, weights, _ = loaded
         options = dict(data["policy_kwargs"])
-        if issubclass(data["policy_class"], ActorCriticPolicy):
+        if issubclass(data["policy_class"], policies.ActorCriticPolicy):
             options["use_sde"] = data["use_sde"]
         spaces = data["observation_space"], data["action_space"]
         policy = data["policy_class"](*spaces, lambda _: 0.0, **options)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import warnings
 import zipfile
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,7 @@ class TorchDriver:
 
     def act(self, observation: np.ndarray) -> np.ndarray:
         """What the module returns."""
-        import torch
-
+        torch = import_module("torch")
         with torch.inference_mode():
             return self._module(torch.from_numpy(observation)).numpy()
 
@@ -65,10 +65,9 @@ def load(path: Path, *, trust: bool) -> tuple[TorchDriver, str]:
 def import_torch(path: Path) -> Any:
     """PyTorch; raises DriverError if it isn't installed."""
     try:
-        import torch
+        return import_module("torch")
     except ImportError as error:
         raise DriverError(f"{path}: needs PyTorch: pip install 'jaxwalk[torch]'") from error
-    return torch
 
 
 def _kind(path: Path) -> str:
