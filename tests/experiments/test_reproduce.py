@@ -152,6 +152,16 @@ def test_the_ablation_has_every_seed(made):
     assert [found["training_seeds"] for found in document["over_seeds"]] == [[3, 4]] * 4
 
 
+def test_what_the_first_seed_did_worst_can_be_watched(made):
+    folder = made[0]
+    gallery = json.loads((folder / "gallery.json").read_text())
+    drivers = {(one["driver"], one["pedestrians"]) for one in gallery["episodes"]}
+    cars = ("single-agent", "co-trained", "route-follower")
+    assert drivers == {(car, people) for car in cars for people in ("always-go", "learned")}
+    assert any(one["kind"] == "collision" for one in gallery["incidents"])
+    assert '<dialog class="watch"' in (folder / "report.html").read_text(encoding="utf-8")
+
+
 def test_the_report_can_be_made_again(made):
     folder, _ = made
     (folder / "report.html").unlink()
@@ -170,7 +180,7 @@ def test_the_report_can_be_made_again(made):
     ],
 )
 def test_a_report_needs_a_whole_plan(plan, message, tmp_path):
-    for name in ("results", "ablation", "provenance", "minutes", "episode"):
+    for name in ("results", "ablation", "provenance", "minutes", "gallery", "episode"):
         (tmp_path / f"{name}.json").write_text("{}")
     (tmp_path / "plan.json").write_text(json.dumps(plan))
     with pytest.raises(RunError, match=f"plan.json: {message}"):

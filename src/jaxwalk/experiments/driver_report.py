@@ -54,7 +54,7 @@ def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Ca
         "minutes": {"all": (time.monotonic() - began) / 60},
         "subject": next(iter(cast.drivers)),
         "headline": tuple(cast.drivers)[:MANY],
-        "gallery": watched if watched and watched["incidents"] else None,
+        "gallery": watched,
     }
     say("    drawing")
     return write_report(folder, documents)

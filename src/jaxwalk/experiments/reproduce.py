@@ -187,8 +187,6 @@ def report(folder: Path) -> Path:
         raise RunError(f"{folder}: has no {missing[0]}.json; make it with: jaxwalk reproduce --out {folder}")
     curves = {name: _curves(folder, name, documents["plan"]) for name in (CO_TRAINED, SINGLE_AGENT)}
     drawing = folder / "episode.svg"
-    if not documents["gallery"].get("incidents"):
-        documents["gallery"] = None
     documents["episode_svg"] = drawing.read_text(encoding="utf-8") if drawing.is_file() else None
     return write_report(folder, documents | {"curves": curves})
 

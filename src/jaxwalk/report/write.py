@@ -31,6 +31,8 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
         sections = [section for section in SECTIONS if section.applies(material)]
         tables = make_all([s.table for s in sections if s.table], material)
         facts, summary = _facts(material), _summary(material)
+        gallery = material.gallery if material.gallery and material.gallery["incidents"] else None
+        cells = _to_watch(gallery)
         figures = draw_all([s.figure for s in sections if s.figure], material, folder / "figures")
     except (KeyError, TypeError, IndexError) as error:
         raise ReportError(
@@ -43,7 +45,7 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
         sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,
         tables=tables, figures=figures, facts=facts, summary=summary,
         drawing=inline(material.episode_svg, "episode") if material.episode_svg else None,
-        gallery=_gallery(material.gallery) if material.gallery else None, cells=_to_watch(material.gallery),
+        gallery=_gallery(gallery) if gallery else None, cells=cells,
     )  # fmt: skip
     path = folder / "report.html"
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
