@@ -6,7 +6,12 @@
 
 The script is used as it is: it asks ``jaxmarl.make`` for an environment by name, and here gets ours. It knows agents
 who are all alike and choose among a few actions, so it trains the twelve pedestrians; a rule drives. The configuration
-is that of the script with the lines below changed.
+is that of the script with the first lines changed.
+
+One release of JaxMARL has scripts in its source package, and its IPPO runs as well. It counts a step for each agent:
+
+    pip download --no-deps --no-binary :all: jaxmarl==0.0.2 && tar -xf jaxmarl-0.0.2.tar.gz
+    python examples/frameworks/jaxmarl_ippo.py jaxmarl-0.0.2/baselines/IPPO/ippo_mpe.py --steps 12e6
 """
 
 import argparse
@@ -19,7 +24,6 @@ import jax
 import jaxmarl
 import numpy as np
 import wandb
-from omegaconf import OmegaConf
 
 from jaxwalk.adapters.jaxmarl import StreetMARL
 
@@ -27,32 +31,41 @@ CONFIG = {
     "ENV_NAME": "jaxwalk",
     "ENV_KWARGS": {"driver": "route-follower", "pedestrian_observation": "kerb"},
     "NUM_ENVS": 64,
-    "TOTAL_TIMESTEPS": 1e6,
     "LR": 1e-3,
     "GAMMA": 0.995,
-    "NUM_SEEDS": 1,
-    "SEED": 0,
+    # As in the script's ippo_ff_mpe.yaml:
+    "NUM_STEPS": 128,
+    "UPDATE_EPOCHS": 4,
+    "NUM_MINIBATCHES": 4,
+    "GAE_LAMBDA": 0.95,
+    "CLIP_EPS": 0.2,
+    "ENT_COEF": 0.01,
+    "VF_COEF": 0.5,
+    "MAX_GRAD_NORM": 0.5,
+    "ACTIVATION": "tanh",
+    "ANNEAL_LR": True,
 }
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("script", type=Path, help="JaxMARL's baselines/IPPO/ippo_ff_mpe.py")
+parser.add_argument("script", type=Path, help="JaxMARL's baselines/IPPO/ippo_ff_mpe.py, or ippo_mpe.py of 0.0.2")
+parser.add_argument("--steps", type=float, default=1e6, help="to train for, as the script counts them")
 parser.add_argument("--brief", action="store_true", help="only to see that it runs")
 options = parser.parse_args()
+config = CONFIG | {"TOTAL_TIMESTEPS": options.steps}
+if options.brief:
+    config |= {"NUM_ENVS": 8, "TOTAL_TIMESTEPS": 12 * 8 * 128 * 3}
 
+if not hasattr(jax, "tree_map"):
+    jax.tree_map = jax.tree.map  # what the script of 0.0.2 calls it, and JAX did until 2024
 spec = importlib.util.spec_from_file_location("ippo", options.script)
 ippo = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(ippo)
-
-theirs = OmegaConf.to_container(OmegaConf.load(options.script.parent / "config" / "ippo_ff_mpe.yaml"))
-config = {**theirs, **CONFIG}
-if options.brief:
-    config |= {"NUM_ENVS": 8, "NUM_STEPS": 32, "TOTAL_TIMESTEPS": 8 * 32 * 2}
 
 wandb.init(mode="disabled")
 begun = time.perf_counter()
 with mock.patch.object(jaxmarl, "make", lambda name, **chosen: StreetMARL(**chosen)):
     train = ippo.make_train(config)
-metrics = jax.device_get(jax.jit(train)(jax.random.PRNGKey(config["SEED"]))["metrics"])
+metrics = jax.device_get(jax.jit(train)(jax.random.PRNGKey(0))["metrics"])
 print(f"{config['TOTAL_TIMESTEPS']:,.0f} steps in {time.perf_counter() - begun:.0f} s, compiling included")
 
 
