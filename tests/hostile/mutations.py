@@ -19,8 +19,8 @@ def nested(depth: int) -> Any:
 
 
 NAMES = [
-    "", " ", "None", "../../etc/passwd", "/dev/zero", "a\0b", "\u202e\U0001f697", "<script>alert(1)</script>", "x" * 10_000,
-    "privileged", "global", "{{ 7 * 7 }}", "%s%n", "\n", "nan",
+    "", " ", "None", "../../etc/passwd", "/dev/zero", "a\0b", "\u202e\U0001f697", "<script>alert(1)</script>",
+    "x" * 10_000, "privileged", "global", "{{ 7 * 7 }}", "%s%n", "\n", "nan",
 ]  # fmt: skip
 NUMBERS = [
     0, 1, -1, 2, 255, 2**31 - 1, 2**31, -(2**63), 2**63, 10**30, 0.0, -0.0, 0.5, 1e-300, 1e300, -1e300, float("nan"),

@@ -271,8 +271,10 @@ def _vci() -> Target:
 def _drivers() -> dict[str, Target]:
     """Files of other frameworks, none of which is one."""
     start = {
-        "nonsense.onnx": b"\x08\x08\x12\x07jaxwalk:\x10", "nonsense.pt": b"PK\x03\x04", "nonsense.zip": b"PK\x05\x06" + b"\0" * 18,
-    }  # fmt: skip
+        "nonsense.onnx": b"\x08\x08\x12\x07jaxwalk:\x10",
+        "nonsense.pt": b"PK\x03\x04",
+        "nonsense.zip": b"PK\x05\x06" + b"\0" * 18,
+    }
     return {
         name: Target(
             {name: content},

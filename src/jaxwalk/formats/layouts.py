@@ -11,7 +11,7 @@ from typing import Any
 from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.ind import ENDING, read_ind
 from jaxwalk.formats.track_file import TrackFile
-from jaxwalk.formats.tracks import Tracks, TracksError
+from jaxwalk.formats.tracks import LARGEST, Tracks, TracksError
 from jaxwalk.formats.vci import PEOPLE, RATES, VEHICLES, read_vci
 
 RULES = ("dt", "collision_distance", "moving_speed")
@@ -55,10 +55,10 @@ def open_source(path: Path, *, frame_rate: float | None = None, number: int = 0)
     return Source(iter([read_vci(path, frame_rate=frame_rate, number=number)]), None, {})
 
 
-def _rules(path: Path, about: Mapping[str, Any]) -> dict[str, Any]:
+def _rules(path: Path, about: Mapping[str, Any]) -> dict[str, float]:
     """Those of the rules that a file says. TracksError for one that is no number."""
     rules = {name: about[name] for name in RULES if name in about}
     for name, value in rules.items():
-        if type(value) not in (int, float):
+        if type(value) not in (int, float) or not abs(value) <= LARGEST:
             raise TracksError(f"{path}: its {name} must be a number, not {shorten(repr(value), 100)}; write it anew")
-    return rules
+    return {name: float(value) for name, value in rules.items()}

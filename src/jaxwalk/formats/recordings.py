@@ -64,10 +64,8 @@ def views(tracks: Tracks, config: SimConfig) -> Iterator[View]:
             continue
         people = [rows for rows in of_type[PEDESTRIAN] if tracks.t[rows[0]] <= end and tracks.t[rows[-1]] >= begin]
         if steps * max(len(people), 1) > MOST_MOMENTS:
-            who = f"episode {tracks.episode}: car {tracks.id[car[0]]}"
-            raise TracksError(
-                f"{who} has {steps:,} steps among {len(people):,} people, too many to measure; cut the recording"
-            )
+            met = f"car {tracks.id[car[0]]} has {steps:,} steps among {len(people):,} people"
+            raise TracksError(f"episode {tracks.episode}: {met}, too many to measure at once; cut the recording")
         yield View(tracks, car, tuple(people), begin + np.arange(steps + 1) * config.dt)
 
 

@@ -1,4 +1,4 @@
-"""The check that comes first: nothing in a map is so large, or there so often, that the other checks would never end."""
+"""The check that comes first: no part is so large, or there so often, that the others would never end."""
 
 from __future__ import annotations
 

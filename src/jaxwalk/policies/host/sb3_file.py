@@ -141,7 +141,7 @@ def _layers(torch: Any, path: Path) -> Layers:
 
 
 def _is_matrix(torch: Any, name: Any, x: Any) -> bool:
-    """Whether that is a named matrix or vector which takes as much memory in the file (or views of it may take more)."""
+    """Whether that is a matrix or vector with a name. (It takes memory in the file: no view that repeats numbers.)"""
     plain = isinstance(name, str) and isinstance(x, torch.Tensor) and x.dtype == torch.float32
     return plain and x.is_contiguous() and x.ndim == (2 if name.endswith("weight") else 1)
 

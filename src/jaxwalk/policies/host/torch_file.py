@@ -27,8 +27,9 @@ WAY_OUT = "give it as ONNX or plain TorchScript instead, or say --trust if you k
 
 MOST_BYTES = 2**30
 """An archive holds no more when it is unpacked."""
-DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, KeyError, NotImplementedError, OSError, RecursionError, RuntimeError,
-           ValueError)  # fmt: skip
+DAMAGED = (
+    zipfile.BadZipFile, zlib.error, EOFError, KeyError, NotImplementedError, OSError, RuntimeError, ValueError,
+)  # fmt: skip
 """What a damaged archive, or JSON in one, makes Python raise."""
 BEYOND_COMPUTING = re.compile(rb"\b(?:from_file|save|load_tensor|rpc_\w+|\w*PythonOp)\b|\bops\.(?!aten\b|prim\b)\w+")
 """Operations of TorchScript that reach beyond the network: files, other machines, Python, libraries of others."""
