@@ -31,9 +31,9 @@ def test_a_crowd_that_never_and_one_that_nearly_always_jaywalks():
     """P(jaywalk) = min(1, 4 tau), with tau uniform, is 1 - 1 / 8 on average; beyond 1 / 4 it is certain."""
     street = Street.create(config=CROWDED)
     never, always = (_evaluated(with_jaywalk_multiplier(street, x)) for x in (0.0, 4.0))
-    rates = [summarise(rows).as_dict()["jaywalk_rate"] for rows in (never, always)]
-    assert rates[0]["value"] == 0
-    assert rates[1]["value"] == pytest.approx(7 / 8, abs=0.06)
+    rates = [summarise(rows).jaywalk_rate.all.value for rows in (never, always)]
+    assert rates[0] == 0
+    assert rates[1] == pytest.approx(7 / 8, abs=0.06)
 
 
 def test_one_pedestrian_and_short_steps(tmp_path):

@@ -35,7 +35,21 @@ OUTS = [
     "out.html", "out.png", "out.mp4", "out.onnx", "out.safetensors", "out.parquet", "new", "new/deep/er", "file",
     "file/below", "run", ".", "x" * 300,
 ]  # fmt: skip
-STRANGE = ["", "-", "--", "\udcff", "\u202e\U0001f697", "<script>", "[red]", "{0}", "../..", "None", "True", "fast", "3"]
+STRANGE = [
+    "",
+    "-",
+    "--",
+    "\udcff",
+    "\u202e\U0001f697",
+    "<script>",
+    "[red]",
+    "{0}",
+    "../..",
+    "None",
+    "True",
+    "fast",
+    "3",
+]
 NUMBERS = ["1", "2", "3", "0", "-1", "2147483647", "2147483648", "9" * 30, "0.5", "1e308", "1e999", "nan", "-inf", "٣"]
 LIKELY = {
     "driver": DRIVERS, "runs": DRIVERS, "policy": DRIVERS, "compare": DRIVERS, "pedestrians": PEOPLE, "out": OUTS,

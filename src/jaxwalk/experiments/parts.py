@@ -88,7 +88,7 @@ class Work(Generic[P]):
 
     def say(self, text: str) -> None:
         """Tell how it goes."""
-        self.console.print(text, soft_wrap=True)
+        self.console.print(text, soft_wrap=True, markup=False)
 
     def street(self) -> Street:
         """Where to evaluate."""
