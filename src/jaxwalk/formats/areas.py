@@ -82,7 +82,7 @@ def _feature(feature: Any, source: str) -> tuple[str, BaseGeometry]:
         kind, shape = feature["properties"]["kind"], shapely.from_geojson(json.dumps(feature["geometry"]))
     except (KeyError, TypeError, shapely.GEOSException) as error:
         raise TracksError(f"{source}: needs properties.kind and a geometry ({error})") from None
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise TracksError(f"{source}: kind must be one of {', '.join(KINDS)}, not {kind!r}")
     if shape is None or shape.geom_type not in ("Polygon", "MultiPolygon") or not shape.is_valid:
         raise TracksError(f"{source}: must be a polygon that does not cross itself")

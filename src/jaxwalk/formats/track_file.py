@@ -176,12 +176,12 @@ class TrackFile:
     def _words(self, name: str, column: Any) -> Any:
         """A column of words, each of which is held once until it is known to be short."""
         import pyarrow
-        from pyarrow.compute import binary_length
-        from pyarrow.compute import max as largest
+        from pyarrow.compute import call_function
 
         if not pyarrow.types.is_dictionary(column.type):
             return column
-        longest = [largest(binary_length(chunk.dictionary)).as_py() or 0 for chunk in column.chunks]
+        lengths = [call_function("binary_length", [chunk.dictionary]) for chunk in column.chunks]
+        longest = [call_function("max", [x]).as_py() or 0 for x in lengths]
         if max(longest, default=0) > LONGEST_WORD:
             raise TracksError(f"{self.path}: column {name} has words of {max(longest):,} characters; mend it")
         return column.cast(column.type.value_type)
