@@ -47,6 +47,11 @@ def test_a_good_folder_is_reported(monkeypatch):
     assert _report({}) is None
 
 
+def test_an_episode_without_its_seed(monkeypatch):
+    monkeypatch.setattr("jaxwalk.report.write.draw_all", _no_figures)
+    assert "'dict object' has no attribute 'seed'" in str(_report({"episode": b'{"scenario": 2, "training_seed": 5}'}))
+
+
 def test_a_bad_folder_is_refused_in_words(monkeypatch):
     monkeypatch.setattr("jaxwalk.report.write.draw_all", _no_figures)  # (drawing takes seconds)
     messages = []

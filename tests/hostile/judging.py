@@ -11,7 +11,7 @@ from typing import Any
 
 from jaxwalk.cli import main
 
-SECONDS = 20.0
+SECONDS = 60.0
 """Nothing that is wrong may take longer to be refused, on however busy a machine."""
 LONGEST = 5_000
 """Characters of a message that anybody would read."""

@@ -80,7 +80,10 @@ def _page(**content: Any) -> str:
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
     template = resources.files("jaxwalk.report").joinpath("page.html").read_text(encoding="utf-8")
-    return environment.from_string(template).render(**content)
+    try:
+        return environment.from_string(template).render(**content)
+    except jinja2.UndefinedError as error:
+        raise ReportError(f"the results are damaged or of another version ({error}); evaluate again") from error
 
 
 def _summary(material: Material) -> list[dict[str, str]]:
