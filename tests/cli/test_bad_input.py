@@ -11,14 +11,16 @@ import pytest
 from jaxwalk.cli import main
 from jaxwalk.experiments.recipes import RECIPES
 from jaxwalk.experiments.runs import Run
-from jaxwalk.interfaces import Box
+from jaxwalk.experiments.training import Trained
+from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import save_policy
+from jaxwalk.sim.observation import size
 
 
-def _policy(path, size=5, role="driver"):
-    actor = make_actor(jax.random.key(0), size, Box(2), RoleConfig(actor_hidden=(4,)))
+def _policy(path, role="driver"):
+    actor = make_actor(jax.random.key(0), 5, Box(2), RoleConfig(actor_hidden=(4,)))
     save_policy(path, {role: actor}, {})
 
 
@@ -162,6 +164,34 @@ def test_bad_input_is_one_message_and_writes_nothing(name, place, capsys):
 
 def _contents(folder):
     return {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("command", ["evaluate --driver wrong.safetensors", "evaluate --driver a --pedestrians wide"])
+def test_a_network_of_another_kind(command, place, capsys):
+    """The driver of this file chooses; the pedestrian of that one gives three numbers."""
+    driver, pedestrian = size("driver", "paper"), size("pedestrian", "paper")
+    chooses = make_actor(jax.random.key(0), driver, Discrete(2), RoleConfig(actor_hidden=(4,)))
+    save_policy(place / "wrong.safetensors", {"driver": chooses}, {})
+    save_policy(
+        place / "wide", {"pedestrian": make_actor(jax.random.key(0), pedestrian, Discrete(3), RoleConfig())}, {}
+    )
+    assert main([x if x != "a" else "random" for x in command.split()]) == 2
+    assert "outputs; train anew" in capsys.readouterr().err
+
+
+def test_out_of_memory_is_said(place, capsys, monkeypatch):
+    def train(*_, **__):
+        raise RuntimeError("RESOURCE_EXHAUSTED: Out of memory allocating 99999999999 bytes.")
+
+    monkeypatch.setattr("jaxwalk.experiments.training.train", train)
+    assert main(["train", "--run", "r"]) == 2
+    assert "jaxwalk: not enough memory; ask for fewer environments" in capsys.readouterr().err
+
+
+def test_brackets_in_a_folder_are_no_markup(place, capsys, monkeypatch):
+    monkeypatch.setattr("jaxwalk.experiments.training.train", lambda *_, **__: Trained(1, 64, 1.0, False))
+    assert main(["train", "--run", "a[/b]"]) == 0
+    assert "jaxwalk evaluate --driver a[/b]" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everywhere")

@@ -1,9 +1,11 @@
 """The run folder: what is written comes back, and what is damaged is refused by name."""
 
 import json
+import re
 
 import pytest
 
+from jaxwalk.cli import main
 from jaxwalk.experiments.recipes import RECIPES, single_agent, with_training
 from jaxwalk.experiments.runs import Run, RunError
 
@@ -61,8 +63,45 @@ def test_metrics_cut_short_or_too_many_are_dropped(tmp_path):
     assert [line["update"] for line in run.metrics()] == [1, 2, 3]
 
 
-def test_damaged_metrics_are_named(tmp_path):
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"nonsense", b"\xff\xfe", b"[]", b'{"steps": 3}', b'{"update": "1"}', b'{"update": 1, "loss": {}}',
+        b"[" * 20_000,
+        b'{"update": 1e300}', b'{"update": ' + b"9" * 400 + b"}", b'{"update": true}',
+    ],
+    ids=range(10),
+)  # fmt: skip
+def test_damaged_metrics_are_named(tmp_path, line):
     run = Run.create(tmp_path / "run", RECIPES["fast"])
-    (run.path / "metrics.jsonl").write_text('{"update": 1}\nnonsense\n')
+    (run.path / "metrics.jsonl").write_bytes(b'{"update": 1}\n' + line + b"\n")
     with pytest.raises(RunError, match=r"metrics.jsonl: damaged"):
         run.metrics()
+
+
+@pytest.mark.parametrize(
+    ("where", "value", "message"),
+    [
+        (("train", "driver", "observes"), "maps", "train.driver.observes must be one of paper, route.*, not 'maps'"),
+        (("train", "pedestrian", "critic_observes"), ["kerb", "x"], "train.pedestrian.critic_observes must be one of"),
+        (("train", "driver"), {"gated": True}, "train.driver.gated must be false"),
+        (("driver_weights", "speed"), 1.0, "rewards.driver.speed is no reward term"),
+        (("pedestrian_weights", "walked"), 1e300, "rewards.pedestrian.walked must be a number up to"),
+        (("sim", "pedestrians"), 10**9, "pedestrians must be at most 1000"),
+        (("sim", "dt"), 1e-9, "dt must be at least 0.001 s"),
+        (("train", "environments"), 10**12, "environments must be at most 1,048,576"),
+        (("train", "driver", "actor_hidden"), [10**9], "actor_hidden must be at most 16 numbers, each in"),
+        (("maps",), ["../../secret"], "no such map"),
+    ],
+)
+def test_what_no_training_can_be_made_of_is_named(tmp_path, capsys, where, value, message):
+    """By the command line, which has only this folder to go by."""
+    run = Run.create(tmp_path / "run", RECIPES["fast"])
+    document = json.loads((run.path / "config.json").read_text())
+    inner = document
+    for name in where[:-1]:
+        inner = inner[name]
+    inner[where[-1]] = value
+    (run.path / "config.json").write_text(json.dumps(document))
+    assert main(["train", "--resume", str(run.path)]) == 2
+    assert re.search(message, capsys.readouterr().err)

@@ -132,3 +132,29 @@ def test_other_files(tmp_path):
         open_source(tmp_path / "tracks.csv")
     with pytest.raises(TracksError, match="no such file"):
         open_source(tmp_path / "tracks.parquet")
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"\xff\xfe", "no CSV file"),
+        (b"recordingId,frameRate\n" + b"7" * 200_000 + b",25\n", "no CSV file"),
+        (b"recordingId,frameRate\nnan,25\n", "column recordingId has a value that is no number up to"),
+        (b"recordingId,frameRate\n1e300,25\n", "column recordingId has a value that is no number up to"),
+    ],
+    ids=["bytes", "field", "nan", "huge"],
+)
+def test_a_damaged_file_is_named(tmp_path, content, message):
+    path = _ind(tmp_path)
+    (tmp_path / "07_recordingMeta.csv").write_bytes(content)
+    with pytest.raises(TracksError, match=rf"07_recordingMeta\.csv: {message}"):
+        open_source(path)
+
+
+def test_a_recording_that_would_fill_memory(tmp_path, monkeypatch):
+    from jaxwalk.formats import recordings
+
+    monkeypatch.setattr(recordings, "MOST_MOMENTS", 20)
+    (tracks,) = open_source(_ind(tmp_path)).recordings
+    with pytest.raises(TracksError, match=r"car 0 has 39 steps among 1 people, too many to measure at once"):
+        measure_all([(tracks, None)], config=SimConfig())

@@ -163,6 +163,12 @@ def test_two_rows_of_one_moment():
 
 WRONG = {
     "no JSON": ("{", "no GeoJSON"),
+    "brackets": ("[" * 20_000, "no GeoJSON"),
+    "no list": ('{"type": "FeatureCollection", "features": 3}', "its features must be a list"),
+    "a kind that is a list": (
+        json.dumps(STREET).replace('"crosswalk"', '["crosswalk"]'),
+        "feature 1: kind must be one of roadway, crosswalk, sidewalk, not .'crosswalk'",
+    ),
     "no collection": ("[]", "must be a GeoJSON FeatureCollection"),
     "no roadway": ('{"type": "FeatureCollection", "features": []}', "no feature with"),
     "another kind": (json.dumps(STREET).replace("crosswalk", "zebra"), "feature 1: kind must be one of"),

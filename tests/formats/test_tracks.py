@@ -166,3 +166,31 @@ def test_no_parquet_file(tmp_path, episodes, monkeypatch):
     monkeypatch.setattr(track_file.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(TracksError, match=r"jaxwalk\[data\]"):
         write_tracks(tmp_path / "tracks.parquet", episodes, about={})
+
+
+def test_a_small_file_does_not_fill_memory(file, tmp_path, monkeypatch):
+    """A word is written once, whatever the number of its rows; and a group of rows is read at once."""
+    long = "x" * 1001
+
+    def change(table):
+        at = table.schema.get_field_index("type")
+        return table.set_column(at, "type", pyarrow.array([long] * len(table)))
+
+    with pytest.raises(TracksError, match=r"column type has words of 1,001 characters; mend it"):
+        next(_rewritten(file, tmp_path / "words.parquet", change).recordings())
+    monkeypatch.setattr(track_file, "MOST_ROWS", 100)
+    with pytest.raises(TracksError, match=r"rows in a group; write it with at most 100"):
+        next(TrackFile(file).recordings())
+
+
+@pytest.mark.parametrize(
+    ("metadata", "message"),
+    [
+        ({"jaxwalk": "[1"}, "its metadata jaxwalk is no JSON"),
+        ({"jaxwalk": "[1]"}, "its metadata jaxwalk is no object"),
+        ({"jaxwalk_areas": "[" * 20_000}, "its metadata jaxwalk_areas is no JSON"),
+    ],
+)
+def test_damaged_metadata_is_named(file, tmp_path, metadata, message):
+    with pytest.raises(TracksError, match=message):
+        _rewritten(file, tmp_path / "other.parquet", lambda table: table.replace_schema_metadata(metadata))

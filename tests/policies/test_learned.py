@@ -105,3 +105,28 @@ def test_a_false_header_is_refused(file, change, complaint):
     header = json.loads(json.loads(content[8 : 8 + length])["__metadata__"]["jaxwalk"])
     safetensors.numpy.save_file(arrays, file, {"jaxwalk": json.dumps(header | change)})
     assert complaint in refusal(file)
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil", "message"),
+    [
+        (
+            "driver.layer0.weight",
+            lambda x: x.astype(np.float16),
+            "layer0.weight holds something else than finite float32",
+        ),
+        (
+            "driver.layer0.bias",
+            lambda x: np.full_like(x, np.nan),
+            "layer0.bias holds something else than finite float32",
+        ),
+        ("driver.layer0.bias", lambda x: x[:1], "arrays don't match its header"),
+    ],
+)
+def test_arrays_must_be_numbers_of_the_network(file, name, spoil, message):
+    with safetensors.safe_open(file, "numpy") as opened:
+        header = opened.metadata()
+    arrays = safetensors.numpy.load_file(file)
+    safetensors.numpy.save_file(arrays | {name: spoil(arrays[name])}, file, header)
+    with pytest.raises(PolicyError, match=message):
+        load_policy(file, "driver")

@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # somebody read only the beginning of what was printed
         sys.stderr.close()
         return 1
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, MemoryError, RuntimeError) as error:
         message = _message(error)
         if message is None:
             raise
@@ -61,6 +61,8 @@ def _message(error: Exception) -> str | None:
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror or error}; check the path and its permissions"
+    if isinstance(error, MemoryError) or "RESOURCE_EXHAUSTED" in str(error):  # (the latter is JAX's word for it)
+        return "not enough memory; ask for fewer environments or pedestrians, smaller networks or smaller files"
     ours = type(error).__module__.startswith("jaxwalk")
     return " ".join(str(error).split("\n")) if ours else None
 

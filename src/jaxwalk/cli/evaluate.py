@@ -118,7 +118,7 @@ def _play(
 
         def tell(driver: str, population: str, played: int, episodes: int) -> None:
             nonlocal before
-            bar.update(task, description=f"{driver} among {population}", completed=before + played)
+            bar.update(task, description=escape(f"{driver} among {population}"), completed=before + played)
             before += episodes if played >= episodes else 0
 
         for street in streets:
@@ -150,7 +150,7 @@ def _replay_collisions(
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("replaying collisions", total=len(played))
         for cell, (street, driver, population, found) in zip(document["cells"], played, strict=True):
-            bar.update(task, description=f"replaying collisions of {driver} among {population}")
+            bar.update(task, description=escape(f"replaying collisions of {driver} among {population}"))
             replayed = counterfactuals(
                 street, drivers[driver], people[population], found, seed=options.seed, at_most=options.counterfactuals
             )

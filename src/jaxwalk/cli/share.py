@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress, TaskID
 
 from jaxwalk.cli.evaluate import check_scenarios
@@ -31,7 +32,7 @@ def run(options: Share) -> int:
 
         def tell(driver: str, people: str, played: int, episodes: int) -> None:
             if people not in tasks:
-                tasks[people] = bar.add_task(f"among {people}", total=episodes)
+                tasks[people] = bar.add_task(escape(f"among {people}"), total=episodes)
             bar.update(tasks[people], completed=played)
 
         card = share(

@@ -50,9 +50,13 @@ def run(options: Train) -> int:
     )
     made = f"{trained.updates:,} updates, {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes"
     if trained.interrupted:
-        console.print(f"Interrupted after {made}. Go on with: jaxwalk train --resume {folder.path}", soft_wrap=True)
+        console.print(
+            f"Interrupted after {made}. Go on with: jaxwalk train --resume {folder.path}", soft_wrap=True, markup=False
+        )
         return 130
-    console.print(f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {folder.path}", soft_wrap=True)
+    console.print(
+        f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {folder.path}", soft_wrap=True, markup=False
+    )
     return 0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -227,12 +228,12 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
 
 
 def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
-    table = rows.episodes
+    table, digits = rows.episodes, max(1, math.ceil(-math.log10(rows.dt) - 1e-9))  # as many as a step has
     outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
     for i in range(len(outcome)):
         contact = CONTACT_NAMES[table.contact[i]]
         impact = f"{table.impact_speed[i]:.3f}" if table.collision[i] else ""
-        duration = f"{table.steps[i] * rows.dt:.1f}"
+        duration = f"{table.steps[i] * rows.dt:.{digits}f}"
         yield int(table.scenario[i]), *values, str(outcome[i]), contact, impact, duration
 
 

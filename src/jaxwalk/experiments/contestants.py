@@ -11,7 +11,8 @@ import jax
 
 from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.experiments.runs import Run, RunError
-from jaxwalk.interfaces import Policy
+from jaxwalk.interfaces import Box, Discrete, Policy
+from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.sim.config import SimConfig
@@ -65,6 +66,7 @@ def contestant(
     file = policy_file(role, name)
     observes = read_metadata(file)["roles"].get(role, {}).get("observes", "paper")
     policy = load_policy(file, role, expect_size=_observation_size(street, role, observes, file))
+    _check_action(policy.actor, getattr(street.roles, role).action, f"{file}: the {role}")
     return with_mode(policy, sample=getattr(SAMPLES, role) if sample is None else sample)
 
 
@@ -84,6 +86,16 @@ def policy_file(role: str, name: str) -> Path:
         return path
     known = ", ".join((*RULES[role], *SHIPPED[role]))
     raise ContestantError(f"{name}: no {role} of that name ({known}), and no run folder or policy file; check the name")
+
+
+def _check_action(actor: Actor, action: Box | Discrete, who: str) -> None:
+    """Raise ContestantError unless the network's outputs mean an action of that kind."""
+    discrete, outputs = isinstance(action, Discrete), action.n if isinstance(action, Discrete) else action.size
+    if (actor.kind in (DISCRETE, GATED)) != discrete or actor.network.sizes[-1] != outputs:
+        wanted = f"chooses among {outputs}" if discrete else f"gives {outputs} numbers"
+        raise ContestantError(
+            f"{who} {wanted}, but the network has {actor.network.sizes[-1]} {actor.kind} outputs; train anew"
+        )
 
 
 def _observation_size(street: Street, role: str, observes: str, file: Path) -> int:

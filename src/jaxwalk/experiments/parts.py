@@ -88,7 +88,7 @@ class Work(Generic[P]):
 
     def say(self, text: str) -> None:
         """Tell how it goes."""
-        self.console.print(text, soft_wrap=True)
+        self.console.print(text, soft_wrap=True, markup=False)
 
     def street(self) -> Street:
         """Where to evaluate."""
@@ -153,5 +153,5 @@ def read_json(path: Path, command: str) -> Any:
         return None
     try:
         return json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise RunError(f"{path}: damaged ({error}); delete it and run `jaxwalk {command}` again") from error

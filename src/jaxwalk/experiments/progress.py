@@ -62,7 +62,12 @@ class TrainingProgress:
         self._console, self._name, self._pace = console, name, pace
         self._said = -PLAIN_EVERY
         self._means: dict[str, float] = {}
-        columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn(True))
+        columns = (
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            TaskProgressColumn(),
+            TimeRemainingColumn(True),
+        )
         self._bar = Progress(*columns, TextColumn("{task.fields[news]}"), console=console, transient=True)
         self._live = console.is_terminal
         self._task = self._bar.add_task(name, total=pace.planned, completed=pace.made, news="compiling")
@@ -95,7 +100,9 @@ class TrainingProgress:
         if not self._live and (now - self._said >= PLAIN_EVERY or updates >= planned):
             self._said = now
             soon = "" if left is None else f", {clock(left)} left"
-            self._console.print(f"{self._name}: update {updates:,} of {planned:,}, {news}{soon}", soft_wrap=True)
+            self._console.print(
+                f"{self._name}: update {updates:,} of {planned:,}, {news}{soon}", soft_wrap=True, markup=False
+            )
 
     def _rates(self) -> str:
         shown = {name: f"{100 * value:.0f} %" for name, value in self._means.items()}

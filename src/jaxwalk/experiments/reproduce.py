@@ -29,7 +29,7 @@ from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
 from jaxwalk.interfaces import Policy
-from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, write_report
+from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, ReportError, write_report
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import JAYWALK
 
@@ -187,8 +187,14 @@ def report(folder: Path) -> Path:
         raise RunError(f"{folder}: has no {missing[0]}.json; make it with: jaxwalk reproduce --out {folder}")
     curves = {name: _curves(folder, name, documents["plan"]) for name in (CO_TRAINED, SINGLE_AGENT)}
     drawing = folder / "episode.svg"
-    documents["episode_svg"] = drawing.read_text(encoding="utf-8") if drawing.is_file() else None
-    return write_report(folder, documents | {"curves": curves})
+    documents["episode_svg"] = drawing.read_text(encoding="utf-8", errors="replace") if drawing.is_file() else None
+    try:
+        return write_report(folder, documents | {"curves": curves})
+    except ReportError:
+        raise
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:  # (of others' documents)
+        what = f"{type(error).__name__}: {error}"
+        raise RunError(f"{folder}: results.json or another file is damaged ({what}); copy the folder again") from error
 
 
 def _curves(folder: Path, name: str, plan: Any) -> dict[int, list[dict[str, Any]]]:
@@ -196,11 +202,12 @@ def _curves(folder: Path, name: str, plan: Any) -> dict[int, list[dict[str, Any]
     file = folder / "plan.json"
     try:
         read = Plan(**plan)
+        seeds = read.training_seeds
     except (TypeError, ValueError) as error:
         raise RunError(f"{file}: damaged ({error}); run `jaxwalk reproduce` in another folder") from error
     if asdict(read) != plan:
         raise RunError(f"{file}: of another version of jaxwalk; run `jaxwalk reproduce` in another folder")
-    return {seed: Run.open(run_folder(folder, name, seed)).metrics() for seed in read.training_seeds}
+    return {seed: Run.open(run_folder(folder, name, seed)).metrics() for seed in seeds}
 
 
 _PARTS = ("plan", "results", "ablation", "provenance", "minutes", "gallery", "episode")

@@ -12,9 +12,11 @@ Files are written under another name and renamed when whole.
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -23,6 +25,8 @@ from jaxwalk.experiments.recipes import Experiment
 
 CONFIG, METRICS, CHECKPOINTS, POLICY = "config.json", "metrics.jsonl", "checkpoints", "policy.safetensors"
 """Names inside a run folder."""
+LARGEST = 1e30
+"""No finite metric is larger."""
 
 
 class RunError(ValueError):
@@ -104,10 +108,10 @@ class Run:
         path = self.path / METRICS
         if not path.is_file():
             return []
-        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
         try:
-            return [json.loads(line) for line in lines if line.endswith("\n")]
-        except json.JSONDecodeError as error:
+            lines = path.read_text(encoding="utf-8").split("\n")[:-1]
+            return [_metrics(line) for line in lines]
+        except (ValueError, RecursionError) as error:
             raise RunError(f"{path}: damaged ({error}); restore it from a copy, or delete it") from error
 
     def keep_metrics(self, updates: int) -> list[dict[str, Any]]:
@@ -143,6 +147,17 @@ class MetricsLog:
         for name, value in line.items():
             if name != "update":
                 self._board.add_scalar(name, value, line["update"])
+
+
+def _metrics(line: str) -> dict[str, int | float]:
+    """What a line of the metrics file says; ValueError if that isn't numbers by name, ``update`` among them."""
+    found = json.loads(line)
+    if not isinstance(found, dict) or not isinstance(found.get("update"), int):
+        raise ValueError(f"a line has no number of the update: {shorten(line, 40)}")
+    for name, value in found.items():
+        if type(value) not in (int, float) or LARGEST < abs(value) < math.inf:
+            raise ValueError(f"{shorten(name, 40)} must be a number up to {LARGEST:g}, not {shorten(repr(value), 40)}")
+    return found
 
 
 def _line(metrics: Mapping[str, int | float]) -> str:

@@ -174,7 +174,7 @@ def train(
     progress, stop = TrainingProgress(console, name, pace), Stop()
     with MetricsLog(run, updates=done) as log, stop.listening(), progress, _page(run, name, pace, log, watch) as page:
         if page is not None:
-            console.print(f"Watch it: open {page.path.absolute()} in a browser", soft_wrap=True)
+            console.print(f"Watch it: open {page.path.absolute()} in a browser", soft_wrap=True, markup=False)
         earlier = log.kept[-1]["seconds"] if log.kept else 0.0
         session = Session(run, config, street, log, progress, stop, page, begun=begun, earlier=earlier)
         if minutes is not None:

@@ -103,7 +103,8 @@ def curves(lines: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 def _means(lines: Sequence[Mapping[str, Any]], name: str, begins: np.ndarray) -> list[float | None]:
     """Of stretches of lines that begin there; a line without the number has no weight."""
-    weights = np.array([(line["episodes"] if name in ENDINGS else 1.0) if name in line else 0.0 for line in lines])
+    counted = [line.get("episodes", 0.0) if name in ENDINGS else 1.0 for line in lines]
+    weights = np.array([count if name in line else 0.0 for count, line in zip(counted, lines, strict=True)])
     values = np.array([line.get(name, 0.0) for line in lines])
     total, weight = (np.add.reduceat(x, begins) for x in (values * weights, weights))
     return [float(f"{x:.5g}") if np.isfinite(x) else None for x in ratio(total, weight)]

@@ -4,13 +4,35 @@ from __future__ import annotations
 
 from jaxwalk.experiments.recipes import Experiment
 from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.learning.config import GLOBAL
+from jaxwalk.maps import MapError
 from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.observation import LAYOUTS
+
+
+class WorldError(ValueError):
+    """A configuration that no training can be made of; one line names the field and what it may be."""
 
 
 def make_street(experiment: Experiment) -> Street:
-    """The environment of an experiment."""
+    """The environment of an experiment.
+
+    Raises:
+        MapError: a map is wrong.
+        WorldError: what agents are paid for, or are shown, doesn't exist.
+    """
+    _check_sets(experiment)
+    try:
+        return _street(experiment)
+    except MapError:
+        raise
+    except ValueError as error:
+        raise WorldError(str(error)) from error
+
+
+def _street(experiment: Experiment) -> Street:
     return Street.create(
         experiment.maps,
         experiment.sim,
@@ -18,6 +40,19 @@ def make_street(experiment: Experiment) -> Street:
         driver_weights=experiment.driver_weights,
         pedestrian_weights=experiment.pedestrian_weights,
     )
+
+
+def _check_sets(experiment: Experiment) -> None:
+    """Raise for observation sets that there are not, and for a driver that should choose."""
+    if experiment.train.driver.gated:
+        raise WorldError("train.driver.gated must be false: only pedestrians choose between 0 and 1")
+    for role, sets in LAYOUTS.items():
+        config = experiment.train.role(role)
+        read = {"observes": (config.observes,), "critic_observes": config.critic_observes}
+        strange = [(field, name) for field, names in read.items() for name in names if name not in sets]
+        for field, name in strange:
+            if not (field == "critic_observes" and name == GLOBAL):
+                raise WorldError(f"train.{role}.{field} must be one of {', '.join(sets)}, not {name!r}")
 
 
 def fixed_policies(experiment: Experiment) -> ByRole[Policy | None]:

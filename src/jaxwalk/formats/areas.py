@@ -53,7 +53,7 @@ def read_areas(path: str | Path) -> Areas:
     """The areas of a GeoJSON file. TracksError if it is none."""
     try:
         document = json.loads(Path(path).read_text(encoding="utf-8"))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise TracksError(f"{path}: no GeoJSON ({error}); write it as docs/trajectories.md shows") from None
     return parse_areas(document, str(path))
 
@@ -63,7 +63,10 @@ def parse_areas(document: Any, source: str) -> Areas:
     if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
         raise TracksError(f"{source}: the areas must be a GeoJSON FeatureCollection (docs/trajectories.md)")
     shapes: dict[str, list[BaseGeometry]] = {kind: [] for kind in KINDS}
-    for number, feature in enumerate(document.get("features", ())):
+    features = document.get("features")
+    if not isinstance(features, list):
+        raise TracksError(f"{source}: its features must be a list (docs/trajectories.md)")
+    for number, feature in enumerate(features):
         kind, shape = _feature(feature, f"{source}: feature {number}")
         shapes[kind].append(shape)
     if not shapes["roadway"]:
@@ -79,7 +82,7 @@ def _feature(feature: Any, source: str) -> tuple[str, BaseGeometry]:
         kind, shape = feature["properties"]["kind"], shapely.from_geojson(json.dumps(feature["geometry"]))
     except (KeyError, TypeError, shapely.GEOSException) as error:
         raise TracksError(f"{source}: needs properties.kind and a geometry ({error})") from None
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise TracksError(f"{source}: kind must be one of {', '.join(KINDS)}, not {kind!r}")
     if shape is None or shape.geom_type not in ("Polygon", "MultiPolygon") or not shape.is_valid:
         raise TracksError(f"{source}: must be a polygon that does not cross itself")

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.ind import ENDING, read_ind
 from jaxwalk.formats.track_file import TrackFile
-from jaxwalk.formats.tracks import Tracks, TracksError
+from jaxwalk.formats.tracks import LARGEST, Tracks, TracksError
 from jaxwalk.formats.vci import PEOPLE, RATES, VEHICLES, read_vci
 
 RULES = ("dt", "collision_distance", "moving_speed")
@@ -43,7 +44,7 @@ def open_source(path: Path, *, frame_rate: float | None = None, number: int = 0)
         raise TracksError(f"{path}: no such file; check the path")
     if path.suffix == ".parquet":
         file = TrackFile(path)
-        return Source(file.recordings(), file.areas, {name: file.about[name] for name in RULES if name in file.about})
+        return Source(file.recordings(), file.areas, _rules(path, file.about))
     if path.name.endswith(ENDING):
         return Source(iter([read_ind(path)]), None, {})
     if not path.name.endswith((PEOPLE, VEHICLES)):
@@ -52,3 +53,12 @@ def open_source(path: Path, *, frame_rate: float | None = None, number: int = 0)
     if frame_rate is None:
         raise TracksError(f"{path}: does not say its frame rate; give it ({RATES})")
     return Source(iter([read_vci(path, frame_rate=frame_rate, number=number)]), None, {})
+
+
+def _rules(path: Path, about: Mapping[str, Any]) -> dict[str, float]:
+    """Those of the rules that a file says. TracksError for one that is no number."""
+    rules = {name: about[name] for name in RULES if name in about}
+    for name, value in rules.items():
+        if type(value) not in (int, float) or not abs(value) <= LARGEST:
+            raise TracksError(f"{path}: its {name} must be a number, not {shorten(repr(value), 100)}; write it anew")
+    return {name: float(value) for name, value in rules.items()}

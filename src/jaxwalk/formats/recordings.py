@@ -23,6 +23,8 @@ from jaxwalk.sim.trajectory import Trajectory
 
 GAP = 1.0
 """Who is not seen for longer than this is out of view meanwhile, and somebody else afterwards [s]."""
+MOST_MOMENTS = 20_000_000
+"""Steps times people while a car is in view: more would fill memory."""
 NEARLY = 1e-6
 """Times this close are the same [s]."""
 
@@ -60,7 +62,10 @@ def views(tracks: Tracks, config: SimConfig) -> Iterator[View]:
         parked = np.hypot(tracks.vx[car], tracks.vy[car]).max() < config.moving_speed
         if steps < 1 or (parked and "ending" not in tracks.known):
             continue
-        people = (rows for rows in of_type[PEDESTRIAN] if tracks.t[rows[0]] <= end and tracks.t[rows[-1]] >= begin)
+        people = [rows for rows in of_type[PEDESTRIAN] if tracks.t[rows[0]] <= end and tracks.t[rows[-1]] >= begin]
+        if steps * max(len(people), 1) > MOST_MOMENTS:
+            met = f"car {tracks.id[car[0]]} has {steps:,} steps among {len(people):,} people"
+            raise TracksError(f"episode {tracks.episode}: {met}, too many to measure at once; cut the recording")
         yield View(tracks, car, tuple(people), begin + np.arange(steps + 1) * config.dt)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.formats.areas import Areas, parse_areas
-from jaxwalk.formats.tracks import CAR, OF_CARS, OPTIONAL, PEDESTRIAN, REQUIRED, UNITS, Tracks, TracksError
+from jaxwalk.formats.tracks import CAR, LARGEST, OF_CARS, OPTIONAL, PEDESTRIAN, REQUIRED, UNITS, Tracks, TracksError
 
 SCHEMA = 1
 """Version of the table."""
@@ -21,6 +21,10 @@ KEY, AREAS = b"jaxwalk", b"jaxwalk_areas"
 """The file's metadata: what it is, and the ground, each as JSON."""
 EPISODES = 32
 """Episodes in each group of rows of the file, which is read at once."""
+MOST_ROWS, LONGEST_WORD = 4_000_000, 1000
+"""Of a group of rows, and of a word in bytes: so that a small file can't fill memory."""
+WORDS = ("type", *(name for name, empty in OPTIONAL.items() if isinstance(empty, str)))
+"""Columns of words."""
 FINITE = ("t", "x", "y", "vx", "vy", "heading")
 """Columns without which nothing can be measured."""
 
@@ -94,19 +98,33 @@ class TrackFile:
 
         self.path = Path(path)
         try:
-            self._file = ParquetFile(self.path)
-        except pyarrow.ArrowInvalid as error:
+            schema = ParquetFile(self.path).schema_arrow
+            words = [x.name for x in schema if x.name in WORDS and x.type in (pyarrow.string(), pyarrow.large_string())]
+            self._file = ParquetFile(self.path, read_dictionary=words)
+        except (pyarrow.ArrowException, OSError) as error:
             raise TracksError(f"{path}: no Parquet file ({error}); write it anew") from None
-        names = set(self._file.schema_arrow.names)
+        names = set(schema.names)
+        if twice := [name for name in names if schema.names.count(name) > 1]:
+            raise TracksError(f"{path}: has several columns {', '.join(sorted(twice))}; keep one of each")
         missing = [name for name in REQUIRED if name not in names]
         if missing:
             raise TracksError(f"{path}: has no column {', '.join(missing)}; docs/trajectories.md lists all")
-        metadata = self._file.schema_arrow.metadata or {}
-        self.about: dict[str, Any] = json.loads(metadata.get(KEY, b"{}"))
+        metadata = schema.metadata or {}
+        self.about: dict[str, Any] = self._json(metadata, KEY)
         if self.about.get("schema", SCHEMA) != SCHEMA:
             raise TracksError(f"{path}: is of schema {self.about['schema']}, which this jaxwalk can't read; update it")
-        self.areas: Areas | None = parse_areas(json.loads(metadata[AREAS]), f"{path}") if AREAS in metadata else None
+        self.areas: Areas | None = parse_areas(self._json(metadata, AREAS), f"{path}") if AREAS in metadata else None
         self.known = tuple(name for name in OPTIONAL if name in names)
+
+    def _json(self, metadata: Mapping[bytes, bytes], key: bytes) -> dict[str, Any]:
+        """An object in the file's metadata; {} if it isn't there."""
+        try:
+            found = json.loads(metadata.get(key, b"{}"))
+        except (ValueError, RecursionError) as error:
+            raise TracksError(f"{self.path}: its metadata {key.decode()} is no JSON ({error}); write it anew") from None
+        if not isinstance(found, dict):
+            raise TracksError(f"{self.path}: its metadata {key.decode()} is no object; write it anew")
+        return found
 
     def recordings(self) -> Iterator[Tracks]:
         """Every recording, one after the other. TracksError for values that can't be, or rows in disorder."""
@@ -127,8 +145,16 @@ class TrackFile:
 
     def _columns(self, group: int) -> dict[str, np.ndarray]:
         """All columns of a group of rows."""
+        from pyarrow import ArrowException
+
         names = (*REQUIRED, *self.known)
-        table = self._file.read_row_group(group, columns=list(names))
+        rows = self._file.metadata.row_group(group).num_rows
+        if rows > MOST_ROWS:
+            raise TracksError(f"{self.path}: has {rows:,} rows in a group; write it with at most {MOST_ROWS:,}")
+        try:
+            table = self._file.read_row_group(group, columns=list(names))
+        except (ArrowException, OSError) as error:
+            raise TracksError(f"{self.path}: damaged ({error}); write it anew") from None
         return {name: self._column(name, table[name]) for name in names}
 
     def _column(self, name: str, column: Any) -> np.ndarray:
@@ -136,6 +162,8 @@ class TrackFile:
         import pyarrow
         from pyarrow.compute import fill_null
 
+        if name in WORDS:
+            column = self._words(name, column)
         if name in REQUIRED and column.null_count:
             raise TracksError(f"{self.path}: column {name} has empty values; fill them")
         kind = _kind(name, column.type)
@@ -144,6 +172,19 @@ class TrackFile:
         except pyarrow.ArrowException:
             raise TracksError(f"{self.path}: column {name} holds {column.type}; make it {kind}") from None
         return (fill_null(column, OPTIONAL[name]) if name in OPTIONAL else column).to_numpy()
+
+    def _words(self, name: str, column: Any) -> Any:
+        """A column of words, each of which is held once until it is known to be short."""
+        import pyarrow
+        from pyarrow.compute import call_function
+
+        if not pyarrow.types.is_dictionary(column.type):
+            return column
+        lengths = [call_function("binary_length", [chunk.dictionary]) for chunk in column.chunks]
+        longest = [call_function("max", [x]).as_py() or 0 for x in lengths]
+        if max(longest, default=0) > LONGEST_WORD:
+            raise TracksError(f"{self.path}: column {name} has words of {max(longest):,} characters; mend it")
+        return column.cast(column.type.value_type)
 
     def _recording(self, part: Mapping[str, np.ndarray], ended: set[int]) -> Tracks:
         """The rows of one episode as a recording; ``ended`` has those that came before, and gets this one."""
@@ -154,7 +195,7 @@ class TrackFile:
         known = {name: part[name] for name in self.known}
         tracks = Tracks(episode=episode, known=known, **{name: part[name] for name in REQUIRED[1:]})
         for name in FINITE:
-            if not np.isfinite(part[name]).all():
+            if not (np.abs(part[name]) <= LARGEST).all():  # (not so for NaN)
                 raise TracksError(f"{self.path}: column {name} of episode {episode} is not finite throughout; mend it")
         return tracks
 

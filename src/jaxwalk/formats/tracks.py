@@ -28,6 +28,9 @@ OF_PEOPLE = {
 """The same of pedestrians."""
 OPTIONAL = {**OF_CARS, **OF_PEOPLE}
 
+LARGEST = 1e12
+"""No time, place or speed of a table is larger: such a number is a mistake."""
+
 
 class TracksError(ValueError):
     """Trajectories that can't be used; one line says why and what to do."""

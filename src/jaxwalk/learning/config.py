@@ -15,6 +15,12 @@ SHARED = "shared"
 SNAPSHOTS = (10, 30)
 """After so many updates a role is remembered as it is, for `RoleConfig.early`."""
 
+LARGEST = {"environments": 2**20, "steps": 2**16, "updates": 2**31 - 1, "chunk_rows": 2**31 - 1}
+"""No field of `TrainConfig` may be above this."""
+MOST_LAYERS, MOST_UNITS = 16, 2**14
+"""Of a network: hidden layers, and units in each."""
+LAYERS = f"must be at most {MOST_LAYERS} numbers, each in [1, {MOST_UNITS}]"
+
 
 @dataclass(frozen=True)
 class RoleConfig:
@@ -64,7 +70,7 @@ class RoleConfig:
         _require(self, bool(self.observes) and self.observes != GLOBAL, "observes", "must name an observation set")
         _require(self, len(self.critic_observes) > 0, "critic_observes", "must name at least one observation set")
         for name in ("actor_hidden", "critic_hidden"):
-            _require(self, all(units > 0 for units in getattr(self, name)), name, "must all be above 0")
+            _require(self, _possible_layers(getattr(self, name)), name, LAYERS)
 
     @property
     def learns(self) -> bool:
@@ -119,11 +125,12 @@ class TrainConfig:
         """Refuse what cannot be trained."""
         for name in ("environments", "steps", "minibatches", "updates", "chunk_rows"):
             _require(self, getattr(self, name) >= 1, name, "must be at least 1")
+        for name, most in LARGEST.items():
+            _require(self, getattr(self, name) <= most, name, f"must be at most {most:,}")
         for name in ("learning_rate", "adam_epsilon", "max_grad_norm", "clip", "value_coefficient", "reward_scale"):
             _require(self, 0 < getattr(self, name) < math.inf, name, "must be above 0")
         for name in ("discount", "gae_lambda"):
             _require(self, 0 <= getattr(self, name) <= 1, name, "must lie in [0, 1]")
-        _require(self, self.updates < 2**31, "updates", "must be below 2^31")
         alone = self.credit == "individual" or not any(self.role(role).gated for role in ROLES)
         _require(self, alone, "gated", "goes with individual credit only", None)
         alone = self.credit == "individual" or all(self.role(role).fixed in (0, 1) for role in ROLES)
@@ -133,8 +140,7 @@ class TrainConfig:
         divides = self.steps % self.minibatches == 0
         _require(self, divides, "minibatches", f"must divide steps ({self.steps})")
         _require(self, self.credit in ("individual", "shared"), "credit", 'must be "individual" or "shared"')
-        units = all(units > 0 for units in self.shared_critic_hidden)
-        _require(self, units, "shared_critic_hidden", "must all be above 0")
+        _require(self, _possible_layers(self.shared_critic_hidden), "shared_critic_hidden", LAYERS)
         for role in self.learning_roles:
             _require(self, own_environments(self, role) >= 1, "environments", f"leave the {role} none to learn from")
         learns = any(getattr(self, role).learns for role in ROLES)
@@ -154,6 +160,11 @@ def own_environments(config: TrainConfig, role: str) -> int:
     """In how many environments a role's learner plays: all but those of its stand-ins."""
     choice, count = config.role(role), config.environments
     return count - round(choice.fixed * count) - round(choice.early * count)
+
+
+def _possible_layers(hidden: tuple[int, ...]) -> bool:
+    """Whether hidden layers can be made."""
+    return len(hidden) <= MOST_LAYERS and all(0 < units <= MOST_UNITS for units in hidden)
 
 
 def _require(config: object, condition: bool, name: str, message: str, value: object = ...) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from textwrap import shorten
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
@@ -17,6 +18,8 @@ Point = tuple[Number, Number]
 Rectangle = tuple[Number, Number, Number, Number]
 """x0, y0, x1, y1 [m]."""
 
+SHOWN = 200
+"""Characters that a message shows of a wrong value."""
 _EXACT = ConfigDict(extra="forbid")
 
 
@@ -98,6 +101,8 @@ def parse(text: str, source: str) -> MapFile:
         last = f"at line {len(text.splitlines())}, the end of the file"
         reason = str(error).replace("at end of document", last)
         raise MapError(source, [f"not valid TOML: {reason}; correct the file there"]) from None
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits, thousands of brackets
+        raise MapError(source, [f"not TOML that can be read ({error}); correct the file"]) from None
     try:
         return _ADAPTER.validate_python(table)
     except ValidationError as error:
@@ -111,7 +116,7 @@ def _explain(fault: dict[str, Any]) -> str:
         return f"{field}: unknown key; remove it or correct its spelling (docs/maps.md lists all keys)"
     if fault["type"] == "missing":
         return f"{field}: missing; add it (docs/maps.md lists all keys)"
-    return f"{field}: {fault['msg'].replace('Input s', 's')}, not {fault['input']!r}"
+    return f"{field}: {fault['msg'].replace('Input s', 's')}, not {shorten(repr(fault['input']), SHOWN)}"
 
 
 def _is_branch_of_union(part: str | int) -> bool:

@@ -6,9 +6,13 @@ from importlib import resources
 from pathlib import Path
 
 from jaxwalk.maps.check import find_faults
+from jaxwalk.maps.check_size import size_faults
 from jaxwalk.maps.file import MapError, parse
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.tables import build
+
+MOST_BYTES = 1_000_000
+"""A larger file is no map."""
 
 
 def bundled_maps() -> list[str]:
@@ -24,6 +28,8 @@ def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clea
     map can't be read or is wrong.
     """
     file = parse(_read(name_or_path), str(name_or_path))
+    if too_much := size_faults(file):
+        raise MapError(str(name_or_path), too_much)
     faults = find_faults(file, goal_spacing=goal_spacing, start_clearance=start_clearance)
     if faults:
         raise MapError(str(name_or_path), faults)
@@ -40,6 +46,8 @@ def _read(name_or_path: str | Path) -> str:
         known = ", ".join(names)
         raise MapError(source, [f"no such map: use a bundled one ({known}) or the path of a file that ends in .toml"])
     try:
+        if Path(source).stat().st_size > MOST_BYTES:
+            raise MapError(source, [f"larger than {MOST_BYTES:,} bytes, which no map needs: check the path"])
         return Path(source).read_text(encoding="utf-8")
     except UnicodeDecodeError:
         raise MapError(source, ["not UTF-8 text: save the file as UTF-8"]) from None

@@ -143,7 +143,7 @@ def _read(path: str | Path) -> tuple[Header, dict[str, np.ndarray]]:
         with safetensors.safe_open(str(path), framework="numpy") as file:
             text = (file.metadata() or {}).get(HEADER)
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (it is no dict)
-    except (safetensors.SafetensorError, OSError) as error:
+    except (safetensors.SafetensorError, OSError, TypeError, AttributeError) as error:  # (of types that NumPy has not)
         raise PolicyError(f"{path}: damaged or no safetensors file ({error}); copy or download it again") from error
     if text is None:
         raise PolicyError(f"{path}: a safetensors file, but not of jaxwalk; give a file written by save_policy")
@@ -165,11 +165,13 @@ def _header(path: str | Path, text: str) -> Header:
 
 
 def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray]) -> Actor:
-    """Put an actor together, after checking that every array is there and has its shape."""
+    """Put an actor together, after checking that every array is there, has its shape and holds numbers."""
     sizes, kind = described.sizes, described.kind
     layers = range(len(sizes) - 1)
     if described.hold < 1:
         raise PolicyError(f"{path}: its header is wrong (hold: {described.hold}); copy or download it again")
+    if len(sizes) < 2 or min(sizes) < 1:
+        raise PolicyError(f"{path}: its header is wrong (sizes: {list(sizes)}); copy or download it again")
     wanted = {f"layer{i}.weight": (sizes[i + 1], sizes[i]) for i in layers}
     wanted |= {f"layer{i}.bias": (sizes[i + 1],) for i in layers}
     if kind not in (DISCRETE, GATED):
@@ -178,6 +180,9 @@ def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray
     if found != wanted:
         wrong = ", ".join(sorted(n for n in wanted.keys() | found.keys() if wanted.get(n) != found.get(n)))
         raise PolicyError(f"{path}: its arrays don't match its header ({wrong}); copy or download it again")
+    for name, x in arrays.items():
+        if x.dtype != np.float32 or not np.isfinite(x).all():
+            raise PolicyError(f"{path}: {name} holds something else than finite float32 numbers; train anew")
     loaded = {name: jnp.asarray(x) for name, x in arrays.items()}
     network = MLP(tuple(loaded[f"layer{i}.weight"] for i in layers), tuple(loaded[f"layer{i}.bias"] for i in layers))
     return Actor(network, loaded.get("log_std"), observes=described.observes, kind=kind, hold=described.hold)

@@ -14,7 +14,7 @@ from jaxwalk.report.figures import draw_all
 from jaxwalk.report.latex import write_latex
 from jaxwalk.report.material import Material, ReportError
 from jaxwalk.report.sections import SECTIONS
-from jaxwalk.report.style import inline
+from jaxwalk.report.style import as_picture
 from jaxwalk.report.table import shown, write_csv
 from jaxwalk.report.tables import make_all
 from jaxwalk.viewer.replay import as_script, gallery_html, gallery_script, gallery_style
@@ -44,7 +44,7 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
     page = _page(
         sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,
         tables=tables, figures=figures, facts=facts, summary=summary,
-        drawing=inline(material.episode_svg, "episode") if material.episode_svg else None,
+        drawing=as_picture(material.episode_svg) if material.episode_svg else None,
         gallery=_gallery(gallery) if gallery else None, cells=cells,
     )  # fmt: skip
     path = folder / "report.html"
@@ -80,7 +80,10 @@ def _page(**content: Any) -> str:
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
     template = resources.files("jaxwalk.report").joinpath("page.html").read_text(encoding="utf-8")
-    return environment.from_string(template).render(**content)
+    try:
+        return environment.from_string(template).render(**content)
+    except jinja2.UndefinedError as error:
+        raise ReportError(f"the results are damaged or of another version ({error}); evaluate again") from error
 
 
 def _summary(material: Material) -> list[dict[str, str]]:

@@ -8,6 +8,15 @@ JAYWALK_MULTIPLIER = 0.25
 """P(jaywalk | decision) = jaywalking tendency x this (equation 1). Not in `SimConfig`, which is fixed when a step is
 compiled: the ablation changes this number without compiling again."""
 
+SMALLEST_STEP = 0.001
+"""A step is at least so long [s]."""
+LARGEST = {
+    "dt": 1.0, "horizon": 100_000, "pedestrians": 1000, "fastest_walk": 20.0, "wheelbase": 100.0, "max_speed": 100.0,
+    "max_acceleration": 100.0, "offroad_margin": 100.0, "collision_distance": 100.0, "goal_distance": 100.0,
+    "moving_speed": 100.0, "start_clearance": 1000.0, "goal_spacing": 1000.0, "kerb_distance": 100.0,
+}  # fmt: skip
+"""No field may be above this: beyond, nothing makes sense, and tables grow until memory is full."""
+
 
 @dataclass(frozen=True)
 class SimConfig:
@@ -60,6 +69,11 @@ class SimConfig:
         for name in ("offroad_margin", "moving_speed", "start_clearance"):
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} must be 0 or more, not {getattr(self, name)}")
+        for name, most in LARGEST.items():
+            if not getattr(self, name) <= most:
+                raise ValueError(f"{name} must be at most {most:g}, not {getattr(self, name)}")
+        if not self.dt >= SMALLEST_STEP:
+            raise ValueError(f"dt must be at least {SMALLEST_STEP:g} s, not {self.dt}")
         if not self.slowest_walk <= self.fastest_walk:
             raise ValueError(f"fastest_walk must be at least slowest_walk ({self.slowest_walk} m/s)")
         if not 0 <= self.offroad_speed <= 1:

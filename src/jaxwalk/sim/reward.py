@@ -24,6 +24,9 @@ CAUTIOUS_SPEED = 3.0
 COMFORTABLE = 3.0
 """Predicted clearances below this cost something [m]."""
 
+LARGEST_WEIGHT = 1e6
+"""No weight of a reward term is larger."""
+
 
 class Transition(NamedTuple):
     """A step, as rewards see it."""
@@ -111,8 +114,10 @@ PEDESTRIAN_TERMS: dict[str, Callable[[Transition], Array]] = {
 
 
 def check_weights(driver: Mapping[str, float], people: Mapping[str, float]) -> None:
-    """Raise ValueError for a weight without a term."""
+    """Raise ValueError for a weight without a term, or one that is no number."""
     for role, weights, table in (("driver", driver, DRIVER_TERMS), ("pedestrian", people, PEDESTRIAN_TERMS)):
-        for name in weights:
+        for name, weight in weights.items():
             if name not in table:
                 raise ValueError(f"rewards.{role}.{name} is no reward term; there are: {', '.join(table)}")
+            if not abs(weight) <= LARGEST_WEIGHT:
+                raise ValueError(f"rewards.{role}.{name} must be a number up to {LARGEST_WEIGHT:g}, not {weight}")

@@ -19,7 +19,7 @@ import numpy as np
 
 from jaxwalk.policies.host.driver import DriverError
 from jaxwalk.policies.host.load import set_of_size
-from jaxwalk.policies.host.torch_file import import_torch
+from jaxwalk.policies.host.torch_file import DAMAGED, check_unpacked, import_torch
 
 ACTIVATIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "torch.nn.modules.activation.Tanh": np.tanh,
@@ -30,7 +30,7 @@ TANH = "torch.nn.modules.activation.Tanh"
 """Stable-Baselines3's default for PPO and A2C."""
 HARMLESS = {"activation_fn", "net_arch", "log_std_init", "ortho_init", "optimizer_class", "optimizer_kwargs"}
 """``policy_kwargs`` that change nothing about the action, or that the weights tell."""
-LAYER = re.compile(r"mlp_extractor\.policy_net\.(\d+)\.weight")
+LAYER = re.compile(r"mlp_extractor\.policy_net\.(\d{1,3})\.weight")
 NOT_THE_ACTOR = ("mlp_extractor.value_net.", "value_net.", "log_std")
 
 Layers = list[tuple[np.ndarray, np.ndarray]]
@@ -90,18 +90,28 @@ def _data(path: Path) -> dict[str, Any]:
     """The agent's description: JSON, in which pickled objects are text that nobody touches."""
     try:
         with zipfile.ZipFile(path) as archive:
+            check_unpacked(path, archive)
             data = json.loads(archive.read("data"))
-            archive.getinfo("policy.pth")
-    except (zipfile.BadZipFile, KeyError, ValueError) as error:
+            with archive.open("policy.pth") as file, zipfile.ZipFile(file) as weights:
+                check_unpacked(path, weights)
+    except DriverError:
+        raise
+    except DAMAGED as error:
         raise DriverError(f"{path}: damaged or no Stable-Baselines3 agent ({error}); save it again") from error
     if not isinstance(data, dict):
         raise DriverError(f"{path}: damaged or no Stable-Baselines3 agent (data is no object); save it again")
     return data
 
 
+def _part(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    """An object inside the description; empty if there is none of that name."""
+    found = data.get(name)
+    return found if isinstance(found, dict) else {}
+
+
 def _activation(data: Mapping[str, Any]) -> str:
     """The class between layers, from the text that stands beside the pickled one."""
-    options = {name: x for name, x in (data.get("policy_kwargs") or {}).items() if not name.startswith(":")}
+    options = {name: x for name, x in _part(data, "policy_kwargs").items() if not name.startswith(":")}
     unknown = ", ".join(sorted(options.keys() - HARMLESS))
     if unknown:
         raise _OtherAgentError(f"its policy was made with {unknown}")
@@ -118,6 +128,8 @@ def _layers(torch: Any, path: Path) -> Layers:
             weights = torch.load(file, map_location="cpu", weights_only=True)
         except Exception as error:  # (pickle.UnpicklingError for what is no tensor, others for a damaged file)
             raise _OtherAgentError("its weights hold more than tensors, or are damaged") from error
+    if not isinstance(weights, dict) or not all(_is_matrix(torch, name, x) for name, x in weights.items()):
+        raise _OtherAgentError("its weights hold more than matrices and vectors by name")
     numbers = sorted(int(found[1]) for name in weights if (found := LAYER.fullmatch(name)))
     names = [*(f"mlp_extractor.policy_net.{i}" for i in numbers), "action_net"]
     wanted = {f"{name}.{kind}" for name in names for kind in ("weight", "bias")}
@@ -126,6 +138,12 @@ def _layers(torch: Any, path: Path) -> Layers:
     if others or missing:
         raise _OtherAgentError(f"it is no PPO or A2C MlpPolicy ({', '.join(sorted(others | missing)[:3])})")
     return [(weights[f"{name}.weight"].numpy(), weights[f"{name}.bias"].numpy()) for name in names]
+
+
+def _is_matrix(torch: Any, name: Any, x: Any) -> bool:
+    """Whether that is a matrix or vector with a name. (It takes memory in the file: no view that repeats numbers.)"""
+    plain = isinstance(name, str) and isinstance(x, torch.Tensor) and x.dtype == torch.float32
+    return plain and x.is_contiguous() and x.ndim == (2 if name.endswith("weight") else 1)
 
 
 def _unpickled(path: Path) -> tuple[Sb3Driver, str]:
@@ -153,7 +171,7 @@ def _unpickled(path: Path) -> tuple[Sb3Driver, str]:
 
 def _check_actions(path: Path, data: Mapping[str, Any]) -> None:
     """Raise unless actions are two numbers in [-1, 1], by the text that stands beside the pickled space."""
-    space = data.get("action_space") or {}
+    space = _part(data, "action_space")
     bounds = str(space.get("low")), str(space.get("high"))
     if bounds != ("[-1. -1.]", "[1. 1.]"):
         raise DriverError(

@@ -1,14 +1,17 @@
 """A driver in a PyTorch file: a module that takes ``(episodes, features)`` and returns the action ``(episodes, 2)``.
 
 TorchScript is loaded by PyTorch's own reader, which knows tensors and TorchScript operations only and unpickles no
-Python objects. Everything else (`torch.export`, whole modules by `torch.save`) may run any Python code while it is
+Python objects; a few of its operations reach beyond the network, such as ``torch.save``, and take ``trust``. Everything
+else (`torch.export`, whole modules by `torch.save`) may run any Python code while it is
 loaded: `torch.export.load` unpickles some weights, and evaluates expressions for the shapes. That takes ``trust``.
 """
 
 from __future__ import annotations
 
+import re
 import warnings
 import zipfile
+import zlib
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -20,7 +23,16 @@ from jaxwalk.policies.host.load import set_of_size
 
 OBSERVES = "observes"
 """The extra file of an archive that names the observation set (``_extra_files``, ``extra_files``)."""
-WAY_OUT = "give it as TorchScript or ONNX instead, or say --trust if you know where it comes from"
+WAY_OUT = "give it as ONNX or plain TorchScript instead, or say --trust if you know where it comes from"
+
+MOST_BYTES = 2**30
+"""An archive holds no more when it is unpacked."""
+DAMAGED = (
+    zipfile.BadZipFile, zlib.error, EOFError, KeyError, NotImplementedError, OSError, RuntimeError, ValueError,
+)  # fmt: skip
+"""What a damaged archive, or JSON in one, makes Python raise."""
+BEYOND_COMPUTING = re.compile(rb"\b(?:from_file|save|load_tensor|rpc_\w+|\w*PythonOp)\b|\bops\.(?!aten\b|prim\b)\w+")
+"""Operations of TorchScript that reach beyond the network: files, other machines, Python, libraries of others."""
 
 
 class TorchDriver:
@@ -45,6 +57,8 @@ def load(path: Path, *, trust: bool) -> tuple[TorchDriver, str]:
     if kind != "TorchScript" and not trust:
         raise DriverError(f"{path}: {kind}, which can run any code while it is loaded; {WAY_OUT}")
     torch = import_torch(path)
+    if kind == "TorchScript" and not trust:
+        _check_operations(torch, path)
     extra: dict[str, Any] = {OBSERVES: ""}
     try:
         with warnings.catch_warnings():
@@ -70,12 +84,40 @@ def import_torch(path: Path) -> Any:
         raise DriverError(f"{path}: needs PyTorch: pip install 'jaxwalk[torch]'") from error
 
 
+def check_unpacked(path: Path, archive: zipfile.ZipFile) -> None:
+    """Raise DriverError for an archive that would fill memory."""
+    size = sum(entry.file_size for entry in archive.infolist())
+    if size > MOST_BYTES:
+        raise DriverError(f"{path}: unpacked it has {size:,} bytes; a driver has at most {MOST_BYTES:,}")
+
+
+def _check_operations(torch: Any, path: Path) -> None:
+    """Raise DriverError for TorchScript that does more than compute; read as PyTorch reads it, before it is loaded."""
+    try:
+        reader = torch._C.PyTorchFileReader(str(path))
+        scripts = [reader.get_record(name) for name in reader.get_all_records() if name.endswith(".py")]
+    except RuntimeError as error:
+        what = str(error).strip().split("\n")[0]
+        raise DriverError(f"{path}: can't be loaded as TorchScript ({what}); save it again") from error
+    for script in scripts:
+        found = BEYOND_COMPUTING.search(script)
+        if found:
+            called = found[0].decode()
+            raise DriverError(
+                f"{path}: its TorchScript calls {called}, which can touch files or other machines; {WAY_OUT}"
+            )
+
+
 def _kind(path: Path) -> str:
     """What the archive is, by the names in it, without loading any of it."""
     if not zipfile.is_zipfile(path):
         return "an old PyTorch file of pickled objects"
-    with zipfile.ZipFile(path) as archive:
-        inside = {name.partition("/")[2] for name in archive.namelist()}
+    try:
+        with zipfile.ZipFile(path) as archive:
+            check_unpacked(path, archive)
+            inside = {name.partition("/")[2] for name in archive.namelist()}
+    except DAMAGED as error:
+        raise DriverError(f"{path}: damaged ({error}); save it again") from error
     if "constants.pkl" in inside and any(name.startswith("code/") for name in inside):
         return "TorchScript"
     if "archive_format" in inside and any(name.startswith("models/") for name in inside):

@@ -1,0 +1,59 @@
+"""A map that would fill memory, or be checked for ever, is refused at once."""
+
+from __future__ import annotations
+
+import pytest
+
+from jaxwalk.maps import MapError, load_map
+
+
+def _many(count):
+    return {f"w{n}": [1 + n / 1000, 5] for n in range(count)}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"size": [1e9, 20]}, "size: 1e+09 m is beyond 2000 m; is it in metres?"),
+        ({"waypoints": _many(501)}, "waypoints: 501 are too many; a map has at most 500"),
+        ({"walkways": {"long": ["s0", "s"] * 60}}, "walkways.long: joins 120 waypoints; split it into pieces"),
+        ({"roads": {"only": [0, 6, 1e300, 14]}}, "roads.only: 1e+300 m is beyond 2000 m"),
+    ],
+    ids=["size", "waypoints", "walkway", "road"],
+)
+def test_sizes_have_limits(small, write, change, message):
+    with pytest.raises(MapError) as error:
+        load_map(write(small | change))
+    assert message in str(error.value)
+
+
+def test_all_routes_between_many_places_are_too_many(small, write):
+    small["car"]["places"] = [[5 + n, 10] for n in range(33)]
+    with pytest.raises(MapError, match=r"car.routes: 1,056 are too many; list at most 1,000"):
+        load_map(write(small))
+
+
+def test_many_routes_on_a_large_map_do_not_fit(small, write):
+    small["car"]["places"] = [[5 + n, 10] for n in range(32)]
+    with pytest.raises(MapError, match=r"car.routes: 992 on so large a map don't fit into memory; list fewer"):
+        load_map(write(small | {"size": [1500, 20]}))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a = " + "[" * 20_000, "not TOML that can be read"),
+        ("a = " + "9" * 5_000, "not TOML that can be read"),
+        ("# " + "x" * 1_000_001, "larger than 1,000,000 bytes"),
+    ],
+    ids=["brackets", "digits", "bytes"],
+)
+def test_text_that_no_parser_takes(write, text, message):
+    with pytest.raises(MapError, match=message):
+        load_map(write(text))
+
+
+def test_a_long_value_is_shown_in_short(small, write):
+    with pytest.raises(MapError) as error:
+        load_map(write(small | {"size": ["x" * 100_000, 20]}))
+    assert len(str(error.value)) < 400

@@ -1,0 +1,120 @@
+"""Crafted drivers: without trust they can't touch files, read outside their folder, or fill memory."""
+
+from __future__ import annotations
+
+import io
+import json
+import warnings
+import zipfile
+
+import numpy as np
+import onnx
+import pytest
+from onnx import TensorProto, helper
+
+from jaxwalk.policies.host import DriverError, load_host_driver
+from jaxwalk.sim.observation import size
+
+ROUTE = size("driver", "route")
+
+
+SCRIPT = """
+import torch
+
+class Scripted(torch.nn.Module):
+    def __init__(self):
+        super().__init__()
+        self.layer = torch.nn.Linear(FEATURES, 2)
+
+    def forward(self, x):
+        REACH
+        return self.layer(x)
+"""
+
+
+def _scripted(path, reach):
+    """A network as TorchScript, which does something else, too. (PyTorch compiles a class from its source file.)"""
+    torch = pytest.importorskip("torch")
+    source = path.with_suffix(".txt")
+    source.write_text(SCRIPT.replace("REACH", reach).replace("FEATURES", str(ROUTE)))
+    made: dict = {}
+    exec(compile(source.read_text(), str(source), "exec"), made)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        torch.jit.script(made["Scripted"]()).save(str(path))
+    source.unlink()
+    return str(path)
+
+
+@pytest.mark.parametrize("reach", ["torch.save(x, 'stolen')", "x = x + torch.from_file('secret', True, 4).sum()"])
+def test_torchscript_that_touches_files_takes_trust(tmp_path, monkeypatch, reach):
+    monkeypatch.chdir(tmp_path)
+    file = _scripted(tmp_path / "thief.pt", reach)
+    with pytest.raises(DriverError, match=r"its TorchScript calls (save|from_file), which can touch files"):
+        load_host_driver(file)
+    assert load_host_driver(file, trust=True).observes == "route"
+    assert load_host_driver(_scripted(tmp_path / "honest.pt", "x = x + 0")).observes == "route"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["honest.pt", "thief.pt"]
+
+
+@pytest.mark.parametrize("location", ["../secret", "secret"])
+def test_weights_of_onnx_lie_in_its_own_folder(tmp_path, location):
+    """Beside the file they may lie; above it there may be a secret."""
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    for folder in (tmp_path, inside):
+        np.zeros((ROUTE, 2), np.float32).tofile(folder / "secret")
+    weights = TensorProto(name="w", data_type=TensorProto.FLOAT, dims=[ROUTE, 2], data_location=TensorProto.EXTERNAL)
+    weights.external_data.add(key="location", value=location)
+    ends = [helper.make_tensor_value_info(*x) for x in (("x", 1, ["n", ROUTE]), ("y", 1, ["n", 2]))]
+    graph = helper.make_graph([helper.make_node("MatMul", ["x", "w"], ["y"])], "g", ends[:1], ends[1:], [weights])
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+    (inside / "driver.onnx").write_bytes(model.SerializeToString())
+    onnx.load(inside / "driver.onnx", load_external_data=False)
+    if location == "secret":
+        assert load_host_driver(str(inside / "driver.onnx")).observes == "route"
+        return
+    with pytest.raises(DriverError, match=r"driver\.onnx: damaged or no ONNX file"):
+        load_host_driver(str(inside / "driver.onnx"))
+
+
+def _agent(path, data, weights):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("data", data)
+        archive.writestr("policy.pth", weights)
+    return str(path)
+
+
+SPACE = {"action_space": {"low": "[-1. -1.]", "high": "[1. 1.]"}}
+
+
+def test_an_archive_that_would_fill_memory(tmp_path, monkeypatch):
+    from jaxwalk.policies.host import torch_file
+
+    monkeypatch.setattr(torch_file, "MOST_BYTES", 10_000_000)
+    with pytest.raises(DriverError, match=r"unpacked it has 20,000,\d+ bytes; a driver has at most 10,000,000"):
+        load_host_driver(_agent(tmp_path / "bomb.zip", b" " * 20_000_000, b""))
+    inner = io.BytesIO()
+    with zipfile.ZipFile(inner, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("archive/data/0", b"\0" * 20_000_000)
+    with pytest.raises(DriverError, match="unpacked it has"):
+        load_host_driver(_agent(tmp_path / "nested.zip", json.dumps(SPACE), inner.getvalue()))
+
+
+@pytest.mark.parametrize(
+    "data", ["[" * 20_000, "9" * 5_000, '{"a": ', "[]", '{"action_space": 3}', "\ud800"], ids=range(6)
+)
+def test_a_damaged_agent(tmp_path, data):
+    inner = io.BytesIO()
+    zipfile.ZipFile(inner, "w").close()
+    with pytest.raises(DriverError, match=r"agent\.zip: (damaged|its actions)"):
+        load_host_driver(_agent(tmp_path / "agent.zip", data.encode("utf-8", "surrogatepass"), inner.getvalue()))
+
+
+def test_weights_that_repeat_one_number_are_not_believed(tmp_path):
+    """A view of one number can have as many rows as it likes, and fill memory when it is used."""
+    torch = pytest.importorskip("torch")
+    inner = io.BytesIO()
+    torch.save({"action_net.weight": torch.zeros(1, 1).expand(2, ROUTE), "action_net.bias": torch.zeros(2)}, inner)
+    with pytest.raises(DriverError, match="its weights hold more than matrices and vectors by name"):
+        load_host_driver(_agent(tmp_path / "agent.zip", json.dumps(SPACE), inner.getvalue()))
