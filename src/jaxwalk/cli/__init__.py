@@ -5,6 +5,7 @@ Bad input ends in one message on standard error and exit code 2, with nothing wr
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -12,6 +13,13 @@ from pathlib import Path
 
 BAD_INPUT, INTERRUPTED = 2, 130
 """Exit codes: something given can't be used; Ctrl-C."""
+MENDS = {
+    errno.ENOSPC: "make room on the disk, or name another place",
+    errno.EDQUOT: "make room on the disk, or name another place",
+    errno.EFBIG: "files may not be so large here; raise the limit, or name another place",
+    errno.EROFS: "name another place",
+}
+"""What to do about errors of the operating system."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -25,16 +33,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         options = _parse(arguments)
         _keep_compiled_code()
-        return options.run()
+        code = options.run()
+        sys.stdout.flush()  # a full disk is told of here
+        return code
     except SystemExit as end:  # --help, or an option that does not exist
         return int(end.code or 0) if not isinstance(end.code, str) else BAD_INPUT
     except KeyboardInterrupt:
         print("jaxwalk: interrupted", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:  # somebody read only the beginning of what was printed
-        sys.stderr.close()
-        return 1
     except (ValueError, OSError) as error:
+        if isinstance(error, BrokenPipeError) and error.filename is None:
+            sys.stderr.close()  # somebody read only the beginning of what was printed
+            return 1
         message = _message(error)
         if message is None:
             raise
@@ -60,7 +70,8 @@ def _message(error: Exception) -> str | None:
     """What to tell about bad input; None for an error of the program itself."""
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
-        return f"{where}{error.strerror or error}; check the path and its permissions"
+        what = " ".join(str(error.strerror or error).split())
+        return f"{where}{what}; {MENDS.get(error.errno or 0, 'check the path and its permissions')}"
     ours = type(error).__module__.startswith("jaxwalk")
     return " ".join(str(error).split("\n")) if ours else None
 

@@ -30,13 +30,14 @@ from jaxwalk.evaluation import (
 )
 from jaxwalk.experiments.contestants import contestant, world_of
 from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.runs import check_writable, write_whole
+from jaxwalk.experiments.runs import check_writable
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.report.suite import said, suite
 from jaxwalk.report.table import shown
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
+from jaxwalk.writing import write_whole
 
 Played = dict[tuple[str, str], Rows]
 

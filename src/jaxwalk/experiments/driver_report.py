@@ -13,10 +13,11 @@ from jaxwalk.evaluation import Match, ReplayError, paired_over_seeds, write_rows
 from jaxwalk.experiments.contestants import run_folders
 from jaxwalk.experiments.gallery import Cast, gallery
 from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.runs import Run, write_whole
+from jaxwalk.experiments.runs import Run
 from jaxwalk.experiments.tournament import Scenarios, document_of, play_rounds
 from jaxwalk.metrics import Rows
 from jaxwalk.report import write_report
+from jaxwalk.writing import write_whole
 
 MANY = 4
 """Numbers of so many drivers stand at the top of the page; the others in its tables."""
