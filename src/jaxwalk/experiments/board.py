@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Mapping
 from importlib import import_module
@@ -25,7 +26,7 @@ class Board:
         self._folder, self._types = folder, import_module("tensorboardX.proto.event_pb2")
         start = self._types.SessionLog(status=self._types.SessionLog.START)
         with naming(folder):
-            self._file: Any = EventsWriter(str(folder / "events"))
+            self._file: Any = EventsWriter(str(folder / "events"), f".{os.getpid()}")
             self._file.write_event(self._types.Event(step=first, session_log=start))
             self._file.flush()
 
