@@ -177,10 +177,11 @@ def test_a_full_disk_keeps_the_last_checkpoint_and_says_so(whole, tiny, tmp_path
     _assert_same(run, whole)
 
 
-def test_a_damaged_checkpoint_costs_the_updates_since_the_one_before(whole, tiny, tmp_path, stopping):
+def test_a_damaged_checkpoint_costs_the_updates_since_the_one_before(whole, tiny, tmp_path, stopping, monkeypatch):
     run, said = Run.create(tmp_path / "cut", tiny), io.StringIO()
     stopping(3)
     train(run, console=Console(file=said), checkpoint_minutes=1e-9)
+    monkeypatch.undo()
     newest = run.checkpoints / str(checkpoint.latest(run.checkpoints))
     for file in newest.rglob("*.ocdbt"):
         file.write_bytes(b"")

@@ -220,10 +220,8 @@ def kill_often(folder: Path, kills: int, seed: int, say: Callable[[str], None] =
             finish(cut)
             wrong += [f"{cut.name}: {what}" for what in differences(cut, whole)]
             number, ended = number + 1, ended + 1
-    times = ", ".join(
-        f"{count} in its {what}" if what == "start" else f"{count} in {what}" for what, count in hit.items()
-    )
-    say(f"{kills} kills ({times}); {ended} trainings came to their end")
+    hits = ", ".join(f"{what} {count}" for what, count in sorted(hit.items()))
+    say(f"{kills} kills (by what went on: {hits}); trainings that came to their end: {ended}")
     return wrong
 
 
@@ -234,7 +232,7 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(folder) / "compiled"))
-        os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
+        os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
         FORKS.set_forkserver_preload(["jaxwalk.experiments.training", "orbax.checkpoint"])
         try:
             wrong = kill_often(Path(folder), options.kills, options.seed, lambda text: print(text, flush=True))

@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = _parse(arguments)
         _keep_compiled_code()
         code = options.run()
-        sys.stdout.flush()  # a full disk is told of here
+        _flush()
         return code
     except SystemExit as end:  # --help, or an option that does not exist
         return int(end.code or 0) if not isinstance(end.code, str) else BAD_INPUT
@@ -74,6 +74,15 @@ def _message(error: Exception) -> str | None:
         return f"{where}{what}; {MENDS.get(error.errno or 0, 'check the path and its permissions')}"
     ours = type(error).__module__.startswith("jaxwalk")
     return " ".join(str(error).split("\n")) if ours else None
+
+
+def _flush() -> None:
+    """Print what waits, now that a full disk can still be told of."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what waits can go nowhere
+        raise
 
 
 def _keep_compiled_code() -> None:

@@ -135,7 +135,8 @@ class MetricsLog:
 
     def __exit__(self, *_: object) -> None:
         try:
-            self._file.close()
+            with naming(self._path):
+                self._file.close()
         finally:
             self._board.close()
 
