@@ -1,5 +1,7 @@
 """Checkpoints that can't be read or written: the one before is gone on from, and nothing is in the way."""
 
+from types import SimpleNamespace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -58,10 +60,22 @@ def test_if_all_are_damaged_they_stay_and_it_is_said(two):
     assert sorted(path.name for path in two.iterdir()) == ["1", "2"]
 
 
-def test_a_full_disk_leaves_those_before(two):
+def test_a_disk_with_too_little_room_is_told_of_before_anything_is_written(two, monkeypatch):
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1_100_000))  # the arrays have 160,000 bytes
+    with pytest.raises(OSError, match="No space left") as caught:
+        save(two, _learner(3), updates=3)
+    assert caught.value.filename == str(two)
+    assert sorted(path.name for path in two.iterdir()) == ["1", "2"]
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1_200_000))
+    save(two, _learner(3), updates=3)
+    assert latest(two) == 3
+
+
+def test_a_file_that_grows_too_large_leaves_those_before(two):
     with files_at_most(1000), pytest.raises(OSError, match="File too large") as caught:
         save(two, _learner(3), updates=3)
     assert caught.value.filename == str(two / "3")
+    assert sorted(path.name for path in two.iterdir()) == ["1", "2"]
     np.testing.assert_array_equal(restore(two, _learner(0))["weights"], _learner(2)["weights"])
     save(two, _learner(3), updates=3)
     assert sorted(path.name for path in two.iterdir()) == ["2", "3"]

@@ -22,6 +22,10 @@ from jaxtyping import Array
 
 KEPT = 2
 """Older checkpoints than the last so many are deleted."""
+LISTS = 1_000_000
+"""What a checkpoint holds besides its arrays has at most so many bytes."""
+UNFINISHED = "*.orbax-checkpoint-tmp*"
+"""Names of checkpoints that are not whole."""
 
 T = TypeVar("T")
 
@@ -39,12 +43,23 @@ def save(path: str | Path, learner: Any, *, updates: int) -> None:
 
     Raises OSError if that fails, as on a full disk; the checkpoints before are there still.
     """
+    arrays = _named_arrays(learner)
+    _check_room(Path(path), sum(_data(x).nbytes for x in arrays.values()))
     try:
         with _manager(path, create=True) as manager:  # which also removes what a killed process left unfinished
-            manager.save(updates, args=ocp.args.StandardSave(_named_arrays(learner)))
+            manager.save(updates, args=ocp.args.StandardSave(arrays))
             manager.wait_until_finished()
     except Exception as error:  # orbax raises many kinds
+        for unfinished in Path(path).glob(UNFINISHED):
+            shutil.rmtree(unfinished, ignore_errors=True)
         raise _as_os_error(error, Path(path) / str(updates)) from error
+
+
+def _check_room(path: Path, size: int) -> None:
+    """Raise OSError unless the disk has room for arrays of so many bytes: orbax would print pages before it fails."""
+    path.mkdir(parents=True, exist_ok=True)
+    if shutil.disk_usage(path).free < size + LISTS:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
 def latest(path: str | Path) -> int | None:
