@@ -67,6 +67,12 @@ def test_a_disk_that_fails_at_the_end_counts(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_librarys_own_words_are_kept(tmp_path):
+    with pytest.raises(OSError, match="the encoder has gone") as caught, whole(tmp_path / "a.mp4"):
+        raise OSError("the encoder has gone")
+    assert caught.value.filename == str(tmp_path / "a.mp4")
+
+
 def test_what_a_killed_process_left_is_known_by_its_name(tmp_path):
     mine = (tmp_path / ".hidden", tmp_path / "a.part", tmp_path / "b.part.json", tmp_path / "c.json")
     for path in mine:
