@@ -104,7 +104,7 @@ def test_what_was_evaluated_before_a_driver_failed_is_kept(place, capsys):
     message = " ".join(err.split())
     assert "jaxwalk: mine.py:Mine: act returned shape (512, 1); return an array of shape (512, 2)" in message
     assert "(scenario 512 and 511 others, played together, step 2); the 512 episodes evaluated before are" in message
-    assert [path.name for path in (place / "kept").iterdir()] == ["episodes-partial.csv"]
+    assert sorted(path.name for path in (place / "kept").iterdir()) == [".lock", "episodes-partial.csv"]
     assert len((place / "kept" / "episodes-partial.csv").read_text().splitlines()) == 1 + 512
 
 
@@ -122,7 +122,7 @@ def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys)
     out = capsys.readouterr().out
     assert out.count("3 scenarios") == 3  # two tests, and which scenarios they were
     assert {file.name for file in (place / "kept").iterdir()} == {
-        "encounters.parquet", "episodes.csv", "results.json", "suite.md",
+        ".lock", "encounters.parquet", "episodes.csv", "results.json", "suite.md",
     }  # fmt: skip
     suite = (place / "kept" / "suite.md").read_text()
     assert "| rule-based among always-go |" in suite and "Made at commit" in suite
@@ -169,7 +169,9 @@ def test_a_report_on_a_driver(place, capsys):
     assert main(command.split()) == 0
     assert capsys.readouterr().out == "Open mine/report.html\n"
     folder = place / "mine"
-    assert {p.name for p in folder.iterdir()} == {"report.html", "results.json", "episodes.csv", "figures", "tables"}
+    assert {p.name for p in folder.iterdir()} == {
+        ".lock", "report.html", "results.json", "episodes.csv", "figures", "tables",
+    }  # fmt: skip
     results = json.loads((folder / "results.json").read_text())
     hits = results["cells"][0]["outcomes"]["all"]["per_km"]["count"]
     assert hits > 3

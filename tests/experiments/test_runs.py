@@ -19,7 +19,15 @@ def test_configuration_comes_back(tmp_path, name):
 
 def test_a_new_run_writes_its_configuration_alone(tmp_path):
     run = Run.create(tmp_path / "a" / "run", RECIPES["fast"])
-    assert [path.name for path in run.path.iterdir()] == ["config.json"]
+    assert sorted(path.name for path in run.path.iterdir()) == [".lock", "config.json"]
+
+
+def test_what_a_process_killed_at_once_left_is_in_nobodys_way(tmp_path):
+    for name in (".lock", ".config.123.part.json"):
+        (tmp_path / name).touch()
+    assert Run.create(tmp_path, RECIPES["fast"]).experiment == RECIPES["fast"]
+    with pytest.raises(RunError, match="not empty"):
+        Run.create(tmp_path, RECIPES["fast"])
 
 
 def test_an_empty_folder_may_be_used(tmp_path):
@@ -40,6 +48,7 @@ def test_a_run_is_not_overwritten(tmp_path):
         (("train", "minibatches"), 7, r"config.json: train: .*minibatches must divide steps \(64\), not 7"),
         (("train", "driver", "epochs"), "many", r"config.json: train.driver.epochs: .*integer"),
         (("sim", "dt"), 0, r"config.json: sim: .*dt must be above 0"),
+        (("minutes",), 0, r"config.json: .*minutes must be above 0, not 0"),
         (("seed",), -1, r"config.json: .*seed must lie in \[0, 2\^32\), not -1"),
     ],
 )

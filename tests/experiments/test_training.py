@@ -1,16 +1,22 @@
 """The host loop: the same result however it was interrupted, and nothing lost or told twice."""
 
+import io
+from contextlib import ExitStack
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from rich.console import Console
 
 from jaxwalk.experiments.recipes import single_agent, with_training
 from jaxwalk.experiments.runs import Run
-from jaxwalk.experiments.training import DivergedError, Session, begin, train
+from jaxwalk.experiments.training import DivergedError, Session, UnwrittenError, begin, is_finished, train
 from jaxwalk.experiments.world import make_street
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.policies import load_policy, read_metadata
+from limits import files_at_most
+from reliability.kill_training import board
 
 
 @pytest.fixture
@@ -65,7 +71,9 @@ def test_the_policy_says_where_it_comes_from(whole):
 
 
 def test_there_are_events_for_tensorboard(whole):
-    assert list(whole.path.glob("events.out.tfevents.*"))
+    shown = board(whole.path)
+    assert list(shown) == [1, 2, 3, 4, 5, 6]
+    assert shown[6]["goal_rate"] == pytest.approx(whole.metrics()[5]["goal_rate"])
 
 
 def test_resumed_training_equals_uninterrupted(whole, tiny, tmp_path, quiet, stopping, monkeypatch):
@@ -80,7 +88,9 @@ def test_resumed_training_equals_uninterrupted(whole, tiny, tmp_path, quiet, sto
     again = Run.open(run.path)
     assert not train(again, resume=True, console=quiet).interrupted
     assert _told(again) == _told(whole)
+    assert board(again.path).keys() == board(whole.path).keys()  # no update twice, though 3 and more came again
     _assert_same(again, whole)
+    assert again.policy.read_bytes() == whole.policy.read_bytes()
 
 
 def test_resuming_what_is_finished_changes_nothing(whole, quiet):
@@ -104,6 +114,82 @@ def test_a_plan_by_minutes_trains_like_that_number_of_updates(whole, tiny, tmp_p
     timed = Run.create(tmp_path / "timed", with_training(tiny, updates=1000))
     train(timed, minutes=1.0, console=quiet)
     _assert_same(timed, whole)
+
+
+def test_a_plan_that_was_shortened_after_the_checkpoint_counts(tiny, tmp_path, quiet, stopping):
+    run = Run.create(tmp_path / "cut", tiny)
+    stopping(2)
+    train(run, console=quiet)
+    run.describe(with_training(tiny, updates=5))  # then killed
+    assert train(Run.open(run.path), resume=True, console=quiet).updates == 5
+    assert run.metrics()[-1]["learning_rate"] == pytest.approx(tiny.train.learning_rate / 5, rel=1e-3)
+
+
+def test_a_training_by_minutes_killed_before_its_plan_is_planned_when_resumed(tiny, tmp_path, quiet, monkeypatch):
+    from jaxwalk.experiments import training
+
+    def killed(*_):
+        raise KeyboardInterrupt
+
+    limits = []
+
+    def plan(session, learner, limit):
+        limits.append(limit)
+        return training._with_plan(session, learner, 2)
+
+    monkeypatch.setattr(training, "_planned", killed)
+    run = Run.create(tmp_path / "timed", with_training(tiny, updates=1000))
+    with pytest.raises(KeyboardInterrupt):
+        train(run, minutes=7.0, console=quiet)
+    monkeypatch.setattr(training, "_planned", plan)
+    assert train(Run.open(run.path), resume=True, console=quiet).updates == 2
+    assert limits == [420.0]
+    assert Run.open(run.path).experiment == with_training(tiny, updates=2)
+
+
+def test_a_policy_of_an_earlier_update_is_not_the_end(whole, tiny, tmp_path, quiet, stopping):
+    run = Run.create(tmp_path / "cut", tiny)
+    stopping(2)
+    train(run, console=quiet)
+    assert is_finished(whole)
+    assert not is_finished(run)
+
+
+def test_a_full_disk_keeps_the_last_checkpoint_and_says_so(whole, tiny, tmp_path, quiet, monkeypatch):
+    record, no_room = Session.record, ExitStack()
+
+    def fill(self, metrics, updates):
+        if updates == 4:
+            no_room.enter_context(files_at_most(1))
+        record(self, metrics, updates)
+
+    monkeypatch.setattr(Session, "record", fill)
+    run = Run.create(tmp_path / "full", tiny)
+    with no_room, pytest.raises(UnwrittenError) as caught:
+        train(run, console=quiet, checkpoint_minutes=1e-9)
+    assert str(caught.value) == (
+        f"{run.path}: training stopped ({run.path / 'metrics.jsonl'}: File too large); the checkpoint of update 3 is "
+        f"kept. Mend that, then go on with: jaxwalk train --resume {run.path}"
+    )
+    monkeypatch.undo()
+    train(Run.open(run.path), resume=True, console=quiet)
+    assert _told(run) == _told(whole)
+    _assert_same(run, whole)
+
+
+def test_a_damaged_checkpoint_costs_the_updates_since_the_one_before(whole, tiny, tmp_path, stopping, monkeypatch):
+    run, said = Run.create(tmp_path / "cut", tiny), io.StringIO()
+    stopping(3)
+    train(run, console=Console(file=said), checkpoint_minutes=1e-9)
+    monkeypatch.undo()
+    newest = run.checkpoints / str(checkpoint.latest(run.checkpoints))
+    for file in newest.rglob("*.ocdbt"):
+        file.write_bytes(b"")
+    train(Run.open(run.path), resume=True, console=Console(file=said))
+    assert f"checkpoint {newest.name} can't be read" in said.getvalue()
+    assert (run.checkpoints / f"{newest.name}.damaged").is_dir()
+    assert _told(run) == _told(whole)
+    _assert_same(run, whole)
 
 
 def test_numbers_that_are_not_finite_stop_training(whole, tiny, tmp_path, quiet, monkeypatch):

@@ -3,8 +3,8 @@
     make mutants                                            # all of them: up to two hours on two cores
     python tests/reliability/mutation.py losses --sample 50
 
-Works in copies of src/ and tests/. Cosmic Ray (``pip install 'jaxwalk[mutants]'``) makes the mistakes: another operator,
-a comparison that includes or leaves out its limit, a number plus one, a condition turned round. What annotations alone
+Works in copies of src/ and tests/. Cosmic Ray (``pip install cosmic-ray``) makes the mistakes: another operator, a
+comparison that includes or leaves out its limit, a number plus one, a condition turned round. What annotations alone
 would show is left out, since it changes nothing that runs.
 """
 
@@ -85,7 +85,7 @@ class _WithoutAnnotations(ast.NodeTransformer):
 
 
 def _meaning(code: str) -> str:
-    """What the code does, in a form that equals that of code doing the same with other annotations; "" if it can't run."""
+    """What the code does, the same whatever its annotations; "" if it can't run."""
     try:
         return ast.dump(_WithoutAnnotations().visit(ast.parse(code)))
     except SyntaxError:

@@ -5,6 +5,7 @@ Bad input ends in one message on standard error and exit code 2, with nothing wr
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -12,6 +13,13 @@ from pathlib import Path
 
 BAD_INPUT, INTERRUPTED = 2, 130
 """Exit codes: something given can't be used; Ctrl-C."""
+MENDS = {
+    errno.ENOSPC: "make room on the disk, or name another place",
+    errno.EDQUOT: "make room on the disk, or name another place",
+    errno.EFBIG: "files may not be so large here; raise the limit, or name another place",
+    errno.EROFS: "name another place",
+}
+"""What to do about errors of the operating system."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -25,16 +33,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         options = _parse(arguments)
         _keep_compiled_code()
-        return options.run()
+        code = options.run()
+        _flush()
+        return code
     except SystemExit as end:  # --help, or an option that does not exist
         return int(end.code or 0) if not isinstance(end.code, str) else BAD_INPUT
     except KeyboardInterrupt:
         print("jaxwalk: interrupted", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:  # somebody read only the beginning of what was printed
-        sys.stderr.close()
-        return 1
     except (ValueError, OSError, MemoryError, RuntimeError) as error:
+        if isinstance(error, BrokenPipeError) and error.filename is None:
+            sys.stderr.close()  # somebody read only the beginning of what was printed
+            return 1
         message = _message(error)
         if message is None:
             raise
@@ -60,11 +70,21 @@ def _message(error: Exception) -> str | None:
     """What to tell about bad input; None for an error of the program itself."""
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
-        return f"{where}{error.strerror or error}; check the path and its permissions"
+        what = " ".join(str(error.strerror or error).split())
+        return f"{where}{what}; {MENDS.get(error.errno or 0, 'check the path and its permissions')}"
     if isinstance(error, MemoryError) or "RESOURCE_EXHAUSTED" in str(error):  # (the latter is JAX's word for it)
         return "not enough memory; ask for fewer environments or pedestrians, smaller networks or smaller files"
     ours = type(error).__module__.startswith("jaxwalk")
     return " ".join(str(error).split("\n")) if ours else None
+
+
+def _flush() -> None:
+    """Print what waits, now that a full disk can still be told of."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what waits can go nowhere
+        raise
 
 
 def _keep_compiled_code() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -29,14 +30,16 @@ from jaxwalk.evaluation import (
     write_rows,
 )
 from jaxwalk.experiments.contestants import contestant, world_of
+from jaxwalk.experiments.lock import held
 from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.runs import check_writable, write_whole
+from jaxwalk.experiments.runs import check_writable
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.report.suite import said, suite
 from jaxwalk.report.table import shown
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
+from jaxwalk.writing import write_whole
 
 Played = dict[tuple[str, str], Rows]
 
@@ -52,6 +55,22 @@ def run(options: Evaluate) -> int:
         cars = {x: contestant(streets[0], "driver", x, **chosen) for x in drivers}
         people_sample = False if options.pedestrian_mode else None
         people = {x: contestant(streets[0], "pedestrian", x, sample=people_sample) for x in options.pedestrians}
+    with held(options.out) if options.out else nullcontext():
+        document = _evaluate(options, streets, cars, people)
+    if options.json:
+        print(_text(document), end="")
+    else:
+        console = Console()
+        console.width = max(console.width, 132)  # the numbers need it; a narrower terminal wraps
+        lines = [*said(document), *cost_lines(document), document_line(document)]
+        console.print(table(document), *map(escape, lines), sep="\n")
+    return 0
+
+
+def _evaluate(
+    options: Evaluate, streets: list[Street], cars: dict[str, Policy], people: dict[str, Policy]
+) -> dict[str, Any]:
+    """The document, written as it grows if ``--out`` says where."""
     document, rows = _play(options, streets, cars, people)
     if options.compare:
         document["compared"] = _compared(options, streets, rows)
@@ -62,14 +81,7 @@ def run(options: Evaluate) -> int:
         _replay_collisions(options, document, streets, cars, people, rows)
     if options.counterfactuals and options.out:
         _keep_document(options.out, document)
-    if options.json:
-        print(_text(document), end="")
-    else:
-        console = Console()
-        console.width = max(console.width, 132)  # the numbers need it; a narrower terminal wraps
-        lines = [*said(document), *cost_lines(document), document_line(document)]
-        console.print(table(document), *map(escape, lines), sep="\n")
-    return 0
+    return document
 
 
 def check(options: Evaluate) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 from collections.abc import Iterable
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from jaxwalk.evaluation.results import CONTACT_NAMES
 from jaxwalk.metrics import Rows
 from jaxwalk.metrics.braking import NAMES
+from jaxwalk.writing import whole
 
 UNITS = {
     "enter": "s", "start": "s", "end": "s", "min_distance": "m", "entry_speed": "m/s", "braking_time": "s", "ttc": "s",
@@ -51,25 +52,18 @@ def encounter_columns(rows: Rows) -> dict[str, Any]:
 
 
 def write_encounters(path: str | Path, cells: Iterable[tuple[str, str, float, Rows]]) -> None:
-    """Write the encounters of all cells (driver, pedestrians, jaywalk multiplier, rows); whole or not at all.
+    """Write the encounters of cells, at least one (driver, pedestrians, jaywalk multiplier, rows); whole or not at all.
 
     Raises MissingLibraryError without pyarrow.
     """
     check_parquet()
     from pyarrow.parquet import ParquetWriter
 
-    path = Path(path)
-    unfinished, writer = path.with_name(f".{path.name}.{os.getpid()}.part"), None
-    try:
-        for cell in cells:
-            table = _table(*cell)
-            writer = writer or ParquetWriter(unfinished, table.schema, compression="zstd")
+    tables = (_table(*cell) for cell in cells)
+    first = next(tables)
+    with whole(path) as unfinished, ParquetWriter(unfinished, first.schema, compression="zstd") as writer:
+        for table in chain([first], tables):
             writer.write_table(table)
-        if writer is not None:
-            writer.close()
-            unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def _table(driver: str, people: str, multiplier: float, rows: Rows) -> Any:

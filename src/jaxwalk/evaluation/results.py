@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import math
-import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -22,6 +21,7 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Estimate, Rate, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.sim.environment import Street
+from jaxwalk.writing import write_whole
 
 SCHEMA = 3
 """Version of the JSON document; it changes when something is added that reports need."""
@@ -221,10 +221,7 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
     writer.writerow(("scenario", *names, *ENDING))
     for *values, rows in cells:
         writer.writerows(_episode_rows(values, rows))
-    path = Path(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    unfinished.write_text(text.getvalue(), encoding="utf-8")
-    unfinished.replace(path)
+    write_whole(path, text.getvalue())
 
 
 def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:

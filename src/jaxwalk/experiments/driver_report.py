@@ -12,11 +12,13 @@ from typing import Any
 from jaxwalk.evaluation import Match, ReplayError, paired_over_seeds, write_rows
 from jaxwalk.experiments.contestants import run_folders
 from jaxwalk.experiments.gallery import Cast, gallery
+from jaxwalk.experiments.lock import held
 from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.runs import Run, write_whole
+from jaxwalk.experiments.runs import Run
 from jaxwalk.experiments.tournament import Scenarios, document_of, play_rounds
 from jaxwalk.metrics import Rows
 from jaxwalk.report import write_report
+from jaxwalk.writing import write_whole
 
 MANY = 4
 """Numbers of so many drivers stand at the top of the page; the others in its tables."""
@@ -34,9 +36,17 @@ def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Ca
 
     Returns:
         The path of the page.
+
+    Raises:
+        InUseError: another process writes into the folder.
     """
+    with held(folder):
+        return _report(folder, cast, episodes, most, say)
+
+
+def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[str], None]) -> Path:
+    """`driver_report`, alone in the folder."""
     began = time.monotonic()
-    folder.mkdir(parents=True, exist_ok=True)
     curves = _curves(cast.drivers)
     round_ = (None, cast.drivers, cast.populations)
     start, matches = play_rounds(cast.street, [round_], Scenarios(episodes, cast.seed), say)

@@ -16,7 +16,6 @@ import numpy as np
 from jaxtyping import Array, Key
 
 from jaxwalk.experiments.contestants import contestant, policy_file, world_of
-from jaxwalk.experiments.runs import write_whole
 from jaxwalk.interfaces import ByRole
 from jaxwalk.learning.actor import Held
 from jaxwalk.policies import AlwaysGo, PolicyError, RouteFollower, read_metadata
@@ -24,6 +23,7 @@ from jaxwalk.policies.learned import LearnedPolicy
 from jaxwalk.policies.onnx_export import onnx_model
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 from jaxwalk.sim.environment import Street
+from jaxwalk.writing import write_whole
 
 LARGEST_GAP = 1e-4
 """A file is written only if no action, or logit, differs by more."""

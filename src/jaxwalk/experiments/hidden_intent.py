@@ -23,7 +23,6 @@ from jaxwalk.experiments.contestants import contestant
 from jaxwalk.experiments.parts import Effort, Work
 from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
-from jaxwalk.experiments.runs import write_whole
 from jaxwalk.experiments.tournament import Round, Scenarios, document_of, play_rounds
 from jaxwalk.metrics import Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
@@ -32,6 +31,7 @@ from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.hidden_intent import BLIND, page
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, TOLD
+from jaxwalk.writing import write_whole
 
 DRIVERS = {BLIND: "route", "belief": BELIEF, "told": TOLD}
 """The cars and what they see. Their critics see the same, and in it every tendency: only the drivers differ."""

@@ -16,10 +16,12 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from rich.console import Console
 
+from jaxwalk.experiments.lock import held
 from jaxwalk.experiments.recipes import Experiment
-from jaxwalk.experiments.runs import Run, RunError, check_writable, write_whole
-from jaxwalk.experiments.training import train
+from jaxwalk.experiments.runs import Run, RunError, check_writable, is_empty
+from jaxwalk.experiments.training import is_finished, train
 from jaxwalk.sim.environment import Street
+from jaxwalk.writing import remove_unfinished, write_whole
 
 
 class Interrupted(Exception):
@@ -95,8 +97,18 @@ class Work(Generic[P]):
         return Street.create(self.base.maps, self.base.sim, jaywalk_multiplier=self.base.jaywalk_multiplier)
 
     def do(self, steps: Sequence[tuple[str, Callable[[Self], None]]]) -> None:
-        """Make the folder, or see that it was made for the same plan; then one step after the other, with its title."""
-        self._begin()
+        """Make the folder, or see that it was made for the same plan; then one step after the other, with its title.
+
+        Raises InUseError if another process fills the folder.
+        """
+        self._check()
+        with held(self.folder):
+            self._check()  # again: another process may have been quicker
+            remove_unfinished(self.folder)
+            self.keep("plan.json", asdict(self.plan))
+            self._do(steps)
+
+    def _do(self, steps: Sequence[tuple[str, Callable[[Self], None]]]) -> None:
         for number, (name, step) in enumerate(steps, 1):
             self.say(f"[{number}/{len(steps)}] {name}")
             begun = time.monotonic()
@@ -113,9 +125,9 @@ class Work(Generic[P]):
         folder, said = self.run(name, seed), f"    {name}, seed {seed}"
         begun = (folder / "config.json").is_file()
         run = Run.open(folder) if begun else Run.create(folder, replace(experiment, seed=seed))
-        lines = run.metrics()
-        if lines and lines[-1]["update"] >= run.experiment.train.updates and run.policy.is_file():
-            self.say(f"{said}: there already, {lines[-1]['steps']:,} steps")
+        if is_finished(run):
+            steps = run.experiment.train.updates * run.experiment.steps_per_update
+            self.say(f"{said}: there already, {steps:,} steps")
             return
         resume = begun and run.checkpoints.is_dir()
         trained = train(run, minutes=None if resume else minutes, resume=begun, console=self.console, name=said)
@@ -123,17 +135,16 @@ class Work(Generic[P]):
             raise Interrupted
         self.say(f"{said}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")
 
-    def _begin(self) -> None:
+    def _check(self) -> None:
+        """Raise RunError unless the folder can be begun or gone on with. Writes nothing."""
         asked, there = asdict(self.plan), self.json("plan.json")
         folder, other = self.folder, "name another folder"
-        if there is None and folder.is_dir() and any(folder.iterdir()):
+        if there is None and folder.is_dir() and not is_empty(folder):
             raise RunError(f"{folder}: the folder is not empty and no `jaxwalk {self.command}` made it; {other}")
         if there is not None and there != asked:
             name = next((n for n in asked if not isinstance(there, dict) or there.get(n) != asked[n]), "plan")
             raise RunError(f"{folder}: was begun with another value of {name}; ask for the same again, or {other}")
         check_writable(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        self.keep("plan.json", asked)
 
     def _count_minutes(self, name: str, seconds: float) -> None:
         """Add to what each part took, over interruptions."""

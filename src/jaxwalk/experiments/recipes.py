@@ -36,6 +36,8 @@ class Experiment:
     """The world's rules."""
     seed: int = 0
     """Of networks, scenarios and actions."""
+    minutes: float | None = None
+    """Training is yet to be planned: as many updates as fit into so many minutes. None: `TrainConfig.updates` it is."""
 
     def __post_init__(self) -> None:
         """Refuse what no environment could be made of."""
@@ -45,6 +47,8 @@ class Experiment:
             raise ValueError(f"seed must lie in [0, 2^32), not {self.seed}")
         if not 0 <= self.jaywalk_multiplier < float("inf"):
             raise ValueError(f"jaywalk_multiplier must be 0 or more, not {self.jaywalk_multiplier}")
+        if self.minutes is not None and not 0 < self.minutes < float("inf"):
+            raise ValueError(f"minutes must be above 0, not {self.minutes}")
 
     @property
     def single_agent(self) -> bool:

@@ -5,6 +5,7 @@
     events.out.*        the same for TensorBoard
     checkpoints/        to resume from
     policy.safetensors  the trained actors, with where they come from
+    .lock               held by the process that trains
 
 Files are written under another name and renamed when whole.
 """
@@ -21,7 +22,10 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from jaxwalk.experiments.board import Board
+from jaxwalk.experiments.lock import LOCK, held
 from jaxwalk.experiments.recipes import Experiment
+from jaxwalk.writing import is_unfinished, naming, write_whole
 
 CONFIG, METRICS, CHECKPOINTS, POLICY = "config.json", "metrics.jsonl", "checkpoints", "policy.safetensors"
 """Names inside a run folder."""
@@ -33,16 +37,14 @@ class RunError(ValueError):
     """A run folder that can't be used; one line names it, says what is wrong and what to do."""
 
 
-def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file so that it is there whole or not at all."""
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    unfinished.write_bytes(content.encode() if isinstance(content, str) else content)
-    unfinished.replace(path)
+def is_empty(folder: Path) -> bool:
+    """Whether nothing is in it but what a process that was killed at once may have left."""
+    return all(path.name == LOCK or is_unfinished(path) for path in folder.iterdir())
 
 
 def check_new(path: Path) -> None:
     """Raise RunError unless a folder can be made (or filled, if empty) there. Writes nothing."""
-    if path.is_dir() and any(path.iterdir()):
+    if path.is_dir() and not is_empty(path):
         hint = f"continue it with `jaxwalk train --resume {path}`, or " if (path / CONFIG).is_file() else ""
         raise RunError(f"{path}: the folder is not empty; {hint}name another folder")
     if path.exists() and not path.is_dir():
@@ -73,9 +75,10 @@ class Run:
     def create(cls, path: str | Path, experiment: Experiment) -> Run:
         """A new folder; an existing one must be empty."""
         check_new(Path(path))
-        Path(path).mkdir(parents=True, exist_ok=True)
         run = cls(path, experiment)
-        run.describe(experiment)
+        with held(run.path):
+            check_new(run.path)  # again: another process may have been quicker
+            run.describe(experiment)
         return run
 
     @classmethod
@@ -126,27 +129,32 @@ class MetricsLog:
 
     def __init__(self, run: Run, *, updates: int = 0) -> None:
         """Go on after so many updates: later lines of an interrupted run are dropped."""
-        from tensorboardX import SummaryWriter
-
         self.kept = run.keep_metrics(updates)
-        self._file = (run.path / METRICS).open("a", encoding="utf-8")
-        purge = updates + 1 if updates else None
-        self._board: Any = SummaryWriter(str(run.path), purge_step=purge)
+        self._path = run.path / METRICS
+        self._file = self._path.open("a", encoding="utf-8")
+        self._board = Board(run.path, first=updates + 1)
 
     def __enter__(self) -> MetricsLog:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._file.close()
-        self._board.close()
+        try:
+            with naming(self._path):
+                self._file.close()
+        finally:
+            self._board.close()
 
     def write(self, line: Mapping[str, int | float]) -> None:
         """One update's metrics, ``update`` among them."""
-        self._file.write(_line(line))
-        self._file.flush()
-        for name, value in line.items():
-            if name != "update":
-                self._board.add_scalar(name, value, line["update"])
+        with naming(self._path):
+            self._file.write(_line(line))
+            self._file.flush()
+        self._board.write(line)
+
+    def to_disk(self) -> None:
+        """Wait until all lines are on the disk."""
+        with naming(self._path):
+            os.fsync(self._file.fileno())
 
 
 def _metrics(line: str) -> dict[str, int | float]:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from jaxwalk.evaluation import replay
 from jaxwalk.experiments.episodes import map_of
-from jaxwalk.experiments.runs import write_whole
 from jaxwalk.formats.commonroad import commonroad, read_commonroad
 from jaxwalk.formats.opendrive import opendrive
 from jaxwalk.formats.openscenario import openscenario, read_openscenario
@@ -15,6 +14,7 @@ from jaxwalk.formats.road_network import road_network
 from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy
 from jaxwalk.sim.environment import Street
+from jaxwalk.writing import write_whole
 
 EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
 """Files of the folder."""

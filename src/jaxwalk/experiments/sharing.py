@@ -8,9 +8,10 @@ from typing import Any
 
 from jaxwalk.evaluation import compare
 from jaxwalk.experiments.contestants import contestant, world_of
-from jaxwalk.experiments.runs import Run, write_whole
+from jaxwalk.experiments.runs import Run
 from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
 from jaxwalk.report.table import shown
+from jaxwalk.writing import write_whole
 
 FIGURES = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
 """Of each cell, what the file and its card tell."""

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import signal
-import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -17,17 +16,20 @@ import jax.numpy as jnp
 import numpy as np
 from rich.console import Console
 
+from jaxwalk.experiments.lock import held
 from jaxwalk.experiments.progress import Pace, TrainingProgress
 from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.runs import MetricsLog, Run, RunError
+from jaxwalk.experiments.stop import Stop
 from jaxwalk.experiments.watch import WatchPage, there_is_one
 from jaxwalk.experiments.world import fixed_policies, make_street
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
-from jaxwalk.policies import save_policy
+from jaxwalk.policies import read_metadata, save_policy
 from jaxwalk.rollout import TRAINING, seed_key
 from jaxwalk.sim.environment import Street
+from jaxwalk.writing import remove_unfinished
 
 CHECKPOINT_MINUTES = 2.0
 """Minutes between checkpoints."""
@@ -55,27 +57,8 @@ class DivergedError(RunError):
     """Training met a number that is not finite."""
 
 
-class Stop:
-    """Ctrl-C asks politely: the update in flight is finished first. A second one interrupts at once."""
-
-    requested = False
-
-    @contextmanager
-    def listening(self) -> Iterator[Stop]:
-        """Take Ctrl-C while inside."""
-        if threading.current_thread() is not threading.main_thread():
-            yield self
-            return
-        before = signal.signal(signal.SIGINT, self._hear)
-        try:
-            yield self
-        finally:
-            signal.signal(signal.SIGINT, before)
-
-    def _hear(self, *_: object) -> None:
-        if self.requested:
-            raise KeyboardInterrupt
-        self.requested = True
+class UnwrittenError(RunError):
+    """Training could not write into its folder, as on a full disk."""
 
 
 @dataclass
@@ -110,10 +93,8 @@ class Session:
         """Write and show the metrics of an update, waiting for it if need be."""
         values = {name: float(value) for name, value in jax.device_get(metrics).items()}
         if not values.pop("finite"):
-            kept = checkpoint.latest(self.run.checkpoints)
-            last = f"the checkpoint of update {kept} is kept" if kept else "there is no checkpoint"
             raise DivergedError(
-                f"{self.run.path}: update {updates} gave numbers that are not finite; {last}. "
+                f"{self.run.path}: update {updates} gave numbers that are not finite; {_kept(self.run)}. "
                 "Lower the learning rate or the reward scale, or try another seed"
             )
         values["steps"] = updates * self.run.experiment.steps_per_update
@@ -129,10 +110,18 @@ class Session:
         arrays = jax.tree.leaves(eqx.filter(learner.actors, eqx.is_array))
         if not all(np.isfinite(x).all() for x in jax.device_get(arrays)):
             raise DivergedError(f"{self.run.path}: networks not finite at update {updates}; lower the learning rate")
+        self.log.to_disk()  # a checkpoint without its metrics would leave a gap
         if checkpoint.latest(self.run.checkpoints) != updates:
             checkpoint.save(self.run.checkpoints, learner, updates=updates)
         save_policy(self.run.policy, learner, policy_metadata(self.run, updates))
         self.saved = time.monotonic()
+
+
+def is_finished(run: Run) -> bool:
+    """Whether the planned updates are made and the policy is the last one's."""
+    if run.experiment.minutes is not None or not run.policy.is_file():
+        return False
+    return read_metadata(run.policy).get("updates", 0) >= run.experiment.train.updates
 
 
 def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
@@ -164,10 +153,46 @@ def train(
         name: what to call this training there.
         checkpoint_minutes: minutes between checkpoints.
         watch: write a page into the run folder that shows how it goes; one that is there is gone on with anyway.
+
+    Raises:
+        DivergedError: numbers are not finite any more.
+        InUseError: another process trains there.
+        UnwrittenError: the disk is full, or the like.
+        CheckpointError: no checkpoint can be gone on from.
     """
-    begun, console = time.monotonic(), console or Console(stderr=True)
+    console = console or Console(stderr=True)
+    with held(run.path), _telling_what_is_kept(run):
+        remove_unfinished(run.path)
+        if minutes is not None:
+            run.describe(replace(run.experiment, minutes=minutes))
+        return _train(run, resume, console, name, checkpoint_minutes, watch)
+
+
+@contextmanager
+def _telling_what_is_kept(run: Run) -> Iterator[None]:
+    """While inside, an OSError says what there is to go on from."""
+    try:
+        yield
+    except OSError as error:
+        what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        raise UnwrittenError(
+            f"{run.path}: training stopped ({what}); {_kept(run)}. "
+            f"Mend that, then go on with: jaxwalk train --resume {run.path}"
+        ) from error
+
+
+def _kept(run: Run) -> str:
+    updates = checkpoint.latest(run.checkpoints)
+    return "there is no checkpoint yet" if updates is None else f"the checkpoint of update {updates} is kept"
+
+
+def _train(
+    run: Run, resume: bool, console: Console, name: str, checkpoint_minutes: float, watch: bool
+) -> Trained:  # fmt: skip
+    """`train`, alone in the folder."""
+    begun, minutes = time.monotonic(), run.experiment.minutes
     street, config = make_street(run.experiment), replace(run.experiment.train, updates=1)
-    learner = begin(run, street, config, resume=resume)
+    learner = begin(run, street, config, resume=resume, tell=partial(console.print, soft_wrap=True, markup=False))
     done, planned = int(learner.updates), int(learner.planned)
     per_update = run.experiment.steps_per_update
     pace = Pace(done, planned, per_update)
@@ -190,14 +215,19 @@ def _page(run: Run, name: str, pace: Pace, log: MetricsLog, watch: bool) -> Abst
     return WatchPage(run, name, pace, log.kept) if watch or there_is_one(run.path) else nullcontext()
 
 
-def begin(run: Run, street: Street, config: TrainConfig, *, resume: bool) -> Learner:
-    """An untrained learner with the run's plan, or the one of the newest checkpoint."""
+def begin(
+    run: Run, street: Street, config: TrainConfig, *, resume: bool, tell: Callable[[str], None] = print
+) -> Learner:
+    """An untrained learner, or the one of the newest checkpoint that can be read; with the run's plan.
+
+    The plan may have been shortened after the checkpoint. ``tell`` is called with a line about each damaged checkpoint.
+    """
     experiment = run.experiment
     learner = mappo.init(street, config, seed_key(experiment.seed, TRAINING), others=fixed_policies(experiment))
-    learner = _plan(learner, experiment.train.updates)
-    if resume and checkpoint.latest(run.checkpoints) is not None:
-        learner = checkpoint.restore(run.checkpoints, learner)
-    return learner
+    if resume:
+        found = checkpoint.restore_newest(run.checkpoints, learner, tell=tell)
+        learner = learner if found is None else found
+    return _plan(learner, experiment.train.updates)
 
 
 def _loop(session: Session, learner: Learner, limit: float, checkpoint_seconds: float) -> Learner:
@@ -247,7 +277,7 @@ def _planned(session: Session, learner: Learner, limit: float) -> Learner:
 
 def _with_plan(session: Session, learner: Learner, planned: int) -> Learner:
     experiment = session.run.experiment
-    session.run.describe(replace(experiment, train=replace(experiment.train, updates=planned)))
+    session.run.describe(replace(experiment, train=replace(experiment.train, updates=planned), minutes=None))
     session.progress.restart(planned)
     return _plan(learner, planned)
 

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.experiments.progress import Pace
-from jaxwalk.experiments.runs import Run, write_whole
+from jaxwalk.experiments.runs import Run
 from jaxwalk.metrics.statistics import ratio
+from jaxwalk.writing import write_whole
 
 PAGE, NUMBERS = "watch.html", "watch.js"
 """Names inside a run folder."""

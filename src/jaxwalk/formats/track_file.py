@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import os
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from jaxwalk.formats.areas import Areas, parse_areas
 from jaxwalk.formats.tracks import CAR, LARGEST, OF_CARS, OPTIONAL, PEDESTRIAN, REQUIRED, UNITS, Tracks, TracksError
+from jaxwalk.writing import whole
 
 SCHEMA = 1
 """Version of the table."""
@@ -52,22 +52,16 @@ def write_tracks(
     check_parquet()
     from pyarrow.parquet import ParquetWriter
 
-    path = Path(path)
-    unfinished, writer = path.with_name(f".{path.name}.{os.getpid()}.part"), None
     metadata = {KEY: json.dumps({"schema": SCHEMA, **about})} | ({AREAS: json.dumps(areas)} if areas else {})
-    try:
-        left = iter(recordings)
-        while some := list(islice(left, EPISODES)):
-            table = _table(some)
-            schema = table.schema.with_metadata(metadata)
-            writer = writer or ParquetWriter(unfinished, schema, compression="zstd")
+    left = iter(recordings)
+    tables = map(_table, iter(lambda: list(islice(left, EPISODES)), []))
+    first = next(tables, None)
+    if first is None:
+        raise TracksError(f"{path}: there are no trajectories to write")
+    schema = first.schema.with_metadata(metadata)
+    with whole(path) as unfinished, ParquetWriter(unfinished, schema, compression="zstd") as writer:
+        for table in chain([first], tables):
             writer.write_table(table.cast(schema))
-        if writer is None:
-            raise TracksError(f"{path}: there are no trajectories to write")
-        writer.close()
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def _table(recordings: list[Tracks]) -> Any:

@@ -1,11 +1,16 @@
 """Saving training in the middle, so that it goes on as if it had never stopped.
 
 Orbax writes a checkpoint under another name and renames it when it is whole, so an interrupted save leaves the one
-before it. A checkpoint is a folder per number of updates inside the folder given.
+before it. A checkpoint is a folder per number of updates inside the folder given. The newest may still be damaged, as
+by a power failure; so two are kept, and `restore_newest` goes back to the older one.
 """
 
 from __future__ import annotations
 
+import errno
+import os
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,6 +22,10 @@ from jaxtyping import Array
 
 KEPT = 2
 """Older checkpoints than the last so many are deleted."""
+LISTS = 1_000_000
+"""What a checkpoint holds besides its arrays has at most so many bytes."""
+UNFINISHED = "*.orbax-checkpoint-tmp*"
+"""Names of checkpoints that are not whole."""
 
 T = TypeVar("T")
 
@@ -25,11 +34,32 @@ class CheckpointError(ValueError):
     """A checkpoint that can't be continued from; one line says why and what to do."""
 
 
+class DamagedError(CheckpointError):
+    """A checkpoint that can't be read."""
+
+
 def save(path: str | Path, learner: Any, *, updates: int) -> None:
-    """Write all arrays of the learner (random keys too) into folder ``path`` under the number ``updates``."""
-    with _manager(path, create=True) as manager:
-        manager.save(updates, args=ocp.args.StandardSave(_named_arrays(learner)))
-        manager.wait_until_finished()
+    """Write all arrays of the learner (random keys too) into folder ``path`` under the number ``updates``.
+
+    Raises OSError if that fails, as on a full disk; the checkpoints before are there still.
+    """
+    arrays = _named_arrays(learner)
+    _check_room(Path(path), sum(_data(x).nbytes for x in arrays.values()))
+    try:
+        with _manager(path, create=True) as manager:  # which also removes what a killed process left unfinished
+            manager.save(updates, args=ocp.args.StandardSave(arrays))
+            manager.wait_until_finished()
+    except Exception as error:  # orbax raises many kinds
+        for unfinished in Path(path).glob(UNFINISHED):
+            shutil.rmtree(unfinished, ignore_errors=True)
+        raise _as_os_error(error, Path(path) / str(updates)) from error
+
+
+def _check_room(path: Path, size: int) -> None:
+    """Raise OSError unless the disk has room for arrays of so many bytes: orbax would print pages before it fails."""
+    path.mkdir(parents=True, exist_ok=True)
+    if shutil.disk_usage(path).free < size + LISTS:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
 def latest(path: str | Path) -> int | None:
@@ -38,6 +68,43 @@ def latest(path: str | Path) -> int | None:
         return None
     with _manager(path, create=False) as manager:
         return manager.latest_step()
+
+
+def restore_newest(path: str | Path, like: T, *, tell: Callable[[str], None]) -> T | None:
+    """The learner of the newest checkpoint that can be read; None if there is no checkpoint at all.
+
+    Damaged ones that are newer are renamed, since they would be in the way of those to come, and ``tell`` is called
+    with a line about each. DamagedError if none can be read; then they stay as they are. ``like``: see `restore`.
+    """
+    damaged: dict[int, DamagedError] = {}
+    for updates in _numbers(path):
+        try:
+            learner = restore(path, like, updates=updates)
+        except DamagedError as error:
+            damaged[updates] = error
+            continue
+        for number, error in damaged.items():
+            aside = _put_aside(Path(path) / str(number))
+            tell(f"{error}; it is now {aside.name}, and training goes on from checkpoint {updates}")
+        return learner
+    if damaged:
+        raise DamagedError(f"{next(iter(damaged.values()))}; nor can an older one. Start anew in another folder")
+    return None
+
+
+def _numbers(path: str | Path) -> list[int]:
+    """The updates of all checkpoints, newest first."""
+    if not Path(path).is_dir():
+        return []
+    with _manager(path, create=False) as manager:
+        return sorted(manager.all_steps(), reverse=True)
+
+
+def _put_aside(checkpoint: Path) -> Path:
+    """Rename a checkpoint so that it is none any more."""
+    aside = checkpoint.with_name(f"{checkpoint.name}.damaged")
+    shutil.rmtree(aside, ignore_errors=True)
+    return checkpoint.rename(aside)
 
 
 def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
@@ -58,10 +125,7 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
         except CheckpointError:
             raise
         except Exception as error:  # orbax raises many kinds
-            kind = type(error).__name__
-            raise CheckpointError(
-                f"{path}: checkpoint {step} can't be read ({kind}); delete its folder to use an older one"
-            ) from error
+            raise DamagedError(f"{path}: checkpoint {step} can't be read ({type(error).__name__})") from error
     arrays, rest = eqx.partition(like, eqx.is_array)
     names, structure = _names(arrays), jax.tree.structure(arrays)
     return eqx.combine(jax.tree.unflatten(structure, [found[name] for name in names]), rest)
@@ -79,12 +143,22 @@ def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tu
             raise CheckpointError(f"{path}: {name} has shape {stored[name]} in the checkpoint, not {shape}; {mend}")
 
 
+def _as_os_error(error: Exception, path: Path) -> OSError:
+    """The operating system's reason, if it was it that refused: tensorstore tells it in the midst of pages."""
+    for number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES):
+        if os.strerror(number) in str(error):
+            return OSError(number, os.strerror(number), str(path))
+    return OSError(errno.EIO, " ".join(str(error).split())[:300], str(path))
+
+
 def _data(x: Array) -> Array:
     return jax.random.key_data(x) if jnp.issubdtype(x.dtype, jax.dtypes.prng_key) else x
 
 
 def _manager(path: str | Path, *, create: bool) -> ocp.CheckpointManager:
-    options = ocp.CheckpointManagerOptions(max_to_keep=KEPT, create=create, enable_async_checkpointing=False)
+    options = ocp.CheckpointManagerOptions(
+        max_to_keep=KEPT, create=create, enable_async_checkpointing=False, cleanup_tmp_directories=create
+    )
     return ocp.CheckpointManager(Path(path).resolve(), options=options, item_handlers=ocp.StandardCheckpointHandler())
 
 

@@ -7,7 +7,6 @@ header's entry ``jaxwalk`` is JSON that says how to put them together and where 
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -24,6 +23,7 @@ from jaxtyping import Array, Float, Key
 from jaxwalk.learning.actor import DISCRETE, GATED, Actor, Held, decide, no_memory
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.networks import MLP
+from jaxwalk.writing import write_whole
 
 FORMAT: Final = 1
 """Version of the file format."""
@@ -95,11 +95,7 @@ def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadat
     arrays = {f"{role}.{name}": x for role, actor in actors.items() for name, x in _arrays(actor).items()}
     roles = {role: RoleHeader(x.observes, x.kind, x.network.sizes, x.hold) for role, x in actors.items()}  # pyright: ignore
     header = json.dumps(asdict(Header(FORMAT, roles, dict(metadata))), sort_keys=True)
-    content = safetensors.numpy.save(arrays, {HEADER: header})
-    path = Path(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    unfinished.write_bytes(content)
-    unfinished.replace(path)
+    write_whole(path, safetensors.numpy.save(arrays, {HEADER: header}))
 
 
 def load_policy(path: str | Path, role: str, *, sample: bool = False, expect_size: int | None = None) -> LearnedPolicy:

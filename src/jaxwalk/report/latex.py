@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from jaxwalk.report.table import NONE, Table
+from jaxwalk.writing import write_whole
 
 _SIGNS = {
     "\\": r"\textbackslash{}",
@@ -26,7 +27,7 @@ def write_latex(tables: Mapping[str, Table], captions: Mapping[str, str], folder
     """A ``.tex`` file for each table, with the caption of its name and the label ``tab:name``."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in tables.items():
-        (folder / f"{name}.tex").write_text(latex_table(table, captions[name], name), encoding="utf-8")
+        write_whole(folder / f"{name}.tex", latex_table(table, captions[name], name))
 
 
 def latex_table(table: Table, caption: str, name: str) -> str:

@@ -13,6 +13,8 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from jaxwalk.writing import whole
+
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
 """Okabe and Ito's colours."""
 INK, GRID = "#222221", "#9a9a99"
@@ -75,9 +77,11 @@ def panels(
 
 def save(figure: Figure, folder: Path, name: str) -> str:
     """Write the figure as SVG and PNG, on white; returns the SVG to put into a page, on nothing."""
-    figure.savefig(folder / f"{name}.svg", metadata={"Date": None}, facecolor="white")
+    with whole(folder / f"{name}.svg") as file:
+        figure.savefig(file, metadata={"Date": None}, facecolor="white")
     figure.set_layout_engine("none")  # all is in its place now: to lay it out again would take as long as the drawing
-    figure.savefig(folder / f"{name}.png", dpi=RESOLUTION, facecolor="white")
+    with whole(folder / f"{name}.png") as file:
+        figure.savefig(file, dpi=RESOLUTION, facecolor="white")
     white = (folder / f"{name}.svg").read_text(encoding="utf-8")
     return inline(white.replace("fill: #ffffff", "fill: none"), name)
 

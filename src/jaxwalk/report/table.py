@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from jaxwalk.report.material import Number
+from jaxwalk.writing import write_whole
 
 NONE = "–"
 """Stands for what does not exist."""
@@ -32,7 +33,7 @@ def write_csv(tables: dict[str, Table], folder: Path) -> None:
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(table.columns)
         writer.writerows(table.rows)
-        (folder / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
+        write_whole(folder / f"{name}.csv", text.getvalue())
 
 
 def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

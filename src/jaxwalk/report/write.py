@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -18,6 +17,7 @@ from jaxwalk.report.style import as_picture
 from jaxwalk.report.table import shown, write_csv
 from jaxwalk.report.tables import make_all
 from jaxwalk.viewer.replay import as_script, gallery_html, gallery_script, gallery_style
+from jaxwalk.writing import write_whole
 
 
 def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
@@ -48,9 +48,7 @@ def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
         gallery=_gallery(gallery) if gallery else None, cells=cells,
     )  # fmt: skip
     path = folder / "report.html"
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    unfinished.write_text(page, encoding="utf-8")
-    unfinished.replace(path)
+    write_whole(path, page)
     return path
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 
@@ -15,6 +13,7 @@ from PIL import Image
 from jaxwalk.maps import RoadMap
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer.scene import Scene
+from jaxwalk.writing import whole
 
 PICTURES = (".png", ".svg", ".pdf")
 """What a picture can be, by the end of the file's name."""
@@ -138,14 +137,3 @@ def _write_mp4(path: Path, images: Iterable[np.ndarray], rate: float) -> None:
         writer.send(np.ascontiguousarray(image))
     if writer is not None:
         writer.close()
-
-
-@contextmanager
-def whole(path: Path) -> Iterator[Path]:
-    """A file beside ``path`` that becomes it at the end, and vanishes if anything goes wrong."""
-    unfinished = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
-        yield unfinished
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)

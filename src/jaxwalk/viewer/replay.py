@@ -12,7 +12,7 @@ import numpy as np
 
 from jaxwalk.maps import RoadMap
 from jaxwalk.sim.trajectory import Trajectory
-from jaxwalk.viewer.files import whole
+from jaxwalk.writing import write_whole
 
 SCRIPTS = ("record.js", "drawing.js", "strips.js", "touch.js", "player.js")
 """Parts of the player, in the order in which they use each other."""
@@ -91,5 +91,4 @@ def replay_page(document: dict[str, Any], path: Path, *, title: str) -> None:
         title=title, css=_joined("page.css", "player.css"), player=part("player.html"), data=as_script(document),
         script=_joined(*SCRIPTS),
     )  # fmt: skip
-    with whole(path) as unfinished:
-        unfinished.write_text(page, encoding="utf-8")
+    write_whole(path, page)

@@ -17,7 +17,7 @@ from jaxwalk.experiments.benchmark.processes import measure_apart, variables
 from jaxwalk.experiments.benchmark.settings import PARTS, Settings
 from jaxwalk.experiments.benchmark.showing import markdown
 from jaxwalk.experiments.benchmark.starting import starts
-from jaxwalk.experiments.runs import write_whole
+from jaxwalk.writing import write_whole
 
 SCHEMA = 1
 """Version of the document; it changes when a name in it changes its meaning."""

@@ -1,0 +1,60 @@
+"""A disk without room, or one that may only be read: one message, exit code 2, and nothing half-written."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from jaxwalk import writing
+from jaxwalk.cli import main
+from jaxwalk.experiments.recipes import RECIPES
+from jaxwalk.experiments.runs import Run
+
+COMMANDS = {
+    "train": "train --run out",
+    "play": "play --driver constant-speed --out out/episode.html",
+    "evaluate": "evaluate --driver constant-speed --episodes 2 --out out",
+    "reproduce": "reproduce --out out",
+    "hidden-intent": "hidden-intent --out out",
+}
+"""As they are given; each writes into out. What else writes uses the same `whole`."""
+FAULTS = {errno.ENOSPC: "No space left on device; make room", errno.EROFS: "Read-only file system; name another place"}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_no_room_is_one_message_and_nothing_is_half_written(name, place, capsys, monkeypatch):
+    fault = list(FAULTS)[list(COMMANDS).index(name) % len(FAULTS)]
+
+    def fail(_):
+        raise OSError(fault, os.strerror(fault))
+
+    monkeypatch.setattr(writing, "_to_disk", fail)
+    assert main(COMMANDS[name].split()) == 2
+    err = " ".join(capsys.readouterr().err.split())
+    assert FAULTS[fault] in err
+    assert err.count("jaxwalk: ") == 1
+    assert "jaxwalk: out/" in err
+    assert [path.name for path in (place / "out").rglob("*") if path.name != ".lock"] == []
+
+
+def test_a_folder_that_may_only_be_read_is_refused_before_anything_is_done(place, capsys, monkeypatch):
+    Run.create(place / "run", RECIPES["fast"])
+    monkeypatch.setattr(os, "access", lambda *_: False)  # the superuser may write everywhere
+    for command in (*COMMANDS.values(), "train --resume run"):
+        assert main(command.split()) == 2, command
+        assert "no permission to write to" in capsys.readouterr().err
+    assert not (place / "out").exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+def test_what_is_printed_to_a_full_disk_is_told_of():
+    command = [sys.executable, "-m", "jaxwalk", "observations"]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "jaxwalk: No space left on device; make room on the disk, or name another place\n"
