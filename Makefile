@@ -9,7 +9,7 @@ INSTALLED := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null || echo $(BIN)/uv)
 
 .DEFAULT_GOAL := help
-.PHONY: help install check lint types contracts test format reproduce evidence pictures bench wheel lock clean
+.PHONY: help install check lint types contracts test versions format reproduce evidence pictures bench wheel lock clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -43,6 +43,9 @@ contracts: install  ## import-linter: which room may import which
 
 test: install  ## pytest, in JOBS processes (default: one for each core, at most 8)
 	$(BIN)/pytest -n $(JOBS)
+
+versions: | $(UV)  ## the tests with the oldest and the newest allowed releases, on Python 3.11 and 3.13: an hour
+	UV=$(UV) .ci/versions -n $(JOBS)
 
 format: install  ## let ruff tidy the code
 	$(BIN)/ruff check --fix-only

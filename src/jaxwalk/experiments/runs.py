@@ -146,7 +146,7 @@ class MetricsLog:
 
 
 def _line(metrics: Mapping[str, int | float]) -> str:
-    return json.dumps(metrics) + "\n"
+    return json.dumps(metrics, allow_nan=False) + "\n"
 
 
 def _experiments() -> Any:
