@@ -50,7 +50,9 @@ def write_tracks(
 
     path = Path(path)
     unfinished, writer = path.with_name(f".{path.name}.{os.getpid()}.part"), None
-    metadata = {KEY: json.dumps({"schema": SCHEMA, **about})} | ({AREAS: json.dumps(areas)} if areas else {})
+    metadata = {KEY: json.dumps({"schema": SCHEMA, **about}, allow_nan=False)} | (
+        {AREAS: json.dumps(areas)} if areas else {}
+    )
     try:
         left = iter(recordings)
         while some := list(islice(left, EPISODES)):
