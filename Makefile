@@ -9,10 +9,11 @@ INSTALLED := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null || echo $(BIN)/uv)
 
 .DEFAULT_GOAL := help
-.PHONY: help install check lint types contracts test format reliability reproduce evidence pictures bench wheel lock clean
+.PHONY: help install check lint types contracts test coverage mutants reliability versions format reproduce evidence pictures bench \
+	wheel lock clean
 
 help:  ## list the targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 
 install: $(INSTALLED)  ## make .venv and install the pinned dependencies and jaxwalk itself (editable)
 
@@ -44,8 +45,20 @@ contracts: install  ## import-linter: which room may import which
 test: install  ## pytest, in JOBS processes (default: one for each core, at most 8)
 	$(BIN)/pytest -n $(JOBS)
 
-reliability: install  ## kill trainings at 50 random moments: each must end as if nothing had happened: some minutes
+coverage: install  ## the same, and which lines and branches it reached
+	$(BIN)/pytest -n $(JOBS) --cov --cov-fail-under=95
+
+mutants: install  ## small mistakes are put into the definitions: do the tests notice? up to two hours
+	$(UV) pip install --quiet --python $(BIN)/python cosmic-ray
+	$(BIN)/python tests/reliability/mutation.py
+
+reliability: install  ## thousands of bad files, millions of random steps, trainings killed 50 times: an hour
+	$(BIN)/python tests/reliability/fuzz_loaders.py
+	$(BIN)/python tests/reliability/random_steps.py
 	$(BIN)/python tests/reliability/kill_training.py --kills 50
+
+versions: | $(UV)  ## the tests with the oldest and the newest allowed releases, on Python 3.11 and 3.13: an hour
+	UV=$(UV) .ci/versions -n $(JOBS)
 
 format: install  ## let ruff tidy the code
 	$(BIN)/ruff check --fix-only

@@ -29,6 +29,15 @@ def _processor() -> str:
     return hashlib.sha256(f"{platform.machine()} {platform.processor()} {flags}".encode()).hexdigest()[:8]
 
 
+@pytest.fixture(scope="session", autouse=True)
+def strict_processes():
+    """Warnings are errors in the processes that tests start, too."""
+    with pytest.MonkeyPatch.context() as patch:
+        cache = [f"ignore:Error {doing} persistent compilation:UserWarning" for doing in ("reading", "writing")]
+        patch.setenv("PYTHONWARNINGS", ",".join(["error", *cache]))
+        yield
+
+
 @pytest.fixture(scope="session")
 def street():
     """The paper's street; nobody is paid."""

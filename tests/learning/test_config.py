@@ -13,6 +13,7 @@ from jaxwalk.learning.config import FAST, PAPER, ROLES, RoleConfig, TrainConfig
     ("kind", "name", "value"),
     [
         (RoleConfig, "entropy", -0.1),
+        (RoleConfig, "entropy", float("inf")),
         (RoleConfig, "epochs", 0),
         (RoleConfig, "initial_std", 0.0),
         (RoleConfig, "noise", "uniform"),

@@ -1,11 +1,15 @@
 from __future__ import annotations
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning import losses
+from jaxwalk.learning.actor import make_actor
+from jaxwalk.learning.config import RoleConfig
 
 
 def surrogate(ratio, advantage):
@@ -30,6 +34,31 @@ def test_ratios_never_overflow():
     ratio = losses.log_ratio(jnp.float32(0.0), jnp.float32(-1e9))
     assert np.isfinite(losses.clipped_surrogate(ratio, jnp.float32(-1.0), clip=0.2))
     assert np.isfinite(losses.approximate_kl(ratio))
+
+
+@pytest.mark.parametrize("kind", ["clipped", "tanh", "discrete"])
+@pytest.mark.parametrize("surprised", [False, True])
+def test_gradients_are_finite_when_policies_saturate(kind, surprised):
+    """Every action at its limit, every other choice impossible; or played by a policy that did just the opposite."""
+    action = Discrete(2) if kind == "discrete" else Box(2)
+    config = RoleConfig(actor_hidden=(8,), noise="clipped" if kind == "discrete" else kind, initial_std=0.01)
+    actor = make_actor(jax.random.key(0), 3, action, config)
+    actor = eqx.tree_at(lambda a: a.network.biases[-1], actor, jnp.array([1e4, -1e4]))
+    seen, keys = jax.random.normal(jax.random.key(1), (3, 64)), jax.random.split(jax.random.key(2), 64)
+    choice = actor(seen)
+    raw = choice.sample(keys)
+    limits = choice.action(raw)
+    assert (limits == 0).all() if kind == "discrete" else np.abs(limits).mean() > 0.98
+    old = choice.log_prob(raw)
+    if surprised:
+        raw, old = (1 - raw if kind == "discrete" else -raw), jnp.zeros(64)
+    advantage = jnp.where(jnp.arange(64) % 2 == 0, 1.0, -1.0)
+    actions = losses.Actions(seen, raw, old, advantage, jnp.ones(64))
+    (loss, sums), slopes = eqx.filter_value_and_grad(losses.actor_loss, has_aux=True)(
+        actor, actions, clip=0.2, entropy=0.01
+    )
+    assert np.isfinite([loss, *sums.values()]).all()
+    assert all(np.isfinite(x).all() for x in jax.tree.leaves(slopes))
 
 
 def test_kl_estimate_is_right_on_average_and_never_negative():

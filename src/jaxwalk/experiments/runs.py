@@ -169,7 +169,7 @@ def _metrics(line: str) -> dict[str, int | float]:
 
 
 def _line(metrics: Mapping[str, int | float]) -> str:
-    return json.dumps(metrics) + "\n"
+    return json.dumps(metrics, allow_nan=False) + "\n"
 
 
 def _experiments() -> Any:

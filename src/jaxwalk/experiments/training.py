@@ -13,7 +13,6 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 from rich.console import Console
 
 from jaxwalk.experiments.lock import held
@@ -89,13 +88,17 @@ class Session:
         """One update; on its way when this returns."""
         return mappo.update(self.street, self.config, learner)
 
-    def record(self, metrics: Any, updates: int) -> None:
-        """Write and show the metrics of an update, waiting for it if need be."""
+    def record(self, metrics: Any, updates: int, before: Learner) -> None:
+        """Write and show the metrics of an update, waiting for it if need be.
+
+        If it gave numbers that are not finite, the learner of ``before`` is saved and DivergedError raised.
+        """
         values = {name: float(value) for name, value in jax.device_get(metrics).items()}
         if not values.pop("finite"):
+            self.save(before)
             raise DivergedError(
-                f"{self.run.path}: update {updates} gave numbers that are not finite; {_kept(self.run)}. "
-                "Lower the learning rate or the reward scale, or try another seed"
+                f"{self.run.path}: update {updates} gave numbers that are not finite; checkpoint and policy of update "
+                f"{updates - 1} are kept. Train anew with a lower --learning-rate or --reward-scale, or another --seed"
             )
         values["steps"] = updates * self.run.experiment.steps_per_update
         line = {"update": updates, "seconds": round(self.seconds, 3), **values}
@@ -105,11 +108,8 @@ class Session:
             self.page.show(line)
 
     def save(self, learner: Learner) -> None:
-        """Write a checkpoint and the policy, unless the last steps spoiled the networks."""
+        """Write a checkpoint and the policy of a learner whose last update was recorded: its numbers are finite."""
         updates = int(learner.updates)
-        arrays = jax.tree.leaves(eqx.filter(learner.actors, eqx.is_array))
-        if not all(np.isfinite(x).all() for x in jax.device_get(arrays)):
-            raise DivergedError(f"{self.run.path}: networks not finite at update {updates}; lower the learning rate")
         self.log.to_disk()  # a checkpoint without its metrics would leave a gap
         if checkpoint.latest(self.run.checkpoints) != updates:
             checkpoint.save(self.run.checkpoints, learner, updates=updates)
@@ -232,15 +232,16 @@ def begin(
 
 def _loop(session: Session, learner: Learner, limit: float, checkpoint_seconds: float) -> Learner:
     """Update after update; each one's metrics are fetched while the next one runs."""
-    waiting: tuple[Any, int] | None = None
+    waiting: tuple[Any, int, Learner] | None = None
     done = int(learner.updates)
     begun, first, planned = time.monotonic(), done, int(learner.planned)
     while done < planned and not session.stop.requested:
-        learner, metrics = session.update(learner)
+        before = learner
+        learner, metrics = session.update(before)
         done += 1
         if waiting:
             session.record(*waiting)
-        waiting = (metrics, done)
+        waiting = (metrics, done, before)
         if time.monotonic() - session.saved > checkpoint_seconds:
             session.record(*waiting)
             waiting = None

@@ -52,7 +52,8 @@ def write_tracks(
     check_parquet()
     from pyarrow.parquet import ParquetWriter
 
-    metadata = {KEY: json.dumps({"schema": SCHEMA, **about})} | ({AREAS: json.dumps(areas)} if areas else {})
+    metadata = {KEY: json.dumps({"schema": SCHEMA, **about}, allow_nan=False)}
+    metadata |= {AREAS: json.dumps(areas)} if areas else {}
     left = iter(recordings)
     tables = map(_table, iter(lambda: list(islice(left, EPISODES)), []))
     first = next(tables, None)

@@ -34,9 +34,9 @@ def generalised_advantage(
     a terminated one from 0; neither takes anything from the steps after; and a restarting step has advantage 0.
     """
     decided = jnp.ones((), bool) if decided is None else decided
-    steps = jnp.broadcast_arrays(reward, value[:-1], terminated, terminated | truncated, valid, decided)
+    steps = tuple(jnp.broadcast_arrays(reward, value[:-1], terminated, terminated | truncated, valid, decided))
 
-    def backwards(later: tuple[Array, Array], step: list[Array]) -> tuple[tuple[Array, Array], Estimate]:
+    def backwards(later: tuple[Array, Array], step: tuple[Array, ...]) -> tuple[tuple[Array, Array], Estimate]:
         reward, value, terminated, ends, valid, decided = step
         expected, advantage = later  # as seen from here: of the next decision, discounted to the next step
         expected = reward + discount * jnp.where(terminated, 0.0, expected)

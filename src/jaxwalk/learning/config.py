@@ -63,7 +63,7 @@ class RoleConfig:
         _require(self, self.hold == 1 or (self.hold > 1 and self.gated), "hold", "must be 1, or more for a gated role")
         alone = not (self.gated and GLOBAL in self.critic_observes)
         _require(self, alone, "critic_observes", f"of a gated role can't have {GLOBAL!r}", None)
-        _require(self, self.entropy >= 0, "entropy", "must be 0 or more")
+        _require(self, 0 <= self.entropy < math.inf, "entropy", "must be 0 or more")
         _require(self, 0 < self.epochs < math.inf, "epochs", "must be above 0")
         _require(self, 0 < self.initial_std < math.inf, "initial_std", "must be above 0")
         _require(self, self.noise in ("clipped", "tanh"), "noise", 'must be "clipped" or "tanh"')

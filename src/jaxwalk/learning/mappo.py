@@ -24,7 +24,7 @@ from jaxwalk.learning.critics import Critic, Judgement, judge, make_critics
 from jaxwalk.learning.experience import fresh_memory, look, make_act
 from jaxwalk.learning.fit import Loss, fit, gated_part, learning_rate, only_weighty, optimiser
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
-from jaxwalk.learning.monitor import by_agent, episode_metrics, reward_metrics
+from jaxwalk.learning.monitor import all_finite, by_agent, episode_metrics, reward_metrics
 from jaxwalk.learning.players import columns_of, part_of, remember, snapshots
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, start
 
@@ -91,6 +91,7 @@ def init(
 def update(environment: Environment, config: TrainConfig, learner: Learner) -> tuple[Learner, dict[str, Array]]:
     """Play a rollout and learn from it; returns the learner and scalars to log.
 
+    ``finite`` among them is 1 if all the others, every network and what the optimisers remember are finite, else 0.
     Nothing is donated: what goes in stays usable, and it is small beside the rollout.
     """
     act = make_act(environment, config, learner.actors, learner.early, learner.others)
@@ -102,11 +103,11 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     actors, actor_memories, actor_metrics = _improve_actors(environment, config, learner, played, judgements)
     critics, critic_memories, critic_metrics = _improve_critics(config, learner, played, judgements)
     metrics = actor_metrics | critic_metrics
-    metrics["finite"] = jnp.all(jnp.isfinite(jnp.stack(list(metrics.values())))).astype(jnp.float32)
     metrics |= _rollout_metrics(config, played)
     metrics["learning_rate"] = learning_rate(config, learner.updates, learner.planned)
     updates = learner.updates + 1
     metrics["steps"] = updates.astype(jnp.float32) * (config.steps * config.environments)
+    metrics["finite"] = all_finite((metrics, actors, critics, actor_memories, critic_memories))
     early = {role: remember(learner.early[role], actor, updates) for role, actor in actors.items()}
     learner = Learner(
         actors, critics, early, actor_memories, critic_memories, learner.others, stream, learner.key, updates,

@@ -1,9 +1,11 @@
-"""Scalars that tell how training goes: reward terms and how episodes ended."""
+"""Scalars that tell how training goes: reward terms, how episodes ended, and whether all numbers are finite."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -39,6 +41,12 @@ def episode_metrics(outcome: Outcome, valid: Array) -> dict[str, Float[Array, ""
         if happened is not None:
             metrics[f"{name}_rate"] = jnp.sum(happened & ended) / jnp.maximum(episodes, 1.0)
     return metrics
+
+
+def all_finite(tree: Any) -> Float[Array, ""]:
+    """1 if every number in a pytree is finite, else 0."""
+    numbers = jax.tree.leaves(eqx.filter(tree, eqx.is_inexact_array))
+    return jnp.all(jnp.stack([jnp.isfinite(x).all() for x in numbers])).astype(jnp.float32)
 
 
 def _event(events: Any, name: str) -> Array | None:

@@ -94,7 +94,7 @@ def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadat
     actors = actors.actors if isinstance(actors, Learner) else actors
     arrays = {f"{role}.{name}": x for role, actor in actors.items() for name, x in _arrays(actor).items()}
     roles = {role: RoleHeader(x.observes, x.kind, x.network.sizes, x.hold) for role, x in actors.items()}  # pyright: ignore
-    header = json.dumps(asdict(Header(FORMAT, roles, dict(metadata))), sort_keys=True)
+    header = json.dumps(asdict(Header(FORMAT, roles, dict(metadata))), sort_keys=True, allow_nan=False)
     write_whole(path, safetensors.numpy.save(arrays, {HEADER: header}))
 
 
