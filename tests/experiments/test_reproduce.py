@@ -53,8 +53,8 @@ def _play_little(patch):
 def _interrupt_second(patch):
     """Ctrl-C in the first update of the second training."""
 
-    def record(self, metrics, updates):
-        _RECORD(self, metrics, updates)
+    def record(self, *update):
+        _RECORD(self, *update)
         self.stop.requested |= self.run.path.name == "seed-4"
 
     patch.setattr(Session, "record", record)

@@ -158,10 +158,10 @@ def test_a_policy_of_an_earlier_update_is_not_the_end(whole, tiny, tmp_path, qui
 def test_a_full_disk_keeps_the_last_checkpoint_and_says_so(whole, tiny, tmp_path, quiet, monkeypatch):
     record, no_room = Session.record, ExitStack()
 
-    def fill(self, metrics, updates):
+    def fill(self, metrics, updates, before):
         if updates == 4:
             no_room.enter_context(files_at_most(1))
-        record(self, metrics, updates)
+        record(self, metrics, updates, before)
 
     monkeypatch.setattr(Session, "record", fill)
     run = Run.create(tmp_path / "full", tiny)
