@@ -169,9 +169,11 @@ def bootstrap_by_episode(
 def interquartile_mean(values: Float[np.ndarray, "*draw seed"]) -> Float[np.ndarray, "*draw"]:
     """The mean without the lowest and the highest quarter of the values (whole values: of fewer than four, none).
 
-    Agarwal et al. (2021), *Deep reinforcement learning at the edge of the statistical precipice*.
+    NaN if any value is. Agarwal et al. (2021), *Deep reinforcement learning at the edge of the statistical precipice*.
     """
-    return np.asarray(stats.trim_mean(np.asarray(values, np.float64), 0.25, axis=-1))
+    values = np.asarray(values, np.float64)
+    mean = stats.trim_mean(values, 0.25, axis=-1)
+    return np.where(np.isnan(values).any(axis=-1), np.nan, mean)  # an older SciPy takes NaN for a highest value
 
 
 def over_seeds(
