@@ -49,7 +49,7 @@ coverage: install  ## the same, and which lines and branches it reached
 	$(BIN)/pytest -n $(JOBS) --cov --cov-fail-under=95
 
 mutants: install  ## small mistakes are put into the definitions: do the tests notice? up to two hours
-	$(UV) pip install --quiet --python $(BIN)/python cosmic-ray
+	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt cosmic-ray==8.7.0
 	$(BIN)/python tests/reliability/mutation.py
 
 reliability: install  ## thousands of bad files, millions of random steps, trainings killed 50 times: an hour

@@ -34,7 +34,8 @@ def naming(path: Path) -> Iterator[None]:
     except OSError as error:
         if error.errno is None:  # some libraries give a text alone
             raise OSError(errno.EIO, str(error), str(path)) from error
-        error.filename = str(path)
+        if error.filename is None or is_unfinished(Path(str(error.filename))):  # (not another file, which is read)
+            error.filename = str(path)
         raise
 
 

@@ -100,8 +100,8 @@ def test_resuming_what_is_finished_changes_nothing(whole, quiet):
 
 
 def test_minutes_become_a_number_of_updates(tiny, tmp_path, quiet):
-    timed = Run.create(tmp_path / "timed", with_training(tiny, updates=1000))
-    made = train(timed, minutes=0.02, console=quiet).updates
+    timed = Run.create(tmp_path / "timed", replace(with_training(tiny, updates=1000), minutes=0.02))
+    made = train(timed, console=quiet).updates
     assert Run.open(timed.path).experiment.train.updates == made
     assert timed.metrics()[-1]["learning_rate"] == pytest.approx(tiny.train.learning_rate / made, rel=1e-3)
 
@@ -111,8 +111,8 @@ def test_a_plan_by_minutes_trains_like_that_number_of_updates(whole, tiny, tmp_p
 
     monkeypatch.setattr(training, "_planned", lambda session, learner, limit: training._with_plan(session, learner, 6))
     monkeypatch.setattr(training, "_shortened", lambda *_: None)
-    timed = Run.create(tmp_path / "timed", with_training(tiny, updates=1000))
-    train(timed, minutes=1.0, console=quiet)
+    timed = Run.create(tmp_path / "timed", replace(with_training(tiny, updates=1000), minutes=1.0))
+    train(timed, console=quiet)
     _assert_same(timed, whole)
 
 
@@ -138,9 +138,9 @@ def test_a_training_by_minutes_killed_before_its_plan_is_planned_when_resumed(ti
         return training._with_plan(session, learner, 2)
 
     monkeypatch.setattr(training, "_planned", killed)
-    run = Run.create(tmp_path / "timed", with_training(tiny, updates=1000))
+    run = Run.create(tmp_path / "timed", replace(with_training(tiny, updates=1000), minutes=7.0))
     with pytest.raises(KeyboardInterrupt):
-        train(run, minutes=7.0, console=quiet)
+        train(run, console=quiet)
     monkeypatch.setattr(training, "_planned", plan)
     assert train(Run.open(run.path), resume=True, console=quiet).updates == 2
     assert limits == [420.0]

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from jaxwalk.cli import main
+from jaxwalk.writing import is_unfinished
 
 SECONDS = 60.0
 """Nothing that is wrong may take longer to be refused, on however busy a machine."""
@@ -52,4 +53,4 @@ def command(arguments: list[str]) -> tuple[int, str]:
 
 def unfinished(folder: Path) -> list[str]:
     """Names of half-written files in a folder."""
-    return [path.name for path in folder.rglob("*.part")]
+    return [path.name for path in folder.rglob("*") if is_unfinished(path)]

@@ -237,8 +237,9 @@ def table(document: dict[str, Any]) -> Table:
         extra = [f"{cell['jaywalk_multiplier']:g}"] if len(multipliers) > 1 else []
         rates = [escape(shown(cell[name])) for name in ("goal_rate", "collision_rate", "timeout_rate")]
         observes = cell["driver_observes"]
-        driver = cell["driver"] + (f" ({observes})" if observes in HIDDEN else "")
-        made.add_row(driver, cell["pedestrians"], *extra, *rates, escape(shown(cell["mean_time_to_goal"], 1.0)))
+        names = cell["driver"] + (f" ({observes})" if observes in HIDDEN else ""), cell["pedestrians"]
+        time = shown(cell["mean_time_to_goal"], 1.0)
+        made.add_row(*map(escape, names), *extra, *rates, escape(time))
     return made
 
 

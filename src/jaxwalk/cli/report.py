@@ -12,6 +12,7 @@ from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.experiments.contestants import contestant, world_of
 from jaxwalk.experiments.driver_report import driver_report
 from jaxwalk.experiments.gallery import Cast
+from jaxwalk.experiments.lock import held
 from jaxwalk.experiments.reproduce import report as remake
 from jaxwalk.experiments.runs import check_writable
 
@@ -27,7 +28,7 @@ def run(options: Report) -> int:
             raise UsageError(f"{again[0]}: a folder of `jaxwalk reproduce` is reported on its own; name it alone")
         if options != Report(runs=options.runs):
             raise UsageError(f"{again[0]}: --episodes and all other options are those of its `jaxwalk reproduce`")
-        print(f"Open {remake(again[0])}")
+        print(f"Open {_again(again[0])}")
         return 0
     check(options)
     with bad_values():
@@ -45,6 +46,20 @@ def run(options: Report) -> int:
     )  # fmt: skip
     print(f"Open {page}")
     return 0
+
+
+def _again(folder: Path) -> Path:
+    """The report of a folder of `jaxwalk reproduce`, which may come from somebody else."""
+    try:
+        with held(folder):
+            return remake(folder)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        if type(error).__module__.startswith("jaxwalk"):
+            raise
+        what = f"{type(error).__name__}: {error}"
+        raise UsageError(
+            f"{folder}: results.json or another file is damaged ({what}); copy the folder again"
+        ) from error
 
 
 def check(options: Report) -> None:

@@ -27,22 +27,19 @@ def run(options: Train) -> int:
     """Train or resume; 130 if Ctrl-C ended it."""
     check(options)
     console = Console(stderr=True)
-    experiment = Run.open(options.resume).experiment if options.resume else make_experiment(options)
+    begun = Run.open(options.resume) if options.resume else None
+    experiment = begun.experiment if begun else make_experiment(options)
     with bad_values():
         from jaxwalk.experiments.training import train
         from jaxwalk.experiments.world import make_street
 
         make_street(experiment)
-    if options.resume:
-        folder = Run.open(options.resume)
-        check_writable(folder.path)
-    else:
-        assert options.run_folder is not None
-        folder = Run.create(options.run_folder, experiment)
+    if begun:
+        check_writable(begun.path)
+    folder = begun or Run.create(options.run_folder or "", experiment)
     trained = train(
         folder,
-        minutes=options.minutes,
-        resume=options.resume is not None,
+        resume=begun is not None,
         console=console,
         name="single-agent" if experiment.single_agent else "co-trained",
         checkpoint_minutes=options.checkpoint_minutes,
@@ -91,6 +88,7 @@ def make_experiment(options: Train) -> Experiment:
         maps = tuple(map(_absolute, options.map))
         multiplier = options.jaywalk_multiplier
         experiment = replace(experiment, seed=options.seed, maps=maps, jaywalk_multiplier=multiplier)
+        experiment = replace(experiment, minutes=options.minutes)
     return experiment
 
 

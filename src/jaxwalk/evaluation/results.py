@@ -5,9 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -225,7 +225,8 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
 
 
 def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
-    table, digits = rows.episodes, max(1, math.ceil(-math.log10(rows.dt) - 1e-9))  # as many as a step has
+    table, step = rows.episodes, Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
+    digits = max(1, -int(step.exponent))  # as many as a step has
     outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
     for i in range(len(outcome)):
         contact = CONTACT_NAMES[table.contact[i]]

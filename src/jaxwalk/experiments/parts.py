@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Self, TypeVar
@@ -114,14 +115,14 @@ class Work(Generic[P]):
             begun = time.monotonic()
             try:
                 step(self)
-            finally:
-                self._count_minutes(step.__name__.strip("_"), time.monotonic() - begun)
+            except BaseException:
+                with suppress(OSError):  # the disk may be full, of which more is said already
+                    self._count_minutes(step, begun)
+                raise
+            self._count_minutes(step, begun)
 
-    def train(self, name: str, experiment: Experiment, seed: int, minutes: float | None = None) -> None:
-        """A training with that seed, unless it is there; begun, it is gone on with. Raises Interrupted on Ctrl-C.
-
-        ``minutes``: plan as many updates as fit into them, where it isn't begun; else those of the experiment.
-        """
+    def train(self, name: str, experiment: Experiment, seed: int) -> None:
+        """A training with that seed, unless it is there; begun, it is gone on with. Raises Interrupted on Ctrl-C."""
         folder, said = self.run(name, seed), f"    {name}, seed {seed}"
         begun = (folder / "config.json").is_file()
         run = Run.open(folder) if begun else Run.create(folder, replace(experiment, seed=seed))
@@ -129,8 +130,7 @@ class Work(Generic[P]):
             steps = run.experiment.train.updates * run.experiment.steps_per_update
             self.say(f"{said}: there already, {steps:,} steps")
             return
-        resume = begun and run.checkpoints.is_dir()
-        trained = train(run, minutes=None if resume else minutes, resume=begun, console=self.console, name=said)
+        trained = train(run, resume=begun, console=self.console, name=said)
         if trained.interrupted:
             raise Interrupted
         self.say(f"{said}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")
@@ -146,10 +146,10 @@ class Work(Generic[P]):
             raise RunError(f"{folder}: was begun with another value of {name}; ask for the same again, or {other}")
         check_writable(folder)
 
-    def _count_minutes(self, name: str, seconds: float) -> None:
+    def _count_minutes(self, step: Callable[[Self], None], begun: float) -> None:
         """Add to what each part took, over interruptions."""
-        document = self.json("minutes.json") or {}
-        document[name] = round(document.get(name, 0.0) + seconds / 60, 3)
+        name, document = step.__name__.strip("_"), self.json("minutes.json") or {}
+        document[name] = round(document.get(name, 0.0) + (time.monotonic() - begun) / 60, 3)
         self.keep("minutes.json", document)
 
 

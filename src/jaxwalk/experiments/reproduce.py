@@ -13,7 +13,7 @@ report.html, figures/, tables/   `jaxwalk.report`
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
 from jaxwalk.interfaces import Policy
-from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, ReportError, write_report
+from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, write_report
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import JAYWALK
 
@@ -89,7 +89,7 @@ def _co_train(work: Reproduction) -> None:
     """The first by minutes or updates, the others with as many updates as the first one made."""
     plan = work.plan
     first = with_training(work.base, updates=plan.updates)
-    work.train(CO_TRAINED, first, plan.seed, None if plan.updates else plan.minutes)
+    work.train(CO_TRAINED, first if plan.updates else replace(first, minutes=plan.minutes), plan.seed)
     for seed in plan.training_seeds[1:]:
         work.train(CO_TRAINED, with_training(work.base, updates=_made(work)), seed)
 
@@ -188,13 +188,7 @@ def report(folder: Path) -> Path:
     curves = {name: _curves(folder, name, documents["plan"]) for name in (CO_TRAINED, SINGLE_AGENT)}
     drawing = folder / "episode.svg"
     documents["episode_svg"] = drawing.read_text(encoding="utf-8", errors="replace") if drawing.is_file() else None
-    try:
-        return write_report(folder, documents | {"curves": curves})
-    except ReportError:
-        raise
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:  # (of others' documents)
-        what = f"{type(error).__name__}: {error}"
-        raise RunError(f"{folder}: results.json or another file is damaged ({what}); copy the folder again") from error
+    return write_report(folder, documents | {"curves": curves})
 
 
 def _curves(folder: Path, name: str, plan: Any) -> dict[int, list[dict[str, Any]]]:

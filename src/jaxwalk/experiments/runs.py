@@ -13,7 +13,6 @@ Files are written under another name and renamed when whole.
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -131,8 +130,8 @@ class MetricsLog:
         """Go on after so many updates: later lines of an interrupted run are dropped."""
         self.kept = run.keep_metrics(updates)
         self._path = run.path / METRICS
-        self._file = self._path.open("a", encoding="utf-8")
         self._board = Board(run.path, first=updates + 1)
+        self._file = self._path.open("a", encoding="utf-8")
 
     def __enter__(self) -> MetricsLog:
         return self
@@ -160,10 +159,10 @@ class MetricsLog:
 def _metrics(line: str) -> dict[str, int | float]:
     """What a line of the metrics file says; ValueError if that isn't numbers by name, ``update`` among them."""
     found = json.loads(line)
-    if not isinstance(found, dict) or not isinstance(found.get("update"), int):
-        raise ValueError(f"a line has no number of the update: {shorten(line, 40)}")
+    if not isinstance(found, dict) or not isinstance(found.get("update"), int) or "seconds" not in found:
+        raise ValueError(f"a line has no number of the update, or of the seconds: {shorten(line, 40)}")
     for name, value in found.items():
-        if type(value) not in (int, float) or LARGEST < abs(value) < math.inf:
+        if type(value) not in (int, float) or not abs(value) <= LARGEST:
             raise ValueError(f"{shorten(name, 40)} must be a number up to {LARGEST:g}, not {shorten(repr(value), 40)}")
     return found
 

@@ -136,7 +136,6 @@ def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
 def train(
     run: Run,
     *,
-    minutes: float | None = None,
     resume: bool = False,
     console: Console | None = None,
     name: str = "training",
@@ -145,9 +144,10 @@ def train(
 ) -> Trained:
     """Train until the run's planned number of updates, or go on until there.
 
+    Where the experiment says minutes, as many updates are planned as fit into them, compiling included.
+
     Args:
         run: a folder made by `Run.create`, or an opened one to resume.
-        minutes: plan as many updates as fit in so many minutes, compiling included; else the configuration's.
         resume: go on from the newest checkpoint.
         console: where progress goes; standard error by default.
         name: what to call this training there.
@@ -163,8 +163,6 @@ def train(
     console = console or Console(stderr=True)
     with held(run.path), _telling_what_is_kept(run):
         remove_unfinished(run.path)
-        if minutes is not None:
-            run.describe(replace(run.experiment, minutes=minutes))
         return _train(run, resume, console, name, checkpoint_minutes, watch)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
+
 from jaxwalk.experiments.recipes import Experiment
 from jaxwalk.interfaces import ByRole, Policy
 from jaxwalk.learning.config import GLOBAL
@@ -48,11 +50,14 @@ def _check_sets(experiment: Experiment) -> None:
         raise WorldError("train.driver.gated must be false: only pedestrians choose between 0 and 1")
     for role, sets in LAYOUTS.items():
         config = experiment.train.role(role)
-        read = {"observes": (config.observes,), "critic_observes": config.critic_observes}
-        strange = [(field, name) for field, names in read.items() for name in names if name not in sets]
-        for field, name in strange:
-            if not (field == "critic_observes" and name == GLOBAL):
-                raise WorldError(f"train.{role}.{field} must be one of {', '.join(sets)}, not {name!r}")
+        _check_named(f"train.{role}.observes", [config.observes], sets)
+        _check_named(f"train.{role}.critic_observes", config.critic_observes, [*sets, GLOBAL])
+
+
+def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise WorldError(f"{field} must be one of {', '.join(known)}, not {name!r}")
 
 
 def fixed_policies(experiment: Experiment) -> ByRole[Policy | None]:

@@ -47,7 +47,8 @@ def save(path: str | Path, learner: Any, *, updates: int) -> None:
     _check_room(Path(path), sum(_data(x).nbytes for x in arrays.values()))
     try:
         with _manager(path, create=True) as manager:  # which also removes what a killed process left unfinished
-            manager.save(updates, args=ocp.args.StandardSave(arrays))
+            if not manager.save(updates, args=ocp.args.StandardSave(arrays)):
+                raise OSError(errno.EEXIST, "a newer checkpoint is in the way", str(path))
             manager.wait_until_finished()
     except Exception as error:  # orbax raises many kinds
         for unfinished in Path(path).glob(UNFINISHED):
