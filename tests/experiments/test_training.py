@@ -2,6 +2,7 @@
 
 import io
 from contextlib import ExitStack
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
@@ -37,7 +38,6 @@ def stopping(monkeypatch):
 
 
 def _learner(run):
-    from dataclasses import replace
 
     learner = begin(run, make_street(run.experiment), replace(run.experiment.train, updates=1), resume=True)
     return [

@@ -28,8 +28,8 @@ from jaxwalk.writing import is_unfinished, naming, write_whole
 
 CONFIG, METRICS, CHECKPOINTS, POLICY = "config.json", "metrics.jsonl", "checkpoints", "policy.safetensors"
 """Names inside a run folder."""
-LARGEST = 1e30
-"""No finite metric is larger."""
+LARGEST = 1e39
+"""No metric is larger: it was a 32-bit float."""
 
 
 class RunError(ValueError):

@@ -8,15 +8,16 @@ import numpy as np
 from safetensors.numpy import load_file
 
 from jaxwalk.cli import main
+from jaxwalk.experiments.recipes import with_training
 from jaxwalk.experiments.runs import Run
 from jaxwalk.learning import checkpoint
 from jaxwalk.policies import read_metadata
 
-ABSURD = ("--updates", "500", "--learning-rate", "20", "--environments", "8", "--steps", "8", "--minibatches", "2")
 
-
-def test_a_diverging_training_says_so_and_keeps_its_last_good_state(place, capsys):
-    assert main(["train", "--run", "run", *ABSURD]) == 2
+def test_a_diverging_training_says_so_and_keeps_its_last_good_state(tiny, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Run.create("run", with_training(tiny, updates=500, learning_rate=20.0))
+    assert main(["train", "--resume", "run"]) == 2
     said = " ".join(capsys.readouterr().err.split())
     found = re.search(r"jaxwalk: run: update (\d+) gave numbers that are not finite; .* of update (\d+) are kept", said)
     assert found, said
