@@ -7,6 +7,7 @@ import json
 import warnings
 import zipfile
 
+import jax.numpy as jnp
 import numpy as np
 import onnx
 import pytest
@@ -46,15 +47,74 @@ def _scripted(path, reach):
     return str(path)
 
 
-@pytest.mark.parametrize("reach", ["torch.save(x, 'stolen')", "x = x + torch.from_file('secret', True, 4).sum()"])
-def test_torchscript_that_touches_files_takes_trust(tmp_path, monkeypatch, reach):
+def _replaced(path, old, new):
+    """The same archive with other bytes, of the same length, in its code or the names of its records."""
+    with zipfile.ZipFile(path) as archive:
+        content = [(x.filename, archive.read(x)) for x in archive.infolist()]
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in content:
+            is_code = name.lower().endswith(".py")
+            archive.writestr(name.replace(old, new), data.replace(old.encode(), new.encode()) if is_code else data)
+    return str(path)
+
+
+SAVES, NAMED = "torch.save(x, 'stolen')", ("torch.save(", 'getattr(torch, "sav\\145")(')
+REACHES = {
+    "save": (SAVES, (), "save"),
+    "from_file": ("x = x + torch.from_file('secret', True, 4).sum()", (), "from_file"),
+    "another case": (SAVES, ("__torch__.py", "__torch__.PY"), "save"),
+    "an escape": (SAVES, NAMED, "getattr"),
+    "an alias": (SAVES, ("torch.save(", "t = torch\n    t.save("), "save"),
+    "a method": (SAVES, ("torch.save(x, ", "x.save("), "save"),
+    "a default": (
+        SAVES,
+        ("x: Tensor)", "x: Tensor, y: Optional[Tensor]=torch.load_tensor('f'))"),
+        "(load_tensor|save)",
+    ),
+    "getattr": (SAVES, ("torch.save(", "g = getattr\n    g(torch, 'x')("), "getattr"),
+    "operations of others": (SAVES, ("torch.save(", "ops.quantized.add("), "ops"),
+    "a backslash": ("print('stolen')", ("stolen", r"\163tolen"), r"\\"),
+    "a library": (SAVES, ("torch.save(", "__torch__.torch.classes.x.Y("), "classes"),
+}
+
+
+@pytest.mark.parametrize("name", REACHES)
+def test_torchscript_that_touches_files_takes_trust(tmp_path, monkeypatch, name):
+    reach, change, called = REACHES[name]
     monkeypatch.chdir(tmp_path)
     file = _scripted(tmp_path / "thief.pt", reach)
-    with pytest.raises(DriverError, match=r"its TorchScript calls (save|from_file), which can touch files"):
+    if change:
+        _replaced(tmp_path / "thief.pt", *change)
+    with pytest.raises(DriverError, match=rf"its TorchScript uses {called}, which may do more than compute"):
         load_host_driver(file)
-    assert load_host_driver(file, trust=True).observes == "route"
-    assert load_host_driver(_scripted(tmp_path / "honest.pt", "x = x + 0")).observes == "route"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["honest.pt", "thief.pt"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["thief.pt"]
+    if name in ("save", "another case", "an escape"):  # so these would have run
+        driver = load_host_driver(file, trust=True)
+        driver.act(None, None, jnp.zeros((ROUTE, 1)))
+        assert (tmp_path / "stolen").exists()
+
+
+def test_torchscript_of_other_kinds(tmp_path):
+    """A record of the first versions can name any other as code; a class in C++ can hide in the weights' record."""
+    file = _scripted(tmp_path / "old.pt", "x = x + 0")
+    assert load_host_driver(file).observes == "route"
+    for record, content, message in (
+        ("MODEL.json", b"{}", "an old TorchScript file"),
+        ("other.pkl", b"c__torch__.torch\nclasses.x\n", "uses classes"),
+    ):
+        again = _scripted(tmp_path / "again.pt", "x = x + 0")
+        with zipfile.ZipFile(again, "a") as archive:
+            archive.writestr(f"again/{record}", content)
+        with pytest.raises(DriverError, match=message):
+            load_host_driver(again)
+
+
+def test_a_name_that_is_no_text_is_told_with_its_file(tmp_path):
+    file = _scripted(tmp_path / "named.pt", "x = x + 0")
+    with zipfile.ZipFile(file, "a") as archive:
+        archive.writestr("named/extra/observes", b"\xff\xfe")
+    with pytest.raises(DriverError, match=r"named\.pt: takes 59 numbers and names the observation set"):
+        load_host_driver(file)
 
 
 @pytest.mark.parametrize("location", ["../secret", "secret"])
