@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import warnings
 import zipfile
+from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
-import onnx
+import onnxruntime
 import pytest
-from onnx import TensorProto, helper
+from onnx import TensorProto, helper, numpy_helper
 
 from jaxwalk.policies.host import DriverError, load_host_driver
 from jaxwalk.sim.observation import size
 
 ROUTE = size("driver", "route")
+MEMORY = Path("/proc/self/statm")
 
 
 SCRIPT = """
@@ -130,12 +133,44 @@ def test_weights_of_onnx_lie_in_its_own_folder(tmp_path, location):
     graph = helper.make_graph([helper.make_node("MatMul", ["x", "w"], ["y"])], "g", ends[:1], ends[1:], [weights])
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
     (inside / "driver.onnx").write_bytes(model.SerializeToString())
-    onnx.load(inside / "driver.onnx", load_external_data=False)
     if location == "secret":
         assert load_host_driver(str(inside / "driver.onnx")).observes == "route"
         return
     with pytest.raises(DriverError, match=r"driver\.onnx: damaged or no ONNX file"):
         load_host_driver(str(inside / "driver.onnx"))
+
+
+def test_an_onnx_runtime_that_reads_other_files_is_not_used(tmp_path, monkeypatch):
+    (tmp_path / "driver.onnx").write_bytes(b"anything")
+    monkeypatch.setattr(onnxruntime, "__version__", "1.20.1")
+    with pytest.raises(DriverError, match=r"driver\.onnx: ONNX Runtime 1\.20\.1 lets a file read others; update it"):
+        load_host_driver(str(tmp_path / "driver.onnx"))
+
+
+@pytest.mark.skipif(not MEMORY.is_file(), reason="the system doesn't say how much memory a process has")
+def test_no_constant_of_an_onnx_file_is_computed_while_it_is_loaded(tmp_path):
+    """200 bytes that stand for 400 MB, of which the network takes one number, by what it observes."""
+    count = numpy_helper.from_array(np.array([100_000_000]), "count")
+    zero = numpy_helper.from_array(np.zeros((ROUTE, 2), np.float32), "w")
+    nodes = [
+        helper.make_node("ConstantOfShape", ["count"], ["many"]),
+        helper.make_node("MatMul", ["x", "w"], ["y0"]),
+        helper.make_node("Cast", ["y0"], ["place"], to=TensorProto.INT64),
+        helper.make_node("Gather", ["many", "place"], ["y"]),
+    ]
+    ends = [helper.make_tensor_value_info(*x) for x in (("x", 1, ["n", ROUTE]), ("y", 1, ["n", 2]))]
+    graph = helper.make_graph(nodes, "g", ends[:1], ends[1:], [count, zero])
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+    (tmp_path / "driver.onnx").write_bytes(model.SerializeToString())
+    before = _resident()
+    driver = load_host_driver(str(tmp_path / "driver.onnx"))
+    assert driver.observes == "route"
+    assert _resident() - before < 200_000_000
+
+
+def _resident():
+    """Bytes of memory that this process has."""
+    return int(MEMORY.read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
 
 
 def _agent(path, data, weights):
