@@ -213,3 +213,28 @@ def test_weights_that_repeat_one_number_are_not_believed(tmp_path):
     torch.save({"action_net.weight": torch.zeros(1, 1).expand(2, ROUTE), "action_net.bias": torch.zeros(2)}, inner)
     with pytest.raises(DriverError, match="its weights hold more than matrices and vectors by name"):
         load_host_driver(_agent(tmp_path / "agent.zip", json.dumps(SPACE), inner.getvalue()))
+
+
+@pytest.mark.parametrize("called", ["builtins\nbytearray", "torch\nDoubleStorage"])
+def test_weights_that_would_make_something_large(tmp_path, called):
+    """PyTorch allows a bytearray, of any size: 90 bytes that stand for 300 MB."""
+    torch = pytest.importorskip("torch")
+    inner = io.BytesIO()
+    torch.save({}, inner)
+    pickled = b"\x80\x02c" + called.encode() + b"\nJ\x00\xa3\xe1\x11\x85R."
+    weights = io.BytesIO()
+    with zipfile.ZipFile(inner) as old, zipfile.ZipFile(weights, "w") as new:
+        for name in old.namelist():
+            new.writestr(name, pickled if name.endswith("data.pkl") else old.read(name))
+    with pytest.raises(DriverError, match=f"its weights call {' '.join(called.split())}, so it can't be put together"):
+        load_host_driver(_agent(tmp_path / "agent.zip", json.dumps(SPACE), weights.getvalue()))
+
+
+def test_weights_before_which_something_stands(tmp_path):
+    """An archive to Python, but to PyTorch the pickles of an old file."""
+    torch = pytest.importorskip("torch")
+    new, old = io.BytesIO(), io.BytesIO()
+    torch.save({}, new)
+    torch.save({}, old, _use_new_zipfile_serialization=False)
+    with pytest.raises(DriverError, match="its weights are in an old format"):
+        load_host_driver(_agent(tmp_path / "agent.zip", json.dumps(SPACE), old.getvalue() + new.getvalue()))
