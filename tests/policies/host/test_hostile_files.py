@@ -112,6 +112,14 @@ def test_torchscript_of_other_kinds(tmp_path):
             load_host_driver(again)
 
 
+def test_records_whose_names_are_no_text(tmp_path):
+    honest = _scripted(tmp_path / "honest.pt", "x = x + 0")
+    content = Path(_replaced(honest, "byteorder", "byteorder")).read_bytes()  # (not marked as UTF-8)
+    (tmp_path / "strange.pt").write_bytes(content.replace(b"byteorder", b"byte\xe1rder"))
+    with pytest.raises(DriverError, match=r"strange\.pt: can't be loaded as TorchScript"):
+        load_host_driver(str(tmp_path / "strange.pt"))
+
+
 def test_a_name_that_is_no_text_is_told_with_its_file(tmp_path):
     file = _scripted(tmp_path / "named.pt", "x = x + 0")
     with zipfile.ZipFile(file, "a") as archive:

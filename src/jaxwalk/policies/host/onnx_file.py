@@ -48,7 +48,10 @@ def load(path: Path, *, trust: bool) -> tuple[OnnxDriver, str]:
         )
     try:  # (without folding constants, which may be of any size, while it is loaded)
         session = onnxruntime.InferenceSession(
-            str(path), providers=["CPUExecutionProvider"], disabled_optimizers=["ConstantFolding"]
+            str(path),
+            providers=["CPUExecutionProvider"],
+            disabled_optimizers=["ConstantFolding"],
+            enable_fallback=0,  # (which prints, and tries the same again)
         )
     except Exception as error:  # (ONNX Runtime's own errors have no common class but this)
         raise DriverError(f"{path}: damaged or no ONNX file ({error}); export it again") from error

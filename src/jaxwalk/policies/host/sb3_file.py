@@ -159,7 +159,7 @@ def _check_constructors(torch: Any, content: bytes) -> None:
     if not content.startswith(ARCHIVE):
         raise _OtherAgentError("its weights are in an old format")
     pickled = torch._C.PyTorchFileReader(io.BytesIO(content)).get_record("data.pkl")
-    called = {argument for code, argument, _ in pickletools.genops(pickled) if code.name in ("GLOBAL", "INST")}
+    called = {str(argument) for code, argument, _ in pickletools.genops(pickled) if code.name in ("GLOBAL", "INST")}
     if others := called - CONSTRUCTORS:
         raise _OtherAgentError(f"its weights call {min(others)}")
 

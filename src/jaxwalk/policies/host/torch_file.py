@@ -118,7 +118,7 @@ def _check_operations(torch: Any, path: Path) -> None:
     try:
         reader = torch._C.PyTorchFileReader(str(path))
         records = [(name.lower(), reader.get_record(name)) for name in reader.get_all_records()]
-    except RuntimeError as error:
+    except (RuntimeError, UnicodeDecodeError) as error:  # (the latter for names of records)
         what = str(error).strip().split("\n")[0]
         raise DriverError(f"{path}: can't be loaded as TorchScript ({what}); save it again") from error
     if any(name == "model.json" for name, _ in records):  # the first versions', which could keep code anywhere
