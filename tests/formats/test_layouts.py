@@ -151,6 +151,31 @@ def test_a_damaged_file_is_named(tmp_path, content, message):
         open_source(path)
 
 
+@pytest.mark.parametrize("column", ["id", "class"])
+def test_a_long_value_does_not_fill_memory(tmp_path, column):
+    """An array of text has room for the longest in every row."""
+    path, long = _ind(tmp_path), "7" * 1001
+    row = f"{long},car" if column == "id" else f"0,{long}"
+    (tmp_path / "07_tracksMeta.csv").write_text(f"trackId,class\n{row}\n")
+    with pytest.raises(TracksError, match=r"07_tracksMeta\.csv: column \w+ has a value of 1,001 characters; mend it"):
+        open_source(path)
+
+
+def test_words_take_their_own_room_only(tmp_path):
+    """A class of 1,000 letters, on many rows."""
+    (tracks,) = open_source(_ind(tmp_path, classes=f"0,car\n1,pedestrian\n2,{'x' * 1000}\n")).recordings
+    assert tracks.type.nbytes < 10 * len(tracks.t)
+    assert len(set(tracks.type.tolist())) == 3
+
+
+def test_a_frame_rate_that_nothing_has(tmp_path):
+    path = _ind(tmp_path, meta="recordingId,frameRate\n7,1e-300\n")
+    with pytest.raises(TracksError, match=r"07_tracks\.csv: at 1e-300 frames per second, a time is beyond 1e\+12 s"):
+        open_source(path)
+    with pytest.raises(TracksError, match="check the frame rate"):
+        open_source(_dut(tmp_path), frame_rate=1e-300)
+
+
 def test_a_recording_that_would_fill_memory(tmp_path, monkeypatch):
     from jaxwalk.formats import recordings
 

@@ -11,7 +11,7 @@ import pytest
 from formats.scene import STREET, car, person, recording
 from jaxwalk.formats.areas import parse_areas, read_areas
 from jaxwalk.formats.measured import measure_all
-from jaxwalk.formats.recordings import trajectory_of, views
+from jaxwalk.formats.recordings import _crossing_numbers, trajectory_of, views
 from jaxwalk.formats.tracks import TracksError
 from jaxwalk.metrics.braking import NEVER, ONSET, UNSEEN
 from jaxwalk.sim.config import SimConfig
@@ -153,6 +153,17 @@ def test_what_cannot_be_told_is_left_out():
 def test_nobody_to_meet():
     found = measure_all([(recording(car(0, 6, 0, 0, 10.0)), GROUND)], config=CONFIG).as_dict()
     assert found["surrogates"]["jaywalk"]["count"] == 0
+
+
+@pytest.mark.parametrize("words", [["none", "jaywalk"], ["none", "zebra" * 40]])
+def test_words_of_crossing(words):
+    """Text of any length is looked at as it is, not copied into an array with room for the longest in every row."""
+    column = np.array(words, object)
+    if "jaywalk" in words:
+        assert _crossing_numbers(column).tolist() == [0, 2]
+        return
+    with pytest.raises(TracksError, match=r"column crossing: \[\.\.\.\]; it must be one of none, crosswalk, jaywalk"):
+        _crossing_numbers(column)
 
 
 def test_two_rows_of_one_moment():

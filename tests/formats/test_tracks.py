@@ -178,9 +178,36 @@ def test_a_small_file_does_not_fill_memory(file, tmp_path, monkeypatch):
 
     with pytest.raises(TracksError, match=r"column type has words of 1,001 characters; mend it"):
         next(_rewritten(file, tmp_path / "words.parquet", change).recordings())
+    table = pyarrow.parquet.read_table(file).slice(0, 150)
+    pyarrow.parquet.write_table(table, tmp_path / "groups.parquet", row_group_size=50)
+    monkeypatch.setattr(track_file, "MOST_ROWS", 90)
+    with pytest.raises(TracksError, match=r"has 100 rows in episode \d+; write it with at most 90"):
+        next(TrackFile(tmp_path / "groups.parquet").recordings())
     monkeypatch.setattr(track_file, "MOST_ROWS", 100)
     with pytest.raises(TracksError, match=r"rows in a group; write it with at most 100"):
         next(TrackFile(file).recordings())
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "kind"),
+    [
+        ("x", ["long" * 100], "string"),
+        ("id", [b"long" * 100], "binary"),
+        ("y", [[0.0] * 100], "list<"),
+        ("type", [b"car"], "binary"),
+        ("crossing", [["none"]], "list<"),
+        ("heading", pyarrow.array(["1"]).dictionary_encode(), "dictionary<"),
+    ],
+)
+def test_a_column_that_could_fill_memory_is_not_read(file, tmp_path, name, values, kind):
+    """Whatever is written once and stands in many rows; already when the file is opened."""
+
+    def change(table):
+        at, column = table.schema.get_field_index(name), pyarrow.array(values)
+        return table.set_column(at, name, column.take(pyarrow.array(np.zeros(len(table), int))))
+
+    with pytest.raises(TracksError, match=rf"column {name} holds {kind}.*; make it \w+"):
+        _rewritten(file, tmp_path / "large.parquet", change)
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from hypothesis import strategies as st
+
+Files = Mapping[str, bytes]
+"""Contents by the names in a folder."""
 
 
 def nested(depth: int) -> Any:
@@ -108,6 +111,16 @@ def contents(draw: Callable, good: bytes) -> bytes:
             inserted = draw(st.sampled_from(INSERTED)) if kind == "insert" else b""
             content = content[:at] + inserted + content[upto:]
     return content
+
+
+def damaged(files: Files) -> st.SearchStrategy[Files]:
+    """One of the files has wrong bytes, or is missing."""
+    wrong = st.sampled_from(sorted(files)).flatmap(
+        lambda name: contents(files[name]).map(lambda content: {**files, name: content})
+    )
+    return st.one_of(
+        wrong, wrong, wrong, st.sampled_from(sorted(files)).map(lambda n: {k: files[k] for k in files if k != n})
+    )
 
 
 def as_json(document: Any) -> bytes:

@@ -8,6 +8,7 @@ import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import resources
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,8 @@ import numpy as np
 from hypothesis import strategies as st
 from safetensors.numpy import save
 
-from hostile.mutations import as_json, as_toml, contents, documents
+from hostile.drivers import agent, onnx_network, spoiled_agent, spoiled_archive, spoiled_onnx, torchscript_network
+from hostile.mutations import Files, as_json, as_toml, damaged, documents
 from jaxwalk.cli.train import bad_values
 from jaxwalk.experiments.recipes import RECIPES
 from jaxwalk.experiments.runs import Run
@@ -29,9 +31,6 @@ from jaxwalk.policies import load_policy, read_metadata
 from jaxwalk.policies.host import load_host_driver
 from jaxwalk.sim.config import SimConfig
 
-Files = Mapping[str, bytes]
-"""Contents by the names in a folder."""
-
 
 @dataclass(frozen=True)
 class Target:
@@ -43,8 +42,6 @@ class Target:
     """What is done with the folder of files."""
     hostile: st.SearchStrategy[Files]
     """Bad ones (a few stay good)."""
-    good: bool = True
-    """Whether the good one is."""
 
 
 def play(target: Target, files: Files) -> Any:
@@ -53,16 +50,6 @@ def play(target: Target, files: Files) -> Any:
         for name, content in files.items():
             (Path(folder) / name).write_bytes(content)
         return target.read(Path(folder))
-
-
-def damaged(files: Files) -> st.SearchStrategy[Files]:
-    """One of the files has wrong bytes, or is missing."""
-    wrong = st.sampled_from(sorted(files)).flatmap(
-        lambda name: contents(files[name]).map(lambda content: {**files, name: content})
-    )
-    return st.one_of(
-        wrong, wrong, wrong, st.sampled_from(sorted(files)).map(lambda n: {k: files[k] for k in files if k != n})
-    )
 
 
 def rewritten(name: str, good: Any, write: Callable[[Any], bytes]) -> st.SearchStrategy[Files]:
@@ -268,28 +255,33 @@ def _vci() -> Target:
     return Target(files, _measured("a_traj_ped_filtered.csv"), _tables(tables) | damaged(files))
 
 
-def _drivers() -> dict[str, Target]:
-    """Files of other frameworks, none of which is one."""
-    start = {
-        "nonsense.onnx": b"\x08\x08\x12\x07jaxwalk:\x10",
-        "nonsense.pt": b"PK\x03\x04",
-        "nonsense.zip": b"PK\x05\x06" + b"\0" * 18,
-    }
-    return {
-        name: Target(
-            {name: content},
-            lambda folder, name=name: load_host_driver(str(folder / name)),
-            damaged({name: content}),
-            good=False,
-        )
-        for name, content in start.items()
-    }
+def _driver(name: str, good: bytes, spoiled: st.SearchStrategy[bytes | None]) -> Target:
+    """A network of another framework."""
+    cases = spoiled.map(lambda content: {} if content is None else {name: content})
+    return Target({name: good}, lambda folder: load_host_driver(str(folder / name)), cases | damaged({name: good}))
+
+
+def _onnx() -> Target:
+    return _driver("driver.onnx", good := onnx_network(), spoiled_onnx(good))
+
+
+def _torchscript() -> Target:
+    return _driver("driver.pt", good := torchscript_network(), spoiled_archive(good))
+
+
+def _agent() -> Target:
+    return _driver("driver.zip", good := agent(), spoiled_agent(good))
+
+
+MAKERS: dict[str, Callable[[], Target]] = {
+    "map": _map, "configuration": _run, "metrics": _metrics, "policy": _policy, "areas": _areas, "inD": _ind,
+    "DUT": _vci, "Parquet": _parquet, "driver.onnx": _onnx, "driver.pt": _torchscript, "driver.zip": _agent,
+}  # fmt: skip
+"""What makes them, by name."""
+NEEDS = {"Parquet": "pyarrow", "driver.onnx": "onnxruntime", "driver.pt": "torch", "driver.zip": "torch"}
+"""The packages without which some can't be read."""
 
 
 def make_targets() -> dict[str, Target]:
-    """All of them, by name."""
-    made = {
-        "map": _map, "configuration": _run, "metrics": _metrics, "policy": _policy, "areas": _areas, "inD": _ind,
-        "DUT": _vci, "Parquet": _parquet,
-    }  # fmt: skip
-    return {name: make() for name, make in made.items()} | _drivers()
+    """All that can be read here, by name."""
+    return {name: make() for name, make in MAKERS.items() if name not in NEEDS or find_spec(NEEDS[name])}

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import pytest
 
 from jaxwalk.maps import MapError, load_map
@@ -57,3 +60,22 @@ def test_a_long_value_is_shown_in_short(small, write):
     with pytest.raises(MapError) as error:
         load_map(write(small | {"size": ["x" * 100_000, 20]}))
     assert len(str(error.value)) < 400
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a device and a pipe")
+@pytest.mark.parametrize("kind", ["device", "pipe", "folder"])
+def test_what_is_no_file_is_not_read(tmp_path, kind):
+    """A device may have no end, and a pipe no other."""
+    path = tmp_path / "town.toml"
+    {"device": lambda: path.symlink_to("/dev/zero"), "pipe": lambda: os.mkfifo(path), "folder": path.mkdir}[kind]()
+    with pytest.raises(MapError, match="is no file: check the path"):
+        load_map(path)
+
+
+def test_no_more_is_read_than_a_map_has(tmp_path, monkeypatch):
+    """Whatever the system says of a file's size."""
+    path = tmp_path / "town.toml"
+    path.write_text("# " + "x" * 2_000_000)
+    monkeypatch.setattr(Path, "stat", lambda self, **_: os.stat_result((0o100644, *[0] * 9)))
+    with pytest.raises(MapError, match="larger than 1,000,000 bytes"):
+        load_map(path)

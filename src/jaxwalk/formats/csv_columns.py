@@ -7,8 +7,9 @@ from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
-from jaxwalk.formats.tracks import LARGEST, TracksError
+from jaxwalk.formats.tracks import LARGEST, LONGEST_WORD, TracksError
 
 
 def read_columns(path: Path, numbers: Collection[str], words: Collection[str] = ()) -> dict[str, np.ndarray]:
@@ -30,14 +31,29 @@ def read_columns(path: Path, numbers: Collection[str], words: Collection[str] = 
     rows = [line for line in lines[1:] if line]
     if any(len(line) != len(head) for line in rows):
         raise TracksError(f"{path}: a line has another number of values than the first; mend it")
-    columns = {name: np.array([line[head.index(name)] for line in rows], str) for name in (*numbers, *words)}
-    return {name: _numbers(path, name, x) if name in numbers else x for name, x in columns.items()}
+    columns = {name: [line[head.index(name)] for line in rows] for name in (*numbers, *words)}
+    for name, column in columns.items():
+        if (longest := max(map(len, column), default=0)) > LONGEST_WORD:
+            raise TracksError(f"{path}: column {name} has a value of {longest:,} characters; mend it")
+    # (words as objects: an array of text has room for the longest in every row)
+    return {name: _numbers(path, name, x) if name in numbers else np.array(x, object) for name, x in columns.items()}
 
 
-def _numbers(path: Path, name: str, column: np.ndarray) -> np.ndarray:
+def seconds(path: Path, frames: Float[np.ndarray, "row"], rate: float) -> Float[np.ndarray, "row"]:
+    """Times of frames [s], at a rate above 0 [1/s]. TracksError if they can't be."""
+    with np.errstate(over="ignore"):
+        t = frames / rate
+    if not (np.abs(t) <= LARGEST).all():
+        raise TracksError(
+            f"{path}: at {rate:g} frames per second, a time is beyond {LARGEST:g} s; check the frame rate"
+        )
+    return t
+
+
+def _numbers(path: Path, name: str, column: list[str]) -> np.ndarray:
     """A column as numbers that something can be measured with."""
     try:
-        found = column.astype(float)
+        found = np.array([float(value) for value in column], float)
     except ValueError as error:
         raise TracksError(f"{path}: column {name}: {error}; mend it") from None
     if not (np.abs(found) <= LARGEST).all():  # (not so for NaN)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxwalk.formats.csv_columns import read_columns
+from jaxwalk.formats.csv_columns import read_columns, seconds
 from jaxwalk.formats.tracks import CAR, PEDESTRIAN, Tracks, TracksError
 
 ENDING = "_tracks.csv"
@@ -40,9 +40,9 @@ def read_ind(path: str | Path) -> Tracks:
         raise TracksError(f"{stem}_tracksMeta.csv: has no track {min(strange):g}; restore it")
     return Tracks(
         episode=int(recording["recordingId"][0]),
-        t=columns["frame"] / recording["frameRate"][0],
+        t=seconds(path, columns["frame"], float(recording["frameRate"][0])),
         id=ids.astype(np.int64),
-        type=np.array([TYPES.get(classes[track], classes[track]) for track in ids.tolist()]),
+        type=np.array([TYPES.get(classes[track], classes[track]) for track in ids.tolist()], object),
         x=columns["xCenter"],
         y=columns["yCenter"],
         vx=columns["xVelocity"],

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from textwrap import shorten
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -149,11 +150,11 @@ def _people(view: View, areas: Areas | None) -> dict[str, np.ndarray]:
 
 def _crossing_numbers(words: np.ndarray) -> Int[np.ndarray, "row"]:
     """Numbers of `jaxwalk.sim.trajectory` for words. TracksError for others."""
-    found, place = np.unique(words.astype(str), return_inverse=True)
-    strange = set(found) - set(CROSSINGS)
+    strange = set(words.tolist()) - set(CROSSINGS)  # (an array of text has room for the longest word in every row)
     if strange:
-        raise TracksError(f"column crossing: {', '.join(sorted(strange))}; it must be one of {', '.join(CROSSINGS)}")
-    return np.array([CROSSINGS.index(word) for word in found], np.int8)[place]
+        shown = shorten(repr(min(strange)), 100)
+        raise TracksError(f"column crossing: {shown}; it must be one of {', '.join(CROSSINGS)}")
+    return np.select([words == word for word in CROSSINGS], range(len(CROSSINGS))).astype(np.int8)
 
 
 def _between(times: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -12,7 +12,18 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.formats.areas import Areas, parse_areas
-from jaxwalk.formats.tracks import CAR, LARGEST, OF_CARS, OPTIONAL, PEDESTRIAN, REQUIRED, UNITS, Tracks, TracksError
+from jaxwalk.formats.tracks import (
+    CAR,
+    LARGEST,
+    LONGEST_WORD,
+    OF_CARS,
+    OPTIONAL,
+    PEDESTRIAN,
+    REQUIRED,
+    UNITS,
+    Tracks,
+    TracksError,
+)
 from jaxwalk.writing import whole
 
 SCHEMA = 1
@@ -21,8 +32,8 @@ KEY, AREAS = b"jaxwalk", b"jaxwalk_areas"
 """The file's metadata: what it is, and the ground, each as JSON."""
 EPISODES = 32
 """Episodes in each group of rows of the file, which is read at once."""
-MOST_ROWS, LONGEST_WORD = 4_000_000, 1000
-"""Of a group of rows, and of a word in bytes: so that a small file can't fill memory."""
+MOST_ROWS = 4_000_000
+"""Of a group of rows, and of an episode before the last group that it is in."""
 WORDS = ("type", *(name for name, empty in OPTIONAL.items() if isinstance(empty, str)))
 """Columns of words."""
 FINITE = ("t", "x", "y", "vx", "vy", "heading")
@@ -104,12 +115,29 @@ class TrackFile:
         missing = [name for name in REQUIRED if name not in names]
         if missing:
             raise TracksError(f"{path}: has no column {', '.join(missing)}; docs/trajectories.md lists all")
+        for field in schema:
+            self._check_type(field)
         metadata = schema.metadata or {}
         self.about: dict[str, Any] = self._json(metadata, KEY)
         if self.about.get("schema", SCHEMA) != SCHEMA:
             raise TracksError(f"{path}: is of schema {self.about['schema']}, which this jaxwalk can't read; update it")
         self.areas: Areas | None = parse_areas(self._json(metadata, AREAS), f"{path}") if AREAS in metadata else None
         self.known = tuple(name for name in OPTIONAL if name in names)
+
+    def _check_type(self, field: Any) -> None:
+        """Raise TracksError for a column that could fill memory when it is read: texts, unless each is held once."""
+        from pyarrow import types
+
+        kind = field.type.value_type if types.is_dictionary(field.type) else field.type
+        if field.name in WORDS:
+            small = types.is_string(kind) or types.is_large_string(kind) or types.is_null(kind)
+        elif field.name in REQUIRED or field.name in OPTIONAL:
+            small = types.is_primitive(field.type) or types.is_decimal(field.type) or types.is_null(field.type)
+        else:  # (isn't read)
+            small = True
+        if not small:
+            wanted = _kind(field.name, field.type)
+            raise TracksError(f"{self.path}: column {field.name} holds {field.type}; make it {wanted}")
 
     def _json(self, metadata: Mapping[bytes, bytes], key: bytes) -> dict[str, Any]:
         """An object in the file's metadata; {} if it isn't there."""
@@ -127,6 +155,7 @@ class TrackFile:
         for group in range(self._file.num_row_groups):
             table = self._columns(group)
             if rest is not None:
+                self._check_rows(len(rest["t"]), f"in episode {rest['episode'][0]}")
                 table = {name: np.concatenate([rest[name], table[name]]) for name in table}
             bounds = np.flatnonzero(np.diff(table["episode"])) + 1
             parts = [
@@ -144,13 +173,17 @@ class TrackFile:
 
         names = (*REQUIRED, *self.known)
         rows = self._file.metadata.row_group(group).num_rows
-        if rows > MOST_ROWS:
-            raise TracksError(f"{self.path}: has {rows:,} rows in a group; write it with at most {MOST_ROWS:,}")
+        self._check_rows(rows, "in a group")
         try:
             table = self._file.read_row_group(group, columns=list(names))
         except (ArrowException, OSError) as error:
             raise TracksError(f"{self.path}: damaged ({error}); write it anew") from None
         return {name: self._column(name, table[name]) for name in names}
+
+    def _check_rows(self, rows: int, where: str) -> None:
+        """Raise TracksError for more rows than are held at once."""
+        if rows > MOST_ROWS:
+            raise TracksError(f"{self.path}: has {rows:,} rows {where}; write it with at most {MOST_ROWS:,}")
 
     def _column(self, name: str, column: Any) -> np.ndarray:
         """A column of pyarrow's, of the type that it must have. Only the optional ones may have empty values."""

@@ -30,6 +30,8 @@ OPTIONAL = {**OF_CARS, **OF_PEOPLE}
 
 LARGEST = 1e12
 """No time, place or speed of a table is larger: such a number is a mistake."""
+LONGEST_WORD = 1000
+"""Characters (of Parquet, bytes) of a value's text: so that a small file can't fill memory."""
 
 
 class TracksError(ValueError):

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxwalk.formats.csv_columns import read_columns
+from jaxwalk.formats.csv_columns import read_columns, seconds
 from jaxwalk.formats.tracks import CAR, PEDESTRIAN, Tracks, TracksError
 
 PEOPLE, VEHICLES = "_traj_ped_filtered.csv", "_traj_veh_filtered.csv"
@@ -47,7 +47,7 @@ def read_vci(path: str | Path, *, frame_rate: float, number: int = 0) -> Tracks:
     first = cars["id"].max(initial=-1) + 1  # pedestrians are numbered after the vehicles: the files count each from 0
     return Tracks(
         episode=number,
-        t=both["frame"] / frame_rate,
+        t=seconds(path, both["frame"], frame_rate),
         id=(both["id"] + np.repeat([0, first], rows)).astype(np.int64),
         type=np.repeat([CAR, PEDESTRIAN], rows),
         x=both["x_est"],

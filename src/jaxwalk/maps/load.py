@@ -45,10 +45,15 @@ def _read(name_or_path: str | Path) -> str:
     if not source.endswith(".toml"):
         known = ", ".join(names)
         raise MapError(source, [f"no such map: use a bundled one ({known}) or the path of a file that ends in .toml"])
+    path = Path(source)
+    if path.exists() and not path.is_file():  # a folder, a device without an end, a pipe that nobody writes into
+        raise MapError(source, ["is no file: check the path"])
     try:
-        if Path(source).stat().st_size > MOST_BYTES:
+        with path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
             raise MapError(source, [f"larger than {MOST_BYTES:,} bytes, which no map needs: check the path"])
-        return Path(source).read_text(encoding="utf-8")
+        return content.decode("utf-8")
     except UnicodeDecodeError:
         raise MapError(source, ["not UTF-8 text: save the file as UTF-8"]) from None
     except OSError as error:

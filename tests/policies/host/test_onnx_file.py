@@ -106,7 +106,13 @@ def test_without_metadata_the_size_says_what_it_observes(tmp_path):
     np.testing.assert_array_equal(action, [[0, 1], [2, 3]])
 
 
+def _no_text():
+    """A network whose node has an operation's name that isn't UTF-8."""
+    return _foreign().replace(b"Gather", b"Gath\xf4r")
+
+
 WRONG = {
+    "no text": (_no_text, "damaged or no ONNX file"),
     "nonsense": (lambda: b"nonsense", "damaged or no ONNX file"),
     "no set": (lambda: _foreign(features=7), r"takes 7 numbers; the sets' sizes are: paper 34, route 59"),
     "one row": (lambda: _foreign(rows=1), "with a free first axis and a fixed number of features"),
@@ -121,7 +127,8 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_cannot_drive_is_refused(tmp_path, name):
+def test_what_cannot_drive_is_refused(tmp_path, capsys, name):
     make, message = WRONG[name]
     with pytest.raises(DriverError, match=message):
         load_host_driver(_write(tmp_path / "wrong.onnx", make()))
+    assert capsys.readouterr().out == ""

@@ -15,6 +15,8 @@ from jaxwalk.policies.host.load import set_of_size
 
 OBSERVES, ROLE = "jaxwalk.observes", "jaxwalk.role"
 """Entries of an ONNX file's metadata."""
+OLDEST = (1, 24)
+"""Versions of ONNX Runtime before this read weights outside the file's folder."""
 
 
 class OnnxDriver:
@@ -39,8 +41,18 @@ def load(path: Path, *, trust: bool) -> tuple[OnnxDriver, str]:
         import onnxruntime
     except ImportError as error:
         raise DriverError(f"{path}: ONNX needs ONNX Runtime: pip install 'jaxwalk[onnx]'") from error
-    try:
-        session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
+    version = onnxruntime.__version__
+    if tuple(map(int, version.split(".")[:2])) < OLDEST:
+        raise DriverError(
+            f"{path}: ONNX Runtime {version} lets a file read others; update it: pip install -U 'jaxwalk[onnx]'"
+        )
+    try:  # (without folding constants, which may be of any size, while it is loaded)
+        session = onnxruntime.InferenceSession(
+            str(path),
+            providers=["CPUExecutionProvider"],
+            disabled_optimizers=["ConstantFolding"],
+            enable_fallback=0,  # (which prints, and tries the same again)
+        )
     except Exception as error:  # (ONNX Runtime's own errors have no common class but this)
         raise DriverError(f"{path}: damaged or no ONNX file ({error}); export it again") from error
     metadata = session.get_modelmeta().custom_metadata_map

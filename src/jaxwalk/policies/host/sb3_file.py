@@ -7,7 +7,9 @@ adapter gives them; which set, their size says.
 
 from __future__ import annotations
 
+import io
 import json
+import pickletools
 import re
 import zipfile
 from collections.abc import Callable, Mapping
@@ -32,6 +34,14 @@ HARMLESS = {"activation_fn", "net_arch", "log_std_init", "ortho_init", "optimize
 """``policy_kwargs`` that change nothing about the action, or that the weights tell."""
 LAYER = re.compile(r"mlp_extractor\.policy_net\.(\d{1,3})\.weight")
 NOT_THE_ACTOR = ("mlp_extractor.value_net.", "value_net.", "log_std")
+
+CONSTRUCTORS = {
+    "collections OrderedDict", "torch FloatStorage", "torch._utils _rebuild_tensor_v2",
+    "torch._utils _rebuild_parameter",
+}  # fmt: skip
+"""All that weights may call while PyTorch reads them."""
+ARCHIVE = b"PK\x03\x04"
+"""How PyTorch's archives begin; what doesn't is read in an older way, as a stream of pickles."""
 
 Layers = list[tuple[np.ndarray, np.ndarray]]
 
@@ -123,11 +133,15 @@ def _activation(data: Mapping[str, Any]) -> str:
 
 def _layers(torch: Any, path: Path) -> Layers:
     """The actor's layers, first to last."""
-    with zipfile.ZipFile(path) as archive, archive.open("policy.pth") as file:
-        try:
-            weights = torch.load(file, map_location="cpu", weights_only=True)
-        except Exception as error:  # (pickle.UnpicklingError for what is no tensor, others for a damaged file)
-            raise _OtherAgentError("its weights hold more than tensors, or are damaged") from error
+    with zipfile.ZipFile(path) as archive:
+        content = archive.read("policy.pth")
+    try:
+        _check_constructors(torch, content)
+        weights = torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
+    except _OtherAgentError:
+        raise
+    except Exception as error:  # (pickle.UnpicklingError for what is no tensor, others for a damaged file)
+        raise _OtherAgentError("its weights hold more than tensors, or are damaged") from error
     if not isinstance(weights, dict) or not all(_is_matrix(torch, name, x) for name, x in weights.items()):
         raise _OtherAgentError("its weights hold more than matrices and vectors by name")
     numbers = sorted(int(found[1]) for name in weights if (found := LAYER.fullmatch(name)))
@@ -138,6 +152,16 @@ def _layers(torch: Any, path: Path) -> Layers:
     if others or missing:
         raise _OtherAgentError(f"it is no PPO or A2C MlpPolicy ({', '.join(sorted(others | missing)[:3])})")
     return [(weights[f"{name}.weight"].numpy(), weights[f"{name}.bias"].numpy()) for name in names]
+
+
+def _check_constructors(torch: Any, content: bytes) -> None:
+    """Raise for weights that call anything but CONSTRUCTORS: PyTorch would make them a bytearray of any size."""
+    if not content.startswith(ARCHIVE):
+        raise _OtherAgentError("its weights are in an old format")
+    pickled = torch._C.PyTorchFileReader(io.BytesIO(content)).get_record("data.pkl")
+    called = {str(argument) for code, argument, _ in pickletools.genops(pickled) if code.name in ("GLOBAL", "INST")}
+    if others := called - CONSTRUCTORS:
+        raise _OtherAgentError(f"its weights call {min(others)}")
 
 
 def _is_matrix(torch: Any, name: Any, x: Any) -> bool:

@@ -1,7 +1,8 @@
 """A driver in a PyTorch file: a module that takes ``(episodes, features)`` and returns the action ``(episodes, 2)``.
 
 TorchScript is loaded by PyTorch's own reader, which knows tensors and TorchScript operations only and unpickles no
-Python objects; a few of its operations reach beyond the network, such as ``torch.save``, and take ``trust``. Everything
+Python objects. Some operations reach beyond the network, such as ``torch.save``, and loading already runs some code
+(defaults of arguments), so the code is read before: whatever isn't plainly of a network takes ``trust``. Everything
 else (`torch.export`, whole modules by `torch.save`) may run any Python code while it is
 loaded: `torch.export.load` unpickles some weights, and evaluates expressions for the shapes. That takes ``trust``.
 """
@@ -31,8 +32,24 @@ DAMAGED = (
     zipfile.BadZipFile, zlib.error, EOFError, KeyError, NotImplementedError, OSError, RuntimeError, ValueError,
 )  # fmt: skip
 """What a damaged archive, or JSON in one, makes Python raise."""
-BEYOND_COMPUTING = re.compile(rb"\b(?:from_file|save|load_tensor|rpc_\w+|\w*PythonOp)\b|\bops\.(?!aten\b|prim\b)\w+")
-"""Operations of TorchScript that reach beyond the network: files, other machines, Python, libraries of others."""
+NAMES = """
+    NumToTensor RaiseException __and__ __contains__ __getitem__ __is__ __isnot__ __not__ __or__ _convolution abs
+    adaptive_avg_pool1d add add_ addmm all annotate any append arange argmax atan atan2 avg_pool1d baddbmm
+    batch_norm bmm cat ceil celu celu_ chunk clamp clamp_ contiguous conv1d conv2d cos cpu data detach device
+    dim div div_ dropout dropout_ dtype einsum elu elu_ embedding eq equal exp expand flatten floor floordiv
+    format full gather ge gelu greater group_norm gru gru_cell gt hardsigmoid hardswish hardswish_ hardtanh
+    hardtanh_ index_select item layer_norm layout le leaky_relu leaky_relu_ len linear list log log_softmax
+    logical_and logical_not logical_or lstm lstm_cell lt masked_fill masked_fill_ matmul max max_pool1d maximum
+    mean min minimum mish mish_ mm mode mul mul_ name narrow ne neg negative norm numel ones ones_like pad
+    permute pin_memory positive pow prelu range reciprocal relu relu6 relu_ remainder repeat reshape rms_norm
+    round rsqrt scaled_dot_product_attention select selu selu_ sigmoid sign silu silu_ sin size slice softmax
+    softplus split sqrt square squeeze stack std str stride sub sub_ sum t tanh tanh_ tensor threshold to
+    transpose type unchecked_cast unflatten unsqueeze var view view_as warn where zeros zeros_like
+"""
+PLAIN = frozenset(re.findall(r"\w+", NAMES))
+"""Operations of TorchScript that networks are made of. They only compute."""
+SPELLED = re.compile(rb'\\|\bgetattr\b(?!\(\w+, "\w+"\))|\bclasses\b|\bops\b(?!\.(?:aten|prim)\.)')
+"""What could reach further: escapes, ``getattr`` of anything but a name, classes and operations of C++ libraries."""
 
 
 class TorchDriver:
@@ -69,7 +86,8 @@ def load(path: Path, *, trust: bool) -> tuple[TorchDriver, str]:
     except Exception as error:  # (whatever a damaged archive makes PyTorch raise)
         what = str(error).strip().split("\n")[0]
         raise DriverError(f"{path}: can't be loaded as {kind} ({what}); save it again") from error
-    observes = extra[OBSERVES].decode() if isinstance(extra[OBSERVES], bytes) else extra[OBSERVES]
+    named = extra[OBSERVES]
+    observes = named.decode(errors="replace") if isinstance(named, bytes) else named
     features = _features(module)
     if features is None:
         raise DriverError(f"{path}: has no weights to tell how many numbers it takes; wrap it in a Python driver")
@@ -92,20 +110,34 @@ def check_unpacked(path: Path, archive: zipfile.ZipFile) -> None:
 
 
 def _check_operations(torch: Any, path: Path) -> None:
-    """Raise DriverError for TorchScript that does more than compute; read as PyTorch reads it, before it is loaded."""
+    """Raise DriverError for TorchScript that does more than compute; read as PyTorch reads it, before it is loaded.
+
+    An operation can be called by its name only, so every word that is the name of one must be PLAIN. PyTorch finds
+    records whatever the case of their names.
+    """
     try:
         reader = torch._C.PyTorchFileReader(str(path))
-        scripts = [reader.get_record(name) for name in reader.get_all_records() if name.endswith(".py")]
-    except RuntimeError as error:
+        records = [(name.lower(), reader.get_record(name)) for name in reader.get_all_records()]
+    except (RuntimeError, UnicodeDecodeError) as error:  # (the latter for names of records)
         what = str(error).strip().split("\n")[0]
         raise DriverError(f"{path}: can't be loaded as TorchScript ({what}); save it again") from error
-    for script in scripts:
-        found = BEYOND_COMPUTING.search(script)
+    if any(name == "model.json" for name, _ in records):  # the first versions', which could keep code anywhere
+        raise DriverError(f"{path}: an old TorchScript file, whose code can't be checked; {WAY_OUT}")
+    operations = {schema.name.rpartition("::")[2] for schema in torch._C._jit_get_all_schemas()}
+    for name, content in records:
+        is_code = name.startswith("code/") and not name.endswith(".debug_pkl")
+        found = _beyond_computing(content, operations) if is_code else ""
+        if name.endswith(".pkl") and b"classes" in content:
+            found = "classes"
         if found:
-            called = found[0].decode()
-            raise DriverError(
-                f"{path}: its TorchScript calls {called}, which can touch files or other machines; {WAY_OUT}"
-            )
+            raise DriverError(f"{path}: its TorchScript uses {found}, which may do more than compute; {WAY_OUT}")
+
+
+def _beyond_computing(script: bytes, operations: set[str]) -> str:
+    """Something in a script that isn't plainly of a network; empty if there is nothing."""
+    spelled = SPELLED.search(script)
+    words = {word.decode() for word in re.findall(rb"\w+", script)}
+    return spelled[0].decode() if spelled else min(words & operations - PLAIN, default="")
 
 
 def _kind(path: Path) -> str:
