@@ -22,7 +22,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from difflib import unified_diff
 from pathlib import Path
 from queue import SimpleQueue
@@ -158,17 +158,13 @@ def _copies(folder: Path, number: int, groups: list[str]) -> SimpleQueue[Path]:
     return copies
 
 
-def _report(mutants: list[Mutant], survived: list[bool], console: Console) -> None:
-    made, left = Counter(m.module for m in mutants), Counter()
-    for mutant, alive in zip(mutants, survived, strict=True):
-        left[mutant.module] += alive
-        if alive:
-            console.print(f"{mutant.module}\n{mutant.diff}\n", markup=False, highlight=False)
-    for module in made:
+def _report(mutants: list[Mutant], alive: list[Mutant]) -> None:
+    made, left = Counter(mutant.module for mutant in mutants), Counter(mutant.module for mutant in alive)
+    for module in sorted(made):
         killed = made[module] - left[module]
-        console.print(f"{module}: {killed} of {made[module]} killed ({killed / made[module]:.0%})", highlight=False)
-    killed = len(mutants) - sum(survived)
-    console.print(f"killed {killed} of {len(mutants)} mutants ({killed / len(mutants):.1%})", highlight=False)
+        print(f"{module}: {killed} of {made[module]} killed ({killed / made[module]:.0%})")
+    killed = len(mutants) - len(alive)
+    print(f"killed {killed} of {len(mutants)} mutants ({killed / len(mutants):.1%})")
 
 
 def main() -> None:
@@ -186,15 +182,18 @@ def main() -> None:
     mutants = [mutant for group in groups for path in _files(group) for mutant in _mutants(group, path)]
     random.Random(options.seed).shuffle(mutants)
     mutants = mutants[: options.sample]
-    console = Console()
+    alive: list[Mutant] = []
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.jobs) as pool:
         copies = _copies(Path(folder), options.jobs, groups)
-        tried = pool.map(lambda mutant: _survives(mutant, copies), mutants)
-        survived = list(track(tried, "mutants", total=len(mutants), console=Console(stderr=True)))
-    _report(mutants, survived, console)
+        tried = zip(mutants, pool.map(lambda mutant: _survives(mutant, copies), mutants), strict=True)
+        for mutant, survives in track(tried, "mutants", total=len(mutants), console=Console(stderr=True)):
+            if survives:
+                alive.append(mutant)
+                print(f"survives: {mutant.module}\n{mutant.diff}\n", flush=True)
+    _report(mutants, alive)
     if options.out:
-        alive = [asdict(mutant) for mutant, lives in zip(mutants, survived, strict=True) if lives]
-        options.out.write_text(json.dumps([{k: x[k] for k in ("module", "diff")} for x in alive], indent=1) + "\n")
+        document = [{"module": mutant.module, "diff": mutant.diff} for mutant in alive]
+        options.out.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
