@@ -37,6 +37,12 @@ def test_a_truncated_step_bootstraps_from_the_final_state():
     assert advantage(truncated=ends, valid=valid) == [1 - 3 / 4, -3, 0]
 
 
+def test_an_end_takes_nothing_from_the_step_after_even_if_that_counts():
+    ends = jnp.array([False, True, False])
+    assert advantage(terminated=ends) == [1 - 18 / 4, -18, -7]
+    assert advantage(truncated=ends) == [1 - 3 / 4, -3, -7]
+
+
 def test_nothing_flows_over_a_restart_even_if_its_numbers_are_nonsense():
     ends, valid = jnp.array([False, True, False, False]), jnp.array([True, True, False, True])
     reward = jnp.array([1.0, 2.0, jnp.nan, 4.0])
