@@ -197,7 +197,7 @@ def _parquet() -> Target:
             write_table(
                 made.replace_schema_metadata({"jaxwalk": as_json(told), "jaxwalk_areas": as_json(areas)}), content
             )
-        except (pyarrow.ArrowException, TypeError, ValueError, AttributeError):
+        except (pyarrow.ArrowException, ArithmeticError, AttributeError, TypeError, ValueError):
             return None  # it can't even be made
         return content.getvalue().to_pybytes()
 

@@ -107,7 +107,7 @@ class TrackFile:
             schema = ParquetFile(self.path).schema_arrow
             words = [x.name for x in schema if x.name in WORDS and x.type in (pyarrow.string(), pyarrow.large_string())]
             self._file = ParquetFile(self.path, read_dictionary=words)
-        except (pyarrow.ArrowException, OSError) as error:
+        except (pyarrow.ArrowException, UnicodeDecodeError, OSError) as error:
             raise TracksError(f"{path}: no Parquet file ({error}); write it anew") from None
         names = set(schema.names)
         if twice := [name for name in names if schema.names.count(name) > 1]:
@@ -176,7 +176,7 @@ class TrackFile:
         self._check_rows(rows, "in a group")
         try:
             table = self._file.read_row_group(group, columns=list(names))
-        except (ArrowException, OSError) as error:
+        except (ArrowException, UnicodeDecodeError, OSError) as error:
             raise TracksError(f"{self.path}: damaged ({error}); write it anew") from None
         return {name: self._column(name, table[name]) for name in names}
 
@@ -199,7 +199,10 @@ class TrackFile:
             column = column.cast(kind)
         except pyarrow.ArrowException:
             raise TracksError(f"{self.path}: column {name} holds {column.type}; make it {kind}") from None
-        return (fill_null(column, OPTIONAL[name]) if name in OPTIONAL else column).to_numpy()
+        try:
+            return (fill_null(column, OPTIONAL[name]) if name in OPTIONAL else column).to_numpy()
+        except UnicodeDecodeError:
+            raise TracksError(f"{self.path}: column {name} has words that are no UTF-8; write it anew") from None
 
     def _words(self, name: str, column: Any) -> Any:
         """A column of words, each of which is held once until it is known to be short."""
