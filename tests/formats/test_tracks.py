@@ -156,6 +156,15 @@ def test_tables_that_cannot_be_used(file, tmp_path, change, message):
         list(_rewritten(file, tmp_path / "wrong.parquet", change).recordings())
 
 
+def test_words_that_are_no_text_are_refused(file, tmp_path):
+    def garbled(table):
+        words = pyarrow.array([b"\xe3ar"] * len(table)).view(pyarrow.string())
+        return table.set_column(table.schema.get_field_index("type"), "type", words)
+
+    with pytest.raises(TracksError, match="no UTF-8"):
+        list(_rewritten(file, tmp_path / "garbled.parquet", garbled).recordings())
+
+
 def test_no_parquet_file(tmp_path, episodes, monkeypatch):
     (tmp_path / "text.parquet").write_text("t,id\n")
     with pytest.raises(TracksError, match="no Parquet file"):

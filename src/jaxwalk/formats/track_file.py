@@ -201,7 +201,7 @@ class TrackFile:
             raise TracksError(f"{self.path}: column {name} holds {column.type}; make it {kind}") from None
         try:
             return (fill_null(column, OPTIONAL[name]) if name in OPTIONAL else column).to_numpy()
-        except UnicodeDecodeError:
+        except (pyarrow.ArrowException, UnicodeDecodeError):
             raise TracksError(f"{self.path}: column {name} has words that are no UTF-8; write it anew") from None
 
     def _words(self, name: str, column: Any) -> Any:
