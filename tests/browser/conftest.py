@@ -61,7 +61,7 @@ def open_file(page):
 
 
 @pytest.fixture
-def axe():
+def check_access():
     """Checks that axe finds nothing in a page that shuts somebody out."""
     sync = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: pip install jaxwalk[dev]")
 

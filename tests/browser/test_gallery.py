@@ -157,9 +157,9 @@ def test_the_same_scenario_under_another_driver(opened):
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nobody_is_shut_out(opened, axe, scheme):
+def test_nobody_is_shut_out(opened, check_access, scheme):
     opened.emulate_media(color_scheme=scheme)
-    axe(opened)
+    check_access(opened)
     opened.click(".incidents button")
     opened.wait_for_selector("dialog[open] .stage canvas")
-    axe(opened)
+    check_access(opened)

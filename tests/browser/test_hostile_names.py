@@ -26,7 +26,7 @@ def _renamed(documents):
     return json.loads(text)
 
 
-def _harmless(page):
+def _check_harmless(page):
     """Nothing ran, and the name is there to read."""
     assert page.title() != "owned"
     assert page.locator("img[src=x]").count() == 0
@@ -47,7 +47,7 @@ def test_a_report_of_hostile_names(tmp_path, open_file):
     page.wait_for_selector(".incidents button")
     page.click(".incidents button")
     page.wait_for_selector("dialog[open] .stage canvas")
-    _harmless(page)
+    _check_harmless(page)
 
 
 def test_a_replay_of_hostile_names(tmp_path, open_file):
@@ -57,7 +57,7 @@ def test_a_replay_of_hostile_names(tmp_path, open_file):
     replay_page(document, tmp_path / "replay.html", title=CODE)
     page = open_file(tmp_path / "replay.html")
     page.wait_for_selector(".stage canvas")
-    _harmless(page)
+    _check_harmless(page)
 
 
 def test_the_page_to_watch_a_run_of_a_hostile_name(tmp_path, open_file):

@@ -15,11 +15,11 @@ def report(tmp_path_factory):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1100, 390])
-def test_it_shuts_nobody_out(report, page, open_file, axe, scheme, width):
+def test_it_shuts_nobody_out(report, page, open_file, check_access, scheme, width):
     page.emulate_media(color_scheme=scheme)
     page.set_viewport_size({"width": width, "height": 800})
     open_file(report)
-    axe(page)
+    check_access(page)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 

@@ -95,11 +95,11 @@ def test_it_can_be_paused_with_the_keyboard(training, open_file):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1100, 360])
-def test_it_shuts_nobody_out(training, open_file, axe, page, scheme, width):
+def test_it_shuts_nobody_out(training, open_file, check_access, page, scheme, width):
     page.emulate_media(color_scheme=scheme)
     page.set_viewport_size({"width": width, "height": 800})
     with training:
         open_file(training.path)
         page.get_by_role("img").first.wait_for()
-        axe(page)
+        check_access(page)
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

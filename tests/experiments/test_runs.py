@@ -10,6 +10,18 @@ from jaxwalk.experiments.recipes import RECIPES, single_agent, with_training
 from jaxwalk.experiments.runs import Run, RunError
 
 
+def _edited(tmp_path, where, value):
+    """A run folder with another value at a place of its configuration."""
+    run = Run.create(tmp_path / "run", RECIPES["fast"])
+    document = json.loads((run.path / "config.json").read_text())
+    inner = document
+    for name in where[:-1]:
+        inner = inner[name]
+    inner[where[-1]] = value
+    (run.path / "config.json").write_text(json.dumps(document))
+    return run.path
+
+
 @pytest.mark.parametrize("name", RECIPES)
 def test_configuration_comes_back(tmp_path, name):
     experiment = single_agent(with_training(RECIPES[name], learning_rate=1e-3))
@@ -53,15 +65,9 @@ def test_a_run_is_not_overwritten(tmp_path):
     ],
 )
 def test_a_wrong_configuration_is_named(tmp_path, where, value, message):
-    run = Run.create(tmp_path / "run", RECIPES["fast"])
-    document = json.loads((run.path / "config.json").read_text())
-    inner = document
-    for name in where[:-1]:
-        inner = inner[name]
-    inner[where[-1]] = value
-    (run.path / "config.json").write_text(json.dumps(document))
+    folder = _edited(tmp_path, where, value)
     with pytest.raises(RunError, match=message):
-        Run.open(run.path)
+        Run.open(folder)
 
 
 def test_metrics_cut_short_or_too_many_are_dropped(tmp_path):
@@ -75,15 +81,18 @@ def test_metrics_cut_short_or_too_many_are_dropped(tmp_path):
 @pytest.mark.parametrize(
     "line",
     [
-        b"nonsense", b"\xff\xfe", b"[]", b'{"steps": 3}', b'{"update": "1"}', b'{"update": 1, "loss": {}}',
-        b"[" * 20_000,
-        b'{"update": 1e300}', b'{"update": ' + b"9" * 400 + b"}", b'{"update": true}',
+        b"nonsense", b"\xff\xfe", b"[]", b"[" * 20_000, b'{"seconds": 3}', b'{"update": 2}',
+        *(b'{"seconds": 3, "update": ' + value + b"}" for value in (b'"1"', b"1e300", b"9" * 400, b"true")),
+        *(b'{"seconds": 3, "update": 2, "loss": ' + value + b"}" for value in (b"{}", b"NaN", b"-Infinity", b"1e40")),
     ],
-    ids=range(10),
+    ids=range(14),
 )  # fmt: skip
 def test_damaged_metrics_are_named(tmp_path, line):
     run = Run.create(tmp_path / "run", RECIPES["fast"])
-    (run.path / "metrics.jsonl").write_bytes(b'{"update": 1}\n' + line + b"\n")
+    sound = b'{"seconds": 1, "update": 1}\n'
+    (run.path / "metrics.jsonl").write_bytes(sound)
+    assert run.metrics() == [{"seconds": 1, "update": 1}]
+    (run.path / "metrics.jsonl").write_bytes(sound + line + b"\n")
     with pytest.raises(RunError, match=r"metrics.jsonl: damaged"):
         run.metrics()
 
@@ -105,12 +114,6 @@ def test_damaged_metrics_are_named(tmp_path, line):
 )
 def test_what_no_training_can_be_made_of_is_named(tmp_path, capsys, where, value, message):
     """By the command line, which has only this folder to go by."""
-    run = Run.create(tmp_path / "run", RECIPES["fast"])
-    document = json.loads((run.path / "config.json").read_text())
-    inner = document
-    for name in where[:-1]:
-        inner = inner[name]
-    inner[where[-1]] = value
-    (run.path / "config.json").write_text(json.dumps(document))
-    assert main(["train", "--resume", str(run.path)]) == 2
+    folder = _edited(tmp_path, where, value)
+    assert main(["train", "--resume", str(folder)]) == 2
     assert re.search(message, capsys.readouterr().err)

@@ -58,7 +58,7 @@ def _parse(arguments: list[str]):
     from jaxwalk.cli.options import Command
 
     return tyro.cli(
-        Command,  # type: ignore[arg-type] (a union of commands)
+        Command,
         args=arguments,
         prog="jaxwalk",
         description="How does a self-driving car behave among people who may jaywalk? Train, evaluate, look, report.",

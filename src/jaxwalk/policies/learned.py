@@ -138,7 +138,8 @@ def _read(path: str | Path) -> tuple[Header, dict[str, np.ndarray]]:
     try:
         with safetensors.safe_open(str(path), framework="numpy") as file:
             text = (file.metadata() or {}).get(HEADER)
-            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (it is no dict)
+            names = file.keys()
+            arrays = {name: file.get_tensor(name) for name in names}
     except (safetensors.SafetensorError, OSError, TypeError, AttributeError) as error:  # (of types that NumPy has not)
         raise PolicyError(f"{path}: damaged or no safetensors file ({error}); copy or download it again") from error
     if text is None:
