@@ -157,7 +157,7 @@ class MetricsLog:
 
 
 def _metrics(line: str) -> dict[str, int | float]:
-    """What a line of the metrics file says; ValueError if that isn't numbers by name, ``update`` among them."""
+    """What a line of the metrics file says; ValueError unless it is numbers by name, also of `update` and `seconds`."""
     found = json.loads(line)
     if not isinstance(found, dict) or not isinstance(found.get("update"), int) or "seconds" not in found:
         raise ValueError(f"a line has no number of the update, or of the seconds: {shorten(line, 40)}")
