@@ -13,10 +13,10 @@ from __future__ import annotations
 import argparse
 import ast
 import json
+import multiprocessing
 import os
 import random
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -27,6 +27,7 @@ from difflib import unified_diff
 from pathlib import Path
 from queue import SimpleQueue
 
+import pytest
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator
 from rich.console import Console
@@ -55,6 +56,11 @@ OPERATORS = [
 ]
 SECONDS = 300.0
 """A mutant whose tests take longer is killed: it may never end."""
+FORKS = multiprocessing.get_context("forkserver")
+FORKS.set_forkserver_preload(
+    ["__main__", "hypothesis.strategies", "jax.numpy", "jaxtyping", "beartype.claw", "scipy.stats"]
+)
+"""Each mutant's tests run in a process of their own, forked off one in which this was imported (jaxwalk was not)."""
 
 
 @dataclass(frozen=True)
@@ -118,15 +124,27 @@ def _tests(group: str, module: str) -> list[str]:
     return [str(file.relative_to(ROOT)) for file in files]
 
 
+def _run(copy: Path, tests: list[str]) -> None:
+    """In a process of its own: exits with what pytest says."""
+    os.chdir(copy)
+    sys.path.insert(0, str(copy / "src"))
+    os.environ["PYTHONPATH"] = str(copy / "src")
+    sys.dont_write_bytecode = False  # what the mutant doesn't change is compiled once
+    silence = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(silence, 1)
+    os.dup2(silence, 2)
+    known = "ignore:Module already imported:pytest.PytestAssertRewriteWarning"
+    sys.exit(pytest.main(["-x", "-q", "-p", "no:xdist", "-W", known, *tests]))
+
+
 def _passes(copy: Path, group: str, module: str = "") -> bool:
     """Whether the tests of a group pass in a copy."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:xdist", *_tests(group, module)]
-    paths = {"PYTHONPATH": str(copy / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    try:
-        return subprocess.run(command, cwd=copy, env=os.environ | paths, timeout=SECONDS, **quiet).returncode == 0
-    except subprocess.TimeoutExpired:
-        return False
+    process = FORKS.Process(target=_run, args=(copy, _tests(group, module)))
+    process.start()
+    process.join(SECONDS)
+    process.kill()
+    process.join()
+    return process.exitcode == 0
 
 
 def _survives(mutant: Mutant, copies: SimpleQueue[Path]) -> bool:
@@ -143,18 +161,17 @@ def _survives(mutant: Mutant, copies: SimpleQueue[Path]) -> bool:
 
 def _copies(folder: Path, number: int, groups: list[str]) -> SimpleQueue[Path]:
     """Copies in which the tests pass, with what they compile kept."""
+    first = folder / "0"
+    for part in ("src", "tests"):
+        shutil.copytree(ROOT / part, first / part)
+    shutil.copy(ROOT / "pyproject.toml", first)
+    for group in groups:
+        if not _passes(first, group):
+            sys.exit(f"{' '.join(GROUPS[group][1])}: fails without any mutant; mend that first")
     copies: SimpleQueue[Path] = SimpleQueue()
-    for k in range(number):
-        copy = folder / str(k)
-        for part in ("src", "tests"):
-            shutil.copytree(ROOT / part, copy / part, ignore=shutil.ignore_patterns("__pycache__"))
-        shutil.copy(ROOT / "pyproject.toml", copy)
-        if k:
-            shutil.copytree(folder / "0" / ".pytest_cache", copy / ".pytest_cache")
-        for group in groups if k == 0 else []:
-            if not _passes(copy, group):
-                sys.exit(f"{' '.join(GROUPS[group][1])}: fails without any mutant; mend that first")
-        copies.put(copy)
+    copies.put(first)
+    for k in range(1, number):
+        copies.put(shutil.copytree(first, folder / str(k)))
     return copies
 
 
