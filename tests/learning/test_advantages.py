@@ -115,8 +115,8 @@ def test_lambda_one_is_the_discounted_return_less_the_value(rewards, discount):
 
 
 def test_normalised_counts_only_what_has_weight():
-    x, weight = jnp.array([0.0, 3.0, jnp.inf, 100.0]), jnp.array([2.0, 1.0, 0.0, 0.0])
-    x = jnp.where(weight > 0, x, 0.0)  # mean 1, variance (2 x 1 + 1 x 4) / 3
+    x, weight = jnp.array([0.0, 6.0, jnp.inf, 100.0]), jnp.array([2.0, 1.0, 0.0, 0.0])
+    x = jnp.where(weight > 0, x, 0.0)  # mean 2, variance (2 x 4 + 1 x 16) / 3
     np.testing.assert_allclose(normalised(x, weight), [-(0.5**0.5), 2**0.5, 0, 0], atol=1e-6)
     assert normalised(jnp.array([7.0]), jnp.ones(1)).tolist() == [0]
     assert normalised(jnp.full(4, 7.0), jnp.ones(4)).tolist() == [0, 0, 0, 0]

@@ -61,6 +61,26 @@ def test_gradients_are_finite_when_policies_saturate(kind, surprised):
     assert all(np.isfinite(x).all() for x in jax.tree.leaves(slopes))
 
 
+def test_loss_of_an_actor_by_hand():
+    actor = make_actor(jax.random.key(0), 3, Discrete(2), RoleConfig(actor_hidden=(8,)))
+    actor = eqx.tree_at(lambda a: a.network.biases[-1], actor, jnp.log(jnp.array([3.0, 1.0])))  # 3/4 and 1/4 unseeing
+    seen, weight = jnp.zeros((3, 2)), jnp.array([1.0, 0.5])
+    old = jnp.log(jnp.array([0.5, 0.25]))  # so the first choice became likelier by half, the second is as it was
+    actions = losses.Actions(seen, jnp.array([0, 1]), old, jnp.array([1.0, -4.0]), weight)
+    loss, sums = losses.actor_loss(actor, actions, clip=0.2, entropy=0.1)
+    spread = -(0.75 * np.log(0.75) + 0.25 * np.log(0.25)) * 1.5
+    expected = {"policy_loss": -1.2 + 2, "entropy": spread, "kl": 0.5 - np.log(1.5), "clip_fraction": 1, "weight": 1.5}
+    assert {name: float(x) for name, x in sums.items()} == pytest.approx(expected, rel=1e-5)
+    assert float(loss) == pytest.approx(0.8 - 0.1 * spread, rel=1e-5)
+
+
+def test_loss_of_a_critic_by_hand():
+    targets = losses.Targets(jnp.array([1.0, 5.0]), jnp.array([3.0, 4.0]), jnp.array([1.0, 0.5]))
+    loss, sums = losses.critic_loss(lambda views: 2 * views, targets, coefficient=0.25)  # errors -1 and 6
+    assert {name: float(x) for name, x in sums.items()} == {"loss": 1 + 36 / 2, "weight": 1.5}
+    assert float(loss) == 19 / 4
+
+
 def test_kl_estimate_is_right_on_average_and_never_negative():
     old, new = np.array([0.7, 0.3]), np.array([0.4, 0.6])
     entries = np.asarray(losses.approximate_kl(jnp.log(new / old)))
