@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import jaxwalk.adapters.gymnasium
 from jaxwalk import ByRole, Street
 from jaxwalk.adapters import seat
+from jaxwalk.adapters.gymnasium import StreetEnv
 from jaxwalk.adapters.players import AdapterError, player
 from jaxwalk.evaluation import draw_scenarios, play
 from jaxwalk.policies import ConstantSpeed
@@ -202,6 +203,13 @@ def test_a_population_may_be_any_object_that_is_a_policy():
 def test_impossible_options_are_named(options, message):
     with pytest.raises(ValueError, match=message):
         make(**options)
+
+
+def test_impossible_numbers_and_pictures_are_named():
+    with pytest.raises(AdapterError, match="the number of environments must be at least 1, not 0"):
+        make_many(0)
+    with pytest.raises(AdapterError, match="render_mode must be None or 'rgb_array', not 'ascii'"):
+        StreetEnv(render_mode="ascii")
 
 
 def test_impossible_actions_and_seeds_are_named(three):

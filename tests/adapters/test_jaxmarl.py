@@ -70,6 +70,21 @@ def test_agents_and_spaces(env):
         StreetMARL(driver="route-follower", pedestrians="always-go")
 
 
+@pytest.mark.parametrize("policies", [{"driver": "route-follower"}, {"pedestrians": "always-go"}])
+def test_agents_play_the_role_that_is_left_to_them(policies):
+    env = StreetMARL(config=SimConfig(horizon=HORIZON), **policies)
+    seen, state = env.reset(jax.random.key(0))
+    actions = {name: jnp.zeros(env.action_space(name).shape, int) for name in env.agents}
+    step = jax.jit(env.step)
+    for _ in range(10):
+        seen, state, rewards, dones, infos = step(jax.random.key(1), state, actions)
+    assert set(seen) == set(rewards) == set(env.agents) and set(dones) == {*env.agents, "__all__"}
+    assert all(x.shape == (env.num_agents,) for x in infos.values())
+    roles = {name.partition("/")[0] for name in infos if "/" in name}
+    assert roles == set(env.agent_classes)
+    assert (state.stream.state.vehicle.speed > 0.5) == ("driver" in policies)  # the agent's zeros leave it standing
+
+
 def test_it_is_traced_once(played):
     assert TRACES == [(COUNT,)]
 

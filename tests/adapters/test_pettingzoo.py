@@ -57,6 +57,11 @@ def test_pictures_are_of_the_episode(env):
     assert make().render() is None
 
 
+def test_impossible_options_are_named():
+    with pytest.raises(AdapterError, match="render_mode must be None or 'rgb_array', not 'ascii'"):
+        make(render_mode="ascii")
+
+
 def test_wrong_actions_are_named(env):
     env.reset(seed=1)
     actions = {name: env.action_space(name).sample() for name in env.agents}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 
 import jax
 import pytest
@@ -16,6 +17,7 @@ from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import save_policy
+from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.observation import size
 
 
@@ -49,8 +51,11 @@ FILES = {
     "foreign": lambda p: _foreign_run(p / "foreign"),
     "damaged": lambda p: _damaged_run(p / "damaged"),
     "untrained": lambda p: Run.create(p / "untrained", RECIPES["fast"]),
+    "elsewhere": lambda p: Run.create(p / "elsewhere", replace(RECIPES["fast"], maps=("paper", "paper"))),
+    "slow": lambda p: Run.create(p / "slow", replace(RECIPES["fast"], sim=SimConfig(max_speed=5.0))),
     "map": lambda p: _half_map(p / "half.toml"),
     "file": lambda p: (p / "file").write_text(""),
+    "folders": lambda p: [(p / f"folder.{x}").mkdir() for x in ("png", "onnx", "safetensors")],
     "reproduced": lambda p: [(p / "reproduced").mkdir(), (p / "reproduced" / "plan.json").write_text("{}")],
 }
 
@@ -87,6 +92,10 @@ BAD = {
         "evaluate --driver random --jaywalk-multiplier -1",
         "jaywalk_multiplier must be 0 or more",
     ),
+    "evaluation among nobody": ("evaluate --driver random --pedestrians", "--pedestrians is missing"),
+    "no multiplier": ("evaluate --driver random --jaywalk-multiplier", "--jaywalk-multiplier needs a number"),
+    "different maps": ("evaluate --driver untrained elsewhere", "were trained on different maps"),
+    "different rules": ("evaluate --driver untrained slow --map paper", "were trained in worlds of different rules"),
     "evaluation map": ("evaluate --driver random --map nowhere", "nowhere"),
     "other sizes": ("evaluate --driver small.safetensors", "reads 5 numbers ('paper'), but the environment gives 34"),
     "other role": ("evaluate --driver random --pedestrians small.safetensors", "holds no pedestrian policy"),
@@ -103,6 +112,7 @@ BAD = {
     "export a rule": ("export route-follower --out r.onnx", "route-follower: is a rule, not a trained policy"),
     "export nobody": ("export nobody --out r.onnx", "nobody: no driver of that name"),
     "export to nowhere": ("export co-trained", "--out FILE.onnx is missing"),
+    "export to a folder": ("export co-trained --out folder.onnx", "--out folder.onnx: is a folder; name a file"),
     "export to another kind": ("export co-trained --out r.txt", "--out r.txt: name a file that ends in .onnx"),
     "one to compare": ("evaluate --compare random", "--compare needs two different drivers, not random"),
     "three to compare": ("evaluate --compare random rule-based random", "two different drivers, not random rule-based"),
@@ -112,6 +122,12 @@ BAD = {
     "out below a file": ("evaluate --driver random --out file/out", "is a file, so nothing can be put into it"),
     "play nobody": ("play", "--driver is missing"),
     "play before the first": ("play --driver random --scenario -1", "--scenario must lie in [0, 2^30), not -1"),
+    "play no scenario": ("play --driver random --scenario", "--scenario needs a number, such as 3"),
+    "play seed": ("play --driver random --seed -1", "--seed must lie in [0, 2^31), not -1"),
+    "play to a folder": ("play --driver random --out folder.png", "folder.png: is a folder; name a file"),
+    "scenario seed": ("scenario --driver random --out r --seed -1", "--seed must lie in [0, 2^31), not -1"),
+    "share to a folder": ("share untrained --out folder.safetensors", "is a folder; name a file"),
+    "share among nobody": ("share untrained --out a.safetensors --pedestrians", "--pedestrians is missing"),
     "play to nothing": ("play --driver random --out episode.doc", "must end in one of .html, .png"),
     "reproduce for no time": ("reproduce --out r --minutes 0", "minutes must be above 0"),
     "reproduce nothing": ("reproduce --out r --episodes 0", "episodes must be at least 1, not 0"),
@@ -140,6 +156,8 @@ BAD = {
     "report on nothing": ("report foreign", "foreign: is no run folder, it has no config.json"),
     "report on nobody": ("report nobody", "nobody: no driver of that name"),
     "report otherwise": ("report reproduced --episodes 5", "--episodes and all other options are those of"),
+    "report two at once": ("report reproduced untrained", "is reported on its own; name it alone"),
+    "report seed": ("report random --seed -1", "--seed must lie in [0, 2^31), not -1"),
     "report no episodes": ("report random --episodes 0", "--episodes must be at least 1, not 0"),
     "report too many incidents": ("report random --incidents 201", "--incidents must lie in [0, 200], not 201"),
     "report among too many": ("report random --pedestrians a b c d", "--pedestrians takes 1 to 3 populations, not 4"),
@@ -163,7 +181,9 @@ def test_bad_input_is_one_message_and_writes_nothing(name, place, capsys):
 
 
 def _contents(folder):
-    return {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+    """All but what Python compiles of a driver of one's own."""
+    paths = (path for path in folder.rglob("*") if "__pycache__" not in path.parts)
+    return {path: path.read_bytes() if path.is_file() else None for path in paths}
 
 
 @pytest.mark.parametrize("command", ["evaluate --driver wrong.safetensors", "evaluate --driver a --pedestrians wide"])

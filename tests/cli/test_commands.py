@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import re
 import signal
 import subprocess
@@ -41,6 +42,26 @@ def test_help_of_export_says_what_to_name(capsys):
     text = capsys.readouterr().out
     assert text.count("(default:") == len(dataclasses.fields(Export)) - 1  # all but the policy
     assert "POLICY" in text
+
+
+@pytest.mark.parametrize(
+    ("platform", "given", "folder"),
+    [
+        ("linux", {"XDG_CACHE_HOME": "kept"}, "kept/jaxwalk"),
+        ("linux", {"HOME": "me"}, "me/.cache/jaxwalk"),
+        ("darwin", {"HOME": "me"}, "me/Library/Caches/jaxwalk"),
+        ("win32", {"LOCALAPPDATA": "mine"}, "mine/jaxwalk/cache"),
+    ],
+)
+def test_compiled_code_is_kept_where_the_platform_has_its_caches(platform, given, folder, place, monkeypatch):
+    for name in ("JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.3")
+    for name, value in given.items():
+        monkeypatch.setenv(name, str(place / value))
+    monkeypatch.setattr(sys, "platform", platform)
+    assert main(["observations"]) == 0
+    assert os.environ["JAX_COMPILATION_CACHE_DIR"] == str(place / folder)
 
 
 def test_help_loads_no_jax():
@@ -117,7 +138,7 @@ def test_observations_are_listed(capsys):
 
 
 def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys):
-    command = "evaluate --compare rule-based random --episodes 3 --seed 7 --out kept --encounters"
+    command = "evaluate --compare rule-based random --episodes 3 --seed 7 --out kept --encounters --counterfactuals 1"
     assert main(command.split()) == 0
     out = capsys.readouterr().out
     assert out.count("3 scenarios") == 3  # two tests, and which scenarios they were
@@ -126,7 +147,9 @@ def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys)
     }  # fmt: skip
     suite = (place / "kept" / "suite.md").read_text()
     assert "| rule-based among always-go |" in suite and "Made at commit" in suite
-    compared = json.loads((place / "kept" / "results.json").read_text())["compared"]
+    document = json.loads((place / "kept" / "results.json").read_text())
+    assert all("counterfactuals" in cell for cell in document["cells"])
+    compared = document["compared"]
     for one in compared:
         assert one["in_words"] in suite and one["in_words"] in out
     assert [(one["a"], one["b"], one["ending"]) for one in compared] == [

@@ -53,6 +53,8 @@ def test_impossible_numbers_are_refused(street, driver, undecided, wrong, value)
 def test_there_is_no_scenario_below_0(street, driver, undecided):
     with pytest.raises(ValueError, match="scenario must lie in"):
         replay(street, driver, undecided, scenarios=[-1], seed=1)
+    with pytest.raises(ValueError, match="replay takes 1 to 16 scenarios at once, not 17"):
+        replay(street, driver, undecided, scenarios=range(17), seed=1, batch=16)
 
 
 def test_the_hash_stands_for_the_scenarios(street):

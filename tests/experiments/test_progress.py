@@ -24,6 +24,17 @@ def test_a_new_plan_counts_from_there(monkeypatch):
     assert set(rates) == {1.0}
 
 
+def test_a_terminal_shows_a_bar_that_leaves_when_it_is_done():
+    out = io.StringIO()
+    console = Console(file=out, width=100, force_terminal=True)
+    with TrainingProgress(console, "training", Pace(0, 2, 1000)) as shown:
+        assert "compiling" in out.getvalue()
+        shown.show(1, {"goal_rate": 0.5, "collision_rate": 0.25})
+        shown.show(2, {"goal_rate": 0.5, "collision_rate": 0.25})
+    assert "goals 50 %, collisions 25 %" in out.getvalue()
+    assert "update 2 of 2" not in out.getvalue()
+
+
 def test_what_the_first_update_compiles_counts_for_nothing(monkeypatch):
     clock = [0.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])

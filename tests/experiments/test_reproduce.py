@@ -162,6 +162,16 @@ def test_what_the_first_seed_did_worst_can_be_watched(made):
     assert '<dialog class="watch"' in (folder / "report.html").read_text(encoding="utf-8")
 
 
+def test_what_is_there_is_not_made_again(made, tiny):
+    folder, _ = made
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.json")}
+    said = io.StringIO()
+    reproduce(folder, PLAN, base=tiny, console=Console(file=said, width=200))
+    changed = {path.name for path, written in before.items() if path.stat().st_mtime_ns != written}
+    assert changed <= {"plan.json", "provenance.json", "minutes.json"}
+    assert said.getvalue().count("there already") >= 3
+
+
 def test_the_report_can_be_made_again(made):
     folder, _ = made
     (folder / "report.html").unlink()

@@ -94,6 +94,9 @@ def test_a_cut_file_is_refused(file, keep):
     [
         ({"format": 99}, "has format 99"),
         ({"roles": {"driver": {"observes": "route", "kind": "tanh", "sizes": [4, 8, 2]}}}, "don't match its header"),
+        ({"roles": {"driver": {"observes": "route", "kind": "tanh", "sizes": [4]}}}, "(sizes: [4])"),
+        ({"roles": {"driver": {"observes": "route", "kind": "tanh", "sizes": [4, 0, 2]}}}, "(sizes: [4, 0, 2])"),
+        ({"roles": {"driver": {"observes": "route", "kind": "tanh", "sizes": [4, 8, 2], "hold": 0}}}, "(hold: 0)"),
         ({"roles": {"driver": {"observes": "route"}}}, "header"),
         ({"roles": 3}, "header"),
     ],

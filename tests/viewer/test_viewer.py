@@ -130,6 +130,13 @@ def test_a_stack_of_maps_is_refused(trajectory, road_map, tmp_path):
         picture(trajectory, 0, stack_maps([road_map]), tmp_path / "a.png")
 
 
+def test_a_film_is_made_of_sizes_that_the_encoder_takes(trajectory, road_map, tmp_path):
+    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    animation(trajectory, 0, road_map, tmp_path / "a.mp4", every=5, speed=2.0, width=151)  # (odd ones it refuses)
+    frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))
+    assert frames >= 5 and seconds > 1
+
+
 def test_mp4_without_its_encoder_says_what_to_install(trajectory, road_map, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(ViewerError, match="pip install"):
