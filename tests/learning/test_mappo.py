@@ -201,6 +201,17 @@ def test_resumed_training_equals_uninterrupted_training(tmp_path):
         assert eqx.tree_equal(one, learner)
 
 
+def test_a_resumed_training_compiles_nothing_anew(tmp_path, caplog):
+    game, config = games.game("bandit", length=3), dataclasses.replace(CONFIG, clip=0.22)  # its own compilation
+    learner = init(game, config, jax.random.key(0))
+    update(game, config, learner)
+    save(tmp_path, learner, updates=1)
+    resumed = restore(tmp_path, learner)
+    with jax.log_compiles():
+        update(game, config, update(game, config, resumed)[0])
+    assert "Compiling" not in caplog.text
+
+
 def test_checkpoints_that_do_not_fit_are_refused(tmp_path):
     game = games.game("bandit")
     learner = init(game, CONFIG, jax.random.key(0))

@@ -129,7 +129,7 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
             raise DamagedError(f"{path}: checkpoint {step} can't be read ({type(error).__name__})") from error
     arrays, rest = eqx.partition(like, eqx.is_array)
     names, structure = _names(arrays), jax.tree.structure(arrays)
-    return eqx.combine(jax.tree.unflatten(structure, [found[name] for name in names]), rest)
+    return eqx.combine(jax.tree.unflatten(structure, [_fresh(found[name]) for name in names]), rest)
 
 
 def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tuple[int, ...]]) -> None:
@@ -154,6 +154,12 @@ def _as_os_error(error: Exception, path: Path) -> OSError:
 
 def _data(x: Array) -> Array:
     return jax.random.key_data(x) if jnp.issubdtype(x.dtype, jax.dtypes.prng_key) else x
+
+
+def _fresh(x: Array) -> Array:
+    """The same array, as `mappo.init` makes them: orbax ties it to its device, for which `jit` would compile anew."""
+    fresh = jnp.asarray(jax.device_get(_data(x)))
+    return jax.random.wrap_key_data(fresh, impl=jax.random.key_impl(x)) if fresh.shape != x.shape else fresh
 
 
 def _manager(path: str | Path, *, create: bool) -> ocp.CheckpointManager:
