@@ -46,8 +46,10 @@ def _play_little(patch):
     patch.setattr(tournament, "COMPARED", RULES)
     patch.setattr(tournament, "MULTIPLIERS", MULTIPLIERS)
     patch.setattr(tournament, "compare", partial(compare, batch=PLAN.episodes))
-    patch.setattr("jaxwalk.evaluation.evaluate", partial(evaluate, batch=PLAN.episodes))
-    patch.setattr("jaxwalk.experiments.episodes.replay", partial(replay, batch=PLAN.episodes))
+    patch.setattr(module, "evaluate", partial(evaluate, batch=PLAN.episodes))
+    patch.setattr("jaxwalk.experiments.replays.BATCH", PLAN.episodes)
+    for place in ("episodes", "gallery", "replays"):
+        patch.setattr(f"jaxwalk.experiments.{place}.replay", partial(replay, batch=PLAN.episodes))
 
 
 def _interrupt_second(patch):

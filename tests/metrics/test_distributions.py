@@ -24,6 +24,14 @@ def _share(found, threshold):
     return found.value[found.threshold.index(threshold)]
 
 
+def test_thresholds_rise_and_hold_the_critical_ones():
+    assert all(np.all(np.diff(x) > 0) for x in THRESHOLDS.values())
+    critical = {"ttc": 1.5, "pet": 1.5, "drac": 3.4, "min_distance": 1.5}
+    assert all(limit in THRESHOLDS[name] for name, limit in critical.items())
+    ends = {name: (x[0], x[-1], len(x)) for name, x in THRESHOLDS.items()}
+    assert ends == {"ttc": (0.25, 5, 10), "pet": (0.25, 5, 10), "drac": (0, 10, 13), "min_distance": (1.5, 15, 11)}
+
+
 def test_a_touch_beside_a_near_miss():
     # head-on at 6 m/s: TTC 0 and PET 0 after the touch, DRAC 60; the other crosses 1.2 s before the car
     hit = Scene(48, [Walk(30, 0, vx=-1, crossings=[(3, 48, JAYWALK)])], touched=[0])

@@ -122,8 +122,9 @@ def test_braking(case, status, seconds):
     assert table.braking_time == pytest.approx([seconds], nan_ok=True)
 
 
-def test_braking_of_a_car_that_has_become_slow_does_not_count():
-    speed = [5.0] * 10 + [0.8] * 51
+@pytest.mark.parametrize("slow", [0.8, 1.0])
+def test_braking_of_a_car_that_has_become_slow_does_not_count(slow):
+    speed = [5.0] * 10 + [slow] * 51
     walk, commands = Walk(14, 0, crossings=[(5, 25, CROSSWALK)]), dict.fromkeys(range(12, 18), -3)
     assert encountered(Scene(60, [walk], speed=speed, acceleration=commands)).braking.tolist() == [NEVER]
 

@@ -30,6 +30,14 @@ def test_monfort_and_mueller_agree_with_what_iihs_published(risk, mph, hood, pub
     assert risk(mph * MPH, hood) == pytest.approx(published, abs=0.03)
 
 
+def test_coefficients_by_hand():
+    """10 km/h faster and 10 cm higher than the means: the logits are sums of their coefficients."""
+    speed, hood = (42.79 + 10) / 3.6, 85.25 + 10
+    assert monfort_mueller_mais3(speed, hood) == pytest.approx(1 / (1 + np.exp(0.46 - 0.91 - 0.39 - 0.2)))
+    assert monfort_mueller_fatal(speed, hood) == pytest.approx(1 / (1 + np.exp(3.28 - 1.23 - 0.47)))
+    assert rosen_sander_fatal(100 / 3.6) == pytest.approx(1 / (1 + np.exp(6.9 - 9.0)))
+
+
 def test_rosen_and_sander_agree_with_their_abstract():
     # the risk at 50 km/h is more than twice that at 40 km/h and more than five times that at 30 km/h
     at_30, at_40, at_50 = rosen_sander_fatal(np.array([30, 40, 50]) / 3.6)

@@ -77,6 +77,9 @@ def test_attribution(recorded):
         (pytest.approx(3.0), pytest.approx(0.9)),
         (pytest.approx(2.0), pytest.approx(0.9)),
     ]
+    assert [(r.crosswalk.value, r.crosswalk.count, r.jaywalk.count) for r in risks] == [
+        (pytest.approx(2 / r.exposure_crosswalk), 2, 1) for r in risks
+    ]
     assert [r.ratio.value for r in risks] == pytest.approx([1.5, 1.0, (1 / 0.9) / (2 / 3), (1 / 0.9) / 1.0])
     assert attribution.per_crossing.share.value == pytest.approx(0.25)
 
@@ -86,6 +89,12 @@ def test_of_several_touched_the_nearest_counts():
     rows = measure(trajectory(Scene(10, people, touched=[0, 1])))
     assert (rows.episodes.contact.tolist(), rows.episodes.contact_ped.tolist()) == ([SIDEWALK], [1])
     assert rows.encounters.collided.tolist() == [True]
+
+
+def test_a_collision_that_touched_nobody_is_named():
+    recorded = trajectory(Scene(4, [AWAY]), Scene(4, [AWAY], touched=[0]))
+    with pytest.raises(ValueError, match="episode 1 ends with a collision that touched nobody"):
+        measure(changed(recorded, touched=np.zeros_like(recorded.touched)))
 
 
 def test_moving_begins_at_the_given_speed():

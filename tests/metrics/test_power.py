@@ -38,6 +38,11 @@ def test_impossible_questions_are_refused(rates, said):
         scenarios_needed(rates[0], rates[1], both=rates[2] if len(rates) > 2 else None)
 
 
+def test_one_may_happen_only_where_the_other_does():
+    # s = d = 0.1: (1.959964 * 0.316228 + 0.841621 * 0.3)^2 / 0.01 = 76.1
+    assert scenarios_needed(0.1, 0.2, both=0.1) == 77
+
+
 def test_rates_of_which_one_happens_in_every_scenario():
     """9,984 goals in both, 11 and 5 alone: the shares add up to 1, but for rounding."""
     assert scenarios_needed(0.9995, 0.9989, both=0.9984) > 10_000

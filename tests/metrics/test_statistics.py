@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -164,6 +166,20 @@ RELAPSED = np.array([1, 1, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0,
 def test_kaplan_meier_median_of_a_textbook_sample():
     estimate = kaplan_meier_median(WEEKS, RELAPSED)
     assert (estimate.value, estimate.low, estimate.high, estimate.count) == (23, 13, None, 21)
+
+
+def test_kaplan_meier_interval_is_that_of_greenwoods_band():
+    rng = np.random.default_rng(5)
+    times, seen = rng.exponential(10, 300).round(1), rng.random(300) < 0.7
+    with np.errstate(divide="ignore", invalid="ignore"):
+        curve = stats.ecdf(stats.CensoredData.right_censored(times, ~seen)).sf
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # SciPy's, of where the curve is 1 or 0
+            band = curve.confidence_interval(0.9, method="log-log")
+    comes_down = [float(curve.quantiles[np.flatnonzero(x.probabilities <= 0.5)[0]]) for x in (band.low, band.high)]
+    found = kaplan_meier_median(times, seen, confidence=0.9)
+    assert [found.low, found.high] == comes_down
+    assert found.low < found.value < found.high
 
 
 def test_kaplan_meier_median_without_censoring_is_the_median():

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jaxwalk.metrics import measure, summarise
-from jaxwalk.metrics.surrogate import required_deceleration, time_to_collision
+from jaxwalk.metrics.surrogate import Surrogates, required_deceleration, surrogate_columns, time_to_collision
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from metrics import reference
 from metrics.scenes import Scene, Walk, changed, trajectory
@@ -136,6 +136,17 @@ def test_turning_the_scene_by_90_degrees_changes_nothing(recorded):
     before, after = (measure(t).surrogates for t in (recorded, changed(recorded, **turned)))
     for column in fields(before):
         np.testing.assert_allclose(getattr(before, column.name), getattr(after, column.name), rtol=1e-5)
+
+
+def test_limits_are_not_beyond_themselves_and_any_lead_is_one():
+    values = {"ttc": [1.5, 1.4, 9], "pet": [0.1, 3.0, -1.5], "drac": [3.4, 3.5, 0]}
+    rest = {name: np.full(3, np.nan) for name in MEASURES if name not in values}
+    kinds = {"episode": np.zeros(3, int), "type": np.full(3, CROSSWALK)}
+    table = Surrogates(**kinds, **{name: np.array(x, float) for name, x in values.items()}, **rest)
+    found = {name.removeprefix("surrogate_"): x[0, 0] for name, x in surrogate_columns(table, episodes=1).items()}
+    counts = {"met": 3, "ttc_critical": 1, "pet_critical": 1, "pet_close": 2, "drac_critical": 1}
+    assert {name: found[name] for name in counts} == counts
+    assert (found["pedestrian_first"], found["one_first"], found["hit"]) == (2, 3, 0)
 
 
 def test_summary():
