@@ -2,6 +2,7 @@
 
     make mutants                                            # all of them: up to two hours on two cores
     python tests/reliability/mutation.py losses --sample 50
+    python tests/reliability/mutation.py losses --out survivors.json, then --again survivors.json: are they caught now?
 
 Works in copies of src/ and tests/. Cosmic Ray (``pip install cosmic-ray``) makes the mistakes: another operator, a
 comparison that includes or leaves out its limit, a number plus one, a condition turned round. What annotations alone
@@ -198,21 +199,26 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of that chance")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="so many at a time")
     parser.add_argument("--out", type=Path, help="write the survivors there too, as JSON")
+    parser.add_argument("--again", type=Path, metavar="FILE", help="try those that survived, by an --out of before")
     options = parser.parse_args()
     groups = options.groups or list(GROUPS)
     if unknown := set(groups) - set(GROUPS):
         parser.error(f"no such group: {', '.join(unknown)}; there are {', '.join(GROUPS)}")
     mutants = [mutant for group in groups for path in _files(group) for mutant in _mutants(group, path)]
+    if options.again:
+        survived = {(one["module"], one["diff"]) for one in json.loads(options.again.read_text(encoding="utf-8"))}
+        mutants = [mutant for mutant in mutants if (mutant.module, mutant.diff) in survived]
     random.Random(options.seed).shuffle(mutants)
     mutants = mutants[: options.sample]
     alive: list[Mutant] = []
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.jobs) as pool:
         copies = _copies(Path(folder), options.jobs, groups)
         tried = zip(mutants, pool.map(lambda mutant: _survives(mutant, copies), mutants), strict=True)
-        for mutant, survives in track(tried, "mutants", total=len(mutants), console=Console(stderr=True)):
+        bar = track(tried, "mutants", total=len(mutants), console=Console(stderr=True))
+        for number, (mutant, survives) in enumerate(bar, 1):
             if survives:
                 alive.append(mutant)
-                print(f"survives: {mutant.module}\n{mutant.diff}\n", flush=True)
+                print(f"survives ({number} of {len(mutants)} tried): {mutant.module}\n{mutant.diff}\n", flush=True)
     _report(mutants, alive)
     if options.out:
         document = [{"module": mutant.module, "diff": mutant.diff} for mutant in alive]
