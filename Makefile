@@ -57,7 +57,7 @@ reliability: install  ## thousands of bad files, millions of random steps, train
 	$(BIN)/python tests/reliability/random_steps.py
 	$(BIN)/python tests/reliability/kill_training.py --kills 50
 
-versions: | $(UV)  ## the tests with the oldest and the newest allowed releases, on Python 3.11 and 3.13: an hour
+versions: | $(UV)  ## the tests with the oldest and the newest allowed releases, on Python 3.11 and 3.14: an hour
 	UV=$(UV) .ci/versions -n $(JOBS)
 
 format: install  ## let ruff tidy the code

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+import math
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+from pkgutil import iter_modules
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from jaxwalk import metrics
 from jaxwalk.metrics import Rows, measure, summarise
 from jaxwalk.metrics.meetings import meeting_columns
 from jaxwalk.sim.config import SimConfig
@@ -38,7 +42,7 @@ def assert_same(a, b):
         for left, right in zip(a, b, strict=True):
             assert_same(left, right)
     else:
-        assert a == (b if b is None else pytest.approx(b, rel=1e-9))
+        assert a == b or (a is not None and b is not None and math.isclose(a, b, rel_tol=1e-9, abs_tol=1e-12))
 
 
 def assert_equal_rows(a: Rows, b: Rows):
@@ -49,6 +53,13 @@ def assert_equal_rows(a: Rows, b: Rows):
             a_column, b_column = getattr(left, column.name), getattr(right, column.name)
             np.testing.assert_allclose(a_column, b_column, rtol=1e-12, err_msg=column.name)
             assert a_column.dtype == b_column.dtype
+
+
+@pytest.mark.parametrize("module", [name for _, name, _ in iter_modules(metrics.__path__)])
+def test_nobody_changes_what_was_measured(module):
+    found = vars(import_module(f"{metrics.__name__}.{module}")).values()
+    own = [x for x in found if is_dataclass(x) and x.__module__.endswith(f".{module}")]
+    assert [x for x in own if not x.__dataclass_params__.frozen] == []
 
 
 @few

@@ -93,6 +93,7 @@ def test_parallel_paths_never_meet():
 
 
 def test_time_to_collision_by_hand():
+    assert time_to_collision(2.0, 0.0, -0.1, 0.0, 1.5) == pytest.approx(5)
     # head-on, standing, in touch, parting, passing at 3 m, grazing at 1.5 m
     dx, dy = np.array([11.5, 5, 1, 5, 10, 10]), np.array([0, 0, 0, 0, 3, 1.5])
     dvx = np.array([-2.0, 0, 1, 1, -2, -2])

@@ -28,9 +28,11 @@ from difflib import unified_diff
 from pathlib import Path
 from queue import SimpleQueue
 
+import jaxtyping
 import pytest
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator
+from hypothesis import Phase, settings
 from rich.console import Console
 from rich.progress import track
 
@@ -83,7 +85,8 @@ class _WithoutAnnotations(ast.NodeTransformer):
     def visit_arguments(self, node: ast.arguments) -> ast.arguments:
         self.generic_visit(node)  # whether some must be named says nothing of what is computed
         node.args = [*node.posonlyargs, *node.args, *node.kwonlyargs]
-        node.posonlyargs, node.kwonlyargs = [], []
+        node.defaults = [*node.defaults, *filter(None, node.kw_defaults)]
+        node.posonlyargs, node.kwonlyargs, node.kw_defaults = [], [], []
         return node
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AnnAssign:
@@ -137,6 +140,9 @@ def _run(copy: Path, tests: list[str]) -> None:
     sys.path.insert(0, str(copy / "src"))
     os.environ["PYTHONPATH"] = str(copy / "src")
     sys.dont_write_bytecode = False  # what the mutant doesn't change is compiled once
+    jaxtyping.config.update("jaxtyping_disable", True)  # shapes are checked in `make test`: that would only kill more
+    settings.register_profile("bites", phases=[Phase.explicit, Phase.reuse, Phase.generate])  # one failure is enough
+    settings.load_profile("bites")
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
