@@ -17,7 +17,6 @@ import numpy as np
 
 from jaxwalk.experiments.progress import Pace
 from jaxwalk.experiments.runs import Run
-from jaxwalk.metrics.statistics import ratio
 from jaxwalk.writing import write_whole
 
 PAGE, NUMBERS = "watch.html", "watch.js"
@@ -108,4 +107,4 @@ def _means(lines: Sequence[Mapping[str, Any]], name: str, begins: np.ndarray) ->
     weights = np.array([count if name in line else 0.0 for count, line in zip(counted, lines, strict=True)])
     values = np.array([line.get(name, 0.0) for line in lines])
     total, weight = (np.add.reduceat(x, begins) for x in (values * weights, weights))
-    return [float(f"{x:.5g}") if np.isfinite(x) else None for x in ratio(total, weight)]
+    return [float(f"{t / w:.5g}") if w > 0 and np.isfinite(t) else None for t, w in zip(total, weight, strict=True)]

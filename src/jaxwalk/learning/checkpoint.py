@@ -2,7 +2,8 @@
 
 Orbax writes a checkpoint under another name and renames it when it is whole, so an interrupted save leaves the one
 before it. A checkpoint is a folder per number of updates inside the folder given. The newest may still be damaged, as
-by a power failure; so two are kept, and `restore_newest` goes back to the older one.
+by a power failure; so two are kept, and `restore_newest` goes back to the older one. Orbax, which takes a second to
+import, is imported where it is needed: the first update of a training doesn't wait for it.
 """
 
 from __future__ import annotations
@@ -17,7 +18,6 @@ from typing import Any, TypeVar
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import orbax.checkpoint as ocp
 from jaxtyping import Array
 
 KEPT = 2
@@ -43,11 +43,13 @@ def save(path: str | Path, learner: Any, *, updates: int) -> None:
 
     Raises OSError if that fails, as on a full disk; the checkpoints before are there still.
     """
+    from orbax.checkpoint.args import StandardSave
+
     arrays = _named_arrays(learner)
     _check_room(Path(path), sum(_data(x).nbytes for x in arrays.values()))
     try:
         with _manager(path, create=True) as manager:  # which also removes what a killed process left unfinished
-            if not manager.save(updates, args=ocp.args.StandardSave(arrays)):
+            if not manager.save(updates, args=StandardSave(arrays)):
                 raise OSError(errno.EEXIST, "a newer checkpoint is in the way", str(path))
             manager.wait_until_finished()
     except Exception as error:  # orbax raises many kinds
@@ -114,6 +116,8 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
     ``like`` is a learner for the same environment and configuration, such as `mappo.init` makes: it says how the
     arrays are put together, and everything that is no array is taken from it.
     """
+    from orbax.checkpoint.args import StandardRestore
+
     step = latest(path) if updates is None else updates
     if step is None:
         raise CheckpointError(f"{path}: holds no checkpoint; give the folder that training wrote, or start anew")
@@ -122,7 +126,7 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
         try:
             stored = {name: tuple(x.shape) for name, x in manager.item_metadata(step).items()}
             _check_same(path, wanted, stored)
-            found = manager.restore(step, args=ocp.args.StandardRestore(jax.tree.map(_abstract, wanted)))
+            found = manager.restore(step, args=StandardRestore(jax.tree.map(_abstract, wanted)))
         except CheckpointError:
             raise
         except Exception as error:  # orbax raises many kinds
@@ -162,7 +166,10 @@ def _fresh(x: Array) -> Array:
     return jax.random.wrap_key_data(fresh, impl=jax.random.key_impl(x)) if fresh.shape != x.shape else fresh
 
 
-def _manager(path: str | Path, *, create: bool) -> ocp.CheckpointManager:
+def _manager(path: str | Path, *, create: bool) -> Any:
+    """Orbax's, of that folder."""
+    import orbax.checkpoint as ocp
+
     options = ocp.CheckpointManagerOptions(
         max_to_keep=KEPT, create=create, enable_async_checkpointing=False, cleanup_tmp_directories=create
     )
