@@ -10,7 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.sim.events import arrives, touches
+from jaxwalk.sim.events import arrives, closes_in, closing_speed, touches
+from jaxwalk.sim.prediction import HOLD
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from jaxwalk.sim.vehicle import goal
@@ -26,6 +27,16 @@ def test_distances_are_exact():
     assert touches(np.nextafter(1.5, 0), 0.0, 1.5)
     assert arrives(3.0, 0.0, 3.0)
     assert not arrives(np.nextafter(3.0, 4), 0.0, 3.0)
+
+
+def test_closing_in_by_hand():
+    # 3-4-5: nearing at (3 x 1 + 4 x 2) / 5
+    assert closing_speed(3.0, 4.0, -1.0, -2.0) == pytest.approx(2.2)
+    assert closing_speed(3.0, 4.0, 4.0, -3.0) == pytest.approx(0)
+    assert closes_in(12.0, 16.0, -0.1, -0.1)  # 20 m away, nearing at 0.14 m/s
+    assert not closes_in(12.0, 16.1, -1.0, -1.0)
+    assert not closes_in(12.0, 16.0, -0.06, -0.06)
+    assert not closes_in(10.0, 0.0, 5.0, 0.0)
 
 
 def one(tree, env):
@@ -273,9 +284,10 @@ def test_an_arrival_is_paid_once(paid_street, scenarios):
     assert total.sum() > 100
 
 
-def test_closeness_is_a_share(paid_street, scenarios, midway):
+def test_closeness_is_the_shortfall_from_3_m_times_the_share_of_top_speed(paid_street, scenarios, midway):
     for speed in (0.0, 4.0, 8.33):
-        _, outcome, _, _ = everything(paid_street, scenarios, with_car(midway, speed=speed), actions(COAST))
-        close = np.asarray(outcome.rewards.driver["closeness"])
-        assert close.min() >= 0
-        assert close.max() <= speed / 8.33 + 1e-6
+        after, outcome, _, _ = everything(paid_street, scenarios, with_car(midway, speed=speed), actions(COAST))
+        clearance = np.asarray(after.foresight.clearance[HOLD])
+        expected = np.clip(1 - clearance / 3, 0, 1) * np.asarray(after.vehicle.speed) / 8.33
+        np.testing.assert_allclose(outcome.rewards.driver["closeness"], expected, atol=1e-6)
+        assert (expected > 0).any() == (speed > 0)
