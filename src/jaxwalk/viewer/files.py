@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
@@ -128,6 +129,9 @@ def _write_mp4(path: Path, images: Iterable[np.ndarray], rate: float) -> None:
         encoder = import_module("imageio_ffmpeg")
     except ImportError:
         raise ViewerError("MP4 needs imageio-ffmpeg: pip install 'jaxwalk[video]', or name a .gif file") from None
+    os.environ.setdefault(
+        "IMAGEIO_FFMPEG_NO_PREVENT_SIGINT", "1"
+    )  # for that it forks, which may hang beside JAX's threads
     writer = None
     for image in images:
         image = image[: len(image) // 2 * 2, : image.shape[1] // 2 * 2]  # the encoder wants even sizes
