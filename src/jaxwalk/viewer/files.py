@@ -129,9 +129,8 @@ def _write_mp4(path: Path, images: Iterable[np.ndarray], rate: float) -> None:
         encoder = import_module("imageio_ffmpeg")
     except ImportError:
         raise ViewerError("MP4 needs imageio-ffmpeg: pip install 'jaxwalk[video]', or name a .gif file") from None
-    os.environ.setdefault(
-        "IMAGEIO_FFMPEG_NO_PREVENT_SIGINT", "1"
-    )  # for that it forks, which may hang beside JAX's threads
+    # without this it forks, which may hang beside JAX's threads
+    os.environ.setdefault("IMAGEIO_FFMPEG_NO_PREVENT_SIGINT", "1")
     writer = None
     for image in images:
         image = image[: len(image) // 2 * 2, : image.shape[1] // 2 * 2]  # the encoder wants even sizes
