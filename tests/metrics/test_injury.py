@@ -35,6 +35,7 @@ def test_coefficients_by_hand():
     speed, hood = (42.79 + 10) / 3.6, 85.25 + 10
     assert monfort_mueller_mais3(speed, hood) == pytest.approx(1 / (1 + np.exp(0.46 - 0.91 - 0.39 - 0.2)))
     assert monfort_mueller_fatal(speed, hood) == pytest.approx(1 / (1 + np.exp(3.28 - 1.23 - 0.47)))
+    assert monfort_mueller_mais3(10.0) == monfort_mueller_mais3(10.0, 75)
     assert rosen_sander_fatal(100 / 3.6) == pytest.approx(1 / (1 + np.exp(6.9 - 9.0)))
 
 

@@ -36,6 +36,13 @@ def test_only_cars_as_fast_at_first_are_matched():
     assert near_six(meeting(JAYWALK, 3), meeting(CROSSWALK, 3, initial=6.4)).matched.count == 1
 
 
+def test_only_places_of_5_m_around_are_matched():
+    def matched(place):  # of the jaywalker's car; the other is at 0
+        return near_six(meeting(JAYWALK, 3, place=place), meeting(CROSSWALK, 3)).matched.count
+
+    assert [matched(place) for place in (1.2, 2.8, 5.5)] == [1, 0, 0]
+
+
 def test_cars_with_another_heading_are_not_matched():
     recorded = trajectory(meeting(JAYWALK, 3), meeting(CROSSWALK, 3))
     back = np.where(np.arange(2) == 1, -1.0, 1.0)

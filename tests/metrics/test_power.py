@@ -31,7 +31,13 @@ def test_simulated_tests_find_it_as_often_as_said(a, b, both):
 
 
 @pytest.mark.parametrize(
-    ("rates", "said"), [((0.1, 0.1), "told apart"), ((0.6, 0.7, 0.1), "impossible"), ((1.2, 0.1), "impossible")]
+    ("rates", "said"),
+    [
+        ((0.1, 0.1), "told apart"),
+        ((0.6, 0.7, 0.1), "impossible"),
+        ((0.1, 0.2, 0.15), "impossible"),
+        ((1.2, 0.1), "impossible"),
+    ],
 )
 def test_impossible_questions_are_refused(rates, said):
     with pytest.raises(ValueError, match=said):
@@ -41,6 +47,8 @@ def test_impossible_questions_are_refused(rates, said):
 def test_one_may_happen_only_where_the_other_does():
     # s = d = 0.1: (1.959964 * 0.316228 + 0.841621 * 0.3)^2 / 0.01 = 76.1
     assert scenarios_needed(0.1, 0.2, both=0.1) == 77
+    assert scenarios_needed(0.1, 0.2, both=0.0) > scenarios_needed(0.1, 0.2)
+    assert scenarios_needed(1.0, 0.8) > 0
 
 
 def test_rates_of_which_one_happens_in_every_scenario():

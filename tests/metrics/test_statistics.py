@@ -142,6 +142,8 @@ def test_over_seeds_where_only_scenarios_differ():
 def test_two_seeds_do_not_tell_how_much_seeds_differ():
     found = over_seeds(np.ones((2, 30)), np.ones((2, 30)))
     assert (found.mean.value, found.mean.low, found.iqm.low) == (1, None, None)
+    three = over_seeds(np.ones((3, 30)), np.ones((3, 30)))
+    assert (three.mean.low, three.mean.high) == (1, 1)
 
 
 def test_a_seed_without_a_number_leaves_none_over_seeds():
@@ -169,9 +171,10 @@ def test_kaplan_meier_median_of_a_textbook_sample():
     assert (estimate.value, estimate.low, estimate.high, estimate.count) == (23, 13, None, 21)
 
 
-def test_kaplan_meier_interval_is_that_of_greenwoods_band():
+@pytest.mark.parametrize("subjects", [30, 40, 300])
+def test_kaplan_meier_interval_is_that_of_greenwoods_band(subjects):
     rng = np.random.default_rng(5)
-    times, seen = rng.exponential(10, 300).round(1), rng.random(300) < 0.7
+    times, seen = rng.exponential(10, subjects).round(1), rng.random(subjects) < 0.7
     with np.errstate(divide="ignore", invalid="ignore"):
         curve = stats.ecdf(stats.CensoredData.right_censored(times, ~seen)).sf
         with warnings.catch_warnings():
@@ -185,6 +188,7 @@ def test_kaplan_meier_interval_is_that_of_greenwoods_band():
 
 def test_kaplan_meier_median_without_censoring_is_the_median():
     assert kaplan_meier_median(np.array([5, 1, 4, 2, 3]), np.ones(5, bool)).value == 3
+    assert kaplan_meier_median(np.array([1, 2, 3, 4]), np.ones(4, bool)).value == 2  # one half is enough
 
 
 def test_kaplan_meier_median_never_reached():

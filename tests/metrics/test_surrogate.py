@@ -59,6 +59,12 @@ def test_pedestrian_crosses_behind_the_car():
     assert_measured(scene, pet=-0.5, t2=0.5, ttc=math.nan, drac=0)
 
 
+def test_a_car_that_comes_more_than_5_s_later_shares_no_conflict():
+    crossing = [(1, 39, CROSSWALK)]
+    assert_measured(Scene(90, [Walk(20, -4, vy=2, crossings=crossing)], speed=[5.0] * 26 + [1.34] * 65), pet=4.7)
+    assert_measured(Scene(120, [Walk(20, -4, vy=2, crossings=crossing)], speed=[5.0] * 26 + [1.1] * 95), pet=math.nan)
+
+
 def test_the_pedestrian_may_leave_the_roadway_before_the_car_arrives():
     scene = Scene(80, [Walk(20, -4, vy=2, crossings=[(1, 28, CROSSWALK)])])
     assert_measured(scene, pet=1.2, t2=1.2)
