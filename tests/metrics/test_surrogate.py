@@ -60,9 +60,10 @@ def test_pedestrian_crosses_behind_the_car():
 
 
 def test_a_car_that_comes_more_than_5_s_later_shares_no_conflict():
-    crossing = [(1, 39, CROSSWALK)]
-    assert_measured(Scene(90, [Walk(20, -4, vy=2, crossings=crossing)], speed=[5.0] * 26 + [1.34] * 65), pet=4.7)
-    assert_measured(Scene(120, [Walk(20, -4, vy=2, crossings=crossing)], speed=[5.0] * 26 + [1.1] * 95), pet=math.nan)
+    # car at 12.5 + 0.134 (j - 25), pedestrian as before: of places within 1.5 m, k = 25 and j = 73 are nearest in time
+    walk = Walk(20, -4, vy=2, crossings=[(1, 39, CROSSWALK)])
+    assert_measured(Scene(90, [walk], speed=[5.0] * 26 + [1.34] * 65), pet=4.8)
+    assert_measured(Scene(120, [walk], speed=[5.0] * 26 + [1.25] * 95), pet=math.nan)
 
 
 def test_the_pedestrian_may_leave_the_roadway_before_the_car_arrives():
