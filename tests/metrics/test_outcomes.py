@@ -85,7 +85,7 @@ def test_attribution(recorded):
 
 
 def test_of_several_touched_the_nearest_counts():
-    people = [Walk(6, 0, crossings=[(1, 10, CROSSWALK)]), Walk(5.5, 0)]
+    people = [Walk(3.8, 0, crossings=[(1, 10, CROSSWALK)]), Walk(6, 0)]  # the car is at 5
     rows = measure(trajectory(Scene(10, people, touched=[0, 1])))
     assert (rows.episodes.contact.tolist(), rows.episodes.contact_ped.tolist()) == ([SIDEWALK], [1])
     assert rows.encounters.collided.tolist() == [True]

@@ -82,9 +82,9 @@ def test_the_order_of_episodes_does_not_matter(recorded, random):
 
 
 @few
-@given(trajectories, st.integers(0, 4))
-def test_joined_rows_of_two_parts_are_the_rows_of_the_whole(recorded, cut):
-    parts = [pick(recorded, episodes=slice(0, cut)), pick(recorded, episodes=slice(cut, None))]
+@given(trajectories, st.integers(0, 4), st.integers(0, 4))
+def test_joined_rows_of_parts_are_the_rows_of_the_whole(recorded, cut, size):
+    parts = [pick(recorded, episodes=slice(*ends)) for ends in ((0, cut), (cut, cut + size), (cut + size, None))]
     assert_equal_rows(Rows.join([measure(part) for part in parts]), measure(recorded))
 
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
 from jaxwalk.metrics.surrogate import Surrogates, required_deceleration, surrogate_columns, time_to_collision
 from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from metrics import reference
@@ -175,7 +176,9 @@ def test_summary():
     assert (here.ttc.median.count, here.drac.median.count, here.pet.median.count) == (1, 4, 4)
     assert here.exposed_time.value == pytest.approx(0.4)
     assert (here.impact_speed.value, here.impact_speed.count) == (5, 1)
-    assert here.mais3.value > here.fatal.value > 0
+    assert here.mais3.value == pytest.approx(monfort_mueller_mais3(5))
+    assert here.fatal.value == pytest.approx(monfort_mueller_fatal(5))
+    assert here.fatal_rosen_sander.value == pytest.approx(rosen_sander_fatal(5))
     nobody = found.jaywalk
     assert (nobody.count, nobody.ttc_critical.value, nobody.pet.median.value, nobody.mais3.value) == (
         0,

@@ -16,6 +16,12 @@ def waiting(*scenes):
     return summarise(measure(trajectory(*scenes)), resamples=50).waiting
 
 
+def test_bins_are_those_of_results_made_before():
+    assert DISTANCES == (0, 5, 10, 15, 20, 25, 30, 35, 40)
+    assert SPEEDS == (0, 2, 4, 6, 8.33)
+    assert MISSES == (0, 1, 2.5, 5)
+
+
 def test_a_wait_shows_in_the_next_frame():
     # the car is at 2.0, 2.5, 3.0 m in frames 4, 5, 6
     people = [

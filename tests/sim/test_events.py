@@ -192,8 +192,10 @@ def test_driving_along_the_route(paid_street, scenarios):
     cos, sin = np.cos(turn), np.sin(turn)
     state = with_car(state, x=car.x - aside * car.sin, y=car.y + aside * car.cos, speed=5.0,
                      cos=car.cos * cos - car.sin * sin, sin=car.sin * cos + car.cos * sin)  # fmt: skip
-    _, outcome, _, _ = everything(paid_street, scenario, state, actions(COAST, 0))
+    moved, outcome, _, _ = everything(paid_street, scenario, state, actions(COAST, 0))
     paid = {name: np.asarray(term) for name, term in outcome.rewards.driver.items()}
+    _, outcome, _, _ = everything(paid_street, scenario, moved, actions(COAST, 0))
+    np.testing.assert_allclose(outcome.rewards.driver["progress"][:3], 0.5, atol=1e-3)
     np.testing.assert_allclose(paid["progress"][:4], 0.5, atol=1e-4)
     np.testing.assert_allclose(paid["progress"][4], 0.25, atol=1e-3)
     np.testing.assert_allclose(paid["off_lane"][:4], [0, 1, 1, 4], atol=1e-3)
