@@ -96,6 +96,7 @@ def test_sums_ignore_what_has_no_weight():
     x = jnp.array([[1.0, 2.0], [jnp.nan, jnp.inf]])
     assert float(losses.weighted_sum(x, jnp.array([[1.0], [0.0]]))) == 3
     assert float(losses.weighted_mean(x, jnp.array([[1.0], [0.0]]))) == 1.5
+    assert float(losses.weighted_mean(jnp.array([3.0]), jnp.array([0.25]))) == 3
 
 
 def test_explained_variance():

@@ -92,7 +92,7 @@ def test_people_average():
 
 def test_who_crossed_how_often():
     """Somebody on the road from the start wasn't seen to enter."""
-    crossing = [(3, 5, CROSSWALK), (8, 9, JAYWALK)]
+    crossing = [(1, 5, CROSSWALK), (8, 9, JAYWALK)]
     first = Scene(12, [Walk(0, 5), Walk(0, 9, crossings=crossing), Walk(0, 7, crossings=[(0, 4, JAYWALK)])])
     second = Scene(12, [Walk(0, 5, crossings=crossing[:1]), Walk(0, 9), Walk(0, 7)])
     table, _ = find_crossings(trajectory(first, second))
