@@ -85,13 +85,14 @@ def test_a_failure_names_scenario_and_step_and_keeps_whole_batches(street, drive
             action[3:5, 1] = np.nan
         return action
 
-    with pytest.raises(Stopped, match=r"mine: act returned \[1 nan\].*\(scenario 19, step 5\)") as stopped:
+    with pytest.raises(Stopped, match=r"mine: act returned \[1 nan\].*\(scenario (19|35), step 5\)") as stopped:
         compare(
             street, {"jax": driver, "mine": hosted(fails)}, {"undecided": undecided},
             episodes=40, seed=7, batch=BATCH,
         )  # fmt: skip
     kept = {pair: len(rows.episodes.scenario) for pair, rows in stopped.value.rows.items()}
-    assert kept == {("jax", "undecided"): 40, ("mine", "undecided"): BATCH}
+    before = BATCH if "scenario 19" in str(stopped.value) else 2 * BATCH  # of two that wait, either's turn may come
+    assert kept == {("jax", "undecided"): 40, ("mine", "undecided"): before}
 
 
 def test_a_failure_of_a_whole_batch_names_its_first_scenario(street):
