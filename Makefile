@@ -48,7 +48,7 @@ test: install  ## pytest, in JOBS processes (default: one for each core, at most
 coverage: install  ## the same, and which lines and branches it reached
 	$(BIN)/pytest -n $(JOBS) --cov --cov-fail-under=95
 
-mutants: install  ## small mistakes are put into the definitions: do the tests notice? up to two hours
+mutants: install  ## small mistakes are put into the definitions: do the tests notice? an hour
 	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt cosmic-ray==8.7.0
 	$(BIN)/python tests/reliability/mutation.py
 

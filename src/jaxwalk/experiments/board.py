@@ -26,7 +26,7 @@ class Board:
         self._folder, self._types = folder, import_module("tensorboardX.proto.event_pb2")
         start = self._types.SessionLog(status=self._types.SessionLog.START)
         with naming(folder):
-            # its own name counts seconds: a session that goes on within one would write over the file before
+            # tensorboardX's name counts seconds: a session that goes on within one would write over the file before
             self._file: Any = EventsWriter(str(folder / "events"), f".{os.getpid()}.{time.time_ns()}")
             self._file.write_event(self._types.Event(step=first, session_log=start))
             self._file.flush()

@@ -156,14 +156,18 @@ def _as_os_error(error: Exception, path: Path) -> OSError:
     return OSError(errno.EIO, " ".join(str(error).split())[:300], str(path))
 
 
+def _is_key(x: Array) -> bool:
+    return jnp.issubdtype(x.dtype, jax.dtypes.prng_key)
+
+
 def _data(x: Array) -> Array:
-    return jax.random.key_data(x) if jnp.issubdtype(x.dtype, jax.dtypes.prng_key) else x
+    return jax.random.key_data(x) if _is_key(x) else x
 
 
 def _fresh(x: Array) -> Array:
     """The same array, as `mappo.init` makes them: orbax ties it to its device, for which `jit` would compile anew."""
     fresh = jnp.asarray(jax.device_get(_data(x)))
-    return jax.random.wrap_key_data(fresh, impl=jax.random.key_impl(x)) if fresh.shape != x.shape else fresh
+    return jax.random.wrap_key_data(fresh, impl=jax.random.key_impl(x)) if _is_key(x) else fresh
 
 
 def _manager(path: str | Path, *, create: bool) -> Any:
