@@ -98,6 +98,11 @@ def frames_before(trajectory, last):
     return np.where(kept, flat, np.nan)[: max(last) + 1]
 
 
+def assert_same_until(last, one, other):
+    """Two programs may round differently in the last bits, and do with the oldest JAX."""
+    np.testing.assert_allclose(frames_before(one, last), frames_before(other, last), rtol=0, atol=1e-4)
+
+
 def test_scenarios_are_chosen_by_number(street, batch):
     numbers = np.array([9, 3, 3, 15])
     chosen, keys = choose_scenarios(street, seed=7, numbers=numbers)
@@ -136,7 +141,7 @@ def test_who_is_to_wait_waits_and_nobody_else(often, batch, played):
     until = begin + 20
     waiting = Wait(jnp.asarray(ped), jnp.asarray(begin))
     changed = play(often, BLIND, WALKERS, *batch, intervention=waiting, until=until)
-    np.testing.assert_array_equal(frames_before(changed, begin), frames_before(played, begin))
+    assert_same_until(begin, changed, played)
     for episode, last in enumerate(changed.length):
         going = changed.going[: last + 1, episode]
         assert going[: begin[episode] + 1, ped[episode]].all()
@@ -147,7 +152,7 @@ def test_who_is_to_wait_waits_and_nobody_else(often, batch, played):
 def test_the_car_brakes_and_steers_on(often, batch, played):
     begin = 20 + np.arange(BATCH)
     changed = play(often, BLIND, WALKERS, *batch, intervention=Brake(jnp.asarray(begin)), until=begin + 60)
-    np.testing.assert_array_equal(frames_before(changed, begin), frames_before(played, begin))
+    assert_same_until(begin, changed, played)
     under_way = changed.length > begin
     assert under_way.sum() > 10
     for episode in np.flatnonzero(under_way):
@@ -161,10 +166,10 @@ def test_a_driver_takes_over(often, batch, played):
     other = play(often, STANDING, WALKERS, *batch)
     at_once = play(often, STANDING, WALKERS, *batch, intervention=TakeOver(BLIND, begin))
     np.testing.assert_array_equal(at_once.length, played.length)
-    np.testing.assert_array_equal(frames_before(at_once, at_once.length), frames_before(played, played.length))
+    assert_same_until(played.length, at_once, played)
     later = play(often, STANDING, WALKERS, *batch, intervention=TakeOver(BLIND, begin + 30))
     before = np.minimum(other.length, 30)
-    np.testing.assert_array_equal(frames_before(later, before), frames_before(other, before))
+    assert_same_until(before, later, other)
     assert (later.car_acceleration[31:40, later.length > 40] == 3).all()
 
 
