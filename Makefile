@@ -52,12 +52,12 @@ mutants: install  ## small mistakes are put into the definitions: do the tests n
 	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt cosmic-ray==8.7.0
 	$(BIN)/python tests/reliability/mutation.py
 
-reliability: install  ## thousands of bad files, millions of random steps, trainings killed 50 times: an hour
+reliability: install  ## thousands of bad files, millions of random steps, trainings killed 50 times: a quarter of an hour
 	$(BIN)/python tests/reliability/fuzz_loaders.py
 	$(BIN)/python tests/reliability/random_steps.py
 	$(BIN)/python tests/reliability/kill_training.py --kills 50
 
-versions: | $(UV)  ## the tests with the oldest and the newest allowed releases, on Python 3.11 and 3.14: an hour
+versions: | $(UV)  ## the tests with the oldest and the newest allowed releases, on Python 3.11 and 3.14: 40 minutes
 	UV=$(UV) .ci/versions -n $(JOBS)
 
 format: install  ## let ruff tidy the code
