@@ -6,6 +6,8 @@ import json
 import sys
 from dataclasses import asdict, replace
 
+import jax
+import numpy as np
 import pytest
 
 from jaxwalk.experiments.benchmark import document as documents
@@ -15,8 +17,10 @@ from jaxwalk.experiments.benchmark.processes import BenchmarkError, measure_apar
 from jaxwalk.experiments.benchmark.products import peak_products
 from jaxwalk.experiments.benchmark.settings import PARTS, QUICK, Settings
 from jaxwalk.experiments.benchmark.showing import shown, table
+from jaxwalk.experiments.benchmark.simulation import in_parts, keep, look_and_act
 from jaxwalk.experiments.benchmark.starting import watch
 from jaxwalk.experiments.provenance import cores
+from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 
 
 def _simulated(environments, rate, temporary, pedestrians=12):
@@ -253,3 +257,17 @@ def test_a_start_is_timed_until_the_metrics_are_there(tmp_path):
 def test_a_start_that_fails_says_why(tmp_path):
     with pytest.raises(BenchmarkError, match="exit code 3: no street"):
         watch([sys.executable, "-c", "print('no street'); exit(3)"], tmp_path / "m", tmp_path / "said", {})
+
+
+def test_parts_of_the_environments_play_what_all_of_them_would(street):
+    def play(stream):
+        return rollout(street, look_and_act(street), stream, 16, keep=lambda step: keep(step)[2:])
+
+    stream = start(street, environment_keys(seed_key(3, TRAINING), 0, 6))
+    whole, kept = jax.jit(play)(stream)
+    parts, kept_by_parts = jax.jit(lambda stream: in_parts(play, stream, 3))(stream)
+    assert jax.tree.map(np.shape, parts) == jax.tree.map(np.shape, whole)
+    for one, other in zip(jax.tree.leaves((parts, kept_by_parts)), jax.tree.leaves((whole, kept)), strict=True):
+        if jax.dtypes.issubdtype(one.dtype, jax.dtypes.prng_key):
+            one, other = jax.random.key_data(one), jax.random.key_data(other)
+        np.testing.assert_allclose(one, other, rtol=1e-5, atol=1e-4)

@@ -2,7 +2,7 @@
 
 Every observation set but the privileged one and every reward term of both roles is reduced into the result, so that
 nothing can be left out. No learning. The processor's cores each play a share of the environments, as devices of one
-`shard_map`.
+`shard_map`, and of a large share one part after the other.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 
+PART = 2048
+"""A core of a processor plays at most so many environments at a time: what they need stays in its cache."""
 WARM_STEPS = 64
 """Steps before the clock starts: away from the beginning, where all episodes are in step."""
 
@@ -98,10 +100,16 @@ def build(street: Street, count: int, steps: int, seed: int) -> Program:
     shards = max(n for n in range(1, len(jax.devices()) + 1) if count % n == 0)
     mesh = Mesh(np.array(jax.devices()[:shards]), ("env",))
     act = look_and_act(street)
+    share = count // shards
+    least = -(-share // PART) if jax.devices()[0].platform == "cpu" else 1
+    parts = next((n for n in range(least, 2 * least) if share % n == 0), 1)
 
     def play(street: Street, stream: Stream) -> tuple[Stream, Any]:
-        stream, kept = rollout(street, act, stream, steps, keep=keep)
-        return stream, tuple(x.sum(axis=0) for x in kept)
+        def play_part(stream: Stream) -> tuple[Stream, Any]:
+            stream, kept = rollout(street, act, stream, steps, keep=keep)
+            return stream, tuple(x.sum(axis=0) for x in kept)
+
+        return in_parts(play_part, stream, parts)
 
     stream = jax.jit(start)(street, environment_keys(seed_key(seed, TRAINING), 0, count))
     specs = jax.tree.map(lambda x: PartitionSpec(*(None,) * (x.ndim - 1), "env") if x.ndim else PartitionSpec(), stream)
@@ -117,6 +125,20 @@ def build(street: Street, count: int, steps: int, seed: int) -> Program:
     return Program(
         call, stream, shards, compile_s, shards * used.temp_size_in_bytes, _bytes(stream), _bytes(kept)
     )  # fmt: skip
+
+
+def in_parts(play: Callable[[Stream], tuple[Stream, Any]], stream: Stream, parts: int) -> tuple[Stream, Any]:
+    """``play`` for so many equal parts of the environments, one after the other."""
+
+    def split(x: jax.Array) -> jax.Array:
+        if x.ndim == 0:  # the step, which all of them share
+            return jnp.broadcast_to(x, parts)
+        return jnp.moveaxis(x.reshape(*x.shape[:-1], parts, -1), -2, 0)
+
+    def join(x: jax.Array) -> jax.Array:
+        return x[0] if x.ndim == 1 else jnp.moveaxis(x, 0, -2).reshape(*x.shape[1:-1], -1)
+
+    return jax.tree.map(join, jax.lax.map(play, jax.tree.map(split, stream))) if parts > 1 else play(stream)
 
 
 def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]:
