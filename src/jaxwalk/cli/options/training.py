@@ -68,7 +68,7 @@ class Train:
 class Reproduce:
     """The whole experiment: two trainings, every driver among every population, the ablation and the report.
 
-    About 8 minutes on two CPU cores, and 7 more for each further training seed. Run it again to go on where it was
+    About 10 minutes on two CPU cores, and 7 more for each further training seed. Run it again to go on where it was
     interrupted: what is finished is kept.
     """
 
