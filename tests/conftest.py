@@ -13,11 +13,12 @@ install_import_hook("jaxwalk", "beartype.beartype")  # before the first import o
 
 
 def pytest_configure(config):
+    import jax
+
+    jax.config.update("jax_num_cpu_devices", 2)  # so that environments can be shared out, on any machine
     # Two workers may meet in the cache; a half-written entry is compiled anew.
     config.addinivalue_line("filterwarnings", "ignore:Error (reading|writing) persistent compilation:UserWarning")
     if getattr(config, "cache", None) is not None:
-        import jax
-
         jax.config.update("jax_compilation_cache_dir", str(config.cache.mkdir(f"jax-{_processor()}")))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
 

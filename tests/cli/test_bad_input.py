@@ -157,6 +157,8 @@ BAD = {
     "report on nobody": ("report nobody", "nobody: no driver of that name"),
     "report otherwise": ("report reproduced --episodes 5", "--episodes and all other options are those of"),
     "report two at once": ("report reproduced untrained", "is reported on its own; name it alone"),
+    "train too many shards": ("train --run new --shards 64", "64 devices are needed, and JAX has 2 (cpu); ask"),
+    "train uneven shards": ("train --run new --shards 5", "shards must divide environments (768), not 5"),
     "report seed": ("report random --seed -1", "--seed must lie in [0, 2^31), not -1"),
     "report no episodes": ("report random --episodes 0", "--episodes must be at least 1, not 0"),
     "report too many incidents": ("report random --incidents 201", "--incidents must lie in [0, 200], not 201"),

@@ -13,13 +13,12 @@ import pytest
 from jaxwalk.experiments.benchmark import document as documents
 from jaxwalk.experiments.benchmark import training
 from jaxwalk.experiments.benchmark.figures import FIGURES, exponent, figures, nonlinearity
-from jaxwalk.experiments.benchmark.processes import BenchmarkError, measure_apart, variables
+from jaxwalk.experiments.benchmark.processes import BenchmarkError, measure_apart
 from jaxwalk.experiments.benchmark.products import peak_products
 from jaxwalk.experiments.benchmark.settings import PARTS, QUICK, Settings
 from jaxwalk.experiments.benchmark.showing import shown, table
 from jaxwalk.experiments.benchmark.simulation import in_parts, keep, look_and_act
 from jaxwalk.experiments.benchmark.starting import watch
-from jaxwalk.experiments.provenance import cores
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 
 
@@ -59,7 +58,7 @@ ROWS = {
 DOCUMENT = {
     "schema": 1,
     "options": asdict(Settings()),
-    "hardware": {"cores": 2},
+    "hardware": {"cores": 2, "devices": 2},
     "provenance": {"commit": "abc", "hardware": "an abacus", "versions": {"jax": "0.10"}},
     "seconds": 90.0,
     "figures": figures(ROWS),
@@ -203,20 +202,11 @@ def test_a_document_of_parts(monkeypatch, quiet):
     assert found["figures"].keys() == DOCUMENT["figures"].keys()
     assert set(found["rows"]) == set(ROWS)
     told = quiet.file.getvalue()
-    assert f"sets JAX_NUM_CPU_DEVICES={cores()}" in told
+    assert f"{DOCUMENT['hardware']['devices']} devices" in told
     assert all(f"{number}/{len(PARTS)}" in told for number in range(1, 1 + len(PARTS)))
     asked.clear()
     documents.benchmark(Settings(only=("pedestrians",)), quiet)
     assert asked == ["machine", "pedestrians"]
-
-
-def test_devices_are_set_for_the_simulator_alone(monkeypatch):
-    monkeypatch.delenv("XLA_FLAGS", raising=False)
-    monkeypatch.delenv("JAX_NUM_CPU_DEVICES", raising=False)
-    assert variables("env") == variables("pedestrians") == {"JAX_NUM_CPU_DEVICES": str(cores())}
-    assert variables("train-fast") == variables("machine") == {}
-    monkeypatch.setenv("XLA_FLAGS", "--xla_force_host_platform_device_count=1")
-    assert variables("env") == {}
 
 
 def test_a_part_that_fails_is_named():

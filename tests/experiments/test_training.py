@@ -13,7 +13,7 @@ from rich.console import Console
 from jaxwalk.experiments.recipes import single_agent, with_training
 from jaxwalk.experiments.runs import Run
 from jaxwalk.experiments.training import DivergedError, Session, UnwrittenError, begin, is_finished, train
-from jaxwalk.experiments.world import make_street
+from jaxwalk.experiments.world import make_street, shared_out
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.policies import load_policy, read_metadata
 from limits import files_at_most
@@ -53,6 +53,13 @@ def _assert_same(a, b):
 def _told(run):
     """The metrics without times."""
     return [{name: x for name, x in line.items() if name != "seconds"} for line in run.metrics()]
+
+
+def test_environments_are_shared_out_among_the_cores(tiny):
+    def shards(environments):
+        return shared_out(with_training(tiny, environments=environments)).train.shards
+
+    assert [shards(128), shards(127), shards(129), shards(126), shards(512)] == [2, 1, 1, 1, 2]
 
 
 def test_every_update_is_told_once(whole, tiny):

@@ -23,6 +23,8 @@ from jaxwalk.learning.config import FAST, PAPER, ROLES, RoleConfig, TrainConfig
         (RoleConfig, "actor_hidden", (32, 0)),
         (TrainConfig, "environments", 0),
         (TrainConfig, "minibatches", 7),
+        (TrainConfig, "shards", 0),
+        (TrainConfig, "shards", 3),
         (TrainConfig, "learning_rate", 0.0),
         (TrainConfig, "discount", 1.5),
         (TrainConfig, "gae_lambda", -0.1),

@@ -17,6 +17,7 @@ from jaxwalk.learning.config import RoleConfig, TrainConfig
 from jaxwalk.learning.critics import blended_reward
 from jaxwalk.learning.experience import look
 from jaxwalk.learning.mappo import init, update
+from jaxwalk.shards import ShardsError
 from learning import games
 
 ROLE = RoleConfig(actor_hidden=(16,), critic_hidden=(16,), entropy=0.003)
@@ -153,7 +154,8 @@ def test_blended_reward_by_hand():
     assert blended_reward(rewards).tolist() == [[3.0]]
 
 
-def test_one_trace_and_equal_seeds_equal_results(monkeypatch):
+@pytest.mark.parametrize("shards", [1, 2])
+def test_one_trace_and_equal_seeds_equal_results(shards, monkeypatch):
     traces = []
 
     def rule(*seen):
@@ -161,7 +163,7 @@ def test_one_trace_and_equal_seeds_equal_results(monkeypatch):
         return games.bandit(*seen)
 
     monkeypatch.setitem(games.RULES, "bandit", rule)
-    config = dataclasses.replace(CONFIG, clip=0.21)  # its own compilation
+    config = dataclasses.replace(CONFIG, clip=0.21, shards=shards)  # its own compilation
     learner, first = play(games.game("bandit"), config, updates=1)
     once = len(traces)
     learner, _ = update(games.game("bandit"), config, learner)
@@ -180,21 +182,51 @@ def test_chunks_change_nothing():
         assert metrics[name] == pytest.approx(whole[name], rel=1e-3, abs=1e-4), name
 
 
+@pytest.mark.parametrize("credit", ["individual", "shared"])
+def test_shared_out_environments_learn_the_same(credit):
+    config = dataclasses.replace(CONFIG, credit=credit)
+    learner, metrics = play(games.game("holding"), config, updates=3)
+    shared, of_both = play(games.game("holding"), dataclasses.replace(config, shards=2), updates=3)
+    for name in metrics:
+        assert of_both[name] == pytest.approx(metrics[name], rel=1e-3, abs=1e-4), name
+    for one, other in zip(jax.tree.leaves(learner.actors), jax.tree.leaves(shared.actors), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-3, atol=1e-4)
+
+
+def test_every_shard_has_its_stand_ins():
+    role = dataclasses.replace(CONFIG.pedestrian, fixed=0.5)
+    config = dataclasses.replace(CONFIG, pedestrian=role, shards=2)
+    learner = init(games.game("bandit"), config, jax.random.key(0), others=ByRole(None, AlwaysGo()))
+    learner, _ = update(games.game("bandit"), config, learner)
+    (asked,) = (x for x in jax.tree.leaves(learner.stream.memory.pedestrian) if x.dtype == jnp.int32)
+    half = config.environments // 2
+    for share in (asked[..., :half], asked[..., half:]):
+        assert (share[..., : half // 2] == 0).all()
+        assert (share[..., half // 2 :] > 0).all()
+
+
+def test_without_so_many_devices_it_is_said_what_to_do():
+    config = dataclasses.replace(CONFIG, shards=32)
+    with pytest.raises(ShardsError, match=r"32 devices are needed, and JAX has 2 \(cpu\); .*JAX_NUM_CPU_DEVICES=32"):
+        init(games.game("bandit"), config, jax.random.key(0))
+
+
 def test_nonsense_is_reported():
     _, sound = play(games.game("bandit"), updates=1)
     _, unsound = play(games.game("bandit", size=float("nan")), updates=1)
     assert (sound["finite"], unsound["finite"]) == (1, 0)
 
 
-def test_resumed_training_equals_uninterrupted_training(tmp_path):
-    game = games.game("bandit", length=3)
-    learner = init(game, CONFIG, jax.random.key(0))
+@pytest.mark.parametrize("shards", [1, 2])
+def test_resumed_training_equals_uninterrupted_training(shards, tmp_path):
+    game, config = games.game("bandit", length=3), dataclasses.replace(CONFIG, shards=shards)
+    learner = init(game, config, jax.random.key(0))
     for number in range(1, 4):
-        learner, _ = update(game, CONFIG, learner)
+        learner, _ = update(game, config, learner)
         save(tmp_path, learner, updates=number)
-    resumed = restore(tmp_path, init(game, CONFIG, jax.random.key(7)), updates=2)
-    resumed, _ = update(game, CONFIG, resumed)
-    newest = restore(tmp_path, init(game, CONFIG, jax.random.key(7)))
+    resumed = restore(tmp_path, init(game, config, jax.random.key(7)), updates=2)
+    resumed, _ = update(game, config, resumed)
+    newest = restore(tmp_path, init(game, config, jax.random.key(7)))
     kept = sorted(folder.name for folder in tmp_path.iterdir())
     assert (latest(tmp_path), kept) == (3, ["2", "3"])
     for one in (resumed, newest):

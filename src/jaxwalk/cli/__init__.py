@@ -33,6 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         options = _parse(arguments)
         _keep_compiled_code()
+        _make_devices_of_cores()
         code = options.run()
         _flush()
         return code
@@ -93,6 +94,14 @@ def _keep_compiled_code() -> None:
         return
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(_cache_folder())
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+
+
+def _make_devices_of_cores() -> None:
+    """Let each core be a device of JAX, so that environments can be shared out, unless somebody chose a number."""
+    if "host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
+        from jaxwalk.experiments.provenance import cores
+
+        os.environ.setdefault("JAX_NUM_CPU_DEVICES", str(cores()))
 
 
 def _cache_folder() -> Path:

@@ -16,7 +16,7 @@ from jaxwalk.experiments.runs import Run, check_new, check_writable
 
 TUNABLE = (
     "updates", "environments", "steps", "minibatches",
-    "learning_rate", "discount", "gae_lambda", "clip", "reward_scale", "chunk_rows",
+    "learning_rate", "discount", "gae_lambda", "clip", "reward_scale", "chunk_rows", "shards",
 )  # fmt: skip
 """Options that are fields of `TrainConfig`."""
 GOES_WITH_RESUME = ("resume", "checkpoint_minutes", "watch")
@@ -31,9 +31,12 @@ def run(options: Train) -> int:
     experiment = begun.experiment if begun else make_experiment(options)
     with bad_values():
         from jaxwalk.experiments.training import train
-        from jaxwalk.experiments.world import make_street
+        from jaxwalk.experiments.world import make_street, shared_out
+        from jaxwalk.shards import mesh_of
 
         make_street(experiment)
+        experiment = experiment if begun or options.shards else shared_out(experiment)
+        mesh_of(experiment.train.shards)
     if begun:
         check_writable(begun.path)
     folder = begun or Run.create(options.run_folder or "", experiment)

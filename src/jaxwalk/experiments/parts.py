@@ -21,6 +21,7 @@ from jaxwalk.experiments.lock import held
 from jaxwalk.experiments.recipes import Experiment
 from jaxwalk.experiments.runs import Run, RunError, check_writable, is_empty
 from jaxwalk.experiments.training import is_finished, train
+from jaxwalk.experiments.world import shared_out
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import remove_unfinished, write_whole
 
@@ -125,7 +126,7 @@ class Work(Generic[P]):
         """A training with that seed, unless it is there; begun, it is gone on with. Raises Interrupted on Ctrl-C."""
         folder, said = self.run(name, seed), f"    {name}, seed {seed}"
         begun = (folder / "config.json").is_file()
-        run = Run.open(folder) if begun else Run.create(folder, replace(experiment, seed=seed))
+        run = Run.open(folder) if begun else Run.create(folder, shared_out(replace(experiment, seed=seed)))
         if is_finished(run):
             steps = run.experiment.train.updates * run.experiment.steps_per_update
             self.say(f"{said}: there already, {steps:,} steps")

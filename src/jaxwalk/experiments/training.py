@@ -195,6 +195,8 @@ def _train(
     per_update = run.experiment.steps_per_update
     pace = Pace(done, planned, per_update)
     progress, stop = TrainingProgress(console, name, pace), Stop()
+    if config.shards > 1:
+        console.print(f"{name}: {config.environments:,} environments on {config.shards} devices", markup=False)
     with MetricsLog(run, updates=done) as log, stop.listening(), progress, _page(run, name, pace, log, watch) as page:
         if page is not None:
             console.print(f"Watch it: open {page.path.absolute()} in a browser", soft_wrap=True, markup=False)
@@ -282,7 +284,8 @@ def _with_plan(session: Session, learner: Learner, planned: int) -> Learner:
 
 
 def _plan(learner: Learner, updates: int) -> Learner:
-    return eqx.tree_at(lambda x: x.planned, learner, jnp.asarray(updates, jnp.int32))
+    planned = jax.device_put(jnp.asarray(updates, jnp.int32), learner.planned.sharding)
+    return eqx.tree_at(lambda x: x.planned, learner, planned)
 
 
 def _shortened(session: Session, begun: float, made: int, planned: int, limit: float) -> int | None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-from jaxwalk.experiments.recipes import Experiment
+import jax
+
+from jaxwalk.experiments.recipes import Experiment, with_training
 from jaxwalk.interfaces import ByRole, Policy
 from jaxwalk.learning.config import GLOBAL
 from jaxwalk.maps import MapError
@@ -12,6 +14,9 @@ from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import LAYOUTS
+
+LEAST_SHARE = 64
+"""Environments that a core should have at least: fewer don't keep it busy."""
 
 
 class WorldError(ValueError):
@@ -58,6 +63,17 @@ def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> No
     for name in names:
         if name not in known:
             raise WorldError(f"{field} must be one of {', '.join(known)}, not {name!r}")
+
+
+def shared_out(experiment: Experiment) -> Experiment:
+    """The same, its environments shared out among as many of the processor's cores as divide them evenly.
+
+    An accelerator wants all of them: nothing is changed there.
+    """
+    devices, count = jax.devices(), experiment.train.environments
+    most = len(devices) if devices[0].platform == "cpu" else 1
+    fitting = (n for n in range(most, 1, -1) if count % n == 0 and count >= n * LEAST_SHARE)
+    return with_training(experiment, shards=next(fitting, 1))
 
 
 def fixed_policies(experiment: Experiment) -> ByRole[Policy | None]:

@@ -8,6 +8,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from jaxwalk.shards import Axis
+
 
 class Estimate(NamedTuple):
     """What a rollout says of returns; arrays ``(time, ...)``."""
@@ -51,10 +53,13 @@ def generalised_advantage(
     return found
 
 
-def normalised(x: Float[Array, "..."], weight: Float[Array, "..."]) -> Float[Array, "..."]:
-    """Shifted and scaled to weighted mean 0 and standard deviation 1 over the whole array; 0 where weightless."""
+def normalised(x: Float[Array, "..."], weight: Float[Array, "..."], axis: Axis = ()) -> Float[Array, "..."]:
+    """Shifted and scaled to weighted mean 0 and standard deviation 1 over the whole array; 0 where weightless.
+
+    With ``axis``, over the arrays of all shards.
+    """
     weight = jnp.broadcast_to(weight, x.shape)
-    total = jnp.maximum(jnp.sum(weight), 1.0)
-    mean = jnp.sum(weight * x) / total
-    variance = jnp.sum(weight * (x - mean) ** 2) / total
+    total = jnp.maximum(jax.lax.psum(jnp.sum(weight), axis), 1.0)
+    mean = jax.lax.psum(jnp.sum(weight * x), axis) / total
+    variance = jax.lax.psum(jnp.sum(weight * (x - mean) ** 2), axis) / total
     return jnp.where(weight > 0, (x - mean) * jax.lax.rsqrt(variance + 1e-8), 0.0)

@@ -133,7 +133,7 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
             raise DamagedError(f"{path}: checkpoint {step} can't be read ({type(error).__name__})") from error
     arrays, rest = eqx.partition(like, eqx.is_array)
     names, structure = _names(arrays), jax.tree.structure(arrays)
-    return eqx.combine(jax.tree.unflatten(structure, [_fresh(found[name]) for name in names]), rest)
+    return eqx.combine(jax.tree.unflatten(structure, [found[name] for name in names]), rest)
 
 
 def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tuple[int, ...]]) -> None:
@@ -162,12 +162,6 @@ def _is_key(x: Array) -> bool:
 
 def _data(x: Array) -> Array:
     return jax.random.key_data(x) if _is_key(x) else x
-
-
-def _fresh(x: Array) -> Array:
-    """The same array, as `mappo.init` makes them: orbax ties it to its device, for which `jit` would compile anew."""
-    fresh = jnp.asarray(jax.device_get(_data(x)))
-    return jax.random.wrap_key_data(fresh, impl=jax.random.key_impl(x)) if _is_key(x) else fresh
 
 
 def _manager(path: str | Path, *, create: bool) -> Any:

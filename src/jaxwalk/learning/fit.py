@@ -14,10 +14,12 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import optax
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.losses import Actions, Targets
+from jaxwalk.shards import Axis
 
 Network = TypeVar("Network")
 Entries = TypeVar("Entries", bound=Actions | Targets)
@@ -114,9 +116,12 @@ def _places(times: Int[Array, " step"], chunks: Chunks) -> tuple[Int[Array, "chu
 
 
 def mean_gradient(
-    loss: Loss, network: Network, data: Any, times: Int[Array, " step"], *, chunks: Chunks
+    loss: Loss, network: Network, data: Any, times: Int[Array, " step"], *, chunks: Chunks, axis: Axis = ()
 ) -> tuple[Network, dict[str, Array]]:
-    """Gradient of the loss's weighted mean over these time steps, and the means of what it reports."""
+    """Gradient of the loss's weighted mean over these time steps, and the means of what it reports.
+
+    With ``axis``, over the data of all shards.
+    """
     groups, parts = _places(times, chunks)
 
     def one(times: Array, part: Array) -> tuple[Network, dict[str, Array]]:
@@ -128,7 +133,9 @@ def mean_gradient(
         return jax.tree.map(jnp.add, total, one(*where)), None
 
     nothing = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), jax.eval_shape(one, groups[0], parts[0]))
-    (gradient, sums), _ = jax.lax.scan(add, nothing, (groups, parts))
+    added, _ = jax.lax.scan(add, nothing, (groups, parts))
+    numbers, as_before = ravel_pytree(added)  # one sum over all shards, not one for each array
+    gradient, sums = as_before(jax.lax.psum(numbers, axis))
     weight = jnp.maximum(sums["weight"], 1e-8)
     return jax.tree.map(lambda g: g / weight, gradient), {name: total / weight for name, total in sums.items()}
 
@@ -165,12 +172,12 @@ def descend(
 def fit(
     loss: Loss, network: Network, memory: optax.OptState, data: Any, *,
     key: Key[Array, ""], rate: Float[Array, ""], epochs: int | float, agents: int, environments: int,
-    config: TrainConfig,
+    config: TrainConfig, axis: Axis = (),
 ) -> tuple[Network, optax.OptState, dict[str, Array]]:  # fmt: skip
     """Epochs of minibatches over data ``(time, ..., env)``; returns what has changed and the reports' means.
 
     A broken number of epochs leaves out the last minibatches. Minibatches are sets of time steps: permuting every row
-    instead costs more than the update itself.
+    instead costs more than the update itself. With ``axis`` the gradients are those of all shards' data.
     """
     length = config.steps // config.minibatches
     chunks = plan_chunks(agents=agents, environments=environments, steps=length, rows=config.chunk_rows)
@@ -180,7 +187,7 @@ def fit(
 
     def minibatch(carry: tuple[Network, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
         network, memory = carry
-        gradient, report = mean_gradient(loss, network, data, times, chunks=chunks)
+        gradient, report = mean_gradient(loss, network, data, times, chunks=chunks, axis=axis)
         report["gradient_norm"] = optax.tree.norm(gradient)
         return descend(network, memory, gradient, rate=rate, config=config), report
 

@@ -10,10 +10,12 @@ from collections.abc import Callable
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.learning.actor import Actor
+from jaxwalk.shards import Axis
 
 LOG_RATIO_BOUND = 20.0
 """Log-ratios are kept within +- this, so that no ratio overflows; PPO's clip is far inside."""
@@ -105,17 +107,21 @@ def weighted_sum(x: Float[Array, "..."], weight: Float[Array, "..."]) -> Float[A
     return jnp.sum(jnp.where(weight > 0, x * weight, 0.0))
 
 
-def weighted_mean(x: Float[Array, "..."], weight: Float[Array, "..."]) -> Float[Array, ""]:
-    """Weighted mean over the whole array; 0 if nothing has weight."""
-    return weighted_sum(x, weight) / jnp.maximum(jnp.sum(jnp.broadcast_to(weight, x.shape)), 1e-8)
+def weighted_mean(x: Float[Array, "..."], weight: Float[Array, "..."], axis: Axis = ()) -> Float[Array, ""]:
+    """Weighted mean over the whole array, with ``axis`` over those of all shards; 0 if nothing has weight."""
+    total = jnp.sum(jnp.broadcast_to(weight, x.shape))
+    return jax.lax.psum(weighted_sum(x, weight), axis) / jnp.maximum(jax.lax.psum(total, axis), 1e-8)
 
 
 def explained_variance(
-    value: Float[Array, "..."], target: Float[Array, "..."], weight: Float[Array, "..."]
+    value: Float[Array, "..."], target: Float[Array, "..."], weight: Float[Array, "..."], axis: Axis = ()
 ) -> Float[Array, ""]:
-    """1 - var(target - value) / var(target): 1 for a perfect critic, 0 for a constant one."""
+    """1 - var(target - value) / var(target): 1 for a perfect critic, 0 for a constant one.
+
+    With ``axis``, over the arrays of all shards.
+    """
 
     def variance(x: Array) -> Array:
-        return weighted_mean((x - weighted_mean(x, weight)) ** 2, weight)
+        return weighted_mean((x - weighted_mean(x, weight, axis)) ** 2, weight, axis)
 
     return 1.0 - variance(target - value) / jnp.maximum(variance(target), 1e-8)

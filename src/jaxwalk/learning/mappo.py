@@ -2,6 +2,9 @@
 
 One update plays a rollout with the current actors, judges every action by generalised advantages, and improves every
 network on it. Actors and critics share no weights, so each is fitted on its own: a role more is a turn of a loop more.
+
+Environments may be shared out among devices (`TrainConfig.shards`): each plays its own and takes gradients of them;
+networks are the same everywhere, since sums go over all shards.
 """
 
 from __future__ import annotations
@@ -14,12 +17,13 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import optax
+from jax.sharding import PartitionSpec
 from jaxtyping import Array, Int, Key
 
 from jaxwalk.interfaces import ByRole, Environment, Policy
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
-from jaxwalk.learning.config import ROLES, SHARED, TrainConfig
+from jaxwalk.learning.config import ROLES, SHARED, TrainConfig, of_a_shard
 from jaxwalk.learning.critics import Critic, Judgement, judge, make_critics
 from jaxwalk.learning.experience import fresh_memory, look, make_act
 from jaxwalk.learning.fit import Loss, fit, gated_part, learning_rate, only_weighty, optimiser
@@ -27,6 +31,7 @@ from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, e
 from jaxwalk.learning.monitor import all_finite, by_agent, episode_metrics, reward_metrics
 from jaxwalk.learning.players import columns_of, part_of, remember, snapshots
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, start
+from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 
 NOBODY: ByRole[Policy | None] = ByRole(driver=None, pedestrian=None)
 """No fixed policies: every role learns everywhere."""
@@ -57,12 +62,26 @@ class Learner(eqx.Module):
     """Updates in the whole training, as far as the annealing knows: `init` takes it from the configuration."""
 
 
-@eqx.filter_jit
 def init(
     environment: Environment, config: TrainConfig, key: Key[Array, ""], *, others: ByRole[Policy | None] = NOBODY
 ) -> Learner:
-    """An untrained learner, its environments at the start of their first episodes."""
+    """An untrained learner, its environments at the start of their first episodes.
+
+    Raises:
+        ValueError: a role that others play has no policy in ``others``, or one that it doesn't need.
+        ShardsError: there are fewer devices than shards.
+    """
     _check_others(config, others)
+    mesh = mesh_of(config.shards)
+    learner = _untrained(environment, config, key, others)
+    return place(learner, _where(learner), mesh)
+
+
+@eqx.filter_jit
+def _untrained(
+    environment: Environment, config: TrainConfig, key: Key[Array, ""], others: ByRole[Policy | None]
+) -> Learner:
+    """`init`, all of it on one device."""
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
     stream = start(environment, environment_keys(stream_key, 0, config.environments))
     views = look(environment, config, stream.scenario, stream.state)
@@ -94,6 +113,21 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     ``finite`` among them is 1 if all the others, every network and what the optimisers remember are finite, else 0.
     Nothing is donated: what goes in stays usable, and it is small beside the rollout.
     """
+    arrays, rest = eqx.partition(learner, eqx.is_array)
+
+    def work(arrays: Learner) -> tuple[Learner, dict[str, Array]]:
+        learner, metrics = _update(environment, of_a_shard(config), eqx.combine(arrays, rest))
+        return eqx.filter(learner, eqx.is_array), metrics
+
+    where, mesh = _where(learner), mesh_of(config.shards)
+    shared = jax.shard_map(work, mesh=mesh, in_specs=(where,), out_specs=(where, EVERYWHERE), check_vma=False)
+    arrays, metrics = shared(arrays)
+    metrics["steps"] = arrays.updates.astype(jnp.float32) * (config.steps * config.environments)
+    return eqx.combine(arrays, rest), metrics
+
+
+def _update(environment: Environment, config: TrainConfig, learner: Learner) -> tuple[Learner, dict[str, Array]]:
+    """`update` of a shard: its environments, its configuration."""
     act = make_act(environment, config, learner.actors, learner.early, learner.others)
     memory = fresh_memory(environment, config, learner.actors, learner.others)
     stream, played = rollout(environment, act, learner.stream, config.steps, fresh_memory=memory)
@@ -106,7 +140,6 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     metrics |= _rollout_metrics(config, played)
     metrics["learning_rate"] = learning_rate(config, learner.updates, learner.planned)
     updates = learner.updates + 1
-    metrics["steps"] = updates.astype(jnp.float32) * (config.steps * config.environments)
     metrics["finite"] = all_finite((metrics, actors, critics, actor_memories, critic_memories))
     early = {role: remember(learner.early[role], actor, updates) for role, actor in actors.items()}
     learner = Learner(
@@ -116,15 +149,26 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     return learner, metrics
 
 
+def _where(learner: Learner) -> Any:
+    """Of a learner's arrays, which devices have what: the environments are shared out, everything else is everywhere.
+
+    Returns the learner with `PartitionSpec` in place of its arrays.
+    """
+    specs: Any = jax.tree.map(lambda _: EVERYWHERE, eqx.filter(learner, eqx.is_array))
+    return eqx.tree_at(
+        lambda x: x.stream, specs, by_environment(learner.stream), is_leaf=lambda x: isinstance(x, PartitionSpec)
+    )
+
+
 def _rollout_metrics(config: TrainConfig, played: Step) -> dict[str, Array]:
     """Of the environments in which the learners play: rewards of each role's, endings of the first learning role's."""
     metrics = {}
     for role in ROLES:
         own = columns_of(config, role).own if config.role(role).learns else slice(None)
         valid = played.valid[:, own].astype(jnp.float32)
-        metrics |= reward_metrics(role, part_of(getattr(played.outcome.rewards, role), own), valid)
+        metrics |= reward_metrics(role, part_of(getattr(played.outcome.rewards, role), own), valid, SHARDS)
     own = columns_of(config, config.learning_roles[0]).own
-    return metrics | episode_metrics(part_of(played.outcome, own), played.valid[:, own].astype(jnp.float32))
+    return metrics | episode_metrics(part_of(played.outcome, own), played.valid[:, own].astype(jnp.float32), SHARDS)
 
 
 def _check_others(config: TrainConfig, others: ByRole[Policy | None]) -> None:
@@ -161,7 +205,7 @@ def _improve_actors(
             observation=played.record.views[role][actor.observes],
             raw=choice.raw,
             log_prob=choice.log_prob,
-            advantage=normalised(advantage, counts),
+            advantage=normalised(advantage, counts, SHARDS),
             weight=counts,
         )
         actors[role], memories[role], report = _fit(
@@ -205,7 +249,9 @@ def _improve_critics(
             gated=name != SHARED and config.role(name).gated,
         )
         metrics |= {f"{name}/critic_{key}": x for key, x in report.items()}
-        metrics[f"{name}/explained_variance"] = explained_variance(judgement.value, judgement.target, judgement.weight)
+        metrics[f"{name}/explained_variance"] = explained_variance(
+            judgement.value, judgement.target, judgement.weight, SHARDS
+        )
     return critics, memories, metrics
 
 
@@ -221,5 +267,5 @@ def _fit(
     rate = learning_rate(config, learner.updates, learner.planned)
     return fit(
         loss, network, memory, data,
-        key=key, rate=rate, epochs=epochs, agents=rows, environments=environments, config=config,
+        key=key, rate=rate, epochs=epochs, agents=rows, environments=environments, config=config, axis=SHARDS,
     )  # fmt: skip

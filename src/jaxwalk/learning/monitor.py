@@ -1,4 +1,7 @@
-"""Scalars that tell how training goes: reward terms, how episodes ended, and whether all numbers are finite."""
+"""Scalars that tell how training goes: reward terms, how episodes ended, and whether all numbers are finite.
+
+With ``axis``, they tell of the environments of all shards.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Outcome
 from jaxwalk.learning.losses import weighted_mean
+from jaxwalk.shards import Axis
 
 ENDINGS = ("goal", "collision", "timeout")
 """Events that are counted over the episodes that ended, if the environment's ``events`` have them."""
@@ -21,25 +25,27 @@ def by_agent(x: Array, like: Array) -> Array:
     return x.reshape(x.shape[0], *(1,) * (like.ndim - 2), x.shape[-1])
 
 
-def reward_metrics(role: str, terms: dict[str, Array], valid: Array) -> dict[str, Float[Array, ""]]:
+def reward_metrics(role: str, terms: dict[str, Array], valid: Array, axis: Axis = ()) -> dict[str, Float[Array, ""]]:
     """Each named term's mean per agent and step, and their sum's, unscaled."""
-    means = {name: weighted_mean(term, by_agent(valid, term)) for name, term in terms.items()}
+    means = {name: weighted_mean(term, by_agent(valid, term), axis) for name, term in terms.items()}
     total = jnp.sum(jnp.stack(list(means.values()))) if means else jnp.zeros(())
     return {f"reward/{role}/{name}": mean for name, mean in means.items()} | {f"reward/{role}": total}
 
 
-def episode_metrics(outcome: Outcome, valid: Array) -> dict[str, Float[Array, ""]]:
+def episode_metrics(outcome: Outcome, valid: Array, axis: Axis = ()) -> dict[str, Float[Array, ""]]:
     """Episodes that ended in the rollout, their mean length (in a steady state) and the rate of each ending.
 
     With no ended episode the rates are 0: look at ``episodes`` first.
     """
     ended = outcome.ended & (valid > 0)
-    episodes = jnp.sum(ended, dtype=jnp.float32)
-    metrics = {"episodes": episodes, "episode_steps": jnp.sum(valid) / jnp.maximum(episodes, 1.0)}
+    episodes = jax.lax.psum(jnp.sum(ended, dtype=jnp.float32), axis)
+    steps = jax.lax.psum(jnp.sum(valid), axis)
+    metrics = {"episodes": episodes, "episode_steps": steps / jnp.maximum(episodes, 1.0)}
     for name in ENDINGS:
         happened = _event(outcome.events, name)
         if happened is not None:
-            metrics[f"{name}_rate"] = jnp.sum(happened & ended) / jnp.maximum(episodes, 1.0)
+            times = jax.lax.psum(jnp.sum(happened & ended), axis)
+            metrics[f"{name}_rate"] = times / jnp.maximum(episodes, 1.0)
     return metrics
 
 

@@ -52,6 +52,9 @@ class Train:
     """The learner sees rewards times this."""
     chunk_rows: Annotated[int | None, tuned("chunk_rows", "N")] = None
     """Rows whose gradient is taken at once: speed only. Small for a processor's cache, 200000 or more for a GPU."""
+    shards: Annotated[int | None, option("every core; 1 on an accelerator", "N")] = None
+    """Devices (cores or accelerators) among which the environments are shared out. For speed; but with another number a
+    training comes out as with another seed."""
     checkpoint_minutes: Annotated[float, option("2", "MIN")] = 2.0
     """Minutes between checkpoints."""
     watch: Flag = False

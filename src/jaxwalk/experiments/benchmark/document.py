@@ -13,7 +13,7 @@ from rich.console import Console
 
 from jaxwalk.experiments.benchmark.drawing import draw
 from jaxwalk.experiments.benchmark.figures import figures
-from jaxwalk.experiments.benchmark.processes import measure_apart, variables
+from jaxwalk.experiments.benchmark.processes import measure_apart
 from jaxwalk.experiments.benchmark.settings import PARTS, Settings
 from jaxwalk.experiments.benchmark.showing import markdown
 from jaxwalk.experiments.benchmark.starting import starts
@@ -36,10 +36,10 @@ def benchmark(settings: Settings, console: Console | None = None) -> dict[str, A
     rows: dict[str, list[Any]] = {}
     chosen = [part for part in PARTS if part in settings.only]
     machine = measure_apart("machine", settings)
-    console.print(f"measuring on {machine['provenance']['hardware']}", soft_wrap=True, highlight=False)
+    devices = f"{machine['hardware']['devices']} devices of JAX"
+    console.print(f"measuring on {machine['provenance']['hardware']}, {devices}", soft_wrap=True, highlight=False)
     for number, part in enumerate(chosen, 1):
-        extra = "".join(f"; sets {name}={value}" for name, value in variables(part).items())
-        console.print(f"{number}/{len(chosen)} {TITLES[part]}{extra}", soft_wrap=True, highlight=False)
+        console.print(f"{number}/{len(chosen)} {TITLES[part]}", soft_wrap=True, highlight=False)
         rows |= MEASURES[part](settings)
     return {
         "schema": SCHEMA,

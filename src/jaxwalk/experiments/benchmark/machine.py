@@ -24,6 +24,7 @@ def describe(settings: Settings) -> dict[str, Any]:
         "accelerators": len(jax.devices()) if accelerated() else 0,
         "accelerator_memory_bytes": limit,
         "platform": device.platform,
+        "devices": len(jax.devices()),
         "xla_flags": os.environ.get("XLA_FLAGS", ""),
     }
     return {"hardware": hardware, "provenance": provenance()}

@@ -16,12 +16,13 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.sharding import Mesh, NamedSharding, PartitionSpec
+from jax.sharding import PartitionSpec
 
 from jaxwalk.experiments.benchmark.processes import tell
 from jaxwalk.experiments.benchmark.settings import Settings
 from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
+from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
@@ -98,7 +99,7 @@ class Program:
 def build(street: Street, count: int, steps: int, seed: int) -> Program:
     """Compile a rollout of so many environments, shared out among as many devices as divide them evenly."""
     shards = max(n for n in range(1, len(jax.devices()) + 1) if count % n == 0)
-    mesh = Mesh(np.array(jax.devices()[:shards]), ("env",))
+    mesh = mesh_of(shards)
     act = look_and_act(street)
     share = count // shards
     least = -(-share // PART) if jax.devices()[0].platform == "cpu" else 1
@@ -112,10 +113,10 @@ def build(street: Street, count: int, steps: int, seed: int) -> Program:
         return in_parts(play_part, stream, parts)
 
     stream = jax.jit(start)(street, environment_keys(seed_key(seed, TRAINING), 0, count))
-    specs = jax.tree.map(lambda x: PartitionSpec(*(None,) * (x.ndim - 1), "env") if x.ndim else PartitionSpec(), stream)
-    stream = jax.tree.map(lambda x, spec: jax.device_put(x, NamedSharding(mesh, spec)), stream, specs)
+    where = by_environment(stream)
+    stream = place(stream, where, mesh)
     shared = jax.shard_map(
-        play, mesh=mesh, in_specs=(PartitionSpec(), specs), out_specs=(specs, PartitionSpec("env")), check_vma=False
+        play, mesh=mesh, in_specs=(EVERYWHERE, where), out_specs=(where, PartitionSpec(SHARDS)), check_vma=False
     )
     begun = time.perf_counter()
     call = jax.jit(shared, donate_argnums=1).lower(street, stream).compile()

@@ -1,4 +1,4 @@
-"""Training: whole updates of `jaxwalk.learning.mappo`, on one device, with the machine's peak before and after."""
+"""Training: whole updates of `jaxwalk.learning.mappo`, with the machine's peak in between and afterwards."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jaxwalk.experiments.benchmark.processes import tell
 from jaxwalk.experiments.benchmark.products import peak_products
 from jaxwalk.experiments.benchmark.settings import Settings
 from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
-from jaxwalk.experiments.world import fixed_policies, make_street
+from jaxwalk.experiments.world import fixed_policies, make_street, shared_out
 from jaxwalk.interfaces import Environment
 from jaxwalk.learning import mappo
 from jaxwalk.learning.config import TrainConfig, own_environments
@@ -42,12 +42,12 @@ def own_size(experiment: Experiment, settings: Settings) -> Experiment:
     """The experiment as it is measured on this machine."""
     rows = settings.chunk_rows or (WHOLE_MINIBATCH if accelerated() else None)
     changed = with_training(experiment, environments=settings.recipe_environments, chunk_rows=rows)
-    return replace(changed, seed=settings.seed)
+    return shared_out(replace(changed, seed=settings.seed))
 
 
 def _with_other_sizes(own: Experiment, settings: Settings) -> list[Experiment]:
     counts = [n for n in settings.training_environments if n != own.train.environments]
-    return [with_training(own, environments=count) for count in counts]
+    return [shared_out(with_training(own, environments=count, shards=1)) for count in counts]
 
 
 def _measure_all(own: Experiment, others: list[Experiment], settings: Settings) -> dict[str, Any]:
@@ -76,6 +76,7 @@ def measure(experiment: Experiment, seconds: float) -> dict[str, Any]:
         "recipe": experiment.recipe,
         "single_agent": experiment.single_agent,
         "environments": config.environments,
+        "shards": config.shards,
         "steps": config.steps,
         "chunk_rows": config.chunk_rows,
         "updates": len(times),
