@@ -10,8 +10,10 @@ from typing import Any
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
+from jaxtyping import Array
 
 SHARDS = "env"
 """Name of the axis over which a sum of all shards goes: `jax.lax.psum` (x, SHARDS)."""
@@ -43,6 +45,11 @@ def by_environment(tree: Any) -> Any:
 
 def place(tree: Any, specs: Any, mesh: Mesh) -> Any:
     """The same arrays, on those devices; what is no array stays as it is."""
+
+    def put(x: Array, spec: PartitionSpec) -> Array:
+        if jnp.issubdtype(x.dtype, jax.dtypes.prng_key):
+            return jax.random.wrap_key_data(put(jax.random.key_data(x), spec), impl=jax.random.key_impl(x))
+        return jax.device_put(np.asarray(x), NamedSharding(mesh, spec))  # JAX would compile how to cut each shape
+
     arrays, rest = eqx.partition(tree, eqx.is_array)
-    placed = jax.tree.map(lambda x, spec: jax.device_put(x, NamedSharding(mesh, spec)), arrays, specs)
-    return eqx.combine(placed, rest)
+    return eqx.combine(jax.tree.map(put, arrays, specs), rest)

@@ -22,9 +22,9 @@ from jaxwalk.experiments.benchmark.starting import watch
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 
 
-def _simulated(environments, rate, temporary, pedestrians=12):
+def _simulated(environments, rate, temporary, pedestrians=12, observations="every"):
     return {
-        "environments": environments, "pedestrians": pedestrians, "env_steps_per_s": rate,
+        "environments": environments, "pedestrians": pedestrians, "env_steps_per_s": rate, "observations": observations,
         "best_env_steps_per_s": rate, "compile_s": 1.0,
         "temporary_bytes": temporary, "state_bytes": 100 * environments, "kept_bytes": 50 * environments,
     }  # fmt: skip
@@ -39,7 +39,12 @@ def _trained(recipe, environments, rate, *, single_agent=False):
 
 
 ROWS = {
-    "env": [_simulated(64, 1000, 64 * 75), _simulated(512, 4000, 512 * 300), _simulated(16384, 3000, 16384 * 75)],
+    "env": [
+        _simulated(64, 1000, 64 * 75),
+        _simulated(512, 4000, 512 * 300),
+        _simulated(16384, 3000, 16384 * 75),
+        _simulated(512, 5000, 512 * 900, observations="paper"),
+    ],
     "training": [
         _trained("fast", 512, 40.0) | {"peak_memory_bytes": 10**9},
         _trained("fast", 512, 90.0, single_agent=True),
@@ -112,6 +117,7 @@ def test_nonlinearity_is_the_largest_relative_distance():
 def test_figures_of_rows():
     found = {name: figure["value"] for name, figure in figures(ROWS).items()}
     assert found["env_steps_per_s"] == 4000
+    assert found["env_steps_per_s_paper_observations"] == 5000
     assert found["env_steps_per_s_at_16384"] == 3000
     assert found["env_share_at_16384"] == 0.75
     assert found["env_temporary_memory_ratio"] == 2.0  # 300 / (100 + 50)
@@ -167,7 +173,7 @@ def test_the_folder_holds_everything(tmp_path):
     assert json.loads((tmp_path / "there" / "bench.json").read_text()) == json.loads(json.dumps(DOCUMENT))
     page = (tmp_path / "there" / "bench.md").read_text()
     assert "| `share_of_peak_fast` | 50.0 % |" in page
-    assert "| 16,384 | 3,000 |" in page
+    assert "| 16,384 | every | 3,000 |" in page
     assert "an abacus; commit abc; jax 0.10" in page
     assert "(scaling.svg)" in page
     assert "slope 2.00" in (tmp_path / "there" / "scaling.svg").read_text()

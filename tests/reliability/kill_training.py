@@ -57,11 +57,12 @@ def small() -> Experiment:
         role: replace(fast.train.role(role), actor_hidden=(8,), critic_hidden=(8,), epochs=1)
         for role in ("driver", "pedestrian")
     }
-    return with_training(fast, environments=8, steps=8, minibatches=2, updates=UPDATES, **roles)
+    return with_training(fast, environments=8, shards=2, steps=8, minibatches=2, updates=UPDATES, **roles)
 
 
 def sit(folder: str, checkpoint_minutes: float) -> None:
     """What is killed: begin the training, or go on with it."""
+    jax.config.update("jax_num_cpu_devices", 2)
     path = Path(folder)
     run = Run.open(path) if (path / "config.json").is_file() else Run.create(path, small())
     train(run, resume=True, console=Console(file=io.StringIO()), checkpoint_minutes=checkpoint_minutes, watch=True)
@@ -230,6 +231,7 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
+    jax.config.update("jax_num_cpu_devices", 2)
     with tempfile.TemporaryDirectory() as folder:
         os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(folder) / "compiled"))
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")

@@ -13,7 +13,7 @@ from jaxtyping import Array, Float, Key
 
 from jaxwalk.interfaces import ByRole, Environment, Policy
 from jaxwalk.learning.actor import Actor, Choice, decide, no_memory
-from jaxwalk.learning.config import GLOBAL, ROLES, SHARED, TrainConfig
+from jaxwalk.learning.config import GLOBAL, ROLES, SHARED, TrainConfig, of_a_shard
 from jaxwalk.learning.players import columns_of, part_of, snapshots, width
 from jaxwalk.rollout import Act
 
@@ -112,11 +112,11 @@ def make_act(
 def fresh_memory(
     environment: Environment, config: TrainConfig, actors: dict[str, Actor], others: ByRole[Policy | None]
 ) -> ByRole:
-    """What everybody remembers at the start of an episode; arrays ``(..., env)`` over all environments."""
-    early = snapshots(config, actors)
+    """What everybody remembers at the start of an episode; arrays ``(..., env)`` over all shards' environments."""
+    early, share = snapshots(config, actors), of_a_shard(config)
 
     def of(role: str) -> tuple[Any, ...]:
         agents = getattr(environment.roles, role).agents
-        return tuple(p.init(agents, (config.environments,)) for p in players(config, role, actors, early, others))
+        return tuple(p.init(agents, (config.environments,)) for p in players(share, role, actors, early, others))
 
     return ByRole(*(of(role) for role in ROLES))

@@ -122,19 +122,15 @@ def mean_gradient(
 
     With ``axis``, over the data of all shards.
     """
-    groups, parts = _places(times, chunks)
 
-    def one(times: Array, part: Array) -> tuple[Network, dict[str, Array]]:
-        chunk = take_chunk(data, times, part, chunks.parts)
+    def add(total: Network, where: tuple[Array, Array]) -> tuple[Network, dict[str, Array]]:
+        chunk = take_chunk(data, *where, chunks.parts)
         (_, sums), gradient = jax.value_and_grad(loss, has_aux=True)(network, chunk)
-        return gradient, sums
+        return jax.tree.map(jnp.add, total, gradient), sums
 
-    def add(total: Any, where: tuple[Array, Array]) -> tuple[Any, None]:
-        return jax.tree.map(jnp.add, total, one(*where)), None
-
-    nothing = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), jax.eval_shape(one, groups[0], parts[0]))
-    added, _ = jax.lax.scan(add, nothing, (groups, parts))
-    numbers, as_before = ravel_pytree(added)  # one sum over all shards, not one for each array
+    gradient, sums = jax.lax.scan(add, jax.tree.map(jnp.zeros_like, network), _places(times, chunks))
+    sums = {name: jnp.sum(each) for name, each in sums.items()}
+    numbers, as_before = ravel_pytree((gradient, sums))  # one sum over all shards, not one for each array
     gradient, sums = as_before(jax.lax.psum(numbers, axis))
     weight = jnp.maximum(sums["weight"], 1e-8)
     return jax.tree.map(lambda g: g / weight, gradient), {name: total / weight for name, total in sums.items()}

@@ -53,7 +53,7 @@ def scaling(rows: Rows) -> Figure | None:
 
 
 def _rates(axis: Axes, rows: Rows) -> None:
-    simulated = rows.get("env", ())
+    simulated = [row for row in rows.get("env", ()) if row["observations"] == "every"]
     _line(axis, simulated, "env_steps_per_s", "simulator alone", BLUE)
     for recipe, colour in (("fast", GREEN), ("paper", RED)):
         trained = [row for row in rows.get("training", ()) if row["recipe"] == recipe and not row["single_agent"]]

@@ -15,6 +15,7 @@ from jaxwalk.report.table import markdown_table
 COLUMNS = {
     "env": (
         "environments",
+        "observations",
         "env steps/s",
         "memory [MB]",
         "temporary [MB]",
@@ -77,7 +78,8 @@ def markdown(document: Mapping[str, Any]) -> str:
 def _environments(row: Mapping[str, Any]) -> list[str]:
     sizes = (memory(row), row["temporary_bytes"], row["state_bytes"], row["kept_bytes"])
     megabytes = [f"{size / 1e6:,.2f}" for size in sizes]
-    return [f"{row['environments']:,}", f"{row['env_steps_per_s']:,}", *megabytes, f"{row['compile_s']:.1f}"]
+    rate, compiling = f"{row['env_steps_per_s']:,}", f"{row['compile_s']:.1f}"
+    return [f"{row['environments']:,}", row["observations"], rate, *megabytes, compiling]
 
 
 def _training(row: Mapping[str, Any]) -> list[str]:
