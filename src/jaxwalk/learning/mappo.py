@@ -35,6 +35,8 @@ from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 
 NOBODY: ByRole[Policy | None] = ByRole(driver=None, pedestrian=None)
 """No fixed policies: every role learns everywhere."""
+ONCE = {"xla_backend_optimization_level": 0}
+"""For what runs once: compiling it well takes longer than running it badly compiled."""
 
 
 class Learner(eqx.Module):
@@ -77,7 +79,7 @@ def init(
     return place(learner, _where(learner), mesh)
 
 
-@eqx.filter_jit
+@partial(eqx.filter_jit, compiler_options=ONCE)
 def _untrained(
     environment: Environment, config: TrainConfig, key: Key[Array, ""], others: ByRole[Policy | None]
 ) -> Learner:

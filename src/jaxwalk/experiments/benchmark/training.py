@@ -83,6 +83,7 @@ def measure(experiment: Experiment, seconds: float) -> dict[str, Any]:
         "update_s": update_s,
         "first_update_s": round(first, 2),
         "train_steps_per_s": rate,
+        "best_train_steps_per_s": experiment.steps_per_update / min(times),
         "agent_transitions_per_s": rate * learning,
         "flop_per_step": cost.total,
         "flop_per_step_acting": cost.acting,
@@ -108,7 +109,7 @@ def time_updates(
     learner, metrics = jax.block_until_ready(mappo.update(street, config, learner))
     first = time.perf_counter() - begun
     times: list[float] = []
-    while sum(times) < seconds or len(times) < 3:
+    while sum(times) < seconds or len(times) < 5:
         begun = time.perf_counter()
         learner, metrics = jax.block_until_ready(mappo.update(street, config, learner))
         times.append(time.perf_counter() - begun)
