@@ -79,7 +79,7 @@ def init(
     return place(learner, _where(learner), mesh)
 
 
-@partial(eqx.filter_jit, compiler_options=ONCE)
+@eqx.filter_jit(compiler_options=ONCE)  # pyright: ignore[reportCallIssue] (it passes on what `jax.jit` takes)
 def _untrained(
     environment: Environment, config: TrainConfig, key: Key[Array, ""], others: ByRole[Policy | None]
 ) -> Learner:
