@@ -147,12 +147,7 @@ class TrainConfig:
         _require(self, self.credit in ("individual", "shared"), "credit", 'must be "individual" or "shared"')
         _require(self, _possible_layers(self.shared_critic_hidden), "shared_critic_hidden", LAYERS)
         for role in self.learning_roles:
-            _require(
-                self,
-                own_environments(self, role) >= 1,
-                "environments",
-                f"leave the {role} none to learn from in a shard",
-            )
+            _require(self, own_environments(self, role) >= 1, "environments", f"leave the {role} none to learn from")
         learns = any(getattr(self, role).learns for role in ROLES)
         _require(self, learns, "fixed", "must be below 1 for at least one role", None)
 
