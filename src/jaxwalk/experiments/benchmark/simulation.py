@@ -1,8 +1,8 @@
 """The simulator alone: fresh actions every step, restarts on, everything that could be seen or paid is computed.
 
-Every observation set that a real car or a person could have, and every reward term of both roles, is reduced into the
-result, so that nothing can be left out. No learning. The processor's cores each play a share of the environments, as
-devices of one `shard_map`, and of a large share one part after the other.
+Every observation set but those of what is hidden from a real car or inferred, and every reward term of both roles, is
+reduced into the result, so that nothing can be left out. No learning. The processor's cores each play a share of the
+environments, as devices of one `shard_map`, and of a large share one part after the other.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Sets = tuple[tuple[str, str], ...]
 EVERY: Sets = tuple(
     (role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in {*HIDDEN, BELIEF}
 )
-"""All that a real car or a person could have."""
+"""All but what is hidden from a real car, and what it could only infer."""
 PAPER: Sets = tuple((role, "paper") for role in OBSERVATIONS)
 """What the published environment computes."""
 PART = 2048
@@ -85,7 +85,7 @@ def measure(street: Street, count: int, settings: Settings, sets: Sets = EVERY) 
     }
     size = f"{count:>6,} environments, {street.config.pedestrians:>2} pedestrians"
     tell(
-        f"{size}, {row['observations']:>5} observations: {row['env_steps_per_s']:>10,} steps/s, "
+        f"{size}, observations: {row['observations']:<5} {row['env_steps_per_s']:>10,} steps/s, "
         f"{program.temporary_bytes / 1e6:,.1f} MB, compiled in {program.compile_s:.1f} s"
     )
     return row
