@@ -160,7 +160,7 @@ def learning_rate(
 def descend(
     network: Network, memory: optax.OptState, gradient: Any, *, rate: Array, config: TrainConfig
 ) -> tuple[Network, optax.OptState]:
-    """One step against the gradient (structured as the network); returns the network and what the optimiser remembers."""
+    """One step against the gradient, shaped as the network; returns the network and what the optimiser remembers."""
     direction, memory = optimiser(config).update(gradient, memory)
     return jax.tree.map(lambda x, d: x - rate * d, network, direction), memory
 
