@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -42,6 +43,9 @@ BELIEF = "route-belief"
 HIDDEN = frozenset({PRIVILEGED, TOLD})
 """Sets that no real car could have."""
 
+AT_ONCE = 8
+"""Of so many parts the compiler writes each where it belongs; of more, each by itself, and then copies them all."""
+
 Parts = list[Array]
 
 
@@ -70,7 +74,9 @@ def _joined(parts: Parts) -> Float[Array, "feature ..."]:
     axes = min(part.ndim for part in parts)
     several = [part if part.ndim > axes else part[None] for part in parts]
     shape = jnp.broadcast_shapes(*(part.shape[1:] for part in several))
-    return jnp.concatenate([jnp.broadcast_to(x, (x.shape[0], *shape)).astype(jnp.float32) for x in several])
+    rows = [jnp.broadcast_to(x, (x.shape[0], *shape)).astype(jnp.float32) for x in several]
+    groups = [jnp.concatenate(rows[i : i + AT_ONCE]) for i in range(0, len(rows), AT_ONCE)]
+    return jnp.concatenate(jax.lax.optimization_barrier(groups))  # else the compiler makes one of many parts again
 
 
 def global_state(
@@ -80,14 +86,14 @@ def global_state(
     car, people = state.vehicle, state.pedestrian
     width, height = of_map(maps.width, scenario.map), of_map(maps.height, scenario.map)
     vx, vy = pedestrian.velocity(config, scenario, people)
-    of_people = jnp.stack([people.x / width, people.y / height, distance(vx, vy) / 2, scenario.jaywalking_tendency])
+    of_people = [people.x / width, people.y / height, distance(vx, vy) / 2, scenario.jaywalking_tendency]
     goal_x, goal_y = vehicle.goal(tables, scenario)
-    of_car = jnp.stack([
+    return _joined([
+        *of_people,
         car.x / width, car.y / height, car.cos, car.sin, car.speed / SPEED, car.steering / config.max_steering,
         goal_x / width, goal_y / height, distance(goal_x - car.x, goal_y - car.y) / ABSENT,
         1 - state.step / config.horizon,
     ])  # fmt: skip
-    return jnp.concatenate([of_people.reshape(-1, *of_people.shape[2:]), of_car])
 
 
 def _driver_paper(world: World) -> Parts:
