@@ -12,7 +12,7 @@ from typing import Any
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
+import numpy as np
 from rich.console import Console
 
 from jaxwalk.experiments.lock import held
@@ -284,7 +284,7 @@ def _with_plan(session: Session, learner: Learner, planned: int) -> Learner:
 
 
 def _plan(learner: Learner, updates: int) -> Learner:
-    planned = jax.device_put(jnp.asarray(updates, jnp.int32), learner.planned.sharding)
+    planned = jax.device_put(np.int32(updates), learner.planned.sharding)
     return eqx.tree_at(lambda x: x.planned, learner, planned)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 import equinox as eqx
-import jax.numpy as jnp
+import jax
 import numpy as np
 import pydantic
 import safetensors
@@ -180,6 +180,6 @@ def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray
     for name, x in arrays.items():
         if x.dtype != np.float32 or not np.isfinite(x).all():
             raise PolicyError(f"{path}: {name} holds something else than finite float32 numbers; train anew")
-    loaded = {name: jnp.asarray(x) for name, x in arrays.items()}
+    loaded = jax.device_put(arrays)
     network = MLP(tuple(loaded[f"layer{i}.weight"] for i in layers), tuple(loaded[f"layer{i}.bias"] for i in layers))
     return Actor(network, loaded.get("log_std"), observes=described.observes, kind=kind, hold=described.hold)

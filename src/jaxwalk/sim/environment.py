@@ -8,6 +8,7 @@ from pathlib import Path
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Box, ByRole, Discrete, Outcome, RoleSpec
@@ -63,13 +64,9 @@ class Street(eqx.Module):
         reward.check_weights(weights.driver, weights.pedestrian)
         if not 0 <= jaywalk_multiplier < float("inf"):
             raise ValueError(f"jaywalk_multiplier must be 0 or more, not {jaywalk_multiplier}")
-        return cls(
-            maps=jax.tree.map(jnp.asarray, stacked),
-            tables=pack_tables(stacked),
-            jaywalk_multiplier=jnp.float32(jaywalk_multiplier),
-            weights=jax.tree.map(jnp.float32, weights),
-            config=config,
-        )
+        on_host = (stacked, np.float32(jaywalk_multiplier), jax.tree.map(np.float32, weights))
+        on_device, multiplier, paid = jax.device_put(on_host)  # `jnp.asarray` compiles a program for each shape
+        return cls(on_device, pack_tables(stacked), multiplier, paid, config)
 
     @property
     def roles(self) -> ByRole[RoleSpec]:

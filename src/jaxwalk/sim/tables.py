@@ -144,14 +144,9 @@ def pack_tables(maps: RoadMap) -> Tables:
     widths = np.concatenate([np.hypot(side[:, 6], side[:, 7])[side[:, 8] > 0] for _, side, _ in one])
     hop, side, turn = (np.stack(tables) for tables in zip(*one, strict=True))
     course, finish = _pack_routes(maps)
-    return Tables(
-        hop=jnp.asarray(hop),
-        side={name: jnp.asarray(side[..., i]) for i, name in enumerate(SIDE_COLUMNS)},
-        turn=jnp.asarray(turn),
-        course=jnp.asarray(course),
-        finish=jnp.asarray(finish),
-        shortest_crossing=float(widths.min()),
-    )
+    sides = {name: side[..., i] for i, name in enumerate(SIDE_COLUMNS)}
+    arrays = jax.device_put({"hop": hop, "side": sides, "turn": turn, "course": course, "finish": finish})
+    return Tables(**arrays, shortest_crossing=float(widths.min()))
 
 
 def _pack_routes(maps: RoadMap) -> tuple[np.ndarray, np.ndarray]:
