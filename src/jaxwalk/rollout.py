@@ -136,7 +136,7 @@ def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) 
         scenario, state = jax.lax.optimization_barrier((drawn, environment.reset(drawn)))  # once, not per environment
 
         def put(old: Array, new: Array) -> Array:
-            return old.at[..., chosen].set(new, mode="drop")
+            return old.at[..., chosen].set(new, mode="drop", wrap_negative_indices=False)
 
         return Stream(
             key=stream.key,

@@ -44,8 +44,8 @@ def test_everybody_is_met_once_in_order(people):
     values = jnp.arange(people, dtype=jnp.float32) + 1
 
     def body(person, found):
-        total, last = found
-        return total + values[person], jnp.where(person > last, person, -99)
+        (value, number), (total, last) = person, found
+        return total + value, jnp.where(number > last, number, -99)
 
-    total, last = for_everybody(people, body, (jnp.float32(0), jnp.int32(-1)))
+    total, last = for_everybody((values, jnp.arange(people)), body, (jnp.float32(0), jnp.int32(-1)))
     assert (float(total), int(last)) == (people * (people + 1) / 2, people - 1)

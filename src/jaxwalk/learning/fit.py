@@ -55,7 +55,7 @@ def take_chunk(data: Any, times: Int[Array, " k"], part: Int[Array, ""], parts: 
     """From arrays ``(time, ..., env)`` those times and that part of the envs: ``(..., k, env)``."""
 
     def take(x: Array) -> Array:
-        chosen = x[times]
+        chosen = x.at[times].get(mode="promise_in_bounds", wrap_negative_indices=False)
         if parts > 1:
             width = x.shape[-1] // parts
             chosen = jax.lax.dynamic_slice_in_dim(chosen, part * width, width, axis=-1)
@@ -77,13 +77,13 @@ def map_chunks(function: Callable[[Any], Array], data: Any, *, chunks: Chunks) -
 def take_rows(data: Any, rows: tuple[Int[Array, " row"], ...]) -> Any:
     """From arrays ``(time, feature, *agents, env)`` those rows, each named by time, agents and env: ``(feature, row)``.
 
-    An array without the agents' axes is the same for all of them.
+    An array without the agents' axes is the same for all of them. Of a row beyond the last, something finite comes.
     """
 
     def take(x: Array) -> Array:
         time, *agents, env = rows
         agents = agents if x.ndim == len(rows) + 1 else []
-        return x[(time, slice(None), *agents, env)].T
+        return x.at[(time, slice(None), *agents, env)].get(mode="clip", wrap_negative_indices=False).T
 
     return jax.tree.map(take, data)
 

@@ -55,7 +55,7 @@ def _places(maps: RoadMap, scenario: Scenario, state: State) -> tuple[Array, Arr
 def _nearest(x: Array, y: Array, place_x: Array, place_y: Array) -> Float[Array, "place *batch"]:
     """Distance from each place to the nearest person [m]; people ``(ped, *batch)``, one after the other."""
 
-    def compare(person: Array, nearest: Array) -> Array:
-        return jnp.minimum(nearest, (place_x - x[person]) ** 2 + (place_y - y[person]) ** 2)
+    def compare(person: tuple[Array, Array], nearest: Array) -> Array:
+        return jnp.minimum(nearest, (place_x - person[0]) ** 2 + (place_y - person[1]) ** 2)
 
-    return jnp.sqrt(for_everybody(x.shape[0], compare, jnp.full(place_x.shape, FAR**2)))
+    return jnp.sqrt(for_everybody((x, y), compare, jnp.full(place_x.shape, FAR**2)))

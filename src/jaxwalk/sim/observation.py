@@ -220,19 +220,20 @@ def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"])
     """Vector from each pedestrian to the nearest other one [m]; 60 m ahead where nobody is nearer."""
     people, order = x.shape[0], jnp.arange(x.shape[0]).reshape((-1,) + (1,) * (x.ndim - 1))
 
-    def compare(other: Array, nearest: Array) -> Array:
-        squared = (x[other][None] - x) ** 2 + (y[other][None] - y) ** 2
-        key = with_index(squared, other, people)
-        return jnp.where((key < nearest) & (other != order), key, nearest)
+    def compare(other: tuple[Array, Array, Array], nearest: Array) -> Array:
+        other_x, other_y, index = other
+        key = with_index((other_x - x) ** 2 + (other_y - y) ** 2, index, people)
+        return jnp.where((key < nearest) & (index != order), key, nearest)
 
     nobody = jnp.broadcast_to(with_index(jnp.float32(ABSENT**2), jnp.int32(people), people), x.shape)
-    key = for_everybody(people, compare, nobody)
+    key = for_everybody((x, y, order), compare, nobody)
 
-    def pick(other: Array, found: tuple[Array, Array]) -> tuple[Array, Array]:
-        chosen = index_of(key, people) == other
-        return jnp.where(chosen, x[other][None] - x, found[0]), jnp.where(chosen, y[other][None] - y, found[1])
+    def pick(other: tuple[Array, Array, Array], found: tuple[Array, Array]) -> tuple[Array, Array]:
+        other_x, other_y, index = other
+        chosen = index_of(key, people) == index
+        return jnp.where(chosen, other_x - x, found[0]), jnp.where(chosen, other_y - y, found[1])
 
-    return for_everybody(people, pick, (jnp.full_like(x, ABSENT), jnp.zeros_like(x)))
+    return for_everybody((x, y, order), pick, (jnp.full_like(x, ABSENT), jnp.zeros_like(x)))
 
 
 OBSERVATIONS: dict[str, dict[str, Callable[[World], Parts]]] = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TypeVar
 
 import jax
@@ -54,23 +55,24 @@ def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: Pe
     car_x, car_y = _predicted_car(config, car, route_x, route_y)
     time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, 1, *(1,) * car.x.ndim)
     motion = relative_people(config, scenario, car, people)
-    on_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
-    jaywalks = people.on_roadway & (people.crossing == JAYWALK)
+    use_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
+    jaywalk = people.on_roadway & (people.crossing == JAYWALK)
 
-    def compare(person: Array, found: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+    def compare(one: tuple[Motion, Array, Array], found: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         closest, crosswalk_user, jaywalker = found
-        x, y, vx, vy = (of_all[person] for of_all in (motion.ahead, motion.left, motion.ahead_speed, motion.left_speed))
-        away = (x + vx * time - car_x) ** 2 + (y + vy * time - car_y) ** 2
-        ahead = (x > 0) & (x < CAUTION_AHEAD) & (jnp.abs(y) < CAUTION_ASIDE)
+        person, uses_crosswalk, jaywalks = one
+        x, y = person.ahead + person.ahead_speed * time, person.left + person.left_speed * time
+        away = (x - car_x) ** 2 + (y - car_y) ** 2
+        ahead = (person.ahead > 0) & (person.ahead < CAUTION_AHEAD) & (jnp.abs(person.left) < CAUTION_ASIDE)
         return (
             jnp.where(away < closest, away, closest),
-            crosswalk_user | (ahead & on_crosswalk[person]),
-            jaywalker | (ahead & jaywalks[person]),
+            crosswalk_user | (ahead & uses_crosswalk),
+            jaywalker | (ahead & jaywalks),
         )
 
-    nobody = jnp.zeros(car.x.shape, bool)
+    nobody = jnp.zeros((1, *car.x.shape), bool)
     nothing = (jnp.full(car_x.shape, FAR**2), nobody, nobody)
-    closest, crosswalk_user, jaywalker = for_everybody(people.going.shape[0], compare, nothing)
+    closest, crosswalk_user, jaywalker = for_everybody((motion, use_crosswalk, jaywalk), compare, nothing)
     conflict = jnp.where(closest[:, HOLD] < CONFLICT**2, time[:, 0], MOMENTS * MOMENT).min(axis=0)
     return Foresight(
         people=motion,
@@ -79,8 +81,8 @@ def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: Pe
         route_y=route_y,
         clearance=jnp.sqrt(closest.min(axis=0)),
         conflict=conflict,
-        crosswalk_user=crosswalk_user,
-        jaywalker=jaywalker,
+        crosswalk_user=crosswalk_user[0],
+        jaywalker=jaywalker[0],
     )
 
 
@@ -113,16 +115,16 @@ def of_nearest(motion: Motion, of_all: T, absent: T) -> T:
     keys = with_index(squared, jnp.arange(people).reshape(-1, *(1,) * len(batch)), people)
     place = jnp.arange(NEIGHBOURS).reshape(-1, *(1,) * len(batch))
 
-    def count(other: Array, rank: Array) -> Array:
-        return rank + (keys[other][None] < keys)
+    def count(key: Array, rank: Array) -> Array:
+        return rank + (key < keys)
 
-    rank = for_everybody(people, count, jnp.zeros(squared.shape, jnp.int32))
+    ranks = for_everybody(keys, count, jnp.zeros(squared.shape, jnp.int32))
 
-    def pick(person: Array, found: T) -> T:
-        chosen = rank[person][None] == place
-        return jax.tree.map(lambda everybody, kept: jnp.where(chosen, everybody[person][None], kept), of_all, found)
+    def pick(one: tuple[Array, T], found: T) -> T:
+        rank, person = one
+        return jax.tree.map(lambda new, kept: jnp.where(rank == place, new, kept), person, found)
 
-    return for_everybody(people, pick, absent)
+    return for_everybody((ranks, of_all), pick, absent)
 
 
 def _predicted_car(config: SimConfig, car: VehicleState, route_x: Array, route_y: Array) -> tuple[Array, Array]:
@@ -140,19 +142,19 @@ def _predicted_car(config: SimConfig, car: VehicleState, route_x: Array, route_y
         ],
         axis=1,
     )
-    return _along(route_x, travelled), _along(route_y, travelled)
+    beyond = [jnp.maximum(travelled - POINT_SPACING * point, 0) for point in POINTS[:-1]]
+    return _along(route_x, travelled, beyond), _along(route_y, travelled, beyond)
 
 
-def _along(route: Float[Array, "point *batch"], travelled: Array) -> Array:
+def _along(route: Float[Array, "point *batch"], travelled: Array, beyond: list[Array]) -> Array:
     """A coordinate of the place that far along the straight pieces between the shown points of the route.
 
     It is the first piece continued, and at each point the change of slope from there on: beyond the last, straight on.
+    ``beyond``: how far beyond each point but the last [m].
     """
-    ends = [POINT_SPACING * point for point in POINTS]
-    begins = [0.0, *ends[:-1]]
-    slope = [(to - at) / (end - begin) for to, at, begin, end in
-             zip(route, [jnp.zeros(route.shape[1:]), *route[:-1]], begins, ends, strict=True)]  # fmt: skip
-    place = slope[0] * travelled
-    for begin, new, old in zip(begins[1:], slope[1:], slope[:-1], strict=True):
-        place += (new - old) * jnp.maximum(travelled - begin, 0)
-    return place
+    points = jnp.unstack(route)
+    lengths = [POINT_SPACING * (to - at) for at, to in pairwise((0, *POINTS))]
+    slopes = [(to - at) / length for at, to, length in zip((0, *points[:-1]), points, lengths, strict=True)]
+    bends = [new - old for old, new in pairwise(slopes)]
+    turned = (bend * metres for bend, metres in zip(bends, beyond, strict=True))
+    return sum(turned, start=slopes[0] * travelled)

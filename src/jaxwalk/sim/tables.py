@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -16,6 +17,8 @@ from jaxwalk.maps.road_map import ROUTE_SPACING
 
 SIDE_BITS, NODE_BITS = 12, 12
 NO_SIDE = (1 << SIDE_BITS) - 1
+IN_BOUNDS: Any = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
+"""Of an index that needs no checks."""
 
 
 POINT_SPACING = 2.5
@@ -74,7 +77,7 @@ def look_up_each(tables: Sequence[Array], *index: Array) -> list[Array]:
     for size, i in zip(tables[0].shape, index, strict=True):
         flat = flat * size + i
     places = jax.lax.optimization_barrier(flat.reshape(-1))
-    return [table.reshape(-1).at[places].get(mode="promise_in_bounds").reshape(flat.shape) for table in tables]
+    return [table.reshape(-1).at[places].get(**IN_BOUNDS).reshape(flat.shape) for table in tables]
 
 
 def look_up_row(table: Array, *index: Array) -> Array:
@@ -82,17 +85,24 @@ def look_up_row(table: Array, *index: Array) -> Array:
     flat = jnp.zeros((), jnp.int32)
     for size, i in zip(table.shape[:-1], index, strict=True):
         flat = flat * size + i
-    rows = table.reshape(-1, table.shape[-1]).at[flat.reshape(-1)].get(mode="promise_in_bounds")
+    rows = table.reshape(-1, table.shape[-1]).at[flat.reshape(-1)].get(**IN_BOUNDS)
     return jax.lax.optimization_barrier(rows.T).reshape(-1, *flat.shape)  # transposed once, not by every reader
 
 
-def for_everybody(people: int, body: Callable[[Array, Any], Any], begin: Any) -> Any:
+def for_everybody(people: Any, body: Callable[[Any, Any], Any], begin: Any) -> Any:
     """``body(person, found)`` for one person after the other: neighbours and minima without an array of all pairs.
+
+    ``people``: arrays ``(ped, ...)``, of which the body gets each person's ``(1, ...)``.
 
     Three turns at a time are written out, so that one pass over the environments does them; between passes the
     compiler keeps ``found``, where it would otherwise work out again what goes into it, for every reader.
     """
-    return jax.lax.fori_loop(0, people, body, begin, unroll=3)
+
+    def turn(index: Array, found: Any) -> Any:
+        one = partial(jax.lax.dynamic_index_in_dim, index=index, allow_negative_indices=False)
+        return body(jax.tree.map(one, people), found)
+
+    return jax.lax.fori_loop(0, len(jax.tree.leaves(people)[0]), turn, begin, unroll=3)
 
 
 def with_index(squared: Array, index: Array, people: int) -> Array:
@@ -120,10 +130,9 @@ def of_map(table: Array, map_index: Array) -> Array:
 def inside(rectangles: Float[Array, "map rectangle 4"], map_index: Array, x: Array, y: Array) -> Array:
     """Whether points lie in any of the map's rectangles (kerbs belong to the sidewalk)."""
     boxes = of_map(rectangles, map_index)
-    found = jnp.zeros(x.shape, bool)
-    for box in boxes:
-        found |= (x > box[0]) & (x < box[2]) & (y > box[1]) & (y < box[3])
-    return found
+    boxes = boxes.reshape(*boxes.shape[:2], *(1,) * (x.ndim + 2 - boxes.ndim), *boxes.shape[2:])
+    x0, y0, x1, y1 = jnp.unstack(boxes, axis=1)
+    return ((x > x0) & (x < x1) & (y > y0) & (y < y1)).any(axis=0)
 
 
 def unpack_hop(entry: Array) -> Hop:
