@@ -47,5 +47,5 @@ def test_everybody_is_met_once_in_order(people):
         (value, number), (total, last) = person, found
         return total + value, jnp.where(number > last, number, -99)
 
-    total, last = for_everybody((values, jnp.arange(people)), body, (jnp.float32(0), jnp.int32(-1)))
-    assert (float(total), int(last)) == (people * (people + 1) / 2, people - 1)
+    total, last = for_everybody((values, jnp.arange(people)), body, (jnp.zeros(1), jnp.full(1, -1)))
+    assert (total.item(), last.item()) == (people * (people + 1) / 2, people - 1)

@@ -116,30 +116,31 @@ def _places(times: Int[Array, " step"], chunks: Chunks) -> tuple[Int[Array, "chu
 
 
 def mean_gradient(
-    loss: Loss, network: Network, data: Any, times: Int[Array, " step"], *, chunks: Chunks, axis: Axis = ()
-) -> tuple[Network, dict[str, Array]]:
-    """Gradient of the loss's weighted mean over these time steps, and the means of what it reports.
+    loss: Loss, network: Any, data: Any, times: Int[Array, " step"], *, chunks: Chunks, axis: Axis = ()
+) -> tuple[Float[Array, " parameter"], dict[str, Array]]:
+    """Gradient of the loss's weighted mean over these time steps, as one vector, and the means of what it reports.
 
     With ``axis``, over the data of all shards.
     """
 
-    def add(total: Network, where: tuple[Array, Array]) -> tuple[Network, dict[str, Array]]:
+    def add(total: Any, where: tuple[Array, Array]) -> tuple[Any, dict[str, Array]]:
         chunk = take_chunk(data, *where, chunks.parts)
         (_, sums), gradient = jax.value_and_grad(loss, has_aux=True)(network, chunk)
         return jax.tree.map(jnp.add, total, gradient), sums
 
     gradient, sums = jax.lax.scan(add, jax.tree.map(jnp.zeros_like, network), _places(times, chunks))
-    sums = {name: jnp.sum(each) for name, each in sums.items()}
-    numbers, as_before = ravel_pytree((gradient, sums))  # one sum over all shards, not one for each array
-    gradient, sums = as_before(jax.lax.psum(numbers, axis))
+    vector, _ = ravel_pytree(gradient)
+    numbers, as_before = ravel_pytree((vector, {name: jnp.sum(each) for name, each in sums.items()}))
+    vector, sums = as_before(jax.lax.psum(numbers, axis))  # one sum over all shards, not one for each number
     weight = jnp.maximum(sums["weight"], 1e-8)
-    return jax.tree.map(lambda g: g / weight, gradient), {name: total / weight for name, total in sums.items()}
+    return vector / weight, {name: total / weight for name, total in sums.items()}
 
 
 def optimiser(config: TrainConfig) -> optax.GradientTransformation:
     """Adam on a gradient of bounded norm; `descend` brings the learning rate.
 
-    All parameters form one vector: the same numbers from a few large kernels, which compile sooner than many small.
+    All parameters form one vector, in the order of `ravel_pytree`: the same numbers from a few large kernels, which
+    compile sooner than many small.
     """
     bounded = optax.clip_by_global_norm(config.max_grad_norm)
     return optax.flatten(optax.chain(bounded, optax.scale_by_adam(eps=config.adam_epsilon)))
@@ -158,11 +159,12 @@ def learning_rate(
 
 
 def descend(
-    network: Network, memory: optax.OptState, gradient: Any, *, rate: Array, config: TrainConfig
-) -> tuple[Network, optax.OptState]:
-    """One step against the gradient, shaped as the network; returns the network and what the optimiser remembers."""
+    parameters: Float[Array, " parameter"], memory: optax.OptState, gradient: Float[Array, " parameter"], *,
+    rate: Array, config: TrainConfig,
+) -> tuple[Float[Array, " parameter"], optax.OptState]:  # fmt: skip
+    """One step against the gradient; returns the parameters and what the optimiser remembers."""
     direction, memory = optimiser(config).update(gradient, memory)
-    return jax.tree.map(lambda x, d: x - rate * d, network, direction), memory
+    return optax.tree.add_scale(parameters, -rate, direction), memory
 
 
 def fit(
@@ -181,11 +183,13 @@ def fit(
     order = jnp.argsort(jax.random.bits(key, (whole, config.steps)), axis=1)  # a permutation for each epoch
     batches = order.reshape(-1, length)[: max(round(epochs * config.minibatches), 1)]
 
-    def minibatch(carry: tuple[Network, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
-        network, memory = carry
-        gradient, report = mean_gradient(loss, network, data, times, chunks=chunks, axis=axis)
-        report["gradient_norm"] = optax.tree.norm(gradient)
-        return descend(network, memory, gradient, rate=rate, config=config), report
+    parameters, shaped = ravel_pytree(network)
 
-    (network, memory), reports = jax.lax.scan(minibatch, (network, memory), batches)
-    return network, memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}
+    def minibatch(carry: tuple[Array, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
+        parameters, memory = carry
+        gradient, report = mean_gradient(loss, shaped(parameters), data, times, chunks=chunks, axis=axis)
+        report["gradient_norm"] = jnp.linalg.norm(gradient)
+        return descend(parameters, memory, gradient, rate=rate, config=config), report
+
+    (parameters, memory), reports = jax.lax.scan(minibatch, (parameters, memory), batches)
+    return shaped(parameters), memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}

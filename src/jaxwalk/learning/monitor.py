@@ -10,6 +10,7 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Outcome
@@ -51,8 +52,8 @@ def episode_metrics(outcome: Outcome, valid: Array, axis: Axis = ()) -> dict[str
 
 def all_finite(tree: Any) -> Float[Array, ""]:
     """1 if every number in a pytree is finite, else 0."""
-    numbers = jax.tree.leaves(eqx.filter(tree, eqx.is_inexact_array))
-    return jnp.all(jnp.stack([jnp.isfinite(x).all() for x in numbers])).astype(jnp.float32)
+    numbers, _ = ravel_pytree(eqx.filter(tree, eqx.is_inexact_array))
+    return jnp.isfinite(numbers).all().astype(jnp.float32)
 
 
 def _event(events: Any, name: str) -> Array | None:
