@@ -115,6 +115,24 @@ def test_every_epoch_sees_every_step_once_in_its_own_order():
     assert order[:STEPS] != order[STEPS:]
 
 
+def test_every_parameter_goes_against_its_own_gradient():
+    config = TrainConfig(steps=STEPS, environments=ENVS, minibatches=1, adam_epsilon=1e-12)
+    signs = {"a": jnp.array([[1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]]), "b": jnp.array([-1.0, 1.0])}
+    network = jax.tree.map(jnp.zeros_like, signs)
+
+    def loss(network, chunk):
+        slope = sum(jnp.sum(signs[name] * network[name]) for name in signs)
+        return slope * chunk.size, {"weight": jnp.float32(chunk.size)}
+
+    moved, memory, report = fit(
+        loss, network, optimiser(config).init(network), jnp.zeros((STEPS, ENVS)),
+        key=jax.random.key(0), rate=jnp.float32(0.1), environments=ENVS, epochs=1, agents=1, config=config,
+    )  # fmt: skip
+    assert {x.shape for x in jax.tree.leaves(memory)} == {(), (8,)}
+    assert float(report["gradient_norm"]) == pytest.approx(8**0.5)
+    jax.tree.map(lambda x, sign: np.testing.assert_allclose(x, -0.1 * sign, rtol=1e-5), moved, signs)
+
+
 def test_annealing():
     config = TrainConfig(updates=10, learning_rate=0.5, anneal=True)
     assert [float(learning_rate(config, jnp.int32(n))) for n in (0, 5, 10, 11)] == [0.5, 0.25, 0, 0]

@@ -47,8 +47,8 @@ def save(path: str | Path, learner: Any, *, updates: int) -> None:
 
     arrays = _named_arrays(learner)
     _check_room(Path(path), sum(_data(x).nbytes for x in arrays.values()))
-    # Arrays that several devices hold orbax would cut up, by a program for each shape.
-    arrays = {name: x if _is_key(x) else jax.device_get(x) for name, x in arrays.items()}
+    # Arrays that several devices hold orbax would cut up, by a program for each shape; a numpy array can't be a key.
+    arrays |= jax.device_get({name: x for name, x in arrays.items() if not _is_key(x)})
     try:
         with _manager(path, create=True) as manager:  # which also removes what a killed process left unfinished
             if not manager.save(updates, args=StandardSave(arrays)):

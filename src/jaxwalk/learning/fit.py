@@ -77,7 +77,7 @@ def map_chunks(function: Callable[[Any], Array], data: Any, *, chunks: Chunks) -
 def take_rows(data: Any, rows: tuple[Int[Array, " row"], ...]) -> Any:
     """From arrays ``(time, feature, *agents, env)`` those rows, each named by time, agents and env: ``(feature, row)``.
 
-    An array without the agents' axes is the same for all of them. Of a row beyond the last, something finite comes.
+    An array without the agents' axes is the same for all of them. An index beyond an axis takes its last entry.
     """
 
     def take(x: Array) -> Array:
@@ -139,8 +139,8 @@ def mean_gradient(
 def optimiser(config: TrainConfig) -> optax.GradientTransformation:
     """Adam on a gradient of bounded norm; `descend` brings the learning rate.
 
-    All parameters form one vector, in the order of `ravel_pytree`: the same numbers from a few large kernels, which
-    compile sooner than many small.
+    ``init`` takes a network, ``update`` the gradient as one vector: what is remembered are vectors too, in the order of
+    `ravel_pytree`. The numbers are the same, from a few large kernels, which compile sooner than many small.
     """
     bounded = optax.clip_by_global_norm(config.max_grad_norm)
     return optax.flatten(optax.chain(bounded, optax.scale_by_adam(eps=config.adam_epsilon)))
@@ -177,13 +177,14 @@ def fit(
     A broken number of epochs leaves out the last minibatches. Minibatches are sets of time steps: permuting every row
     instead costs more than the update itself. With ``axis`` the gradients are those of all shards' data.
     """
-    length = config.steps // config.minibatches
+    steps = len(jax.tree.leaves(data)[0])
+    length = steps // config.minibatches
     chunks = plan_chunks(agents=agents, environments=environments, steps=length, rows=config.chunk_rows)
     whole = math.ceil(epochs)
-    order = jnp.argsort(jax.random.bits(key, (whole, config.steps)), axis=1)  # a permutation for each epoch
+    order = jnp.argsort(jax.random.bits(key, (whole, steps)), axis=1)  # a permutation for each epoch
     batches = order.reshape(-1, length)[: max(round(epochs * config.minibatches), 1)]
 
-    parameters, shaped = ravel_pytree(network)
+    begin, shaped = ravel_pytree(network)
 
     def minibatch(carry: tuple[Array, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
         parameters, memory = carry
@@ -191,5 +192,5 @@ def fit(
         report["gradient_norm"] = jnp.linalg.norm(gradient)
         return descend(parameters, memory, gradient, rate=rate, config=config), report
 
-    (parameters, memory), reports = jax.lax.scan(minibatch, (parameters, memory), batches)
-    return shaped(parameters), memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}
+    (end, memory), reports = jax.lax.scan(minibatch, (begin, memory), batches)
+    return shaped(end), memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}

@@ -65,8 +65,8 @@ class Street(eqx.Module):
         if not 0 <= jaywalk_multiplier < float("inf"):
             raise ValueError(f"jaywalk_multiplier must be 0 or more, not {jaywalk_multiplier}")
         on_host = (stacked, np.float32(jaywalk_multiplier), jax.tree.map(np.float32, weights))
-        on_device, multiplier, paid = jax.device_put(on_host)  # `jnp.asarray` compiles a program for each shape
-        return cls(on_device, pack_tables(stacked), multiplier, paid, config)
+        road_map, multiplier, paid = jax.device_put(on_host)  # `jnp.asarray` compiles a program for each shape
+        return cls(road_map, pack_tables(stacked), multiplier, paid, config)
 
     @property
     def roles(self) -> ByRole[RoleSpec]:

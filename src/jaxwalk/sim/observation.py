@@ -43,8 +43,8 @@ BELIEF = "route-belief"
 HIDDEN = frozenset({PRIVILEGED, TOLD})
 """Sets that no real car could have."""
 
-AT_ONCE = 8
-"""Of so many parts the compiler writes each where it belongs; of more, each by itself, and then copies them all."""
+PARTS_AT_ONCE = 8
+"""Up to so many parts XLA's CPU backend writes where they belong; of more, each by itself, and then copies them all."""
 
 Parts = list[Array]
 
@@ -75,7 +75,7 @@ def _joined(parts: Parts) -> Float[Array, "feature ..."]:
     several = [part if part.ndim > axes else part[None] for part in parts]
     shape = jnp.broadcast_shapes(*(part.shape[1:] for part in several))
     rows = [jnp.broadcast_to(x, (x.shape[0], *shape)).astype(jnp.float32) for x in several]
-    groups = [jnp.concatenate(rows[i : i + AT_ONCE]) for i in range(0, len(rows), AT_ONCE)]
+    groups = [jnp.concatenate(rows[i : i + PARTS_AT_ONCE]) for i in range(0, len(rows), PARTS_AT_ONCE)]
     return jnp.concatenate(jax.lax.optimization_barrier(groups))  # else the compiler makes one of many parts again
 
 

@@ -55,8 +55,8 @@ def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: Pe
     car_x, car_y = _predicted_car(config, car, route_x, route_y)
     time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, 1, *(1,) * car.x.ndim)
     motion = relative_people(config, scenario, car, people)
-    use_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
-    jaywalk = people.on_roadway & (people.crossing == JAYWALK)
+    on_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
+    jaywalking = people.on_roadway & (people.crossing == JAYWALK)
 
     def compare(one: tuple[Motion, Array, Array], found: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         closest, crosswalk_user, jaywalker = found
@@ -72,7 +72,7 @@ def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: Pe
 
     nobody = jnp.zeros((1, *car.x.shape), bool)
     nothing = (jnp.full(car_x.shape, FAR**2), nobody, nobody)
-    closest, crosswalk_user, jaywalker = for_everybody((motion, use_crosswalk, jaywalk), compare, nothing)
+    closest, crosswalk_user, jaywalker = for_everybody((motion, on_crosswalk, jaywalking), compare, nothing)
     conflict = jnp.where(closest[:, HOLD] < CONFLICT**2, time[:, 0], MOMENTS * MOMENT).min(axis=0)
     return Foresight(
         people=motion,

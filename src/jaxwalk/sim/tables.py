@@ -18,7 +18,7 @@ from jaxwalk.maps.road_map import ROUTE_SPACING
 SIDE_BITS, NODE_BITS = 12, 12
 NO_SIDE = (1 << SIDE_BITS) - 1
 IN_BOUNDS: Any = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
-"""Of an index that needs no checks."""
+"""Of an index that needs no checks: nobody may know what comes of one that is below 0 or beyond the last."""
 
 
 POINT_SPACING = 2.5
@@ -102,7 +102,8 @@ def for_everybody(people: Any, body: Callable[[Any, Any], Any], begin: Any) -> A
         one = partial(jax.lax.dynamic_index_in_dim, index=index, allow_negative_indices=False)
         return body(jax.tree.map(one, people), found)
 
-    return jax.lax.fori_loop(0, len(jax.tree.leaves(people)[0]), turn, begin, unroll=3)
+    (count,) = {len(of_all) for of_all in jax.tree.leaves(people)}
+    return jax.lax.fori_loop(0, count, turn, begin, unroll=3)
 
 
 def with_index(squared: Array, index: Array, people: int) -> Array:

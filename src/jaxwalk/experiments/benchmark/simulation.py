@@ -1,4 +1,4 @@
-"""The simulator alone: fresh actions every step, restarts on, everything that could be seen or paid is computed.
+"""The simulator alone: fresh actions every step, restarts on, what a car or people could see or be paid is computed.
 
 Every observation set but those of what is hidden from a real car or inferred, and every reward term of both roles, is
 reduced into the result, so that nothing can be left out. No learning. The processor's cores each play a share of the
