@@ -21,6 +21,7 @@ from jaxwalk.rollout import (
     rollout,
     seed_key,
     start,
+    waiting,
 )
 
 
@@ -59,11 +60,11 @@ def act(key, scenario, state, memory):
     return ByRole(drive, jnp.ones((2, *state.shape), jnp.int32)), memory + 1, record
 
 
-@partial(jax.jit, static_argnums=(1, 2))
-def played(key, environments, divided):
+@partial(jax.jit, static_argnums=(1, 2, 3))
+def played(key, environments, divided, begin=start):
     """Every step of a stream, played in rollouts of the given lengths."""
     fresh = jnp.zeros(environments, jnp.int32)
-    stream = start(Clock(), environment_keys(key, 0, environments), fresh)
+    stream = begin(Clock(), environment_keys(key, 0, environments), fresh)
     parts = []
     for steps in divided:
         stream, recorded = rollout(Clock(), act, stream, steps, fresh_memory=fresh)
@@ -96,6 +97,10 @@ def test_the_clock_is_an_environment():
 def test_how_the_time_is_divided_makes_no_difference(key, whole, divided):
     assert all(steps % RESTART_EVERY == 0 for steps in divided)
     assert_same(played(key, 24, divided), whole)
+
+
+def test_who_waits_plays_what_was_begun_at_once(key, whole):
+    assert_same(played(key, 24, (128,), waiting), whole)
 
 
 def test_how_many_environments_there_are_makes_no_difference(key, whole):

@@ -43,7 +43,7 @@ class Stream(eqx.Module):
     key: Key[Array, "env"]
     """One key for each environment, made from the seed and the environment's global index."""
     episode: Int[Array, "env"]
-    """Episodes begun before the current one: the number of its scenario."""
+    """Episodes begun before the current one, the number of its scenario; -1 before the first."""
     step: Int[Array, ""]
     """Steps taken so far."""
     scenario: Any
@@ -99,6 +99,29 @@ def start(environment: Environment, keys: Key[Array, "env"], memory: Any = None)
         memory=memory,
         ended=jnp.zeros(keys.shape, bool),
         shown=jnp.zeros(keys.shape, bool),
+    )
+
+
+def waiting(environment: Environment, keys: Key[Array, "env"], memory: Any = None) -> Stream:
+    """Environments of which the first `rollout` begins the first episode; until then their arrays are 0.
+
+    What `start` leads to, without compiling here what draws scenarios: a rollout's restarts have it anyway.
+    """
+
+    def first(keys: Key[Array, "env"]) -> tuple[Any, Any]:
+        scenario = draw_batch(environment, keys)
+        return scenario, environment.reset(scenario)
+
+    scenario, state = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), jax.eval_shape(first, keys))
+    return Stream(
+        key=keys,
+        episode=jnp.full(keys.shape, -1, jnp.int32),
+        step=jnp.zeros((), jnp.int32),
+        scenario=scenario,
+        state=state,
+        memory=memory,
+        ended=jnp.ones(keys.shape, bool),
+        shown=jnp.ones(keys.shape, bool),
     )
 
 

@@ -30,7 +30,7 @@ from jaxwalk.learning.fit import Loss, fit, gated_part, learning_rate, only_weig
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
 from jaxwalk.learning.monitor import all_finite, by_agent, episode_metrics, reward_metrics
 from jaxwalk.learning.players import columns_of, part_of, remember, snapshots
-from jaxwalk.rollout import Step, Stream, environment_keys, rollout, start
+from jaxwalk.rollout import Step, Stream, environment_keys, rollout, waiting
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 
 NOBODY: ByRole[Policy | None] = ByRole(driver=None, pedestrian=None)
@@ -67,7 +67,7 @@ class Learner(eqx.Module):
 def init(
     environment: Environment, config: TrainConfig, key: Key[Array, ""], *, others: ByRole[Policy | None] = NOBODY
 ) -> Learner:
-    """An untrained learner, its environments at the start of their first episodes.
+    """An untrained learner, its environments waiting for their first episodes.
 
     Raises:
         ValueError: a role that others play has no policy in ``others``, or one that it doesn't need.
@@ -85,7 +85,7 @@ def _untrained(
 ) -> Learner:
     """`init`, all of it on one device."""
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
-    stream = start(environment, environment_keys(stream_key, 0, config.environments))
+    stream = waiting(environment, environment_keys(stream_key, 0, config.environments))
     views = look(environment, config, stream.scenario, stream.state)
     actors = {}
     for role, k in zip(config.learning_roles, jax.random.split(actor_key, len(config.learning_roles)), strict=True):
