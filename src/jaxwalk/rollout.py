@@ -108,11 +108,12 @@ def waiting(environment: Environment, keys: Key[Array, "env"], memory: Any = Non
     What `start` leads to, without compiling here what draws scenarios: a rollout's restarts have it anyway.
     """
 
-    def first(keys: Key[Array, "env"]) -> tuple[Any, Any]:
-        scenario = draw_batch(environment, keys)
+    def first(key: Key[Array, ""]) -> tuple[Any, Any]:
+        scenario = environment.draw(key)
         return scenario, environment.reset(scenario)
 
-    scenario, state = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), jax.eval_shape(first, keys))
+    one = jax.eval_shape(first, keys[0])
+    scenario, state = jax.tree.map(lambda x: jnp.zeros((*x.shape, *keys.shape), x.dtype), one)
     return Stream(
         key=keys,
         episode=jnp.full(keys.shape, -1, jnp.int32),
