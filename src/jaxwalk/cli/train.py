@@ -34,7 +34,7 @@ def run(options: Train) -> int:
         from jaxwalk.experiments.world import make_street, shared_out
         from jaxwalk.shards import mesh_of
 
-        make_street(experiment)
+        street = make_street(experiment)
         experiment = experiment if begun or options.shards else shared_out(experiment)
         mesh_of(experiment.train.shards)
     if begun:
@@ -47,6 +47,7 @@ def run(options: Train) -> int:
         name="single-agent" if experiment.single_agent else "co-trained",
         checkpoint_minutes=options.checkpoint_minutes,
         watch=options.watch,
+        street=street,
     )
     made = f"{trained.updates:,} updates, {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes"
     if trained.interrupted:

@@ -141,6 +141,7 @@ def train(
     name: str = "training",
     checkpoint_minutes: float = CHECKPOINT_MINUTES,
     watch: bool = False,
+    street: Street | None = None,
 ) -> Trained:
     """Train until the run's planned number of updates, or go on until there.
 
@@ -153,6 +154,7 @@ def train(
         name: what to call this training there.
         checkpoint_minutes: minutes between checkpoints.
         watch: write a page into the run folder that shows how it goes; one that is there is gone on with anyway.
+        street: `make_street` of the run's experiment, if it is made already.
 
     Raises:
         DivergedError: numbers are not finite any more.
@@ -163,7 +165,7 @@ def train(
     console = console or Console(stderr=True)
     with held(run.path), _telling_what_is_kept(run):
         remove_unfinished(run.path)
-        return _train(run, resume, console, name, checkpoint_minutes, watch)
+        return _train(run, street or make_street(run.experiment), resume, console, name, checkpoint_minutes, watch)
 
 
 @contextmanager
@@ -185,11 +187,11 @@ def _kept(run: Run) -> str:
 
 
 def _train(
-    run: Run, resume: bool, console: Console, name: str, checkpoint_minutes: float, watch: bool
+    run: Run, street: Street, resume: bool, console: Console, name: str, checkpoint_minutes: float, watch: bool
 ) -> Trained:  # fmt: skip
     """`train`, alone in the folder."""
     begun, minutes = time.monotonic(), run.experiment.minutes
-    street, config = make_street(run.experiment), replace(run.experiment.train, updates=1)
+    config = replace(run.experiment.train, updates=1)
     learner = begin(run, street, config, resume=resume, tell=partial(console.print, soft_wrap=True, markup=False))
     done, planned = int(learner.updates), int(learner.planned)
     per_update = run.experiment.steps_per_update
