@@ -103,9 +103,10 @@ def start(environment: Environment, keys: Key[Array, "env"], memory: Any = None)
 
 
 def waiting(environment: Environment, keys: Key[Array, "env"], memory: Any = None) -> Stream:
-    """Environments of which the first `rollout` begins the first episode; until then their arrays are 0.
+    """Environments of which the first `rollout` begins the first episode, as if one before it had ended.
 
-    What `start` leads to, without compiling here what draws scenarios: a rollout's restarts have it anyway.
+    Until then scenario ``(..., env)`` and state ``(..., env)`` are 0. It leads to what `start` leads to, without
+    compiling here what draws scenarios: a rollout's restarts have it anyway.
     """
 
     def first(key: Key[Array, ""]) -> tuple[Any, Any]:
