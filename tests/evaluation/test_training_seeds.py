@@ -8,7 +8,7 @@ import json
 import pytest
 
 from jaxwalk.evaluation import Match, over_training_seeds, paired, paired_over_seeds
-from jaxwalk.evaluation.training_seeds import MEASURES
+from jaxwalk.evaluation.training_seeds import SEED_RATIOS
 from jaxwalk.metrics import over_seeds
 
 
@@ -24,9 +24,9 @@ def matches(compared):
     ]
 
 
-@pytest.mark.parametrize("name", MEASURES)
+@pytest.mark.parametrize("name", SEED_RATIOS)
 def test_every_measure_is_the_cells(matches, name):
-    measure = MEASURES[name]
+    measure = SEED_RATIOS[name]
     for match in matches:
         over, under = measure.parts(match.rows)
         expected = measure.of_one(match.cell.summary).value
@@ -36,7 +36,7 @@ def test_every_measure_is_the_cells(matches, name):
 def test_numbers_over_seeds(matches):
     (found,) = over_training_seeds(matches)
     names = ["driver", "pedestrians", "jaywalk_multiplier", "training_seeds"]
-    assert list(found) == [*names, *MEASURES]
+    assert list(found) == [*names, *SEED_RATIOS]
     assert [found[name] for name in names] == ["learner", "always-go", 0.25, [3, 4, 5]]
     goal = found["goal_rate"]
     rates = [match.rows.episodes.goal.mean() for match in matches]

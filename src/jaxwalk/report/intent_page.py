@@ -16,9 +16,9 @@ BLIND = "blind"
 
 def page(document: Mapping[str, Any]) -> str:
     """All tables, for each jaywalk multiplier."""
-    plan, made, streets = document["plan"], document["provenance"], document["streets"]
-    chosen = streets[0]["scenarios"]
-    seeds = ", ".join(str(plan["seed"] + i) for i in range(plan["seeds"]))
+    plan, made, streets = document.plan, document.provenance, document.streets
+    chosen = streets[0].scenarios
+    seeds = ", ".join(str(plan.seed + i) for i in range(plan.seeds))
     parts = [
         "# The cost of hidden intent",
         f"The same car, trained alone among {ALWAYS_GO}: `blind` sees where people are and how they move; `belief` is "
@@ -39,23 +39,23 @@ def _markdown(table: Table) -> str:
 
 
 def _drivers(street: Mapping[str, Any]) -> Table:
-    observes = {cell["driver"]: cell["driver_observes"] for cell in street["cells"]}
+    observes = {cell.driver: cell.driver_observes for cell in street.cells}
     columns = ("driver", "observes", "goal %", "collision %", "of each seed", "timeout %", "time to goal [s]")
     rows = []
-    for found in street["over_seeds"]:
-        name = found["driver"]
+    for found in street.over_seeds:
+        name = found.driver
         sees = f"`{observes[name]}`" + (" (no real car could)" if observes[name] in HIDDEN else "")
         goal, collision, timeout = (
-            shown(found[rate]["mean"], digits=2) for rate in ("goal_rate", "collision_rate", "timeout_rate")
+            shown(found[rate].mean, digits=2) for rate in ("goal_rate", "collision_rate", "timeout_rate")
         )
-        each = ", ".join(f"{100 * value:.2f}" for value in found["collision_rate"]["each"])
-        time = shown(found["mean_time_to_goal"]["mean"], 1.0, 2)
+        each = ", ".join(f"{100 * value:.2f}" for value in found.collision_rate.each)
+        time = shown(found.mean_time_to_goal.mean, 1.0, 2)
         rows.append((name, sees, goal, collision, each, timeout, time))
     return Table(columns, tuple(rows))
 
 
 def _pairs(street: Mapping[str, Any]) -> Table:
-    return paired_table(street["paired"])
+    return paired_table(street.paired)
 
 
 def _known(street: Mapping[str, Any]) -> Table:
@@ -64,12 +64,12 @@ def _known(street: Mapping[str, Any]) -> Table:
         "seen", "people", "crossings of each", "never seen to cross %", "standard deviation of tau (before: 0.289)",
         "variance explained %", "information [bit]",
     )  # fmt: skip
-    return Table(columns, tuple(_known_row(found) for found in street["identifiability"]))
+    return Table(columns, tuple(_known_row(found) for found in street.identifiability))
 
 
 def _known_row(found: Mapping[str, Any]) -> tuple[str, ...]:
-    seen, people = found["seen"], f"{found['people']:,}"
-    if not found["people"]:
+    seen, people = found.seen, f"{found['people']:,}"
+    if not found.people:
         return (seen, people, *[NONE] * 5)
     percents = [f"{100 * found[name]:.1f}" for name in ("never", "explained")]
     rest = (f"{found['deviation']:.3f}", percents[1], f"{found['bits']:.3f}")
