@@ -10,6 +10,7 @@ import pytest
 from rich.console import Console
 
 from jaxwalk.evaluation import compare, evaluate, replay
+from jaxwalk.evaluation.reading import DocumentError
 from jaxwalk.experiments import reproduce as module
 from jaxwalk.experiments import tournament
 from jaxwalk.experiments.reproduce import Plan, report, reproduce
@@ -196,7 +197,7 @@ def test_a_report_needs_a_whole_plan(plan, message, tmp_path):
     for name in ("results", "ablation", "provenance", "minutes", "gallery", "episode"):
         (tmp_path / f"{name}.json").write_text("{}")
     (tmp_path / "plan.json").write_text(json.dumps(plan))
-    with pytest.raises(RunError, match=f"plan.json: {message}"):
+    with pytest.raises((RunError, DocumentError), match=f"plan.json: {message}"):
         report(tmp_path)
 
 

@@ -112,7 +112,7 @@ def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> tupl
 
 
 def _in_words(b: str, people: str, ending: str, found: Comparison, p: float, tests: int) -> str:
-    """Return a sentence such as ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios.``"""
+    """Return, say, ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios.``"""
     (rate_a, rate_b), (less, more) = found.rates, SAID[ending]
     side = less if rate_b < rate_a else more
     chance = "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"

@@ -1,13 +1,14 @@
-"""The parts of a document of results, beside its cells: intervals, comparisons of pairs, numbers over training seeds."""
+"""The parts of documents, beside cells: intervals, comparisons of pairs, numbers over training seeds, provenance."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 from jaxwalk.metrics import OverSeeds
 
 
+@runtime_checkable
 class Number(Protocol):
     """A number with its 95 % interval; None stands for what doesn't exist or isn't known."""
 
@@ -112,3 +113,16 @@ class SeedNumbers:
     """[s]"""
     jaywalk_share: OverSeeds
     """Jaywalking's share of the crossings."""
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where results come from."""
+
+    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
+
+    commit: str | None
+    """None outside a checkout."""
+    hardware: str
+    versions: dict[str, str]
+    """Of Python and of the packages that matter."""

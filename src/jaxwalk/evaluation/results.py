@@ -83,6 +83,10 @@ class Cell:
         """Mean over the episodes that reach the goal [s]."""
         return Interval.of(self.summary.outcomes.time_to_goal)
 
+    def headline(self) -> dict[str, dict[str, float | None]]:
+        """Return the numbers of `HEADLINE`, each with its interval."""
+        return {name: asdict(getattr(self, name)) for name in HEADLINE}
+
     def as_dict(self) -> dict[str, Any]:
         """Return plain dicts, lists and numbers: the headline first, then the whole summary."""
         cost = {} if self.driver_ms_per_step is None else {"driver_ms_per_step": self.driver_ms_per_step}
@@ -97,7 +101,7 @@ class Cell:
             "pedestrian_observes": self.pedestrian_observes,
             "jaywalk_multiplier": self.jaywalk_multiplier,
             **cost,
-            **{name: asdict(getattr(self, name)) for name in HEADLINE},
+            **self.headline(),
             **self.summary.as_dict(),
             **replayed,
         }

@@ -96,7 +96,12 @@ def _over_seeds(ratio: SeedRatio, group: list[Match]) -> OverSeeds:
     return over_seeds(np.stack(over), np.stack(under))
 
 
-def paired_over_seeds(ending: Literal["goal", "collision"], a: Sequence[Match], b: Sequence[Match]) -> PairedSeeds:
+Ending = Literal["collision", "goal"]
+ENDINGS: tuple[Ending, ...] = ("collision", "goal")
+"""How episodes end, as far as it is compared."""
+
+
+def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) -> PairedSeeds:
     """Compare how often A and B end so on the same scenarios: the pairs of all training seeds together.
 
     Pair (seed, scenario) has that seed's A and B; where nothing was trained, the only match stands for every seed. The

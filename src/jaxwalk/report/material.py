@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any, ClassVar
 
-from jaxwalk.evaluation.document_parts import SeedNumbers
+from jaxwalk.evaluation.document_parts import Provenance, SeedNumbers
 from jaxwalk.evaluation.results import Cell, Results
 from jaxwalk.report.watched import Gallery
 
@@ -21,19 +21,6 @@ ALWAYS_GO, LEARNED = "always-go", "learned"
 
 class ReportError(ValueError):
     """Results that no report can be made of; one line says what is wrong."""
-
-
-@dataclass(frozen=True)
-class Provenance:
-    """Where results come from."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
-
-    commit: str | None
-    """None outside a checkout."""
-    hardware: str
-    versions: dict[str, str]
-    """Of Python and of the packages that matter."""
 
 
 @dataclass(frozen=True)

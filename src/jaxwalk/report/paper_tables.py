@@ -23,7 +23,7 @@ def make_all(names: Iterable[str], material: Material) -> dict[str, Table]:
 
 def _verdict(material: Material, against: list[Versus], reason: str) -> str:
     """Where ours differ from the paper's, if they are of the paper's experiment: the reasons are about its drivers."""
-    return verdict(against, reason) if material.plan is not None else ""
+    return verdict(against, reason) if material.trainings is not None else ""
 
 
 def matrix(material: Material) -> Table:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from jaxwalk.evaluation.counterfactual import Avoidable, CounterfactualSummary
+from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.results import Cell, Results
 from jaxwalk.metrics import scenarios_needed
 from jaxwalk.report import surprise
-from jaxwalk.report.material import Provenance
 from jaxwalk.report.table import Table, by_type, markdown_table, shown
 
 TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
@@ -149,11 +149,12 @@ def avoidable(cells: Sequence[Cell]) -> Table:
         "unavoidable %", "braking avoids %", "planner avoids %", "planner all the way avoids %",
     )  # fmt: skip
     rows = []
-    for cell in (cell for cell in cells if cell.counterfactuals):
-        for kind, part in _replayed(cell.counterfactuals).items():
+    replayed = ((cell, cell.counterfactuals) for cell in cells)
+    for cell, found in ((cell, found) for cell, found in replayed if found):
+        for kind, part in _replayed(found).items():
             labels = (shown(part.labels[name]) for name in ("either", "driver", "pedestrian", "unavoidable"))
             avoided = (shown(part.avoided[name]) for name in ("brake", "planner", "planner_from_start"))
-            of = f" of {cell.counterfactuals.collisions:,}" if kind == "all" else ""
+            of = f" of {found.collisions:,}" if kind == "all" else ""
             rows.append((_name(cell), kind, f"{part.collisions:,}{of}", *labels, *avoided))
     return Table(columns, tuple(rows))
 

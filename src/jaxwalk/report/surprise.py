@@ -80,7 +80,7 @@ def _sides(bins: Sequence[SpeedBin], find: Callable[[SpeedBin], Number]) -> dict
     for found in bins:
         number = find(found)
         if number.low is not None and number.low > NOTHING:
-            sides.faster.append(place(found))
+            sides["faster"].append(place(found))
         if number.high is not None and number.high < -NOTHING:
-            sides.slower.append(place(found))
+            sides["slower"].append(place(found))
     return sides

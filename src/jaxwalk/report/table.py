@@ -60,10 +60,10 @@ def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:
         return NONE
     if digits is None:
         digits = 1 if scale != 100 or 0.01 <= abs(ours.value) <= 0.99 else 2
-    value = f"{scale * ours['value']:.{digits}f}"
+    value = f"{scale * ours.value:.{digits}f}"
     if ours.low is None or ours.high is None:
         return value
-    return f"{value} [{scale * ours['low']:.{digits}f}, {scale * ours['high']:.{digits}f}]"
+    return f"{value} [{scale * ours.low:.{digits}f}, {scale * ours.high:.{digits}f}]"
 
 
 def p_value(p: float) -> str:
