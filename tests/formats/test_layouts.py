@@ -157,7 +157,7 @@ def test_a_long_value_does_not_fill_memory(tmp_path, column):
     path, long = _ind(tmp_path), "7" * 1001
     row = f"{long},car" if column == "id" else f"0,{long}"
     (tmp_path / "07_tracksMeta.csv").write_text(f"trackId,class\n{row}\n")
-    with pytest.raises(TracksError, match=r"07_tracksMeta\.csv: column \w+ has a value of 1,001 characters; correct it"):
+    with pytest.raises(TracksError, match=r"tracksMeta\.csv: column \w+ has a value of 1,001 characters; correct it"):
         open_tracks(path)
 
 
