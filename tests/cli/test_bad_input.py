@@ -17,8 +17,8 @@ from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import save_policy
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.observation import size
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def _policy(path, role="driver"):

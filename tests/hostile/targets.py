@@ -29,7 +29,7 @@ from jaxwalk.formats.measured import measure_all
 from jaxwalk.maps import load_map
 from jaxwalk.policies import load_policy, read_metadata
 from jaxwalk.policies.host import load_host_driver
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,8 @@ from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
 from jaxwalk.interfaces import Policy
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, write_report
+from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.trajectory import JAYWALK
 
 ABLATED = 2000
 """The ablation, which has ten cells for each training seed, takes at most so many scenarios."""
@@ -158,7 +158,9 @@ def _draw(work: Reproduction) -> None:
     scenario, frame = _interesting(work, street, driver, trained.learned)
     for kind in ("png", "svg"):
         file = work.folder / f"episode.{kind}"
-        draw_episode(street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.config.dt)
+        draw_episode(
+            street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.world.rules.dt
+        )
     work.keep("episode.json", {"scenario": scenario, "seed": seed, "training_seed": seed, "frame": frame})
 
 
