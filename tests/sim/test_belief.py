@@ -78,7 +78,7 @@ def _look(street, scenario, state):
 @pytest.fixture(scope="module")
 def jaywalking(paid_street):
     """The street on which half of the crossings are jaywalks."""
-    return with_jaywalk_multiplier(paid_street, 1)
+    return with_jaywalk_multiplier(paid_street, 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +93,7 @@ def stepped(street, jaywalking, scenarios):
 
         return jax.lax.scan(body, state, None, length=500)[1]
 
-    unpaid = with_jaywalk_multiplier(street, 1)  # or `play` is compiled anew
+    unpaid = with_jaywalk_multiplier(street, 1.0)  # or `play` is compiled anew
     return np.asarray(walk(jaywalking, scenarios, reset(jaywalking, scenarios))), play(unpaid, scenarios)
 
 

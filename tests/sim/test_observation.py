@@ -143,7 +143,7 @@ def test_what_people_have_in_mind_does_not_show(change, paid_street, scenarios):
     """Two worlds, alike but for what is decided and where people want to go: they look the same till people part."""
     other_street, other = paid_street, scenarios
     if change == "multiplier":
-        other_street = with_jaywalk_multiplier(paid_street, 4)
+        other_street = with_jaywalk_multiplier(paid_street, 4.0)
     else:
         other = eqx.tree_at(
             lambda s: s.goals, scenarios, scenarios.goals.at[1:].set(jnp.roll(scenarios.goals[1:], 1, axis=0))

@@ -27,7 +27,7 @@ def hesitant(street, scenarios):
 @pytest.fixture(scope="module")
 def eager(street, scenarios):
     """The same scenarios, with many jaywalks."""
-    return play(with_jaywalk_multiplier(street, 4), scenarios)
+    return play(with_jaywalk_multiplier(street, 4.0), scenarios)
 
 
 @pytest.fixture(scope="module")
@@ -229,7 +229,7 @@ def test_the_whole_zone_is_used(street, eager):
 
 
 def test_without_jaywalking_nobody_is_on_a_roadway_off_a_crosswalk(street, draw):
-    never = with_jaywalk_multiplier(street, 0)
+    never = with_jaywalk_multiplier(street, 0.0)
     crossings = 0
     for first in range(0, 256 * 8, 256):
         played = play(never, draw(first))

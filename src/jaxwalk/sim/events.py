@@ -36,7 +36,7 @@ def distance(dx, dy):
 
 
 def closing_speed(dx, dy, dvx, dvy):
-    """Return how fast two centres approach each other [m/s]: minus d/dt of their distance; both vectors are relative."""
+    """Return how fast two centres approach each other [m/s], from their relative position and velocity."""
     return -(dx * dvx + dy * dvy) / (distance(dx, dy) + 1e-9)
 
 
@@ -46,7 +46,7 @@ def closes_in(dx, dy, dvx, dvy):
 
 
 def touches(dx, dy, collision_distance):
-    """Return whether car and pedestrian collide: centres closer than ``collision_distance`` [m] (the paper's criterion)."""
+    """Return whether car and pedestrian collide: centres closer than this [m] (the paper's criterion)."""
     return dx * dx + dy * dy < collision_distance**2
 
 

@@ -43,8 +43,8 @@ SIDE_COLUMNS = (
     "x", "y", "ux", "uy", "near", "far", "across_x", "across_y", "kerb", "far_near", "far_far", "far_landing",
     "far_outer",
 )  # fmt: skip
-"""What is known about a side: its landing [m], unit vector and zone along the kerb [m], vector to the opposite landing [m], distance
-from the landing to the kerb [m], zone of the opposite side [m], and that side's landing and outer node."""
+"""A side's landing [m], unit vector and zone along the kerb [m], vector to the opposite landing [m], distance from the
+landing to the kerb [m], zone of the opposite side [m], and that side's landing and outer node."""
 
 
 class Hop(eqx.Module):

@@ -204,7 +204,8 @@ def _pedestrian_kerb(moment: Moment) -> Parts:
     miss, closest = prediction.predicted_miss(world, scenario, state)
     return [
         decides, ahead / KERB_CAR_DISTANCE, left / KERB_CAR_DISTANCE, speed / SPEED,
-        (car.acceleration / world.rules.max_acceleration)[None], (car.steering / world.rules.max_steering)[None], along, across,
+        (car.acceleration / world.rules.max_acceleration)[None], (car.steering / world.rules.max_steering)[None],
+        along, across,
         jnp.clip(car_time, -LONG, LONG) / LONG, jnp.minimum(own_time, LONG) / LONG,
         jnp.clip(car_time - own_time, -LONG, LONG) / LONG, jnp.minimum(miss, 10) / 10,
         jnp.minimum(closest, LONG) / LONG, pace / 2,

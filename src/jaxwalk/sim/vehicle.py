@@ -47,7 +47,7 @@ def drive(world: World, scenario: Scenario, vehicle: VehicleState, action: Float
 
 
 def onto_road(world: World, scenario: Scenario, x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Move a position off the road to the nearest place ``offroad_margin`` inside it; also return whether it was off."""
+    """Move a position off the road to the nearest place well inside it; also return whether it was off."""
     roads, margin = world.maps.roads, world.rules.offroad_margin
     off = ~inside(roads, scenario.map, x, y)
     best = jnp.full(x.shape, jnp.inf)
@@ -83,7 +83,7 @@ def route_length(world: World, scenario: Scenario) -> Float[Array, "*batch"]:
 
 
 def route_frame(vehicle: VehicleState) -> tuple[Array, Array, Array]:
-    """Return the car's offset to the left of its route [m], and cosine and sine of its heading relative to the route's."""
+    """Return the car's offset to the left of its route [m], and cosine and sine of its heading in the route's frame."""
     at = vehicle.course
     lateral = (vehicle.y - at.y) * at.cos - (vehicle.x - at.x) * at.sin
     relative_cos, relative_sin = to_frame(vehicle.cos, vehicle.sin, at.cos, at.sin)
