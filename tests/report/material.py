@@ -6,7 +6,7 @@ from jaxwalk.evaluation import Cell, Match, Results, ScenarioSet, over_training_
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.metrics import measure, summarise
 from jaxwalk.report import DrawnEpisode, LearningCurve, Material, Trainings
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 DRIVERS = (

@@ -11,7 +11,7 @@ from jaxwalk.metrics import Estimate, measure, summarise
 from jaxwalk.metrics.speed_differential import Placebo, SpeedBin, SpeedGap
 from jaxwalk.report.suite import suite
 from jaxwalk.report.surprise import FEWEST, four_ways, in_words
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, ghosts_of, trajectory
 
 MADE = Provenance(commit="abc123", hardware="an abacus", versions={"jax": "0.10.2"})

@@ -162,7 +162,7 @@ def _write_episodes(work: Evaluation, name: Path, rows: list[Played]) -> list[Pa
     name.parent.mkdir(parents=True, exist_ok=True)
     files = []
     for street, played in zip(work.streets, rows, strict=False):
-        suffix = f"-x{float(street.jaywalk_multiplier):g}" if len(work.streets) > 1 else ""
+        suffix = f"-x{jaywalk_multiplier(street):g}" if len(work.streets) > 1 else ""
         files.append(name.with_name(f"{name.name}{suffix}.csv"))
         write_rows(files[-1], [(*pair, found) for pair, found in played.items()])
     return files

@@ -94,27 +94,19 @@ def as_intent_document(content: Any, origin: Origin) -> IntentDocument:
 
 def _street(content: dict[str, Any], plan: IntentPlan, origin: Origin) -> IntentStreet:
     """Return what was found with one multiplier. Raise DocumentError unless each driver has every training seed."""
-    own = ("jaywalk_multiplier", "identifiability")
-    known = as_document(
-        TypeAdapter(list[dict[str, Any]]), content.get("identifiability"), origin.inside("identifiability")
-    )
+    own = {"jaywalk_multiplier": TypeAdapter(float), "identifiability": TypeAdapter(list[dict[str, Any]])}
+    multiplier, known = (as_document(kind, content.get(name), origin.inside(name)) for name, kind in own.items())
     results = as_results({name: value for name, value in content.items() if name not in own}, origin)
     drivers = {cell.driver for cell in results.cells}
     for number, numbers in enumerate(results.over_seeds):
         if numbers.driver not in drivers or len(numbers.training_seeds) != plan.seeds:
             raise origin.damaged(("over_seeds", number), "are not the numbers of a driver over all training seeds")
-    return IntentStreet(
-        jaywalk_multiplier=as_document(
-            TypeAdapter(float), content.get("jaywalk_multiplier"), origin.inside("jaywalk_multiplier")
-        ),
-        results=results,
-        identifiability=tuple(_known(one, origin.inside("identifiability", i)) for i, one in enumerate(known)),
-    )
+    found = tuple(_known(one, origin.inside("identifiability", i)) for i, one in enumerate(known))
+    return IntentStreet(multiplier, results, found)
 
 
 def _known(content: dict[str, Any], origin: Origin) -> KnownIntent:
     seen = as_document(TypeAdapter(str), content.get("seen"), origin.inside("seen"))
     numbers = {name: value for name, value in content.items() if name != "seen"}
-    return KnownIntent(
-        seen, None if numbers == {"people": 0} else as_document(TypeAdapter(Identifiability), numbers, origin)
-    )
+    nobody = numbers == {"people": 0}
+    return KnownIntent(seen, None if nobody else as_document(TypeAdapter(Identifiability), numbers, origin))

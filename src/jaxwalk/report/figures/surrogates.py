@@ -14,7 +14,7 @@ from jaxwalk.report.figures.marks import TYPES
 from jaxwalk.report.material import Material
 from jaxwalk.report.style import INK, panels
 from jaxwalk.report.table import by_type
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 MEASURES: dict[str, tuple[Callable[[Distributions], Distribution], float, str]] = {
     "time to collision below [s]": (lambda d: d.ttc, TTC_CRITICAL, "critical"),
