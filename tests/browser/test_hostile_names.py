@@ -7,8 +7,6 @@ import re
 from dataclasses import asdict
 from pathlib import Path
 
-from pydantic import TypeAdapter
-
 from browser.pages import gallery_document, replay_document, watched
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
@@ -47,7 +45,7 @@ def test_a_report_of_hostile_names(tmp_path, open_file):
         episode |= {"driver": CODE, "pedestrians": CODE}
     hostile = Material(
         results=as_results(_renamed(several.results.as_dict()), origin),
-        provenance=as_document(TypeAdapter(Provenance), _renamed(asdict(several.provenance)), origin),
+        provenance=as_document(Provenance, _renamed(asdict(several.provenance)), origin),
         minutes={"all": 1.0}, gallery=watched(gallery), curves={CODE: several.curves["single-agent"]},
         subject=CODE, headline=(CODE, "single-agent"), episode=several.episode, episode_svg=SVG,
     )  # fmt: skip

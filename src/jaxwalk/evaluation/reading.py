@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from textwrap import shorten
@@ -54,11 +54,11 @@ class Origin:
         return DocumentError(f"{self.path}: damaged ({shorten(said, 2 * LONGEST)}); {self.advice}")
 
 
-def as_document(kind: TypeAdapter[T], content: Any, origin: Origin) -> T:
+def as_document(kind: Callable[..., T], content: Any, origin: Origin) -> T:
     """Return the content of a JSON file as a typed document.
 
     Args:
-        kind: reads a frozen dataclass, or another type.
+        kind: a frozen dataclass, or another type that pydantic knows.
         content: dicts, lists, strings, numbers, booleans and None.
         origin: where the content comes from.
 
@@ -68,7 +68,7 @@ def as_document(kind: TypeAdapter[T], content: Any, origin: Origin) -> T:
     try:
         for place in _wrong_numbers(content, ()):
             raise origin.damaged(place, "the number is not finite")
-        return kind.validate_json(json.dumps(content))
+        return TypeAdapter[T](kind).validate_json(json.dumps(content))
     except RecursionError as error:
         raise origin.damaged((), "lists inside lists without end") from error
     except ValidationError as error:
@@ -88,7 +88,7 @@ def as_results(content: Any, origin: Origin) -> Results:
     nested = {name: value for name, value in content.items() if name != "schema"}
     if isinstance(nested.get("cells"), list):
         nested["cells"] = [_nested(cell) for cell in nested["cells"]]
-    results = as_document(TypeAdapter(Results), nested, origin)
+    results = as_document(Results, nested, origin)
     for number, cell in enumerate(results.cells):
         _check_headline(content["cells"][number], cell, origin.inside("cells", number))
         _check_sizes(cell, origin.inside("cells", number))

@@ -18,7 +18,6 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-from pydantic import TypeAdapter
 from rich.console import Console
 
 from jaxwalk.evaluation import evaluate, write_rows
@@ -224,10 +223,10 @@ def _material(folder: Path, contents: Mapping[str, Any], plan: Plan) -> Material
     return Material(
         results=as_results(contents["results"], origins["results"]),
         ablation=as_results(contents["ablation"], origins["ablation"]),
-        provenance=as_document(TypeAdapter(Provenance), contents["provenance"], origins["provenance"]),
-        minutes=as_document(TypeAdapter(dict[str, float]), contents["minutes"], origins["minutes"]),
-        gallery=as_document(TypeAdapter(Gallery), contents["gallery"], origins["gallery"]),
-        episode=as_document(TypeAdapter(DrawnEpisode), contents["episode"], origins["episode"]),
+        provenance=as_document(Provenance, contents["provenance"], origins["provenance"]),
+        minutes=as_document(dict[str, float], contents["minutes"], origins["minutes"]),
+        gallery=as_document(Gallery, contents["gallery"], origins["gallery"]),
+        episode=as_document(DrawnEpisode, contents["episode"], origins["episode"]),
         episode_svg=drawing.read_text(encoding="utf-8", errors="replace") if drawing.is_file() else None,
         trainings=Trainings(plan.recipe, tuple(plan.training_seeds)),
         curves={name: _curves(folder, name, plan) for name in (CO_TRAINED, SINGLE_AGENT)},
@@ -240,7 +239,7 @@ def _origin(file: Path) -> Origin:
 
 def _plan(content: Any, file: Path) -> Plan:
     """Return the plan. Raise DocumentError if it is damaged, RunError if another version wrote it."""
-    plan = as_document(TypeAdapter(Plan), content, Origin(file, "run `jaxwalk reproduce` in another folder"))
+    plan = as_document(Plan, content, Origin(file, "run `jaxwalk reproduce` in another folder"))
     if asdict(plan) != content:
         raise RunError(f"{file}: of another version of jaxwalk; run `jaxwalk reproduce` in another folder")
     return plan

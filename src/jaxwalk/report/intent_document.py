@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
-from pydantic import TypeAdapter
-
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.evaluation.results import Results
@@ -81,20 +79,20 @@ def as_intent_document(content: Any, origin: Origin) -> IntentDocument:
     """Return the content of a JSON file as a typed document. Raise DocumentError if it is damaged."""
     if not isinstance(content, Mapping) or set(content) != {"plan", "provenance", "streets"}:
         raise origin.damaged((), "plan, provenance and streets are not what it has")
-    streets = as_document(TypeAdapter(list[dict[str, Any]]), content["streets"], origin.inside("streets"))
+    streets = as_document(list[dict[str, Any]], content["streets"], origin.inside("streets"))
     if not streets:
         raise origin.damaged(("streets",), "there are none")
-    plan = as_document(TypeAdapter(IntentPlan), content["plan"], origin.inside("plan"))
+    plan = as_document(IntentPlan, content["plan"], origin.inside("plan"))
     return IntentDocument(
         plan=plan,
-        provenance=as_document(TypeAdapter(Provenance), content["provenance"], origin.inside("provenance")),
+        provenance=as_document(Provenance, content["provenance"], origin.inside("provenance")),
         streets=tuple(_street(street, plan, origin.inside("streets", i)) for i, street in enumerate(streets)),
     )
 
 
 def _street(content: dict[str, Any], plan: IntentPlan, origin: Origin) -> IntentStreet:
     """Return what was found with one multiplier. Raise DocumentError unless each driver has every training seed."""
-    own = {"jaywalk_multiplier": TypeAdapter(float), "identifiability": TypeAdapter(list[dict[str, Any]])}
+    own = {"jaywalk_multiplier": float, "identifiability": list[dict[str, Any]]}
     multiplier, known = (as_document(kind, content.get(name), origin.inside(name)) for name, kind in own.items())
     results = as_results({name: value for name, value in content.items() if name not in own}, origin)
     drivers = {cell.driver for cell in results.cells}
@@ -106,7 +104,7 @@ def _street(content: dict[str, Any], plan: IntentPlan, origin: Origin) -> Intent
 
 
 def _known(content: dict[str, Any], origin: Origin) -> KnownIntent:
-    seen = as_document(TypeAdapter(str), content.get("seen"), origin.inside("seen"))
+    seen = as_document(str, content.get("seen"), origin.inside("seen"))
     numbers = {name: value for name, value in content.items() if name != "seen"}
     nobody = numbers == {"people": 0}
-    return KnownIntent(seen, None if nobody else as_document(TypeAdapter(Identifiability), numbers, origin))
+    return KnownIntent(seen, None if nobody else as_document(Identifiability, numbers, origin))
