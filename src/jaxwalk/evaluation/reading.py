@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from textwrap import shorten
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -68,7 +68,8 @@ def as_document(kind: Callable[..., T], content: Any, origin: Origin) -> T:
     try:
         for place in _wrong_numbers(content, ()):
             raise origin.damaged(place, "the number is not finite")
-        return TypeAdapter[T](kind).validate_json(json.dumps(content))
+        reader: TypeAdapter[T] = TypeAdapter(cast("Any", kind))
+        return reader.validate_json(json.dumps(content))
     except RecursionError as error:
         raise origin.damaged((), "lists inside lists without end") from error
     except ValidationError as error:
