@@ -49,6 +49,37 @@ def pytest_configure(config):
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.05)
 
 
+ROOMS = ("experiments", "sim", "learning", "runs", "cli", "evaluation", "adapters", "properties", "exports", "policies")
+"""Folders of tests that take long, the longest first; workers begin with them."""
+
+
+def pytest_collection_modifyitems(items):
+    """Long rooms first, so that no worker waits for another one in the end."""
+    rank = {room: number for number, room in enumerate(ROOMS)}
+    items.sort(key=lambda item: rank.get(_room(item.nodeid), len(rank)))
+
+
+def _room(nodeid):
+    return nodeid.partition("::")[0].split("/")[1]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """A room goes to one worker, so that its fixtures and programs are made once; to many workers, a file does."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    if config.getoption("dist") != "load":
+        return None
+    few = config.getoption("numprocesses") <= 4
+
+    class ByRoom(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return _room(nodeid) if few else nodeid.partition("::")[0]
+
+    config.option.loadscopereorder = False
+    return ByRoom(config, log)
+
+
 def _processor() -> str:
     """A short name for this machine's instruction set: compiled code from another one might not run here."""
     about = Path("/proc/cpuinfo")

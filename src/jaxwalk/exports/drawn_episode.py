@@ -47,4 +47,4 @@ def map_of(street: Street, *, scenario: int, seed: int) -> RoadMap:
 
     drawn, _ = draw_scenarios(street, seed=seed, first=scenario, count=1)
     index = int(drawn.map[0])
-    return jax.device_get(jax.tree.map(lambda x: x[index], street.maps))
+    return jax.device_get(jax.tree.map(lambda x: x[index], street.world.maps))
