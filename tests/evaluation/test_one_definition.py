@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation.game import play
+from jaxwalk.evaluation.playing import play
 from jaxwalk.experiments.recipes import RECIPES, single_agent, with_training
 from jaxwalk.experiments.world import fixed_policies, make_street
 from jaxwalk.learning import mappo

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Key
 
-from jaxwalk.evaluation.game import BLOCK, Frame, frame_of_people
+from jaxwalk.evaluation.playing import BLOCK, Frame, frame_of_people
 from jaxwalk.rollout import SCENARIO_KEYS
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.environment import Street

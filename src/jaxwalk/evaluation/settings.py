@@ -9,10 +9,10 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from jaxwalk.interfaces import ByRole
+from jaxwalk.interfaces import Roles
 from jaxwalk.sim.environment import Street
 
-SAMPLES = ByRole(driver=False, pedestrian=True)
+SAMPLES: Roles[bool] = {"driver": False, "pedestrian": True}
 """Whether a role's policy samples its actions at evaluation, unless told otherwise; else it takes the likeliest."""
 
 P = TypeVar("P")

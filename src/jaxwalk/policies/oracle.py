@@ -15,10 +15,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int, Key
 
+from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
-from jaxwalk.sim.observation import ABSENT, PRIVILEGED, SPEED, part
+from jaxwalk.sim.observation import ABSENT, PRIVILEGED, SPEED, Observation, part
 from jaxwalk.sim.prediction import FAR
 
 LEVELS = 6
@@ -51,8 +52,8 @@ class Oracle(eqx.Module):
     and plans again. Among people who may wait, the future that it is shown is only a guess.
     """
 
-    observes: str = eqx.field(static=True, default=PRIVILEGED)
-    """Name of the observation set."""
+    view: View = eqx.field(static=True, default=Observation("driver", PRIVILEGED))
+    """What it sees."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Memory:
         """It holds nothing yet."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -11,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Key
 
-from jaxwalk.interfaces import Box, ByRole, Discrete, Outcome, RoleSpec
+from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec, View
 from jaxwalk.maps import RoadMap, load_map, stack_maps
 from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
 from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
@@ -39,8 +40,8 @@ class Street(eqx.Module):
     """Stacked maps; a scenario names one."""
     tables: Tables
     jaywalk_multiplier: Float[Array, ""]
-    weights: ByRole[dict[str, Float[Array, ""]]]
-    """Of the reward terms that are paid."""
+    weights: Roles[dict[str, Float[Array, ""]]]
+    """Weights of the reward terms that are paid, by role."""
     config: SimConfig = eqx.field(static=True)
 
     @classmethod
@@ -60,8 +61,8 @@ class Street(eqx.Module):
         config = config or SimConfig()
         spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
         stacked = stack_maps([load_map(name, **spacing) for name in maps])
-        weights = ByRole(dict(driver_weights or {}), dict(pedestrian_weights or {}))
-        reward.check_weights(weights.driver, weights.pedestrian)
+        weights = {"driver": dict(driver_weights or {}), "pedestrian": dict(pedestrian_weights or {})}
+        reward.check_weights(weights["driver"], weights["pedestrian"])
         if not 0 <= jaywalk_multiplier < float("inf"):
             raise ValueError(f"jaywalk_multiplier must be 0 or more, not {jaywalk_multiplier}")
         on_host = (stacked, np.float32(jaywalk_multiplier), jax.tree.map(np.float32, weights))
@@ -69,9 +70,13 @@ class Street(eqx.Module):
         return cls(road_map, pack_tables(stacked), multiplier, paid, config)
 
     @property
-    def roles(self) -> ByRole[RoleSpec]:
+    def roles(self) -> Roles[RoleSpec]:
         """One car with acceleration and steering; people who wait (0) or go (1)."""
-        return ByRole(RoleSpec((), Box(2)), RoleSpec((self.config.pedestrians,), Discrete(2)))
+        return {"driver": RoleSpec((), Box(2)), "pedestrian": RoleSpec((self.config.pedestrians,), Discrete(2))}
+
+    def view(self, role: str, name: str) -> View:
+        """Return a flat view by its name (`jaxwalk.sim.observation.OBSERVATIONS`). Raise ValueError if unknown."""
+        return observation.Observation(role, name)
 
     @eqx.filter_jit
     def draw(self, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
@@ -96,10 +101,9 @@ class Street(eqx.Module):
         return self._state(scenario, state.step, car, state.pedestrian)
 
     @eqx.filter_jit
-    def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
-        """A named observation set (`jaxwalk.sim.observation.OBSERVATIONS`)."""
-        world = observation.World(self.maps, self.tables, self.config, self.jaywalk_multiplier, scenario, state)
-        return observation.observe(role, name, world)
+    def observe(self, scenario: Scenario, state: State, view: View) -> Any:
+        """Return what a view shows."""
+        return view(Moment(self, scenario, state))
 
     @eqx.filter_jit
     def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
@@ -107,12 +111,12 @@ class Street(eqx.Module):
         return observation.global_state(self.maps, self.tables, self.config, scenario, state)
 
     @eqx.filter_jit
-    def step(self, scenario: Scenario, state: State, actions: ByRole[Array]) -> tuple[State, Outcome]:
+    def step(self, scenario: Scenario, state: State, actions: Roles[Array]) -> tuple[State, Outcome]:
         """One step: everybody moves, then events, then rewards. Deterministic; never resets."""
-        car = vehicle.drive(self.maps, self.tables, self.config, scenario, state.vehicle, actions.driver)
+        car = vehicle.drive(self.maps, self.tables, self.config, scenario, state.vehicle, actions["driver"])
         people = pedestrian.walk(
             self.maps, self.tables, self.config, self.jaywalk_multiplier, scenario, state.pedestrian,
-            actions.pedestrian.astype(bool),
+            actions["pedestrian"].astype(bool),
         )  # fmt: skip
         after = self._state(scenario, state.step + 1, car, people)
         events = self._events(scenario, after)
@@ -120,12 +124,13 @@ class Street(eqx.Module):
         over = events.collision | events.goal
         ended = over | events.timeout
         return after, Outcome(
-            rewards=ByRole(
-                reward.reward(reward.DRIVER_TERMS, self.weights.driver, transition),
-                reward.reward(reward.PEDESTRIAN_TERMS, self.weights.pedestrian, transition),
-            ),
-            terminated=ByRole(over, events.touched),
-            truncated=ByRole(events.timeout, ended[None] & ~events.touched),
+            rewards={
+                "driver": reward.reward(reward.DRIVER_TERMS, self.weights["driver"], transition),
+                "pedestrian": reward.reward(reward.PEDESTRIAN_TERMS, self.weights["pedestrian"], transition),
+            },
+            terminated={"driver": over, "pedestrian": events.touched},
+            truncated={"driver": events.timeout, "pedestrian": ended[None] & ~events.touched},
+            ended=ended,
             events=events,
         )
 

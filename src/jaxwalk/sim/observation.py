@@ -7,12 +7,14 @@ The exceptions are the sets in `HIDDEN`, for drivers that show what it would be 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from jaxwalk.interfaces import Moment
 from jaxwalk.maps import RoadMap
 from jaxwalk.sim import belief, future, pedestrian, prediction, vehicle
 from jaxwalk.sim.config import SimConfig
@@ -61,12 +63,26 @@ class World(NamedTuple):
     state: State
 
 
-def observe(role: str, name: str, world: World) -> Float[Array, "feature ..."]:
-    """The named set of a role, ``(feature, *agents, *batch)``; raises ValueError for an unknown name."""
-    sets = OBSERVATIONS[role]
-    if name not in sets:
-        raise ValueError(f"no observation set '{name}' for the {role}; there are: {', '.join(sets)}")
-    return _joined(sets[name](world))
+@dataclass(frozen=True)
+class Observation:
+    """A named observation set of a role, as a view. Raises ValueError for an unknown name."""
+
+    role: str
+    name: str
+
+    def __post_init__(self) -> None:
+        """Refuse a set that doesn't exist."""
+        if self.name not in OBSERVATIONS[self.role]:
+            known = ", ".join(OBSERVATIONS[self.role])
+            raise ValueError(f"no observation set '{self.name}' for the {self.role}; there are: {known}")
+
+    def __call__(self, moment: Moment) -> Float[Array, "feature ..."]:
+        """Return the features, ``(feature, *agents, *batch)``."""
+        street = moment.world
+        world = World(
+            street.maps, street.tables, street.config, street.jaywalk_multiplier, moment.scenario, moment.state
+        )
+        return _joined(OBSERVATIONS[self.role][self.name](world))
 
 
 def _joined(parts: Parts) -> Float[Array, "feature ..."]:

@@ -51,7 +51,7 @@ class HostDriver:
 
     def __init__(self, name: str, driver: Any, *, observes: str, seconds: float = SECONDS) -> None:
         """``name``: what people call it; ``driver``: follows the protocol; ``seconds``: its limit for one step."""
-        self.name, self.observes = name, observes
+        self.name, self.view = name, Observation("driver", observes)
         self.turn = threading.Lock()
         self.seconds_spent, self.steps_made = 0.0, 0
         self.failure: str | None = None
