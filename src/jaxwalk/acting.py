@@ -5,7 +5,7 @@ Training, evaluation, adapters and export differ in who plays where (a `Cast`) a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -72,8 +72,8 @@ class Nothing:
 class Given(eqx.Module):
     """A policy that does what it is given: how a role is played from outside a compiled program."""
 
-    action: Array
-    """``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
+    action: Any
+    """An array ``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
     view: View = eqx.field(static=True, default=Nothing())
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
@@ -85,7 +85,7 @@ class Given(eqx.Module):
         return self.action, memory
 
 
-def cast_of(policies: Roles[Policy]) -> Cast:
+def cast_of(policies: Mapping[str, Policy]) -> Cast:
     """Return the cast in which each policy plays its role everywhere."""
     return {role: (Player(policy, policy.view),) for role, policy in policies.items()}
 

@@ -127,10 +127,10 @@ class Policy(Protocol):
         """What it sees."""
         ...
 
-    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Any:
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...], /) -> Any:
         """Return the memory at the start of an episode: a pytree with arrays ``(..., *agents, *batch)``, or None."""
         ...
 
-    def act(self, key: Key[Array, "*batch"], memory: Any, seen: Any) -> tuple[Array, Any]:
+    def act(self, key: Key[Array, "*batch"], memory: Any, seen: Any, /) -> tuple[Array, Any]:
         """Return action and next memory. ``key`` holds one key for each episode, ``seen`` is what its view shows."""
         ...

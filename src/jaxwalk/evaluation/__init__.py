@@ -10,9 +10,9 @@ from jaxwalk.evaluation.counterfactual import (
     summarise_counterfactuals,
 )
 from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
-from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
+from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.results import Cell, Results, Stopped, compare, write_rows
 from jaxwalk.evaluation.scenarios import BATCH, evaluate, replay
 from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode

@@ -15,8 +15,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
-from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
+from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.scenarios import BATCH, Progress
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import Rate, Rows, wilson

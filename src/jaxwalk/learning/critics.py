@@ -13,12 +13,12 @@ from jaxtyping import Array, Bool, Float, Key
 from jaxwalk.interfaces import Environment, Outcome
 from jaxwalk.learning.actor import CHOSEN_PART
 from jaxwalk.learning.advantages import Transitions, generalised_advantage
+from jaxwalk.learning.casting import Shard, width
 from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig
 from jaxwalk.learning.experience import Views
 from jaxwalk.learning.fit import map_chunks, plan_chunks, take_rows
 from jaxwalk.learning.monitor import by_agent
 from jaxwalk.learning.networks import MLP, make_mlp
-from jaxwalk.learning.seats import Shard, width
 from jaxwalk.rollout import Step
 
 FORWARD_CHUNKS = 4
@@ -96,7 +96,7 @@ def estimate_advantages(shard: Shard, critic: Critic, played: Step, final: Views
     too, whatever they are.
     """
     config, shared = shard.config, critic.role == SHARED
-    own = slice(0, config.environments) if shared else shard.seats[critic.role].own
+    own = slice(0, config.environments) if shared else shard.columns[critic.role].own
     decided = None if shared else played.record.choices[critic.role].decided
     views = critic.select(played.record.views)
     if decided is None:

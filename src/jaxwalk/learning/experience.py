@@ -10,8 +10,8 @@ from jaxtyping import Array, Float, Key
 from jaxwalk.acting import Cast, act, part_of
 from jaxwalk.interfaces import Environment, Roles
 from jaxwalk.learning.actor import Choice
+from jaxwalk.learning.casting import Shard
 from jaxwalk.learning.config import GLOBAL, SHARED
-from jaxwalk.learning.seats import Shard
 from jaxwalk.rollout import Act
 
 Views = dict[str, dict[str, Float[Array, "_ ..."]]]
@@ -33,7 +33,7 @@ def gather_views(environment: Environment, shard: Shard, scenario: Any, state: A
     shared = config.credit == "shared"
     views: Views = {SHARED: {GLOBAL: environment.global_state(scenario, state)}} if shared else {}
     for role in config.learning_roles:
-        choice, own = config.roles[role], shard.seats[role].own
+        choice, own = config.roles[role], shard.columns[role].own
         names = {choice.observes} | (set() if shared else set(choice.critic_observes))
         views[role] = {n: part_of(_see(environment, scenario, state, role, n), own) for n in sorted(names)}
     return views
@@ -58,5 +58,5 @@ def recording_act(environment: Environment, shard: Shard, cast: Cast) -> Act:
 
 def _own(shard: Shard, cast: Cast, role: str, records: tuple[Any, ...]) -> Choice:
     """Return what the role's learner recorded."""
-    own = shard.seats[role].own
+    own = shard.columns[role].own
     return next(record for player, record in zip(cast[role], records, strict=True) if player.columns == own)

@@ -16,10 +16,10 @@ import jax
 
 from jaxwalk.interfaces import Discrete, Environment
 from jaxwalk.learning.actor import CHOSEN_PART
+from jaxwalk.learning.casting import whole
 from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig, own_environments
 from jaxwalk.learning.experience import gather_views
 from jaxwalk.learning.fit import gated_part
-from jaxwalk.learning.seats import whole
 from jaxwalk.rollout import draw_batch
 
 

@@ -24,13 +24,13 @@ from jaxwalk.acting import ALL, fresh_memory, part_of
 from jaxwalk.interfaces import Environment, Policy, Roles
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
+from jaxwalk.learning.casting import Shard, learning_cast, remember, shard_of, snapshots, whole
 from jaxwalk.learning.config import SHARED, TrainConfig
 from jaxwalk.learning.critics import Critic, Estimates, estimate_advantages, make_critics
 from jaxwalk.learning.experience import gather_views, recording_act
 from jaxwalk.learning.fit import Entries, Fit, fit, gated_part, learning_rate, optimiser, pack_weighted
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
 from jaxwalk.learning.monitor import all_finite, by_agent, episode_metrics, reward_metrics
-from jaxwalk.learning.seats import Shard, learning_cast, remember, shard_of, snapshots, whole
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, waiting
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 
@@ -172,11 +172,11 @@ def _rollout_metrics(shard: Shard, played: Step) -> dict[str, Array]:
     """Return each role's rewards in the environments in which its learner plays, and how episodes ended in those of the
     first learning role."""
     metrics = {}
-    for role, seats in shard.seats.items():
-        own = seats.own if shard.config.roles[role].learns else ALL
+    for role, columns in shard.columns.items():
+        own = columns.own if shard.config.roles[role].learns else ALL
         valid = played.valid[:, own].astype(jnp.float32)
         metrics |= reward_metrics(role, part_of(played.outcome.rewards[role], own), valid, SHARDS)
-    own = shard.seats[shard.config.learning_roles[0]].own
+    own = shard.columns[shard.config.learning_roles[0]].own
     return metrics | episode_metrics(part_of(played.outcome, own), played.valid[:, own].astype(jnp.float32), SHARDS)
 
 
@@ -211,7 +211,7 @@ def _improve_actors(
     actors, memories, metrics = {}, {}, {}
     for (role, actor), key in zip(learner.actors.items(), _shuffle_keys(learner, 0, len(learner.actors)), strict=True):
         advantage = estimates[SHARED if config.credit == "shared" else role].advantage
-        choice, own = played.record.choices[role], shard.seats[role].own
+        choice, own = played.record.choices[role], shard.columns[role].own
         counts = by_agent(played.valid[:, own].astype(jnp.float32), advantage)
         counts = counts if choice.decided is None else counts * choice.decided
         data = Actions(

@@ -66,8 +66,8 @@ def contestant(
     file = policy_file(role, name)
     observes = read_metadata(file)["roles"].get(role, {}).get("observes", "paper")
     policy = load_policy(file, role, expect_size=_observation_size(street, role, observes, file))
-    _check_action(policy.actor, getattr(street.roles, role).action, f"{file}: the {role}")
-    return with_mode(policy, sample=getattr(SAMPLES, role) if sample is None else sample)
+    _check_action(policy.actor, street.roles[role].action, f"{file}: the {role}")
+    return with_mode(policy, sample=SAMPLES[role] if sample is None else sample)
 
 
 def policy_file(role: str, name: str) -> Path:
@@ -103,7 +103,7 @@ def _observation_size(street: Street, role: str, observes: str, file: Path) -> i
 
     def look() -> jax.Array:
         scenario = street.draw(jax.random.key(0))
-        return street.observe(scenario, street.reset(scenario), role, observes)
+        return street.observe(scenario, street.reset(scenario), street.view(role, observes))
 
     try:
         return eqx.filter_eval_shape(look).shape[0]

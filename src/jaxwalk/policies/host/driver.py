@@ -28,6 +28,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Key
 
+from jaxwalk.sim.observation import Observation
+
 SECONDS = 10.0
 """A driver may think so long about one step of its batch, unless told otherwise."""
 NUMBERS = "fiu"

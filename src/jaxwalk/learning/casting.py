@@ -17,7 +17,7 @@ from jaxwalk.learning.config import SNAPSHOTS, TrainConfig
 
 
 @dataclass(frozen=True)
-class Seats:
+class Columns:
     """Who plays a role in which environments: parts of the environment axis."""
 
     fixed: slice
@@ -34,7 +34,7 @@ class Shard:
 
     config: TrainConfig
     """The training's, with the shard's number of environments."""
-    seats: Roles[Seats]
+    columns: Roles[Columns]
     """By role."""
 
 
@@ -45,10 +45,10 @@ def shard_of(config: TrainConfig) -> Shard:
 
 def whole(config: TrainConfig) -> Shard:
     """Return all environments as if they were one shard."""
-    return Shard(config, {role: _seats(config, role) for role in config.roles})
+    return Shard(config, {role: _columns(config, role) for role in config.roles})
 
 
-def _seats(config: TrainConfig, role: str) -> Seats:
+def _columns(config: TrainConfig, role: str) -> Columns:
     """The first role's stand-ins have the first environments, the other roles' the last ones: so there are environments
     in which all learn, and each role's stand-ins meet the learners of the others."""
     choice, count = config.roles[role], config.environments
@@ -57,7 +57,7 @@ def _seats(config: TrainConfig, role: str) -> Seats:
     parts = [slice(a, b) for a, b in pairwise(bounds)]
     if role != next(iter(config.roles)):
         parts = [slice(count - part.stop, count - part.start) for part in parts]
-    return Seats(parts[0], tuple(parts[1:-1]), parts[-1])
+    return Columns(parts[0], tuple(parts[1:-1]), parts[-1])
 
 
 def learning_cast(
@@ -66,12 +66,12 @@ def learning_cast(
 ) -> Cast:  # fmt: skip
     """Return the cast of a shard: learning roles sample from their actors, stand-ins play elsewhere."""
     cast = {}
-    for role, seats in shard.seats.items():
+    for role, columns in shard.columns.items():
         fixed, players = others[role], []
         if fixed is not None:
-            players.append(Player(fixed, fixed.view, seats.fixed))
+            players.append(Player(fixed, fixed.view, columns.fixed))
         if role in actors:
-            versions = [*zip(seats.early, early[role], strict=False), (seats.own, actors[role])]
+            versions = [*zip(columns.early, early[role], strict=False), (columns.own, actors[role])]
             players += [Player(x, environment.view(role, x.observes), at, sample) for at, x in versions]
         cast[role] = tuple(sorted((p for p in players if width(p.columns)), key=lambda p: p.columns.start))
     return cast
