@@ -32,7 +32,7 @@ class Cautious(eqx.Module):
 
 street = Street.create()
 fast, slow = (
-    evaluate(street, car, AlwaysGo(), episodes=EPISODES, seed=0, batch=64) for car in (RouteFollower(), Cautious())
+    evaluate(street, {"driver": car, "pedestrian": AlwaysGo()}, Drawn(street, 0, EPISODES), batch=64) for car in (RouteFollower(), Cautious())
 )
 collision = paired(fast, slow).collision
 print("collisions at full speed {:.0%}, at 4 m/s {:.0%}; p = {:.3f}".format(*collision.rates, collision.p))

@@ -93,8 +93,8 @@ def test_pictures_show_the_episode_as_it_goes(env):
 def test_scenarios_are_those_of_an_evaluation(three):
     """With the same chances for people who decide at random: outcomes and their times are the same."""
     street, count = Street.create(config=RULES), 24
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=count)
-    native = play(street, ConstantSpeed(throttle=1.0), player("pedestrian", "learned"), scenarios, keys)
+    scenarios, keys = Drawn(street, 7).take(np.arange(count))
+    native = play(street, {"driver": ConstantSpeed(throttle=1.0), "pedestrian": player("pedestrian", "learned")}, scenarios, keys)
     steps, collided = np.zeros(count, int), np.zeros(count, bool)
     for first in range(0, count, 3):
         part = slice(first, first + 3)

@@ -41,7 +41,7 @@ def undecided():
 @pytest.fixture(scope="session")
 def rows(street, driver, undecided):
     """40 episodes in batches of 16."""
-    return evaluate(street, driver, undecided, episodes=40, seed=7, batch=BATCH)
+    return evaluate(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 7, 40), batch=BATCH)
 
 
 @pytest.fixture(scope="session")

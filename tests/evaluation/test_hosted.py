@@ -44,9 +44,9 @@ def hosted(fails=None):
 
 
 def test_it_plays_as_the_same_driver_in_jax_does(street, driver, undecided):
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=BATCH)
-    native = play(street, driver, undecided, scenarios, keys)
-    asked = play(street, hosted(), undecided, scenarios, keys)
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
+    native = play(street, {"driver": driver, "pedestrian": undecided}, scenarios, keys)
+    asked = play(street, {"driver": hosted(), "pedestrian": undecided}, scenarios, keys)
     for name in ("length", "goal", "collision", "scenario", "decisions"):
         np.testing.assert_array_equal(getattr(asked, name), getattr(native, name), err_msg=name)
     for name in ("car_x", "car_speed", "car_acceleration", "ped_x"):
@@ -62,7 +62,7 @@ def test_every_batch_is_its_own_although_two_are_under_way(street, rows, undecid
         return action
 
     mine = hosted(note)
-    found = evaluate(street, mine, undecided, episodes=40, seed=7, batch=BATCH)
+    found = evaluate(street, {"driver": mine, "pedestrian": undecided}, Drawn(street, 7, 40), batch=BATCH)
     begins = np.flatnonzero(np.array(steps) == 1)
     assert len(begins) == 3  # batches
     assert all(later in (1, now + 1) for now, later in pairwise(steps))
@@ -99,28 +99,28 @@ def test_a_failure_of_a_whole_batch_names_its_first_scenario(street):
     def fails(mine, action):
         raise RuntimeError("no fuel")
 
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=BATCH)
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
     message = r"mine: act raised RuntimeError: no fuel \(test_hosted.py, line \d+\) \(scenario 100 and 15 others"
     with pytest.raises(DriverError, match=message + r", played together, step 0\)"):
-        play(street, hosted(fails), AlwaysGo(), scenarios, keys, numbers=100 + np.arange(BATCH))
+        play(street, {"driver": hosted(fails), "pedestrian": AlwaysGo()}, scenarios, keys, numbers=100 + np.arange(BATCH))
 
 
 def test_what_it_answers_for_an_episode_that_has_ended_does_not_matter(street, undecided):
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=BATCH)
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
     until = np.where(np.arange(BATCH) == 2, 10, 20)
 
     def fails(mine, action):
         action[2] = np.nan if mine.step > 10 else action[2]
         return action
 
-    played = play(street, hosted(fails), undecided, scenarios, keys, until=until)
+    played = play(street, {"driver": hosted(fails), "pedestrian": undecided}, scenarios, keys, until=until)
     np.testing.assert_array_equal(played.length, until)
 
 
 def test_an_intervention_changes_its_actions(street, undecided):
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=BATCH)
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
     until = np.full(BATCH, 20)
     brake = Brake(jnp.full(BATCH, 10))
-    played = play(street, hosted(), undecided, scenarios, keys, intervention=brake, until=until)
+    played = play(street, {"driver": hosted(), "pedestrian": undecided}, scenarios, keys, intervention=brake, until=until)
     assert (played.car_acceleration[1:11] > 0).all()
     assert (played.car_acceleration[11:] < 0).all()

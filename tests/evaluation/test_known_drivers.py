@@ -57,7 +57,7 @@ def found():
     observation.OBSERVATIONS["driver"]["known"] = known
     try:
         return {
-            what: summarise(evaluate(street, Known(what), AlwaysGo(), episodes=EPISODES, seed=2)).speed_differential
+            what: summarise(evaluate(street, {"driver": Known(what), "pedestrian": AlwaysGo()}, Drawn(street, 2, EPISODES))).speed_differential
             for what in (BLIND, CROSSWALKS, CROSSWALK_USERS)
         }
     finally:

@@ -27,8 +27,8 @@ def recorded(street):
     from jaxwalk.evaluation import draw_scenarios, play
     from jaxwalk.policies import DRIVERS, POPULATIONS
 
-    scenarios, keys = draw_scenarios(street, seed=0, first=0, count=EPISODES)
-    return play(street, DRIVERS["route-follower"](), POPULATIONS["always-go"](), scenarios, keys)
+    scenarios, keys = Drawn(street, 0).take(np.arange(EPISODES))
+    return play(street, {"driver": DRIVERS["route-follower"](), "pedestrian": POPULATIONS["always-go"]()}, scenarios, keys)
 
 
 @pytest.fixture(scope="session")

@@ -92,7 +92,7 @@ def test_route_follower_steers_along_the_circle_to_the_point_ahead(radius):
 
 
 def test_route_follower_keeps_every_route_s_lane_and_arrives(street):
-    scenarios, keys = draw_scenarios(street, seed=1, first=0, count=256)
+    scenarios, keys = Drawn(street, 1).take(np.arange(256))
     driver = RouteFollower()
 
     @eqx.filter_jit
@@ -114,7 +114,7 @@ def test_route_follower_keeps_every_route_s_lane_and_arrives(street):
 
 @pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in LAYOUTS.items() for name in sets])
 def test_layouts_say_where_things_are(street, role, name):
-    scenarios, _ = draw_scenarios(street, seed=0, first=0, count=3)
+    scenarios, _ = Drawn(street, 0).take(np.arange(3))
     state = street.reset(scenarios)
     state = eqx.tree_at(lambda s: s.vehicle.speed, state, jnp.full(3, 4.0))
     seen = eqx.filter_jit(lambda street: street.observe(scenarios, state, role, name))(street)

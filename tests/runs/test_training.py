@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from jaxwalk.runs.recipes import single_agent, with_training
-from jaxwalk.runs.folder import Run
-from jaxwalk.runs.training import DivergedError, Session, UnwrittenError, begin, is_finished, train
-from jaxwalk.runs.street import make_street, shared_out
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.policies import load_policy, read_metadata
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.recipes import single_agent, with_training
+from jaxwalk.runs.street import make_street, shared_out
+from jaxwalk.runs.training import DivergedError, Session, UnwrittenError, begin, is_finished, train
 from limits import files_at_most
 from reliability.kill_training import board
 

@@ -10,11 +10,11 @@ import equinox as eqx
 import jax
 
 from jaxwalk.evaluation import SAMPLES, with_mode
-from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.interfaces import Box, Discrete, Policy
 from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
+from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
 
