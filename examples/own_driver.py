@@ -12,10 +12,11 @@ import equinox as eqx
 import numpy as np
 
 from jaxwalk import Street
-from jaxwalk.evaluation import draw_scenarios, evaluate, play
+from jaxwalk.evaluation import evaluate, play
 from jaxwalk.exports.onnx_policy import export
 from jaxwalk.policies import AlwaysGo, load_policy, shipped_policy
 from jaxwalk.policies.host import HostDriver, load_host_driver
+from jaxwalk.scenarios import Drawn
 
 EPISODES = int(sys.argv[1]) if len(sys.argv) > 1 else 64
 BATCH = min(EPISODES, 512)
@@ -59,7 +60,12 @@ def trace(driver, scenario):
     first, row = scenario - scenario % BATCH, scenario % BATCH
     beside = Beside(driver)
     scenarios, keys = Drawn(street, 0).take(first + np.arange(BATCH))
-    played = play(street, {"driver": HostDriver("beside", beside, observes=driver.observes), "pedestrian": people}, scenarios, keys)
+    played = play(
+        street,
+        {"driver": HostDriver("beside", beside, observes=driver.observes), "pedestrian": people},
+        scenarios,
+        keys,
+    )
     gaps = np.array(beside.gaps)[: played.length[row], row]
     step = int(np.argmax(gaps > 0))
     print(

@@ -14,9 +14,7 @@ import pytest
 from jaxwalk.evaluation import (
     Counterfactuals,
     ReplayError,
-    choose_scenarios,
     counterfactuals,
-    draw_scenarios,
     evaluate,
     play,
     summarise_counterfactuals,
@@ -26,8 +24,9 @@ from jaxwalk.evaluation.counterfactual import find_hits
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.metrics import measure
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.observation import part
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 BATCH = 16
@@ -61,6 +60,7 @@ class People(AlwaysGo):
 # the same kinds of policies everywhere: numbers in them compile nothing anew
 BLIND, STANDING = Car(throttle=jnp.float32(1)), Car(throttle=jnp.float32(-1))
 WALKERS, LURKERS = People(lurk=jnp.array(False)), People(lurk=jnp.array(True))
+BLIND_ONE = {"driver": BLIND, "pedestrian": WALKERS}
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ def hits(often):
 
 @pytest.fixture(scope="module")
 def table(often, hits):
-    return counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH)
+    return counterfactuals(often, BLIND_ONE, Drawn(often, 7), find_hits(hits), batch=BATCH)
 
 
 @pytest.fixture(scope="module")
@@ -139,8 +139,8 @@ def test_an_episode_can_be_stopped(often, batch, played):
 def test_who_is_to_wait_waits_and_nobody_else(often, batch, played):
     ped, begin = np.arange(BATCH) % 12, 10 + np.arange(BATCH)
     until = begin + 20
-    waiting = Wait(jnp.asarray(ped), jnp.asarray(begin))
-    changed = play(often, {"driver": BLIND, "pedestrian": WALKERS}, *batch, intervention=waiting, until=until)
+    waiting = Wait(WALKERS, jnp.asarray(ped), jnp.asarray(begin))
+    changed = play(often, {"driver": BLIND, "pedestrian": waiting}, *batch, until=until)
     assert_same_until(begin, changed, played)
     for episode, last in enumerate(changed.length):
         going = changed.going[: last + 1, episode]
@@ -151,7 +151,8 @@ def test_who_is_to_wait_waits_and_nobody_else(often, batch, played):
 
 def test_the_car_brakes_and_steers_on(often, batch, played):
     begin = 20 + np.arange(BATCH)
-    changed = play(often, {"driver": BLIND, "pedestrian": WALKERS}, *batch, intervention=Brake(jnp.asarray(begin)), until=begin + 60)
+    brakes = {"driver": Brake(BLIND, jnp.asarray(begin)), "pedestrian": WALKERS}
+    changed = play(often, brakes, *batch, until=begin + 60)
     assert_same_until(begin, changed, played)
     under_way = changed.length > begin
     assert under_way.sum() > 10
@@ -164,10 +165,10 @@ def test_the_car_brakes_and_steers_on(often, batch, played):
 def test_a_driver_takes_over(often, batch, played):
     begin = jnp.zeros(BATCH, jnp.int32)
     other = play(often, {"driver": STANDING, "pedestrian": WALKERS}, *batch)
-    at_once = play(often, {"driver": STANDING, "pedestrian": WALKERS}, *batch, intervention=TakeOver(BLIND, begin))
+    at_once = play(often, {"driver": TakeOver(STANDING, BLIND, begin), "pedestrian": WALKERS}, *batch)
     np.testing.assert_array_equal(at_once.length, played.length)
     assert_same_until(played.length, at_once, played)
-    later = play(often, {"driver": STANDING, "pedestrian": WALKERS}, *batch, intervention=TakeOver(BLIND, begin + 30))
+    later = play(often, {"driver": TakeOver(STANDING, BLIND, begin + 30), "pedestrian": WALKERS}, *batch)
     before = np.minimum(other.length, 30)
     assert_same_until(before, later, other)
     assert (later.car_acceleration[31:40, later.length > 40] == 3).all()
@@ -237,16 +238,19 @@ def assert_same_rows(a, b, order=slice(None)):
 
 def test_how_many_are_replayed_changes_no_row(often, hits, table):
     told = []
-    fewer = counterfactuals(
-        often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=5, progress=lambda *n: told.append(n)
-    )
+    some = find_hits(hits).first(5)
+    fewer = counterfactuals(often, BLIND_ONE, Drawn(often, 7), some, batch=BATCH, progress=lambda *n: told.append(n))
     assert fewer.collisions == table.collisions
     assert told == [(5, 5)]
     assert_same_rows(fewer, table, slice(5))
-    none = counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=0)
+    none = counterfactuals(often, BLIND_ONE, Drawn(often, 7), find_hits(hits).first(0), batch=BATCH)
     assert len(none.label) == 0
-    with pytest.raises(ValueError, match="at_most"):
-        counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=-1)
+    chosen = find_hits(hits).among(some.scenario[1:3].tolist())
+    assert chosen.scenario.tolist() == some.scenario[1:3].tolist()
+    with pytest.raises(ValueError, match="must be 0 or more, not -1"):
+        find_hits(hits).first(-1)
+    with pytest.raises(ValueError, match="batch must be at least 1"):
+        counterfactuals(often, BLIND_ONE, Drawn(often, 7), some, batch=0)
 
 
 def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
@@ -254,18 +258,19 @@ def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
     columns = {name: x[order] for name, x in vars(hits.episodes).items()}
     crossings = dataclasses.replace(hits.crossings, episode=np.argsort(order)[hits.crossings.episode])
     shuffled = dataclasses.replace(hits, episodes=type(hits.episodes)(**columns), crossings=crossings)
-    found = counterfactuals(often, BLIND, WALKERS, shuffled, seed=7, batch=BATCH)
+    found = counterfactuals(often, BLIND_ONE, Drawn(often, 7), find_hits(shuffled), batch=BATCH)
     assert_same_rows(table, found, np.argsort(found.scenario))
 
 
 def test_another_evaluation_is_refused(often, hits):
     with pytest.raises(ReplayError, match="a replay without any change is at step"):
-        counterfactuals(often, BLIND, WALKERS, hits, seed=8, batch=BATCH)
+        counterfactuals(often, BLIND_ONE, Drawn(often, 8), find_hits(hits), batch=BATCH)
 
 
 def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
     rows = evaluate(often, {"driver": BLIND, "pedestrian": LURKERS}, Drawn(often, 7, 32), batch=BATCH)
-    found = counterfactuals(often, BLIND, LURKERS, rows, seed=7, batch=BATCH, at_most=BATCH)
+    cast = {"driver": BLIND, "pedestrian": LURKERS}
+    found = counterfactuals(often, cast, Drawn(often, 7), find_hits(rows).first(BATCH), batch=BATCH)
     assert len(found.label) > 5
     assert not (found.brake | found.planner).any()
     assert found.wait.mean() > 0.7
@@ -274,7 +279,8 @@ def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
 
 def test_a_standing_car_cannot_brake(often):
     rows = evaluate(often, {"driver": STANDING, "pedestrian": WALKERS}, Drawn(often, 7, 128), batch=BATCH)
-    found = counterfactuals(often, STANDING, WALKERS, rows, seed=7, batch=BATCH, at_most=BATCH)
+    cast = {"driver": STANDING, "pedestrian": WALKERS}
+    found = counterfactuals(often, cast, Drawn(often, 7), find_hits(rows).first(BATCH), batch=BATCH)
     assert len(found.label) > 3
     assert not found.moving.any()
     assert not found.brake.any()

@@ -6,9 +6,10 @@ import jax
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation import draw_scenarios, evaluate, play, walk_ghosts
+from jaxwalk.evaluation import evaluate, play, walk_ghosts
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, RouteFollower
 from jaxwalk.rollout import SCENARIO_KEYS
+from jaxwalk.scenarios import Drawn
 
 BATCH = 16
 
@@ -26,7 +27,7 @@ def test_ghosts_walk_as_always_go_does(street, drawn):
     others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(second, scenarios)
     played = play(street, {"driver": ConstantSpeed(throttle=0.0), "pedestrian": AlwaysGo()}, others, keys)
     for name, column in vars(ghosts).items():
-        assert column.shape == (130, BATCH, street.config.pedestrians)
+        assert column.shape == (130, BATCH, street.world.rules.pedestrians)
         for episode, length in enumerate(np.minimum(played.length, 129)):
             expected = getattr(played, name)[: length + 1, episode]
             np.testing.assert_allclose(column[: length + 1, episode], expected, atol=1e-4, err_msg=name)
@@ -55,5 +56,8 @@ def test_ghosts_change_nothing_of_the_episodes(street, drawn):
 
 
 def test_asking_for_fewer_episodes_changes_no_ghost(street):
-    many, few = (evaluate(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(street, 7, n), batch=BATCH) for n in (24, 20))
+    many, few = (
+        evaluate(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(street, 7, n), batch=BATCH)
+        for n in (24, 20)
+    )
     np.testing.assert_array_equal(many.placebo.ghost_speed_sum[:20], few.placebo.ghost_speed_sum)

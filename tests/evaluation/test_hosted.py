@@ -8,12 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation import Stopped, compare, draw_scenarios, evaluate, play
+from jaxwalk.evaluation import Stopped, compare, evaluate, play
 from jaxwalk.evaluation.interventions import Brake
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.host import DriverError, HostDriver
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.observation import part
+from jaxwalk.sim.sim_config import SimConfig
 
 BATCH = 16  # as in all of this folder
 ROUTE = part("driver", "route", "route")
@@ -73,7 +74,7 @@ def test_every_batch_is_its_own_although_two_are_under_way(street, rows, undecid
 
 def test_its_cost_is_in_its_cell_and_in_no_other(street, driver, undecided):
     results, _ = compare(
-        street, {"mine": hosted(), "jax": driver}, {"undecided": undecided}, episodes=BATCH, seed=7, batch=BATCH
+        street, {"mine": hosted(), "jax": driver}, {"undecided": undecided}, Drawn(street, 7, BATCH), batch=BATCH
     )
     assert results.cell("mine", "undecided").as_dict()["driver_ms_per_step"] > 0
     assert "driver_ms_per_step" not in results.cell("jax", "undecided").as_dict()
@@ -88,7 +89,7 @@ def test_a_failure_names_scenario_and_step_and_keeps_whole_batches(street, drive
     with pytest.raises(Stopped, match=r"mine: act returned \[1 nan\].*\(scenario (19|35), step 5\)") as stopped:
         compare(
             street, {"jax": driver, "mine": hosted(fails)}, {"undecided": undecided},
-            episodes=40, seed=7, batch=BATCH,
+            Drawn(street, 7, 40), batch=BATCH,
         )  # fmt: skip
     kept = {pair: len(rows.episodes.scenario) for pair, rows in stopped.value.rows.items()}
     # of two batches that wait, either's turn may come; after a failure the other is refused
@@ -102,7 +103,9 @@ def test_a_failure_of_a_whole_batch_names_its_first_scenario(street):
     scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
     message = r"mine: act raised RuntimeError: no fuel \(test_hosted.py, line \d+\) \(scenario 100 and 15 others"
     with pytest.raises(DriverError, match=message + r", played together, step 0\)"):
-        play(street, {"driver": hosted(fails), "pedestrian": AlwaysGo()}, scenarios, keys, numbers=100 + np.arange(BATCH))
+        play(
+            street, {"driver": hosted(fails), "pedestrian": AlwaysGo()}, scenarios, keys, numbers=100 + np.arange(BATCH)
+        )
 
 
 def test_what_it_answers_for_an_episode_that_has_ended_does_not_matter(street, undecided):
@@ -120,7 +123,7 @@ def test_what_it_answers_for_an_episode_that_has_ended_does_not_matter(street, u
 def test_an_intervention_changes_its_actions(street, undecided):
     scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
     until = np.full(BATCH, 20)
-    brake = Brake(jnp.full(BATCH, 10))
-    played = play(street, {"driver": hosted(), "pedestrian": undecided}, scenarios, keys, intervention=brake, until=until)
+    brake = Brake(hosted(), jnp.full(BATCH, 10))
+    played = play(street, {"driver": brake, "pedestrian": undecided}, scenarios, keys, until=until)
     assert (played.car_acceleration[1:11] > 0).all()
     assert (played.car_acceleration[11:] < 0).all()

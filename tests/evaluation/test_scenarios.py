@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from jaxwalk import rollout
-from jaxwalk.evaluation import draw_scenarios, evaluate, replay, scenario_hash, with_jaywalk_multiplier
+from jaxwalk.evaluation import evaluate, replay, with_jaywalk_multiplier
+from jaxwalk.scenarios import Drawn
 
 
 def test_how_many_are_asked_for_changes_no_row(street, driver, undecided, rows):
@@ -38,7 +39,13 @@ def test_an_evaluation_can_be_replayed(street, driver, undecided, rows):
 
 def test_progress_is_told_after_every_batch(street, driver, undecided):
     told = []
-    evaluate(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 8, 20), batch=16, progress=lambda *n: told.append(n))
+    evaluate(
+        street,
+        {"driver": driver, "pedestrian": undecided},
+        Drawn(street, 8, 20),
+        batch=16,
+        progress=lambda *n: told.append(n),
+    )
     assert told == [(16, 20), (20, 20)]
 
 

@@ -112,7 +112,7 @@ def test_each_seed_has_its_own_policies(made):
 def test_everybody_meets_the_pedestrians_of_the_seed(street, monkeypatch):
     rounds = []
 
-    def play(street, {"driver": found, "pedestrian": scenarios}, say):
+    def play(street, found, scenarios, say):
         rounds.extend(found)
         raise Interrupted
 

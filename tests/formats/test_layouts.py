@@ -11,7 +11,7 @@ from jaxwalk.formats.layouts import open_source
 from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.track_file import TrackFile, write_tracks
 from jaxwalk.formats.tracks import TracksError
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 HEAD = (
     "recordingId,trackId,frame,trackLifetime,xCenter,yCenter,heading,width,length,xVelocity,yVelocity,"

@@ -14,7 +14,7 @@ from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.recordings import _crossing_numbers, trajectory_of, views
 from jaxwalk.formats.tracks import TracksError
 from jaxwalk.metrics.braking import NEVER, ONSET, UNSEEN
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 CONFIG = SimConfig()
 GROUND = parse_areas(STREET, "street")

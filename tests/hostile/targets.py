@@ -29,7 +29,7 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.recipes import RECIPES
 from jaxwalk.runs.street import make_street
 from jaxwalk.runs.watch import curves
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def test_the_policy_says_where_it_comes_from(whole):
     assert (metadata["recipe"], metadata["seed"], metadata["steps"]) == ("fast", 0, 384)
     assert {"commit", "hardware", "versions"} <= metadata.keys()
     for role in ("driver", "pedestrian"):
-        assert load_policy(whole.policy, role).observes == whole.experiment.train.role(role).observes
+        assert load_policy(whole.policy, role).view.name == whole.experiment.train.roles[role].observes
 
 
 def test_there_are_events_for_tensorboard(whole):

@@ -9,7 +9,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import draw_batch, environment_keys, seed_key
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
@@ -36,7 +35,9 @@ def play(street, scenario, drive=None, go=None, state=None):
     if go is None:
         go = np.ones((STEPS, PEOPLE, ENVIRONMENTS), np.int32)
     state = reset(street, scenario) if state is None else state
-    return jax.tree.map(np.asarray, _play(street, scenario, state, ByRole(jnp.asarray(drive), jnp.asarray(go))))
+    return jax.tree.map(
+        np.asarray, _play(street, scenario, state, {"driver": jnp.asarray(drive), "pedestrian": jnp.asarray(go)})
+    )
 
 
 def random_actions(seed):
@@ -56,14 +57,14 @@ def reset(street, scenario):
 def view(street, scenario, state):
     """What tests look at, by name."""
     car, people = state.vehicle, state.pedestrian
-    vx, vy = pedestrian.velocity(street.config, scenario, people)
+    vx, vy = pedestrian.velocity(street.world, scenario, people)
     return {
         "step": state.step, "car_x": car.x, "car_y": car.y, "car_cos": car.cos, "car_sin": car.sin,
         "car_speed": car.speed, "car_steering": car.steering, "car_acceleration": car.acceleration,
         "along": car.along, "x": people.x, "y": people.y, "vx": vx, "vy": vy, "on_roadway": people.on_roadway,
         "on_crosswalk": people.on_crosswalk, "crossing": people.crossing, "decisions": people.decisions,
         "goal": people.goal, "arrivals": people.arrivals, "going": people.going,
-        "at_kerb": pedestrian.at_kerb(street.config, people),
+        "at_kerb": pedestrian.at_kerb(street.world, people),
     }  # fmt: skip
 
 
@@ -101,7 +102,7 @@ def _draw(street, keys):
 
 @jax.jit
 def _play(street, scenario, state, actions):
-    TRACES["play", state.step.shape, street.maps.roads.shape] += 1
+    TRACES["play", state.step.shape, street.world.maps.roads.shape] += 1
 
     def body(state, action):
         after, _ = street.step(scenario, state, action)
@@ -113,7 +114,7 @@ def _play(street, scenario, state, actions):
 
 
 def _everything(street, scenario, state, actions):
-    TRACES["everything", state.step.shape, street.maps.roads.shape] += 1
+    TRACES["everything", state.step.shape, street.world.maps.roads.shape] += 1
     state = street.refreshed(scenario, state)
     seen = {f"{role} {name}": street.observe(scenario, state, role, name) for role, name in SETS}
     seen["global"] = street.global_state(scenario, state)
@@ -135,7 +136,8 @@ def actions(drive=(-1.0, 0.0), go=1, *, shape=(ENVIRONMENTS,), people=PEOPLE):
     drive = jnp.asarray(drive, jnp.float32)
     drive = jnp.broadcast_to(drive.reshape(drive.shape + (1,) * (1 + len(shape) - drive.ndim)), (2, *shape))
     go = jnp.asarray(go, jnp.int32)
-    return ByRole(drive, jnp.broadcast_to(go.reshape(go.shape + (1,) * (1 + len(shape) - go.ndim)), (people, *shape)))
+    go = go.reshape(go.shape + (1,) * (1 + len(shape) - go.ndim))
+    return {"driver": drive, "pedestrian": jnp.broadcast_to(go, (people, *shape))}
 
 
 def inside(rectangles, x, y, *, margin=0.0):

@@ -7,7 +7,8 @@ import pytest
 from PIL import Image
 
 from jaxwalk.maps import load_map, stack_maps
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer import ViewerError, animation, picture, scene
 
 FRAMES, EPISODES, PEOPLE = 21, 2, 2

@@ -36,16 +36,16 @@ class Camera:
     def begin(self, stream: Stream) -> None:
         """An episode's first frame; ``stream`` holds one environment."""
         row, scenario = self._row(stream), stream.scenario
-        frames = self.street.config.horizon + 1
-        goal_x, goal_y = _goal(self.street.tables, scenario)
+        frames = self.street.world.rules.horizon + 1
+        goal_x, goal_y = _goal(self.street.world, scenario)
         self.trajectory, self.scene = (
             Trajectory(
-                dt=self.street.config.dt,
+                dt=self.street.world.rules.dt,
                 scenario=np.asarray(stream.episode),
                 length=np.zeros(1, np.int32),
                 goal=np.zeros(1, bool),
                 collision=np.zeros(1, bool),
-                touched=np.zeros((1, self.street.config.pedestrians), bool),
+                touched=np.zeros((1, self.street.world.rules.pedestrians), bool),
                 goal_x=np.asarray(goal_x),
                 goal_y=np.asarray(goal_y),
                 jaywalking_tendency=np.asarray(scenario.jaywalking_tendency).T,
@@ -71,7 +71,7 @@ class Camera:
         if self.trajectory is None:
             raise RuntimeError("the camera has seen no beginning")
         if self.scene is None:
-            road_map = jax.device_get(jax.tree.map(lambda x: x[self.map_index], self.street.maps))
+            road_map = jax.device_get(jax.tree.map(lambda x: x[self.map_index], self.street.world.maps))
             self.scene = Scene(self.trajectory, 0, road_map, width=self.width)
         self.scene.grown()
         return self.scene.pixels(self.scene.last)

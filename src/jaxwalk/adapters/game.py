@@ -19,8 +19,8 @@ from jaxwalk.acting import Given, act, cast_of, step_key
 from jaxwalk.adapters.players import AdapterError, Weights, player, weights_of
 from jaxwalk.interfaces import Outcome, Policy, Roles
 from jaxwalk.rollout import Step, Stream, advance, environment_keys, restart, seed_key, start
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import SimConfig
 
 SEEDS = 2**32
 """Seeds lie in [0, this)."""
@@ -106,7 +106,7 @@ def play(game: Game, stream: Stream, actions: Roles[Array | None]) -> tuple[Stre
         acted = act(game.street, cast_of(policies), key, scenario, state, memory)
         return acted.actions, acted.memory, None
 
-    since = stream.episode * (game.street.config.horizon + 1) + stream.state.step
+    since = stream.episode * (game.street.world.rules.horizon + 1) + stream.state.step
     return advance(game.street, act_or_obey, stream, step_key(stream.key, since))
 
 

@@ -103,7 +103,7 @@ class StreetMARL:
             pedestrian_reward=pedestrian_reward,
             **world,
         )
-        people = [] if pedestrians is not None else range(self.game.street.config.pedestrians)
+        people = [] if pedestrians is not None else range(self.game.street.world.rules.pedestrians)
         by_role = {"driver": [DRIVER] if driver is None else [], "pedestrian": [f"{PEDESTRIAN}{i}" for i in people]}
         self.agent_classes = {role: names for role, names in by_role.items() if names}
         self.agents = [name for names in by_role.values() for name in names]
@@ -163,7 +163,7 @@ class StreetMARL:
 
     def _space(self, role: str) -> BoxSpace:
         street = self.game.street
-        low, high = bounds(street.maps, street.tables, street.config, role, self.observations[role])
+        low, high = bounds(street.world, role, self.observations[role])
         return BoxSpace(low, high, low.shape)
 
     def _play(self, state: StreetState, actions: dict[str, Array], *, renews: bool) -> Brought:

@@ -23,7 +23,7 @@ from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.interfaces import Outcome, Roles, View
 from jaxwalk.rollout import EVALUATION, TRAINING, Stream
 from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"
 """The car's name, and how those of the people begin."""
@@ -61,7 +61,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         self.game = Game.create(
             driver=None, pedestrians=None, driver_reward=driver_reward, pedestrian_reward=pedestrian_reward, **world
         )
-        self.people = self.game.street.config.pedestrians
+        self.people = self.game.street.world.rules.pedestrians
         self.possible_agents = [DRIVER, *(f"{PEDESTRIAN}{i}" for i in range(self.people))]
         self.agents: list[str] = []
         street = self.game.street
@@ -77,7 +77,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
             name: Box(-1.0, 1.0, (2,), np.float32) if name == DRIVER else Discrete(2) for name in self.possible_agents
         }
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": round(1 / self.game.street.config.dt)}
+        self.metadata = {**self.metadata, "render_fps": round(1 / self.game.street.world.rules.dt)}
         self.camera = Camera(self.game.street) if render_mode else None
         self._stream: Stream | None = None
         self._seed: int | None = None
@@ -164,7 +164,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
 
 def _space(game: Game, role: str, observation: str) -> Box:
     street = game.street
-    return Box(*bounds(street.maps, street.tables, street.config, role, observation))
+    return Box(*bounds(street.world, role, observation))
 
 
 @eqx.filter_jit

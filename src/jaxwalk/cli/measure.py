@@ -19,7 +19,7 @@ from jaxwalk.formats.layouts import Source, open_source
 from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.tracks import Tracks
 from jaxwalk.report.table import shown
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def run(options: Measure) -> int:

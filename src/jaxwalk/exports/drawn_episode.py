@@ -49,4 +49,4 @@ def map_of(street: Street, *, scenario: int, seed: int) -> RoadMap:
 
     drawn, _ = Drawn(street, seed).take(np.array([scenario]))
     index = int(drawn.map[0])
-    return jax.device_get(jax.tree.map(lambda x: x[index], street.maps))
+    return jax.device_get(jax.tree.map(lambda x: x[index], street.world.maps))

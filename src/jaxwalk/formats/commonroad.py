@@ -15,7 +15,7 @@ import numpy as np
 from jaxwalk.formats.paths import Path, paths
 from jaxwalk.formats.road_network import Arm, Connection, Network, Rectangle
 from jaxwalk.formats.tracks import CAR, Tracks
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 FIRST_OBSTACLE, PROBLEM = 10_000, 20_000
 """Ids of obstacles begin here, in the order of the table's ids; lanelets have smaller ones. The planning problem's."""

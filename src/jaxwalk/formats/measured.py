@@ -10,7 +10,7 @@ from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.recordings import GAP, measure_tracks
 from jaxwalk.formats.tracks import Tracks, TracksError
 from jaxwalk.metrics import Rows, summarise
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 ANYBODY = "anybody"
 """The one type of encounter where it is not known where the roadway is."""

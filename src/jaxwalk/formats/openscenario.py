@@ -13,7 +13,7 @@ import numpy as np
 from jaxwalk.formats.opendrive import load_library
 from jaxwalk.formats.paths import Path, paths
 from jaxwalk.formats.tracks import CAR, Tracks
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 VERSION = 2
 """The minor one."""

@@ -19,7 +19,7 @@ from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.tracks import CAR, COLLISION, CROSSINGS, GOAL, PEDESTRIAN, Tracks, TracksError
 from jaxwalk.metrics import Rows, measure
 from jaxwalk.metrics.braking import UNSEEN
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 GAP = 1.0

@@ -13,8 +13,9 @@ import numpy as np
 from jaxwalk.metrics.braking import ONSET
 from jaxwalk.metrics.crossings import Crossings, find_crossings
 from jaxwalk.metrics.encounters import Encounters, find_encounters
-from jaxwalk.sim.paths import Paths
-from jaxwalk.sim.trajectory import JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.sim.walking_paths import Paths
 
 PER_METRE, PER_RADIAN = 100, 1000
 """Places are kept in centimetres, speeds in centimetres a second, headings in thousandths of a radian."""

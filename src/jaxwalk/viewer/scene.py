@@ -14,7 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
 from jaxwalk.maps import RoadMap
-from jaxwalk.sim.trajectory import JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer.ground import draw_ground
 
 CAR_LENGTH, CAR_WIDTH = 4.5, 1.8
