@@ -1,7 +1,7 @@
-"""One trained driver three ways: as it is, as an ONNX file and in plain NumPy. Do all three end the same?
+"""Play one trained driver in three forms, native, as an ONNX file and in plain NumPy, and compare how episodes end.
 
-Small differences in rounding can grow, so a few scenarios in a thousand may end otherwise; for each of those the gap
-between the actions is traced. Run with a number of scenarios: ``python own_driver.py 1000``.
+Small rounding differences can grow, so a few scenarios in a thousand may end differently. For each of these, the script
+traces the gap between the actions. Run it with a number of scenarios: ``python own_driver.py 1000``.
 """
 
 import sys
@@ -12,10 +12,11 @@ import equinox as eqx
 import numpy as np
 
 from jaxwalk import Street
-from jaxwalk.evaluation import draw_scenarios, evaluate, play
+from jaxwalk.evaluation import evaluate, play
 from jaxwalk.exports.onnx_policy import export
 from jaxwalk.policies import AlwaysGo, load_policy, shipped_policy
 from jaxwalk.policies.host import HostDriver, load_host_driver
+from jaxwalk.scenarios import Drawn
 
 EPISODES = int(sys.argv[1]) if len(sys.argv) > 1 else 64
 BATCH = min(EPISODES, 512)
@@ -26,7 +27,7 @@ decide = eqx.filter_jit(lambda policy, observation: policy.act(None, None, obser
 
 
 class NumpyDriver:
-    """The whole protocol: what it observes, and an action for each row of a batch of observations."""
+    """Implements the whole protocol: the observation set, and an action for each row of a batch of observations."""
 
     observes = "route"
 
@@ -42,7 +43,7 @@ class NumpyDriver:
 
 
 class Beside:
-    """Drives as another driver does, and notes how far the native one would have acted otherwise at every step."""
+    """Drives like another driver, and records the gap to the native driver's action at every step."""
 
     def __init__(self, driver):
         self.driver, self.gaps = driver, []
@@ -55,11 +56,16 @@ class Beside:
 
 
 def trace(driver, scenario):
-    """The first gap between the actions of an episode, at the same observation, and the largest."""
+    """Print the first gap between the actions of an episode at the same observation, and return the largest one."""
     first, row = scenario - scenario % BATCH, scenario % BATCH
     beside = Beside(driver)
-    scenarios, keys = draw_scenarios(street, seed=0, first=first, count=BATCH)
-    played = play(street, HostDriver("beside", beside, observes=driver.observes), people, scenarios, keys)
+    scenarios, keys = Drawn(street, 0).take(first + np.arange(BATCH))
+    played = play(
+        street,
+        {"driver": HostDriver("beside", beside, observes=driver.observes), "pedestrian": people},
+        scenarios,
+        keys,
+    )
     gaps = np.array(beside.gaps)[: played.length[row], row]
     step = int(np.argmax(gaps > 0))
     print(
@@ -77,9 +83,9 @@ with tempfile.TemporaryDirectory() as folder:
     print(f"exported; largest gap {export('co-trained', file, role='driver').gap:.1e}")
     drivers = [load_host_driver(str(file)), HostDriver("NumPy", NumpyDriver(), observes=NumpyDriver.observes)]
 
-expected = ending(evaluate(street, native, people, episodes=EPISODES, seed=0, batch=BATCH))
+expected = ending(evaluate(street, {"driver": native, "pedestrian": people}, Drawn(street, 0, EPISODES), batch=BATCH))
 for driver in drivers:
-    found = ending(evaluate(street, driver, people, episodes=EPISODES, seed=0, batch=BATCH))
+    found = ending(evaluate(street, {"driver": driver, "pedestrian": people}, Drawn(street, 0, EPISODES), batch=BATCH))
     ms = 1000 * driver.seconds_spent / driver.steps_made
     other = np.flatnonzero(found != expected)
     name = Path(driver.name).name
