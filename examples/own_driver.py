@@ -13,7 +13,7 @@ import numpy as np
 
 from jaxwalk import Street
 from jaxwalk.evaluation import draw_scenarios, evaluate, play
-from jaxwalk.experiments.exporting import export
+from jaxwalk.exports.onnx_policy import export
 from jaxwalk.policies import AlwaysGo, load_policy, shipped_policy
 from jaxwalk.policies.host import HostDriver, load_host_driver
 

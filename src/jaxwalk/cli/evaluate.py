@@ -29,14 +29,14 @@ from jaxwalk.evaluation import (
     write_encounters,
     write_rows,
 )
-from jaxwalk.experiments.contestants import contestant, world_of
-from jaxwalk.experiments.lock import held
-from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.runs import check_writable
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.report.suite import said, suite
 from jaxwalk.report.table import shown
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.folder import check_writable
+from jaxwalk.runs.lock import held
+from jaxwalk.runs.provenance import provenance
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.writing import write_whole
