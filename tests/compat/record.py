@@ -49,6 +49,8 @@ TRAININGS = {
     for recipe in ("fast", "paper") for alone in (False, True) for shards in (1, 2)
 }  # fmt: skip
 """Options of ``jaxwalk train``, by name."""
+QUICK_TO_COMPILE = "--xla_backend_optimization_level=0"
+"""Three small updates are mostly compiling."""
 TINY = {"actor_hidden": [16], "critic_hidden": [16]}
 """Networks of the recorded run folder, whose files are small therefore."""
 PARTS = ("scenarios", "evaluations", "updates", "trained")
@@ -58,10 +60,13 @@ class CommandError(Exception):
     """A command failed; the message holds what it printed."""
 
 
-def jaxwalk(*arguments: str | Path, folder: Path) -> str:
-    """Run a command in a folder and return its standard output. Raise CommandError if it fails."""
-    keep = {name: value for name, value in os.environ.items() if name not in ("XLA_FLAGS", "PYTHONWARNINGS")}
-    environment = {**keep, "JAX_NUM_CPU_DEVICES": "2"}  # flags of the compiler change rounding, and so outcomes
+def jaxwalk(*arguments: str | Path, folder: Path, flags: str = "") -> str:
+    """Run a command in a folder and return its standard output. Raise CommandError if it fails.
+
+    The compiler's flags change rounding, and so outcomes: those of the caller are dropped.
+    """
+    keep = {name: value for name, value in os.environ.items() if name != "PYTHONWARNINGS"}
+    environment = {**keep, "JAX_NUM_CPU_DEVICES": "2", "XLA_FLAGS": flags}
     command = [sys.executable, "-m", "jaxwalk", *map(str, arguments)]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
@@ -93,7 +98,7 @@ def evaluation(options: dict[str, tuple], *, folder: Path) -> dict:
 def updates(options: tuple[str, ...], *, folder: Path) -> list[dict]:
     """Train and return the lines of metrics.jsonl."""
     run = Path(tempfile.mkdtemp(dir=folder)) / "run"
-    jaxwalk("train", "--run", run, *options, folder=folder)
+    jaxwalk("train", "--run", run, *options, folder=folder, flags=QUICK_TO_COMPILE)
     return metrics(run)
 
 
