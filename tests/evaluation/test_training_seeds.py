@@ -62,8 +62,8 @@ def test_what_never_happens_has_the_interval_of_one_seed(matches):
     cells = [dataclasses.replace(follower.cell, training_seed=seed) for seed in (1, 2, 3)]
     (found,) = over_training_seeds([Match(cell, follower.rows) for cell in cells])
     never = found.timeout_rate
-    assert never == OverSeeds(never.mean, never.mean, (0, 0, 0))
-    assert never.mean == Estimate(0, 0, rate.high, 3)
+    assert never == OverSeeds(never.mean, never.mean, (0.0, 0.0, 0.0))
+    assert never.mean == Estimate(0.0, 0.0, rate.high, 3)
     assert rate.high > 0.1
 
 

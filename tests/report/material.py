@@ -69,7 +69,7 @@ def _results(rows, drivers, multipliers):
     by_name = {driver: [m for m in matches if m.names == (driver, "always-go")] for driver in drivers}
     pairs = (paired_over_seeds("collision", by_name[drivers[0]], by_name[drivers[-1]]),)
     cells = tuple(match.cell for match in matches)
-    scenarios = ScenarioSet(5, 3, "0123456789abcdef")
+    scenarios = ScenarioSet(count=3, hash="0123456789abcdef", seed=5)
     return Results(scenarios, cells, over_seeds=over_training_seeds(matches), paired=pairs)
 
 

@@ -81,7 +81,7 @@ def page():
     replayed = summarise_counterfactuals(table)
     mine = Cell("mine", "always-go", "mode", "sample", 0.25, summary, "route", "kerb", counterfactuals=replayed)
     other = Cell("other", "always-go", "mode", "sample", 1.0, summary, "route", "kerb")
-    return suite(Results(ScenarioSet(5, 2, "0123456789abcdef"), (mine, other)), MADE)
+    return suite(Results(ScenarioSet(count=2, hash="0123456789abcdef", seed=5), (mine, other)), MADE)
 
 
 def test_every_table_is_there_and_has_as_many_cells_as_columns(page):

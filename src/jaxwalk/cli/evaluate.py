@@ -137,4 +137,4 @@ def cost_lines(cells: Sequence[Cell]) -> list[str]:
 
 def scenarios_line(scenarios: ScenarioSet) -> str:
     """Return which scenarios were played."""
-    return f"{scenarios.count:,} scenarios of seed {scenarios.seed}, hash {scenarios.hash}"
+    return f"{scenarios.name}, hash {scenarios.hash}"

@@ -17,11 +17,12 @@ from jaxtyping import Float
 
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
-from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches, scenario_hash
+from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
+from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
@@ -111,10 +112,27 @@ class Cell:
 class ScenarioSet:
     """The scenarios that every cell was evaluated on."""
 
-    seed: int
     count: int
     hash: str
-    """`scenario_hash` of the set."""
+    """Hash of the source (`jaxwalk.scenarios.Source`)."""
+    seed: int | None = None
+    """Seed of scenarios that are drawn; None for others."""
+
+    @staticmethod
+    def of(source: Source) -> ScenarioSet:
+        """Return what results say about the scenarios of a source."""
+        about = source.describe()
+        return ScenarioSet(count=len(source), hash=about["hash"], seed=about.get("seed"))
+
+    @property
+    def name(self) -> str:
+        """How many there are and which, as in ``2,000 scenarios of seed 0``."""
+        return f"{self.count:,} scenarios" + ("" if self.seed is None else f" of seed {self.seed}")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain numbers; without the seed if there is none."""
+        seed = {} if self.seed is None else {"seed": self.seed}
+        return {**seed, "count": self.count, "hash": self.hash}
 
 
 @dataclass(frozen=True)
@@ -151,7 +169,7 @@ class Results:
         parts = {name: [asdict(one) for one in getattr(self, name)] for name in ("over_seeds", "paired", "compared")}
         return {
             "schema": SCHEMA,
-            "scenarios": asdict(self.scenarios),
+            "scenarios": self.scenarios.as_dict(),
             "cells": cells,
             **{name: part for name, part in parts.items() if part},
         }
@@ -174,9 +192,8 @@ def compare(
     street: Street,
     drivers: Mapping[str, Policy],
     populations: Mapping[str, Policy],
+    source: Source,
     *,
-    episodes: int,
-    seed: int,
     batch: int = BATCH,
     progress: Callable[[str, str, int, int], None] | None = None,
 ) -> tuple[Results, dict[tuple[str, str], Rows]]:
@@ -186,25 +203,23 @@ def compare(
         street: the world.
         drivers: by name.
         populations: pedestrian policies by name.
-        episodes: scenarios a cell.
-        seed: which set of scenarios.
+        source: the scenarios.
         batch: episodes played at once.
-        progress: called with driver, population, episodes played of the cell, and ``episodes``.
+        progress: called with driver, population, episodes played of the cell, and all.
 
     Returns:
         The results, and the rows of each (driver, population).
 
     Raises:
-        ValueError: ``episodes``, ``batch`` or ``seed`` is impossible.
+        ValueError: ``batch`` is below 1.
         Stopped: a driver that is not JAX failed; the error has the rows so far.
     """
     cells, rows = [], {}
     for driver_name, driver in drivers.items():
         for name, pedestrians in populations.items():
             tell = partial(progress, driver_name, name) if progress is not None else None
-            batches = evaluate_batches(
-                street, driver, pedestrians, episodes=episodes, seed=seed, batch=batch, progress=tell
-            )
+            policies = {"driver": driver, "pedestrian": pedestrians}
+            batches = evaluate_batches(street, policies, source, batch=batch, progress=tell)
             before = _cost(driver)
             measured, failure = _joined(batches)
             if measured is not None:
@@ -213,8 +228,7 @@ def compare(
                 raise Stopped(str(failure), rows) from failure
             cost = _ms_per_step(_cost(driver) - before)
             cells.append(make_cell(street, (driver_name, driver), (name, pedestrians), measured, cost))
-    digest = scenario_hash(street, seed=seed, episodes=episodes, batch=batch)
-    return Results(ScenarioSet(seed, episodes, digest), tuple(cells)), rows
+    return Results(ScenarioSet.of(source), tuple(cells)), rows
 
 
 def _joined(batches: Iterable[Rows]) -> tuple[Rows | None, DriverError | None]:
@@ -255,8 +269,8 @@ def make_cell(
         pedestrian_mode=mode(people),
         jaywalk_multiplier=jaywalk_multiplier(street),
         summary=summarise(rows),
-        driver_observes=car.observes,
-        pedestrian_observes=people.observes,
+        driver_observes=car.view.name,
+        pedestrian_observes=people.view.name,
         driver_ms_per_step=driver_ms_per_step,
     )
 

@@ -21,6 +21,7 @@ from jaxwalk.evaluation import (
     compare,
     compared,
     counterfactuals,
+    find_hits,
     jaywalk_multiplier,
     paired,
     summarise_counterfactuals,
@@ -31,6 +32,7 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.report.suite import suite
 from jaxwalk.runs.provenance import provenance
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
@@ -98,7 +100,7 @@ def _play(work: Evaluation, tell: Tell) -> tuple[Results, list[Played]]:
     for street in work.streets:
         try:
             results, played = compare(
-                street, work.drivers, work.populations, episodes=work.episodes, seed=work.seed, progress=progress
+                street, work.drivers, work.populations, Drawn(street, work.seed, work.episodes), progress=progress
             )
         except Stopped as stopped:
             rows.append(stopped.rows)
@@ -130,9 +132,11 @@ def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tel
     for number, (cell, (street, driver, people, found)) in enumerate(zip(cells, played, strict=True)):
         tell(f"replaying collisions of {driver} among {people}", number, len(cells))
         table = counterfactuals(
-            street, work.drivers[driver], work.populations[people], found,
-            seed=work.seed, at_most=work.counterfactuals,
-        )  # fmt: skip
+            street,
+            {"driver": work.drivers[driver], "pedestrian": work.populations[people]},
+            Drawn(street, work.seed, work.episodes),
+            find_hits(found).first(work.counterfactuals),
+        )
         replayed.append(replace(cell, counterfactuals=summarise_counterfactuals(table)))
     return tuple(replayed)
 

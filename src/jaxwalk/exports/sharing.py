@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, s
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import Run
+from jaxwalk.scenarios import Drawn
 from jaxwalk.writing import write_whole
 
 Results = dict[str, Any]
@@ -33,9 +33,9 @@ def share(
     people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
     about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)
     actors = {role: load_policy(run.policy, role).actor for role in about.pop("roles")}
-    found, _ = compare(street, driver, people, episodes=episodes, seed=seed, progress=progress)
+    found, _ = compare(street, driver, people, Drawn(street, seed, episodes), progress=progress)
     about["results"] = {
-        "scenarios": asdict(found.scenarios),
+        "scenarios": found.scenarios.as_dict(),
         "jaywalk_multiplier": found.cells[0].jaywalk_multiplier,
         "among": {cell.pedestrians: cell.headline() for cell in found.cells},
     }

@@ -22,8 +22,8 @@ def page(document: IntentDocument) -> str:
         f"The same car, trained alone among {ALWAYS_GO}: `blind` sees where people are and how they move; `belief` is "
         "also told the posterior mean of the nearest people's jaywalking tendencies, given their crossings so far; "
         "`told` is told the tendencies. The critic sees the tendencies in all three cases.",
-        f"Training seeds: {seeds}; {plan.updates:,} updates each. {chosen.count:,} "
-        f"scenarios of seed {chosen.seed}, hash {chosen.hash}; commit {made.commit or 'unknown'}, "
+        f"Training seeds: {seeds}; {plan.updates:,} updates each. {chosen.name}, hash {chosen.hash}; "
+        f"commit {made.commit or 'unknown'}, "
         f"{made.hardware}. Brackets are 95 % intervals over training seeds and scenarios.",
     ]
     for street in document.streets:

@@ -19,7 +19,7 @@ def suite(results: Results, made: Provenance) -> str:
     """Return the page of an evaluation's results."""
     cells, chosen = results.cells, results.scenarios
     about = (
-        f"{chosen.count:,} scenarios of seed {chosen.seed} for every driver and population, hash "
+        f"{chosen.name} for every driver and population, hash "
         f"{chosen.hash}. Brackets: 95 % intervals; of rates Wilson's, of the smallest distance and the median time "
         "to braking as if encounters were independent, of all else by bootstrap over episodes. What each number is: "
         "the page on metrics. A dash: too few cases, or none."

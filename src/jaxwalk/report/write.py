@@ -86,7 +86,8 @@ def _facts(material: Material) -> list[tuple[str, str]]:
     facts: list[tuple[str, str]] = []
     if material.trainings is not None:
         facts += [("Recipe", material.trainings.recipe), ("Training seeds", _seeds(material))]
-    facts.append(("Scenarios", f"{scenarios.count:,} in each cell, seed {scenarios.seed}, hash {scenarios.hash}"))
+    seed = "" if scenarios.seed is None else f", seed {scenarios.seed}"
+    facts.append(("Scenarios", f"{scenarios.count:,} in each cell{seed}, hash {scenarios.hash}"))
     for name, curves in material.curves.items():
         trainings = list(curves.values())
         times = ", ".join(f"{curve.seconds / 60:.1f}" for curve in trainings)
