@@ -9,7 +9,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import draw_batch, environment_keys, seed_key
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
@@ -36,7 +35,9 @@ def play(street, scenario, drive=None, go=None, state=None):
     if go is None:
         go = np.ones((STEPS, PEOPLE, ENVIRONMENTS), np.int32)
     state = reset(street, scenario) if state is None else state
-    return jax.tree.map(np.asarray, _play(street, scenario, state, ByRole(jnp.asarray(drive), jnp.asarray(go))))
+    return jax.tree.map(
+        np.asarray, _play(street, scenario, state, {"driver": jnp.asarray(drive), "pedestrian": jnp.asarray(go)})
+    )
 
 
 def random_actions(seed):
@@ -135,7 +136,8 @@ def actions(drive=(-1.0, 0.0), go=1, *, shape=(ENVIRONMENTS,), people=PEOPLE):
     drive = jnp.asarray(drive, jnp.float32)
     drive = jnp.broadcast_to(drive.reshape(drive.shape + (1,) * (1 + len(shape) - drive.ndim)), (2, *shape))
     go = jnp.asarray(go, jnp.int32)
-    return ByRole(drive, jnp.broadcast_to(go.reshape(go.shape + (1,) * (1 + len(shape) - go.ndim)), (people, *shape)))
+    go = go.reshape(go.shape + (1,) * (1 + len(shape) - go.ndim))
+    return {"driver": drive, "pedestrian": jnp.broadcast_to(go, (people, *shape))}
 
 
 def inside(rectangles, x, y, *, margin=0.0):

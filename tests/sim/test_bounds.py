@@ -5,8 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.sim.bounds import ROUNDING, bounds
-from jaxwalk.sim.observation import LAYOUTS, part
+from jaxwalk.sim.observation import OBSERVATIONS, ROUNDING, bounds, part
 from sim.play import SETS, actions, everything, random_actions
 
 
@@ -49,7 +48,7 @@ def test_bounds_are_those_of_the_rules(street):
     assert (low[pace], high[pace]) == pytest.approx((0.5 - ROUNDING, 1 + ROUNDING))
 
 
-@pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in LAYOUTS.items() for name in sets])
+@pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in OBSERVATIONS.items() for name in sets])
 def test_every_set_has_a_bound_for_each_feature(street, role, name):
     low, high = of(street, role, name)
     scenario = jax.eval_shape(street.draw, jax.random.key(0))

@@ -13,7 +13,7 @@ import pytest
 
 from jaxwalk import SimConfig, Street
 from jaxwalk.evaluation import with_jaywalk_multiplier
-from jaxwalk.interfaces import ByRole, Environment
+from jaxwalk.interfaces import Environment
 from sim.maps import rearranged, turned, write
 from sim.play import (
     ENVIRONMENTS,
@@ -179,7 +179,7 @@ def test_extreme_configurations(config):
 
         def body(state, _):
             go = jnp.ones((config.pedestrians,), jnp.int32)
-            after, _ = street.step(scenario, state, ByRole(jnp.array([1.0, 0.1]), go))
+            after, _ = street.step(scenario, state, {"driver": jnp.array([1.0, 0.1]), "pedestrian": go})
             seen = [street.observe(scenario, state, role, name) for role, name in looks]
             return after, ([*seen, street.global_state(scenario, state)], after.pedestrian.x, after.vehicle.speed)
 

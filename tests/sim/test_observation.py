@@ -9,7 +9,6 @@ import pytest
 
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import LAYOUTS
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, reset, with_car
 
@@ -36,7 +35,7 @@ def test_sizes(seen):
     assert seen["pedestrian paper"].shape == (20, PEOPLE, ENVIRONMENTS)
     assert seen["global"].shape == (58, ENVIRONMENTS)
     for role, name in SETS:
-        assert len(seen[f"{role} {name}"]) == sum(LAYOUTS[role][name].values())
+        assert len(seen[f"{role} {name}"]) == size(role, name)
     for x in seen.values():
         assert np.isfinite(x).all()
         assert np.abs(x).max() < 60  # scaled; the largest are distances to a route far away
@@ -44,7 +43,7 @@ def test_sizes(seen):
 
 def test_an_unknown_set_is_refused(street, scenarios, midway):
     with pytest.raises(ValueError, match="no observation set 'papers' for the driver; there are: paper, route"):
-        street.observe(scenarios, midway, "driver", "papers")
+        street.observe(scenarios, midway, street.view("driver", "papers"))
 
 
 def test_the_papers_car(street, scenarios, moving, seen):
@@ -180,7 +179,7 @@ def test_who_decides_at_the_kerb(scenarios, midway):
     state = eqx.tree_at(lambda s: s.pedestrian, midway, walkers)
     street = Street.create()
     state = street.refreshed(scenarios, state)
-    decides = np.asarray(street.observe(scenarios, state, "pedestrian", "kerb")[0], bool)
+    decides = np.asarray(street.observe(scenarios, state, street.view("pedestrian", "kerb"))[0], bool)
     to_kerb = lead + np.asarray(walkers.remaining)
     dx, dy = (np.asarray(of_all) - np.asarray(of_car) for of_all, of_car in
               ((walkers.x, midway.vehicle.x), (walkers.y, midway.vehicle.y)))  # fmt: skip

@@ -1,8 +1,8 @@
 """Infer a pedestrian's jaywalking tendency tau from watching it: Bayes' rule.
 
-The prior of tau is uniform in [0, 1]. Every crossing was a jaywalk with probability min(1, multiplier x tau) (equation 1),
-independently of the others. The watcher sees everybody all the time and knows the multiplier, so no car could know more
-from crossings alone.
+The prior of tau is uniform in [0, 1]. Every crossing is a jaywalk with probability min(1, multiplier x tau) (equation
+1), independently of the others. The watcher sees everybody all the time and knows the multiplier, so no car could know
+more from crossings alone.
 """
 
 from __future__ import annotations

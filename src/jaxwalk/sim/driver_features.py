@@ -137,9 +137,7 @@ ROUTE = (
 )
 """The car in the frame of its route 22, predicted clearances 13, nearest people 24."""
 
-TOLD_TENDENCIES = Feature(
-    "tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency)
-)
+TOLD_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency))
 """The jaywalking tendency of each of the nearest people."""
 
 EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendencies)

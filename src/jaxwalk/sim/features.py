@@ -28,8 +28,7 @@ Bound = tuple[float, float]
 
 @dataclass(frozen=True)
 class Limits:
-    """What bounds are derived from. Car and people never leave the map, so nothing is farther away than its diagonal.
-    """
+    """What bounds are derived from. Nobody leaves the map, so nothing is farther away than its diagonal."""
 
     config: SimConfig
     diagonal: float

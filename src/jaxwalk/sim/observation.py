@@ -74,9 +74,7 @@ def size(role: str, name: str) -> int:
     return sum(feature.size for feature in OBSERVATIONS[role][name])
 
 
-def bounds(
-    world: World, role: str, name: str
-) -> tuple[Float[np.ndarray, " feature"], Float[np.ndarray, " feature"]]:
+def bounds(world: World, role: str, name: str) -> tuple[Float[np.ndarray, " feature"], Float[np.ndarray, " feature"]]:
     """Return the lowest and highest values of an observation set, from the map and the rules.
 
     Raise ValueError for an unknown set.

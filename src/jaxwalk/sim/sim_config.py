@@ -19,7 +19,7 @@ LARGEST = {
 
 @dataclass(frozen=True)
 class SimConfig:
-    """The rules of a world, as somebody writes them down. Raise ValueError for an impossible value, naming the field."""
+    """The rules of a world, as somebody writes them down. Raise ValueError that names an impossible field."""
 
     dt: float = 0.1
     """Duration of a step [s]."""

@@ -87,9 +87,9 @@ AXES: dict[str, tuple[str, ...]] = {
 """The axes of each column of a `Trajectory` (and of `Ghosts`), by its name."""
 
 
-def part_of(recorded: Recorded, *, frames: slice, episodes: slice) -> Recorded:
-    """Return some frames and episodes of a recording."""
-    which = {"frame": frames, "episode": episodes, "ped": slice(None)}
+def part_of(recorded: Recorded, *, frames: int, episodes: slice) -> Recorded:
+    """Return the first frames of some episodes of a recording."""
+    which = {"frame": slice(frames), "episode": episodes, "ped": slice(None)}
     columns = {name: x[tuple(which[axis] for axis in AXES[name])] for name, x in vars(recorded).items() if name in AXES}
     return replace(recorded, **columns)
 

@@ -1,0 +1,186 @@
+"""Playing a batch of scenarios to their ends, and recording it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Int, Key
+
+from jaxwalk.acting import Given, act, cast_of, fresh_memory, step_key
+from jaxwalk.evaluation.hosted import ask
+from jaxwalk.interfaces import Policy, Roles
+from jaxwalk.policies.host import HostDriver
+from jaxwalk.sim import vehicle
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.recording import Frame, frame
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.state import State
+from jaxwalk.sim.trajectory import Trajectory, in_order
+
+BLOCK = 100
+"""Steps played between two looks at whether all episodes have ended."""
+
+
+class Setup(eqx.Module):
+    """What stays the same while a batch of episodes is played."""
+
+    street: Street
+    policies: Roles[Policy]
+    scenarios: Scenario
+    keys: Key[Array, "episode"]
+    until: Int[Array, "episode"]
+    """The last step of each episode."""
+
+
+class Underway(eqx.Module):
+    """A batch of episodes under way. An episode that has ended stays as it is."""
+
+    state: State
+    memory: Roles[tuple[Any, ...]]
+    """What the policies remember; it goes on after the end, so that nobody plans anew at every step of waiting."""
+    ended: Bool[Array, "episode"]
+    goal: Bool[Array, "episode"]
+    collision: Bool[Array, "episode"]
+    touched: Bool[Array, "ped episode"]
+
+
+def play(
+    street: Street,
+    policies: Roles[Policy],
+    scenarios: Scenario,
+    keys: Key[Array, "episode"],
+    *,
+    numbers: Int[np.ndarray, "episode"] | None = None,
+    until: Int[np.ndarray, "episode"] | None = None,
+) -> Trajectory:
+    """Play every scenario to its end. Compiles once for each street, kinds of policy and batch size.
+
+    Args:
+        street: the world.
+        policies: who plays each role. A `HostDriver` is asked between steps, everybody else acts within the compiled
+            program.
+        scenarios: a batch, arrays ``(..., episode)``.
+        keys: one for each episode; what a policy draws depends on it and on the step alone.
+        numbers: the trajectory's ``scenario``; 0, 1, ... if left out.
+        until: the last step of each episode, if it has not ended by then; such an episode has no ending. If left out,
+            the horizon.
+
+    Returns:
+        Frames up to the longest episode's end. After its own end an episode's frames repeat its last one.
+
+    Raises:
+        ValueError: ``keys`` is no batch, or not as long as the scenarios' batch.
+        DriverError: a `HostDriver` failed.
+    """
+    if keys.ndim != 1 or scenarios.route.shape != keys.shape:
+        shapes = f"keys {keys.shape}, scenarios {scenarios.route.shape}"
+        raise ValueError(f"play needs a batch of scenarios and one key for each, not: {shapes}")
+    last = np.full(keys.shape, street.world.rules.horizon) if until is None else until
+    numbers = np.arange(len(keys)) if numbers is None else np.asarray(numbers)
+    host = next((x for x in jax.tree.leaves(policies) if isinstance(x, HostDriver)), None)
+    compiled = policies if host is None else _answered(policies, Given(jnp.zeros((2, *keys.shape))))
+    setup = Setup(street, compiled, scenarios, keys, jnp.asarray(last, jnp.int32))
+    memory = fresh_memory(street, cast_of(compiled), keys.shape)
+    game, first = _begin(street, memory, scenarios)
+    blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]
+    rest = _play(setup, game) if host is None else _ask_and_play(setup, policies, host, game, numbers)
+    for after, frames in rest:
+        game = after
+        blocks.append({name: np.asarray(x) for name, x in frames.items()})
+    return _trajectory(street, scenarios, game, blocks, numbers)
+
+
+def _play(setup: Setup, game: Underway) -> Iterator[tuple[Underway, Frame]]:
+    """Block after block, until all episodes have ended."""
+    while not bool(game.ended.all()):
+        game, frames = _play_block(setup, game, BLOCK)
+        yield game, frames
+
+
+def _answered(policies: Roles[Policy], answer: Given) -> Roles[Policy]:
+    """Return the policies with an answer in place of the driver that can't be compiled, wherever it stands in them."""
+    return jax.tree.map(lambda x: answer if isinstance(x, HostDriver) else x, policies)
+
+
+def _ask_and_play(
+    setup: Setup, policies: Roles[Policy], driver: HostDriver, game: Underway, numbers: np.ndarray
+) -> Iterator[tuple[Underway, Frame]]:
+    """Play step after step; each begins with the driver's answer to what it observes."""
+    with driver.turn:
+        driver.init((), game.ended.shape)
+        for step in count():
+            playing = ~np.asarray(game.ended)
+            if not playing.any():
+                return
+            seen = setup.street.observe(setup.scenarios, game.state, driver.view)
+            answer = ask(driver, seen, playing=playing, numbers=numbers, step=step)
+            setup = eqx.tree_at(lambda setup: setup.policies, setup, _answered(policies, answer))
+            game, frames = _play_block(setup, game, 1)
+            yield game, frames
+
+
+_goal = eqx.filter_jit(vehicle.goal)
+
+
+@eqx.filter_jit
+def _begin(street: Street, memory: Roles[tuple[Any, ...]], scenarios: Scenario) -> tuple[Underway, Frame]:
+    """The start of every episode, and its frame 0."""
+    state = street.reset(scenarios)
+    no = jnp.zeros(state.step.shape, bool)
+    nobody = jnp.zeros(scenarios.start.shape, bool)
+    return Underway(state, memory, no, no, no, nobody), frame(street.world, scenarios, state)
+
+
+@eqx.filter_jit
+def _play_block(setup: Setup, game: Underway, steps: int) -> tuple[Underway, Frame]:
+    """Return the episodes after that many steps, and the steps' frames along a leading axis."""
+
+    def body(game: Underway, _: None) -> tuple[Underway, Frame]:
+        game = _step(setup, game)
+        return game, frame(setup.street.world, setup.scenarios, game.state)
+
+    return jax.lax.scan(body, game, None, length=steps)
+
+
+def _step(setup: Setup, game: Underway) -> Underway:
+    """One step of every episode that has not ended."""
+    street, cast = setup.street, cast_of(setup.policies)
+    key = step_key(setup.keys, game.state.step)
+    acted = act(street, cast, key, setup.scenarios, game.state, game.memory)
+    state, outcome = street.step(setup.scenarios, game.state, acted.actions)
+    events, ended = outcome.events, outcome.ended | (state.step >= setup.until)
+    after = Underway(state, acted.memory, ended, events.goal, events.collision, events.touched)
+    kept = jax.tree.map(lambda new, old: jnp.where(game.ended, old, new), after, game)
+    return eqx.tree_at(lambda game: game.memory, kept, acted.memory, is_leaf=lambda x: x is None)
+
+
+def _trajectory(
+    street: Street,
+    scenarios: Scenario,
+    game: Underway,
+    blocks: list[dict[str, np.ndarray]],
+    numbers: Int[np.ndarray, "episode"],
+) -> Trajectory:
+    """The recording in the order frame, episode, pedestrian."""
+    length = np.asarray(game.state.step)
+    frames = int(length.max()) + 1
+    columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in blocks[0]}
+    goal_x, goal_y = _goal(street.world, scenarios)
+    return Trajectory(
+        dt=street.world.rules.dt,
+        scenario=numbers,
+        length=length,
+        goal=np.asarray(game.goal),
+        collision=np.asarray(game.collision),
+        touched=np.asarray(game.touched).T,
+        goal_x=np.asarray(goal_x),
+        goal_y=np.asarray(goal_y),
+        jaywalking_tendency=np.asarray(scenarios.jaywalking_tendency).T,
+        **in_order(columns),
+    )
