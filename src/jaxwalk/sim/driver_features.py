@@ -107,7 +107,7 @@ PAPER = (
     SPEED_OF_CAR,
     Feature("goal", 2, within_diagonals(ABSENT), lambda m: [metres / ABSENT for metres in _goal(m)]),
     Feature("goal_distance", 1, lambda limits: [(0.0, limits.diagonal / ABSENT)], _goal_distance),
-    Feature("lateral", 1, within_diagonals(2), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 4,)),
+    Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 4,)),
     Feature("heading_error", 1, signed, _heading_error),
     PEOPLE,
 )
@@ -116,7 +116,7 @@ PAPER = (
 ON_ROUTE = (
     SPEED_OF_CAR,
     Feature("steering", 1, signed, lambda m: (m.state.vehicle.steering / m.world.rules.max_steering,)),
-    Feature("lateral", 1, within_diagonals(2), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 2,)),
+    Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 2,)),
     Feature("heading", 2, signed, lambda m: vehicle.route_frame(m.state.vehicle)[1:]),
     Feature("to_go", 1, _to_go_bounds, _to_go),
     Feature(
