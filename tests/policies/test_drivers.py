@@ -118,7 +118,7 @@ def test_layouts_say_where_things_are(street, role, name):
     scenarios, _ = Drawn(street, 0).take(np.arange(3))
     state = street.reset(scenarios)
     state = eqx.tree_at(lambda s: s.vehicle.speed, state, jnp.full(3, 4.0))
-    seen = eqx.filter_jit(lambda street: street.observe(scenarios, state, role, name))(street)
+    seen = eqx.filter_jit(lambda street: street.observe(scenarios, state, street.view(role, name)))(street)
     assert seen.shape[0] == size(role, name)
     if role == "pedestrian":
         shown = jnp.array(

@@ -59,7 +59,7 @@ def look(street, step):
     A NaN or an infinity anywhere is in one of the two.
     """
     scenario, state = step.record
-    seen = {f"{role} {name}": [street.observe(scenario, state, role, name)] for role, name in SETS}
+    seen = {f"{role} {name}": [street.observe(scenario, state, street.view(role, name))] for role, name in SETS}
     seen["global state"] = [street.global_state(scenario, state)]
     seen["state"] = [x[None] for x in jax.tree.leaves(eqx.tree_at(_kerbs, state, replace_fn=_or_nowhere))]
     seen["rewards"] = [x[None] for x in jax.tree.leaves(step.outcome.rewards)]

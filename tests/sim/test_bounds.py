@@ -52,7 +52,7 @@ def test_bounds_are_those_of_the_rules(street):
 def test_every_set_has_a_bound_for_each_feature(street, role, name):
     low, high = of(street, role, name)
     scenario = jax.eval_shape(street.draw, jax.random.key(0))
-    seen = jax.eval_shape(lambda s: street.observe(s, street.reset(s), role, name), scenario)
+    seen = jax.eval_shape(lambda s: street.observe(s, street.reset(s), street.view(role, name)), scenario)
     assert low.shape == high.shape == seen.shape[:1]
     assert np.isfinite(low).all() and np.isfinite(high).all() and (low < high).all()
 

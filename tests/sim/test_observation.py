@@ -121,7 +121,9 @@ def test_people_can_be_permuted(paid_street, scenarios, moving, seen):
     np.testing.assert_allclose(looked["pedestrian paper"], seen["pedestrian paper"][:, order], atol=1e-6)
     straight, unpermuted, _, _ = everything(paid_street, scenarios, moving, actions())
     np.testing.assert_array_equal(after.pedestrian.x, np.asarray(straight.pedestrian.x)[order])
-    np.testing.assert_array_equal(outcome.terminated.pedestrian, np.asarray(unpermuted.terminated.pedestrian)[order])
+    np.testing.assert_array_equal(
+        outcome.terminated["pedestrian"], np.asarray(unpermuted.terminated["pedestrian"])[order]
+    )
 
 
 def test_traits_plans_and_draws_do_not_show(paid_street, scenarios, moving, seen):
