@@ -19,7 +19,7 @@ def test_observations_of_random_driving_lie_within_their_bounds(paid_street, sce
     lowest, highest = ({name: [] for name in SETS} for _ in range(2))
     for step in range(60):
         chosen = actions()
-        chosen = type(chosen)(jnp.asarray(drive[step]), jnp.asarray(go[step]))
+        chosen = {"driver": jnp.asarray(drive[step]), "pedestrian": jnp.asarray(go[step])}
         state, _, seen, _ = everything(paid_street, scenarios, state, chosen)
         for role, name in SETS:
             x = np.asarray(seen[f"{role} {name}"]).reshape(len(seen[f"{role} {name}"]), -1)

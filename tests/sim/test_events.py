@@ -166,8 +166,8 @@ def test_every_term_is_its_weight_times_the_unweighted_one(street, paid_street, 
     assert set(once.rewards["driver"]) == set(DRIVER_TERMS)
     assert set(once.rewards["pedestrian"]) == set(PEDESTRIAN_TERMS)
     for role in ("driver", "pedestrian"):
-        for name, term in getattr(once.rewards, role).items():
-            np.testing.assert_allclose(getattr(other.rewards, role)[name], -2 * np.asarray(term), rtol=1e-6)
+        for name, term in once.rewards[role].items():
+            np.testing.assert_allclose(other.rewards[role][name], -2 * np.asarray(term), rtol=1e-6)
 
 
 def test_a_reward_that_does_not_exist_is_refused():
