@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.sim.observation import OBSERVATIONS, ROUNDING, bounds, part
-from sim.play import SETS, actions, everything, random_actions
+from sim.play import SETS, everything, random_actions
 
 
 def of(street, role, name):
@@ -18,7 +18,6 @@ def test_observations_of_random_driving_lie_within_their_bounds(paid_street, sce
     state, seen = midway, None
     lowest, highest = ({name: [] for name in SETS} for _ in range(2))
     for step in range(60):
-        chosen = actions()
         chosen = {"driver": jnp.asarray(drive[step]), "pedestrian": jnp.asarray(go[step])}
         state, _, seen, _ = everything(paid_street, scenarios, state, chosen)
         for role, name in SETS:
