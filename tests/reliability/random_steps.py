@@ -21,8 +21,7 @@ import numpy as np
 from jaxwalk import Street
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
-from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.observation import LAYOUTS, PRIVILEGED
+from jaxwalk.sim.observation import OBSERVATIONS, PRIVILEGED, bounds
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 
 ENVIRONMENTS, STEPS = 1024, 16
@@ -35,7 +34,7 @@ PUSH = (0.0, 0.3, 0.8)
 """What is added to throttles between -1 and 1 (and then held to these limits), so that cars get somewhere."""
 EAGERNESS = (0.6, 0.95, 1.0, 0.3, 1.0)
 """How likely people are to go."""
-SETS = [(role, name) for role, sets in LAYOUTS.items() for name in sets if name != PRIVILEGED]
+SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name != PRIVILEGED]
 ENDINGS = ("goal", "collision", "timeout")
 
 
