@@ -8,9 +8,10 @@ from typing import Any
 from jaxwalk.metrics import scenarios_needed
 from jaxwalk.report import surprise
 from jaxwalk.report.table import Table, markdown_table, shown
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
 
-TYPES = ("crosswalk", "jaywalk")
-CONTACTS = (*TYPES, "sidewalk")
+TYPES = tuple(kind.word for kind in (CROSSWALK, JAYWALK))
+CONTACTS = tuple(kind.word for kind in tuple(ContactKind)[1:])
 TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
 """Pairs of collision rates for the table of how many scenarios it takes; the first are the paper's, like for like."""
 
