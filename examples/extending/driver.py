@@ -2,12 +2,12 @@
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxwalk.scenarios import Drawn
 
 from jaxwalk import DRIVERS, Street, evaluate, summarise
 from jaxwalk.interfaces import View
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.observation import Observation, part
 
 

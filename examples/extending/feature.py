@@ -2,10 +2,10 @@
 
 import jax
 import jax.numpy as jnp
-from jaxwalk.sim.driver_features import ROUTE
-from jaxwalk.sim.features import Feature, share
 
 from jaxwalk import Street
+from jaxwalk.sim.driver_features import ROUTE
+from jaxwalk.sim.features import Feature, share
 from jaxwalk.sim.observation import OBSERVATIONS, bounds, part, size
 
 

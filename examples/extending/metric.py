@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxwalk.scenarios import Drawn
 
 from jaxwalk import Street, measure, summarise
 from jaxwalk.evaluation import play
 from jaxwalk.metrics import METRICS, Estimate, Metric
 from jaxwalk.metrics.statistics import interval, ratio
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.scenarios import Drawn
 
 
 @dataclass(frozen=True)

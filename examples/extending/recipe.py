@@ -4,9 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from jaxwalk.recipes import RECIPES, Experiment
-
 from jaxwalk.learning.config import RoleConfig, TrainConfig
+from jaxwalk.recipes import RECIPES, Experiment
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.training import train
 

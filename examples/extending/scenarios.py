@@ -1,11 +1,11 @@
 """Add a kind of scenario: a source that returns scenarios by their numbers."""
 
 import equinox as eqx
-from jaxwalk.scenarios import Drawn, source_hash
 
 from jaxwalk import Street, evaluate, summarise
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.scenarios import Drawn, source_hash
 
 
 class Reckless:
