@@ -109,7 +109,7 @@ def midway(paid_street, scenarios):
 @pytest.fixture(scope="session")
 def tiny():
     """An experiment of 6 updates of 8 environments x 8 steps."""
-    from jaxwalk.runs.recipes import RECIPES, with_training
+    from jaxwalk.recipes import RECIPES, with_training
 
     experiment = RECIPES["fast"]
     roles = {

@@ -20,12 +20,12 @@ from stable_baselines3.common.vec_env import VecEnv
 import jaxwalk.adapters.gymnasium
 from jaxwalk import Street, evaluate, summarise
 from jaxwalk.policies import AlwaysGo, RouteFollower
-from jaxwalk.sim.weights import DRIVER_WEIGHTS
+from jaxwalk.recipes import RECIPES
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 
 SCALE = 0.1  # critics learn values of size 1 soonest
-REWARD = {term: SCALE * weight for term, weight in DRIVER_WEIGHTS["fast"].items()}
+REWARD = {term: SCALE * weight for term, weight in RECIPES["fast"].driver_weights.items()}
 
 
 class Streets(VecEnv):

@@ -7,9 +7,9 @@ import re
 
 import pytest
 
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.progress import Pace
-from jaxwalk.runs.recipes import RECIPES
 from jaxwalk.runs.watch import WatchPage
 
 

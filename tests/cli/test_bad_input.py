@@ -14,8 +14,8 @@ from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import save_policy
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import RECIPES
 from jaxwalk.runs.training import Trained
 from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.observation import size

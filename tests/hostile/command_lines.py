@@ -16,8 +16,8 @@ from safetensors.numpy import save
 
 from hostile.targets import ARRAYS, HEADER
 from jaxwalk.cli import options
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import RECIPES
 
 WORKERS = (
     "jaxwalk.runs.training.train", "jaxwalk.runs.study.train", "jaxwalk.cli.evaluate._play",

@@ -31,8 +31,8 @@ import numpy as np
 from rich.console import Console
 
 from jaxwalk.policies import load_policy
+from jaxwalk.recipes import RECIPES, Experiment, with_training
 from jaxwalk.runs.folder import METRICS, Run
-from jaxwalk.runs.recipes import RECIPES, Experiment, with_training
 from jaxwalk.runs.street import make_street
 from jaxwalk.runs.training import begin, train
 from jaxwalk.writing import is_unfinished

@@ -8,7 +8,7 @@ import numpy as np
 from safetensors.numpy import load_file
 
 from jaxwalk.cli import main
-from jaxwalk.runs.recipes import with_training
+from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
 from jaxwalk.learning import checkpoint
 from jaxwalk.policies import read_metadata

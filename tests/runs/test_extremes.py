@@ -12,7 +12,7 @@ from rich.console import Console
 
 from jaxwalk import Street
 from jaxwalk.evaluation import evaluate, with_jaywalk_multiplier, write_rows
-from jaxwalk.runs.recipes import with_training
+from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.training import train
 from jaxwalk.metrics import summarise

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.runs.recipes import RECIPES, single_agent, with_training
+from jaxwalk.recipes import RECIPES, single_agent, with_training
 from jaxwalk.runs.folder import Run, RunError
 
 

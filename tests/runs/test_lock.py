@@ -7,7 +7,7 @@ import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.runs.lock import InUseError, held
-from jaxwalk.runs.recipes import RECIPES
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 
 HOLD = """

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from jaxwalk.runs.recipes import single_agent, with_training
+from jaxwalk.recipes import single_agent, with_training
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.training import DivergedError, Session, UnwrittenError, begin, is_finished, train
 from jaxwalk.runs.street import make_street, shared_out

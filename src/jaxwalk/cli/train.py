@@ -11,8 +11,8 @@ from pathlib import Path
 from rich.console import Console
 
 from jaxwalk.cli.options import Train, UsageError
+from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.folder import Run, check_new, check_writable
-from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
 
 TUNABLE = (
     "updates", "environments", "steps", "minibatches",

@@ -23,11 +23,11 @@ from jaxwalk.experiments.tournament import Round, Scenarios, document_of, play_r
 from jaxwalk.metrics import Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
+from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.hidden_intent import BLIND, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.provenance import provenance
-from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.study import Effort, Work
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, TOLD

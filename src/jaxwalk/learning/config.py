@@ -181,37 +181,3 @@ def _require(config: object, condition: bool, name: str, message: str, value: ob
     if not condition:
         shown = getattr(config, name) if value is ... else value
         raise ValueError(f"{name} {message}" + ("" if shown is None else f", not {shown!r}"))
-
-
-PAPER = TrainConfig(
-    driver=RoleConfig(actor_hidden=(256, 256), entropy=0.01, noise="tanh"),
-    pedestrian=RoleConfig(actor_hidden=(128, 128), entropy=0.03),
-    credit="shared",
-)
-"""The paper's section III-B and Table II: one critic on the global state, one blended reward, one advantage."""
-
-FAST = TrainConfig(
-    driver=RoleConfig(
-        observes="route",
-        actor_hidden=(256, 256),
-        critic_hidden=(256, 256),
-        critic_observes=("route", GLOBAL),
-        entropy=0.001,
-        epochs=2,
-        initial_std=0.5,
-        fixed=1 / 4,
-        early=1 / 12,
-    ),
-    pedestrian=RoleConfig(
-        observes="kerb", gated=True, hold=10, critic_observes=("kerb",), entropy=0.003, epochs=1, fixed=1 / 3
-    ),
-    environments=768,
-    steps=64,
-    minibatches=32,
-    learning_rate=1e-3,
-    anneal=True,
-    reward_scale=0.1,
-)
-"""What learns best on the same task: route frame, a critic per role, a value per pedestrian, pedestrians who decide at
-the kerb and keep to it for a second, short rollouts, small minibatches, a learning rate that falls. In a third of the
-environments people meet careless and earlier drivers, in another the driver meets people who always go."""

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable
 
 import jax
 
-from jaxwalk.runs.recipes import Experiment, with_training
+from jaxwalk.recipes import Experiment, with_training
 from jaxwalk.interfaces import ByRole, Policy
 from jaxwalk.learning.config import GLOBAL
 from jaxwalk.maps import MapError
