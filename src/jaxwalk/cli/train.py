@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
-from jaxwalk.cli.options import Train, UsageError
+from jaxwalk.cli.errors import INTERRUPTED, UsageError, bad_values
+from jaxwalk.cli.options import Train
 from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.folder import Run, check_new, check_writable
 
@@ -54,7 +53,7 @@ def run(options: Train) -> int:
         console.print(
             f"Interrupted after {made}. Go on with: jaxwalk train --resume {folder.path}", soft_wrap=True, markup=False
         )
-        return 130
+        return INTERRUPTED
     console.print(
         f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {folder.path}", soft_wrap=True, markup=False
     )
@@ -99,14 +98,3 @@ def make_experiment(options: Train) -> Experiment:
 def _absolute(name: str) -> str:
     """A map file by its whole path, so that the run can be resumed from anywhere; a bundled map by its name."""
     return str(Path(name).absolute()) if Path(name).is_file() else name
-
-
-@contextmanager
-def bad_values() -> Iterator[None]:
-    """While something is built from options, any ValueError is about them."""
-    try:
-        yield
-    except ValueError as error:
-        if type(error).__module__.startswith("jaxwalk"):
-            raise
-        raise UsageError(f"{error}; see the command's --help") from error
