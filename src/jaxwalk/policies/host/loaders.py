@@ -1,4 +1,4 @@
-"""Which driver from elsewhere a name means, and how it is loaded."""
+"""The names of drivers that are not written in JAX, and the loader for each kind of name."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from jaxwalk.sim.observation import LAYOUTS, size
 LOADERS = {".onnx": "onnx_file", ".pt": "torch_file", ".pt2": "torch_file", ".pth": "torch_file", ".zip": "sb3_file"}
 """Kinds of files, and the modules of this package that load them."""
 GUESSES = ("route", "paper")
-"""The observation set of a file that doesn't name it: the first of these that has the size of its input."""
+"""Observation sets to try for a file that names none: the first with the size of the network's input is taken."""
 
 
 class Loader(Protocol):
-    """Loads a file: the driver, and the observation set it reads."""
+    """Loads a file; returns the driver and the name of the observation set that it reads."""
 
     def __call__(self, path: Path, *, trust: bool) -> tuple[Any, str]: ...
 
 
 def is_host_driver(name: str) -> bool:
-    """Whether the name is one of a driver from elsewhere: ``module:Class``, ``file.py:Class`` or such a file."""
+    """Return whether a name means a driver not written in JAX: ``module:Class``, ``file.py:Class`` or a known file."""
     return Path(name).suffix.lower() in LOADERS or _is_class(name)
 
 
 def load_host_driver(name: str, *, trust: bool = False, seconds: float = SECONDS) -> HostDriver:
-    """The driver of that name.
+    """Return the driver with this name.
 
     Args:
-        name: what `is_host_driver` knows.
-        trust: also load what can't be loaded without running code that may be hidden in it.
-        seconds: its limit for one step.
+        name: a name for which `is_host_driver` is true.
+        trust: also load files that can run hidden code while they are loaded.
+        seconds: time limit for one step [s].
 
     Raises:
         DriverError: there is no such driver, or it can't be used; the message says what to do.
@@ -53,7 +53,10 @@ def load_host_driver(name: str, *, trust: bool = False, seconds: float = SECONDS
 
 
 def set_of_size(path: Path, features: int, observes: str | None = None) -> str:
-    """The observation set of a network with so many inputs; raises DriverError if none fits, or not the named one."""
+    """Return the name of the observation set for a network with this many inputs.
+
+    Raises DriverError if no set has this size, or if ``observes`` names a set of another size.
+    """
     fitting = [name for name in GUESSES if size("driver", name) == features]
     if observes is None and fitting:
         return fitting[0]
