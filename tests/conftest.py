@@ -129,8 +129,9 @@ def quiet():
 def whole(tiny, tmp_path_factory):
     """The run of an uninterrupted training."""
     from jaxwalk.runs.folder import Run
+    from jaxwalk.runs.progress import Display
     from jaxwalk.runs.training import train
 
     run = Run.create(tmp_path_factory.mktemp("runs") / "whole", tiny)
-    train(run, console=Console(file=io.StringIO()))
+    train(run, display=Display(Console(file=io.StringIO())))
     return run
