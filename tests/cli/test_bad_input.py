@@ -17,8 +17,8 @@ from jaxwalk.policies import save_policy
 from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.training import TrainingEnd
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.observation import size
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def _policy(path, role="driver"):

@@ -11,7 +11,7 @@ from hypothesis import given
 from jaxwalk.metrics import measure, summarise
 from jaxwalk.metrics.distributions import THRESHOLDS, distribution_columns, summarise_distributions
 from jaxwalk.metrics.statistics import episode_sums
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 from metrics.test_properties import few, trajectories
 

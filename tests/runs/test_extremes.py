@@ -18,7 +18,7 @@ from jaxwalk.runs.progress import Display
 from jaxwalk.runs.training import train
 from jaxwalk.metrics import summarise
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 LONELY = SimConfig(pedestrians=1, dt=0.02, horizon=600)
 CROWDED = SimConfig(pedestrians=200, horizon=120)

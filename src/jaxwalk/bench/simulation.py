@@ -23,10 +23,10 @@ from jaxwalk.bench.processes import tell
 from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
+from jaxwalk.sim.sim_config import SimConfig
 
 Sets = tuple[tuple[str, str], ...]
 """Observation sets, each with its role."""
@@ -74,7 +74,7 @@ def measure(street: Street, count: int, settings: Settings, sets: Sets = EVERY) 
     row = {
         "environments": count,
         "observations": "paper" if sets == PAPER else "every",
-        "pedestrians": street.config.pedestrians,
+        "pedestrians": street.world.rules.pedestrians,
         "shards": program.shards,
         "steps": settings.steps,
         **timing,
@@ -83,7 +83,7 @@ def measure(street: Street, count: int, settings: Settings, sets: Sets = EVERY) 
         "state_bytes": program.state_bytes,
         "kept_bytes": program.kept_bytes,
     }
-    size = f"{count:>6,} environments, {street.config.pedestrians:>2} pedestrians"
+    size = f"{count:>6,} environments, {street.world.rules.pedestrians:>2} pedestrians"
     tell(
         f"{size}, observations: {row['observations']:<5} {row['env_steps_per_s']:>10,} steps/s, "
         f"{program.temporary_bytes / 1e6:,.1f} MB, compiled in {program.compile_s:.1f} s"
@@ -182,7 +182,7 @@ def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]
 
 def look_and_act(street: Street, sets: Sets = EVERY) -> Act:
     """A policy that acts at random and looks at all of those sets; it records one number for each street."""
-    people = jnp.arange(street.config.pedestrians, dtype=jnp.uint32)
+    people = jnp.arange(street.world.rules.pedestrians, dtype=jnp.uint32)
 
     def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[ByRole, Any, jax.Array]:
         seen = [street.observe(scenario, state, role, name) for role, name in sets]

@@ -197,7 +197,7 @@ def _write_episodes(out: Path, name: str, streets: list[Street], rows: list[Play
     """A row per episode, in a file for each multiplier; ``rows`` may be of the first streets only."""
     files = []
     for street, played in zip(streets, rows, strict=False):
-        suffix = f"-x{float(street.jaywalk_multiplier):g}" if len(streets) > 1 else ""
+        suffix = f"-x{float(street.world.jaywalk_multiplier):g}" if len(streets) > 1 else ""
         files.append(out / f"{name}{suffix}.csv")
         write_rows(files[-1], [(*pair, found) for pair, found in played.items()])
     return files

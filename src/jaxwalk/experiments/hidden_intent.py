@@ -118,10 +118,10 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
 
     Whole episodes are those of a car that stands; where somebody walks into it, the episode is cut short and left out.
     """
-    people, seconds = street.config.pedestrians, street.config.horizon * street.config.dt
+    people, seconds = street.world.rules.pedestrians, street.world.rules.horizon * street.world.rules.dt
     always_go = contestant(street, "pedestrian", ALWAYS_GO)
     stands = evaluate(street, ConstantSpeed(throttle=0.0), always_go, episodes=scenarios.episodes, seed=scenarios.seed)
-    whole = _crossings(stands, people)[stands.episodes.steps == street.config.horizon]
+    whole = _crossings(stands, people)[stands.episodes.steps == street.world.rules.horizon]
     mean = blind.episodes.steps.mean() * blind.dt
     cases = [
         (f"in a whole episode ({seconds:g} s)", whole.ravel()),

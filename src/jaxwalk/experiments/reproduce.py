@@ -30,8 +30,8 @@ from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.study import Effort, Work, read_json, run_folder
+from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.trajectory import JAYWALK
 
 ABLATED = 2000
 """The ablation, which has ten cells for each training seed, takes at most so many scenarios."""
@@ -158,7 +158,9 @@ def _draw(work: Reproduction) -> None:
     scenario, frame = _interesting(work, street, driver, trained.learned)
     for kind in ("png", "svg"):
         file = work.folder / f"episode.{kind}"
-        draw_episode(street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.config.dt)
+        draw_episode(
+            street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.world.rules.dt
+        )
     work.keep("episode.json", {"scenario": scenario, "seed": seed, "training_seed": seed, "frame": frame})
 
 

@@ -9,7 +9,7 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.maps import RoadMap
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory
-from jaxwalk.viewer import ViewerError, animation, picture
+from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
 
 MOVING = (".gif", ".mp4")
 """Files that show the whole episode; others show its last frame."""
@@ -32,12 +32,13 @@ def draw_episode(
     trajectory = replay(street, driver, pedestrians, scenarios=[scenario], seed=seed)
     ground = map_of(street, scenario=scenario, seed=seed)
     if path.suffix.lower() in MOVING:
-        animation(trajectory, 0, ground, path)
+        animation(EpisodeFigure(trajectory, 0, ground, width=640), path)
     else:
         end = float(trajectory.length[0]) * trajectory.dt
         if time is not None and time > end:
             raise ViewerError(f"at {time:g} s the episode is over: it takes {end:.1f} s")
-        picture(trajectory, 0, ground, path, frame=None if time is None else round(time / trajectory.dt))
+        frame = None if time is None else round(time / trajectory.dt)
+        picture(EpisodeFigure(trajectory, 0, ground), path, frame=frame)
     return trajectory
 
 
@@ -47,4 +48,4 @@ def map_of(street: Street, *, scenario: int, seed: int) -> RoadMap:
 
     drawn, _ = draw_scenarios(street, seed=seed, first=scenario, count=1)
     index = int(drawn.map[0])
-    return jax.device_get(jax.tree.map(lambda x: x[index], street.maps))
+    return jax.device_get(jax.tree.map(lambda x: x[index], street.world.maps))

@@ -13,8 +13,8 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.maps import RoadMap
 from jaxwalk.maps.road_map import ROUTE_SPACING
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.paths import walking_paths
 from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.walking_paths import walking_paths
 from jaxwalk.viewer.record import make_records
 from jaxwalk.viewer.replay import document, entries
 
@@ -34,12 +34,12 @@ def recording(
         for first in range(0, len(numbers[people]), BATCH)
         for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + BATCH], seed)
     ]
-    return document(found, maps_of(street), dt=street.config.dt)
+    return document(found, maps_of(street), dt=street.world.rules.dt)
 
 
 def maps_of(street: Street) -> list[RoadMap]:
     """The maps of a street, each on its own."""
-    maps = jax.device_get(street.maps)
+    maps = jax.device_get(street.world.maps)
     return [jax.tree.map(lambda x, i=i: x[i], maps) for i in range(len(maps.roads))]
 
 
@@ -50,7 +50,7 @@ def _entries(
     scenarios, _ = choose_scenarios(street, seed=seed, numbers=np.asarray(numbers))
     config = street.config
     reach = config.horizon * config.dt * config.fastest_walk
-    paths = walking_paths(street.maps, street.tables, street.jaywalk_multiplier, scenarios, reach=reach)
+    paths = walking_paths(street.world, scenarios, reach=reach)
     routes, maps = _routes(street, scenarios), np.asarray(scenarios.map).tolist()
     found, multiplier = [], jaywalk_multiplier(street)
     for driver, policy in drivers.items():
@@ -62,7 +62,7 @@ def _entries(
 
 def _routes(street: Street, scenarios: Scenario) -> list[np.ndarray]:
     """Of every scenario the car's lane route, a point for each metre, ``(point, 2)`` [m]."""
-    maps, every = jax.device_get(street.maps), round(1 / ROUTE_SPACING)
+    maps, every = jax.device_get(street.world.maps), round(1 / ROUTE_SPACING)
     chosen = list(zip(np.asarray(scenarios.map).tolist(), np.asarray(scenarios.route).tolist(), strict=True))
     return [
         np.stack([maps.route_x[at], maps.route_y[at]], axis=1)[: int(maps.route_length[at] / ROUTE_SPACING) + 1 : every]

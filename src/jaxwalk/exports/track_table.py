@@ -49,9 +49,9 @@ def record_tracks(
     Raises:
         SeveralMapsError: the street has several maps.
     """
-    if street.maps.width.shape[0] != 1:
+    if street.world.maps.width.shape[0] != 1:
         raise SeveralMapsError("the trajectories of a file need one map; choose it with --map")
-    ground = areas_of(jax.device_get(jax.tree.map(lambda x: x[0], street.maps)))
+    ground = areas_of(jax.device_get(jax.tree.map(lambda x: x[0], street.world.maps)))
     recordings = _recorded(street, driver, pedestrians, episodes, seed, progress)
     rules = {name: getattr(street.config, name) for name in RULES}
     write_tracks(path, recordings, about={**rules, **about, "seed": seed}, areas=ground)

@@ -10,7 +10,8 @@ from jaxtyping import Int
 from jaxwalk.metrics.crossings import TYPES, Crossings, RoadSteps
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.sim import events
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, NO_CROSSING, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
+from jaxwalk.sim.trajectory import Trajectory
 
 T = TypeVar("T")
 TYPES = (CROSSWALK, JAYWALK)

@@ -28,7 +28,7 @@ from jaxwalk.metrics.surrogate import (
     surrogate_columns,
 )
 from jaxwalk.metrics.waiting import Waiting, measure_waiting, summarise_waiting, waiting_columns
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 

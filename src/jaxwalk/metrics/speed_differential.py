@@ -15,7 +15,8 @@ from jaxwalk.metrics.crossings import TYPES, RoadSteps, find_crossings, real_fra
 from jaxwalk.metrics.meetings import BIN_WIDTH, BINS, distance_bin, nearest_of_type
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Ghosts, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 
 @dataclass(frozen=True)

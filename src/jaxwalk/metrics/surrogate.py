@@ -16,8 +16,8 @@ from jaxwalk.metrics.crossings import TYPES, ByType
 from jaxwalk.metrics.encounters import Encounters
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
 from jaxwalk.metrics.statistics import Estimate, interval, quantile, ratio
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.events import distance
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 TTC_CRITICAL = 1.5

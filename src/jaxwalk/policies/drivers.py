@@ -17,8 +17,8 @@ from jaxtyping import Array, Bool, Float, Key
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies.oracle import Oracle
 from jaxwalk.policies.pursuit import pursue
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, SPEED, part
+from jaxwalk.sim.sim_config import SimConfig
 
 FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
 """Accelerations as shares of the limit (3 m/s2)."""
@@ -127,7 +127,7 @@ class RouteFollower(eqx.Module):
     max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
     """The car's largest steering angle [rad]."""
     point: int = eqx.field(static=True, default=0)
-    """The point of the route to steer to: an index of ``jaxwalk.sim.tables.POINTS``."""
+    """The point of the route to steer to: an index of ``jaxwalk.sim.map_tables.POINTS``."""
     observes: str = eqx.field(static=True, default="route")
     """Name of the observation set."""
 

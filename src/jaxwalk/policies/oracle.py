@@ -16,10 +16,10 @@ import numpy as np
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.policies.pursuit import pursue
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.observation import ABSENT, PRIVILEGED, SPEED, part
 from jaxwalk.sim.prediction import FAR
+from jaxwalk.sim.sim_config import SimConfig
 
 LEVELS = 6
 """Number of speeds: multiples of a fifth of the top speed, 0 to 8.33 m/s."""

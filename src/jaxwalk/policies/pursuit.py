@@ -5,8 +5,8 @@ from __future__ import annotations
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.tables import POINT_SPACING, POINTS
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def pursue(
@@ -24,7 +24,7 @@ def pursue(
 
     Args:
         route: the part "route" of an observation: x and y of each point ahead, divided by its distance along the route.
-        point: the point to steer to: an index of ``jaxwalk.sim.tables.POINTS``; the first is 2.5 m ahead.
+        point: the point to steer to: an index of ``jaxwalk.sim.map_tables.POINTS``; the first is 2.5 m ahead.
         wheelbase: distance between the car's axles [m].
         max_steering: the car's largest steering angle [rad].
     """

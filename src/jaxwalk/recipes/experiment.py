@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from jaxwalk.learning.config import TrainConfig, own_environments
-from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 
 
 @dataclass(frozen=True)

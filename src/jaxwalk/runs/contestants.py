@@ -15,8 +15,8 @@ from jaxwalk.interfaces import Box, Discrete, Policy
 from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import SimConfig
 
 RULES = {"driver": DRIVERS, "pedestrian": POPULATIONS}
 """Rules of each role, by name."""

@@ -1,4 +1,4 @@
-"""One episode as a figure that can show any of its frames."""
+"""One episode as a figure, which can show any of its frames."""
 
 from __future__ import annotations
 
@@ -14,26 +14,47 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
 from jaxwalk.maps import RoadMap
-from jaxwalk.sim.trajectory import JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer.ground import draw_ground
 
 CAR_LENGTH, CAR_WIDTH = 4.5, 1.8
-"""[m]; only drawn: collisions are decided by the centres."""
+"""Size of the drawn car [m]. Collisions depend on the distance of centres, not on this size."""
 CAR, JAYWALKED, GOAL, CRASH = "#1f5fd0", "#ffd400", "#d81e2c", "#d81e2c"
 """Colours of the car, of jaywalks, of the goal and of a collision."""
 TENDENCY = LinearSegmentedColormap.from_list("tendency", ["#fff4d6", "#f5b242", "#cd540a", "#541408"])
-"""From pale (never jaywalks) to dark: told apart by lightness alone, so by everybody. Those of ``page/drawing.js``."""
+"""Colours from pale (never jaywalks) to dark, as in ``page/drawing.js``. They differ in lightness, which colour-blind
+people see too."""
 INCHES = 8.0
-"""Width for which texts and lines are sized; the pixels per inch make it larger or smaller."""
+"""Width of the figure for which texts and lines are sized; the pixels per inch scale it."""
 TRAIL = 3.0
-"""People leave a trail of this many seconds [s]."""
+"""Length of the trail behind each pedestrian [s]."""
 
 
-class Scene:
-    """A figure of one episode. `show` makes it a moment of it."""
+class ViewerError(ValueError):
+    """A drawing is impossible. The message says why and what to do, in one line."""
 
-    def __init__(self, trajectory: Trajectory, episode: int, road_map: RoadMap, *, width: int) -> None:
-        """Draw what stays the same; ``width`` is the width of the figure in pixels."""
+
+class EpisodeFigure:
+    """A figure of one episode; `show` moves it to a frame.
+
+    Args:
+        trajectory: recorded episodes.
+        episode: the episode to draw, from 0.
+        road_map: the map it was played on, as `load_map` returns it (not a stack of maps).
+        width: width of the figure in pixels; the height is about the same.
+
+    Raises:
+        ViewerError: there is no such episode, or the map is a stack.
+    """
+
+    def __init__(self, trajectory: Trajectory, episode: int, road_map: RoadMap, *, width: int = 960) -> None:
+        """Draw everything that doesn't move."""
+        episodes = len(trajectory.length)
+        if not 0 <= episode < episodes:
+            raise ViewerError(f"there is no episode {episode}: the trajectory has {episodes}, from 0")
+        if np.ndim(road_map.width):
+            raise ViewerError("the map is a stack of maps: give one, as load_map does")
         self.trajectory, self.episode = trajectory, episode
         self.last = int(trajectory.length[episode])
         self.figure = Figure(
@@ -48,19 +69,19 @@ class Scene:
         self._add_artists()
         self._add_legend()
         self.figure.draw_without_rendering()
-        self.figure.set_layout_engine("none")  # it is laid out once
+        self.figure.set_layout_engine("none")  # the layout is computed once
         for artist in self.moving:
             artist.set_animated(True)
-        self.canvas.draw()  # without what moves
+        self.canvas.draw()  # without the animated artists
         self.background = self.canvas.copy_from_bbox(self.figure.bbox)
 
-    def grown(self) -> None:
-        """Take note of frames that were written into the trajectory since."""
+    def refresh(self) -> None:
+        """Read the trajectory again after frames were added to it."""
         self.last = int(self.trajectory.length[self.episode])
         self.jaywalks = _jaywalks(self.trajectory, self.episode)
 
     def show(self, frame: int) -> None:
-        """Make the figure show a frame (0 to the episode's length)."""
+        """Move the figure to a frame (0 to the episode's length)."""
         t, e = self.trajectory, self.episode
         self.car.set_xy(_outline(t.car_x[frame, e], t.car_y[frame, e], t.car_cos[frame, e], t.car_sin[frame, e]))
         self.path.set_data(t.car_x[: frame + 1, e], t.car_y[: frame + 1, e])
@@ -76,7 +97,7 @@ class Scene:
         self.crash.set_visible(hit)
 
     def pixels(self, frame: int) -> UInt8[np.ndarray, "height width 3"]:
-        """A frame as an image; only what moves is drawn anew."""
+        """Return a frame as an image. Only the moving artists are drawn again."""
         self.show(frame)
         self.canvas.restore_region(self.background)
         for artist in self.moving:
@@ -92,7 +113,7 @@ class Scene:
         return f"{text}    {ending}"
 
     def _add_artists(self) -> None:
-        """Everything that moves, still empty."""
+        """Add everything that moves, still empty."""
         t, e, axes = self.trajectory, self.episode, self.axes
         colours = TENDENCY(t.jaywalking_tendency[e])
         self.path = axes.plot([], [], color=CAR, linewidth=2, alpha=0.7, zorder=5)[0]
@@ -132,20 +153,20 @@ class Scene:
 
 
 def _outline(x: np.floating, y: np.floating, cos: np.floating, sin: np.floating) -> Float[np.ndarray, "corner 2"]:
-    """The car seen from above: a rectangle with a slightly pointed front, so that its heading shows."""
+    """Return the car's outline from above [m]: a rectangle with a slightly pointed front, which shows its heading."""
     ahead, left = CAR_LENGTH / 2, CAR_WIDTH / 2
     shape = np.array([(-ahead, -left), (0.8 * ahead, -left), (ahead, 0), (0.8 * ahead, left), (-ahead, left)])
     return shape @ np.array([(cos, sin), (-sin, cos)]) + (x, y)
 
 
 def _paths(trajectory: Trajectory, episode: int, begin: int, end: int) -> Float[np.ndarray, "frame ped 2"]:
-    """Where people were from one frame to another, both included."""
+    """Return the positions of all pedestrians from one frame to another [m], both included."""
     frames = slice(begin, end + 1)
     return np.stack([trajectory.ped_x[frames, episode], trajectory.ped_y[frames, episode]], axis=-1)
 
 
 def _jaywalks(trajectory: Trajectory, episode: int) -> list[tuple[int, int, int]]:
-    """Every jaywalk: pedestrian, the frame before it enters the roadway and the frame after it leaves it."""
+    """Return every jaywalk: pedestrian, frame before it enters the roadway, frame after it leaves it."""
     last = int(trajectory.length[episode])
     on = trajectory.on_roadway[: last + 1, episode] & (trajectory.crossing[: last + 1, episode] == JAYWALK)
     found = []

@@ -1,6 +1,6 @@
-"""Judge a driver of your own: how often it hits somebody, whether it is surprised, and who could have avoided it.
+"""Evaluate a driver of your own: its collisions, its reaction to jaywalkers, and who could have avoided the collisions.
 
-A driver is anything with ``observes``, ``init`` and ``act`` (`jaxwalk.interfaces.Policy`).
+A driver is any object with ``observes``, ``init`` and ``act`` (`jaxwalk.interfaces.Policy`).
 """
 
 import equinox as eqx
@@ -13,11 +13,11 @@ from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.report.surprise import in_words
 from jaxwalk.sim.observation import SPEED, part
 
-EPISODES = 64  # take 2,000 or more for numbers to rely on
+EPISODES = 64  # use 2,000 or more for reliable numbers
 
 
 class Cautious(eqx.Module):
-    """Follows its route at no more than 4 m/s, blind to people."""
+    """Follows its route at 4 m/s or less, and ignores people."""
 
     observes: str = eqx.field(static=True, default="route")
 
@@ -39,8 +39,8 @@ print("collisions at full speed {:.0%}, at 4 m/s {:.0%}; p = {:.3f}".format(*col
 
 summary = summarise(slow)
 print(in_words(summary.as_dict()["speed_differential"]))
-met = summary.surrogates.crosswalk
-print(f"TTC below 1.5 s in {met.ttc_critical.value:.0%} of the encounters at crosswalks")
+crosswalk = summary.surrogates.crosswalk
+print(f"TTC below 1.5 s in {crosswalk.ttc_critical.value:.0%} of the encounters at crosswalks")
 
 found = summarise_counterfactuals(counterfactuals(street, Cautious(), AlwaysGo(), slow, seed=0, batch=64, at_most=8))
 shares = ", ".join(f"{label} {rate.successes}" for label, rate in found.all.labels.items())

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from jaxwalk.sim.paths import walking_paths
+from jaxwalk.sim.walking_paths import walking_paths
 
 EPISODES = 8
 
@@ -14,7 +14,7 @@ EPISODES = 8
 @pytest.fixture(scope="module")
 def paths(street, scenarios):
     some = jax.tree.map(lambda x: x[..., :EPISODES], scenarios)
-    return walking_paths(street.maps, street.tables, street.jaywalk_multiplier, some, reach=100.0)
+    return walking_paths(street.world, some, reach=100.0)
 
 
 def along(x, y):
@@ -29,7 +29,7 @@ def test_paths_are_as_long_as_asked_for(paths):
 
 
 def test_whoever_always_goes_walks_the_path_at_one_speed(paths, always_go, street, scenarios):
-    speed = np.asarray(scenarios.walking_speed(street.config))
+    speed = np.asarray(scenarios.walking_speed(street.world))
     people = always_go
     for ped, e in ((0, 0), (5, 3), (11, 7)):
         x, y = paths.x[:, ped, e], paths.y[:, ped, e]
