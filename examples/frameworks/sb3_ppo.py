@@ -21,6 +21,7 @@ import jaxwalk.adapters.gymnasium
 from jaxwalk import Street, evaluate, summarise
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.recipes import RECIPES
+from jaxwalk.scenarios import Drawn
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 
@@ -129,7 +130,9 @@ if options.out:
     model.save(options.out)
 goals, collisions = outcomes(model, options.scenarios, seed=0)
 print(f"PPO:            goals {goals:.1%}, collisions {collisions:.1%}")
-rows = evaluate(Street.create(), RouteFollower(), AlwaysGo(), episodes=options.scenarios, seed=0)
+rows = evaluate(
+    Street.create(), {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(Street.create(), 0, options.scenarios)
+)
 rule = summarise(rows).outcomes
 print(f"route-follower: goals {rule.goal.value:.1%}, collisions {rule.collision.value:.1%}")
 if not options.brief and not (goals > rule.goal.value and collisions < rule.collision.value):

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from jaxwalk.recipes import single_agent, with_training
-from jaxwalk.runs.folder import Run
-from jaxwalk.runs.progress import Display
-from jaxwalk.runs.session import DivergedError, Session
-from jaxwalk.runs.training import UnwrittenError, begin, is_finished, train
-from jaxwalk.runs.planning import replan
-from jaxwalk.runs.street import make_street, shared_out
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.policies import load_policy, read_metadata
+from jaxwalk.recipes import single_agent, with_training
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.planning import replan
+from jaxwalk.runs.progress import Display
+from jaxwalk.runs.session import DivergedError, Session
+from jaxwalk.runs.street import make_street, shared_out
+from jaxwalk.runs.training import UnwrittenError, begin, is_finished, train
 from limits import files_at_most
 from reliability.kill_training import board
 
@@ -76,7 +76,7 @@ def test_the_policy_says_where_it_comes_from(whole):
     assert (metadata["recipe"], metadata["seed"], metadata["steps"]) == ("fast", 0, 384)
     assert {"commit", "hardware", "versions"} <= metadata.keys()
     for role in ("driver", "pedestrian"):
-        assert load_policy(whole.policy, role).observes == whole.experiment.train.role(role).observes
+        assert load_policy(whole.policy, role).view.name == whole.experiment.train.roles[role].observes
 
 
 def test_there_are_events_for_tensorboard(whole):

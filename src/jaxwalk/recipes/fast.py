@@ -16,20 +16,22 @@ from jaxwalk.recipes.experiment import Experiment
 FAST: Final = Experiment(
     recipe="fast",
     train=TrainConfig(
-        driver=RoleConfig(
-            observes="route",
-            actor_hidden=(256, 256),
-            critic_hidden=(256, 256),
-            critic_observes=("route", GLOBAL),
-            entropy=0.001,
-            epochs=2,
-            initial_std=0.5,
-            fixed=1 / 4,
-            early=1 / 12,
-        ),
-        pedestrian=RoleConfig(
-            observes="kerb", gated=True, hold=10, critic_observes=("kerb",), entropy=0.003, epochs=1, fixed=1 / 3
-        ),
+        roles={
+            "driver": RoleConfig(
+                observes="route",
+                actor_hidden=(256, 256),
+                critic_hidden=(256, 256),
+                critic_observes=("route", GLOBAL),
+                entropy=0.001,
+                epochs=2,
+                initial_std=0.5,
+                fixed=1 / 4,
+                early=1 / 12,
+            ),
+            "pedestrian": RoleConfig(
+                observes="kerb", gated=True, hold=10, critic_observes=("kerb",), entropy=0.003, epochs=1, fixed=1 / 3
+            ),
+        },
         environments=768,
         steps=64,
         minibatches=32,

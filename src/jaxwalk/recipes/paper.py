@@ -13,8 +13,10 @@ from jaxwalk.recipes.experiment import Experiment
 PAPER: Final = Experiment(
     recipe="paper",
     train=TrainConfig(
-        driver=RoleConfig(actor_hidden=(256, 256), entropy=0.01, noise="tanh"),
-        pedestrian=RoleConfig(actor_hidden=(128, 128), entropy=0.03),
+        roles={
+            "driver": RoleConfig(actor_hidden=(256, 256), entropy=0.01, noise="tanh"),
+            "pedestrian": RoleConfig(actor_hidden=(128, 128), entropy=0.03),
+        },
         credit="shared",
     ),
     driver_weights={
