@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import jax
@@ -97,4 +97,4 @@ def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
     made = {"updates": updates, "steps": updates * experiment.steps_per_update}
     chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}
     chosen["maps"] = list(experiment.maps)
-    return chosen | made | provenance()
+    return chosen | made | asdict(provenance())
