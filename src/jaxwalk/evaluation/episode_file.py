@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.metrics import Rows
+from jaxwalk.sim.crossing_kind import CONTACTS
 from jaxwalk.writing import write_whole
 
-CONTACT_NAMES = ("", "crosswalk", "jaywalk", "sidewalk")
+CONTACT_NAMES = ("", *(kind.word for kind in CONTACTS))
 """Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
 NAMES = ("driver", "pedestrians")
 """Columns that tell cells apart, by default."""
