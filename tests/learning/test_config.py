@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from jaxwalk.learning.config import FAST, PAPER, ROLES, RoleConfig, TrainConfig
+from jaxwalk.learning.config import FAST, PAPER, RoleConfig, TrainConfig
+from learning.games import ROLES
 
 
 @pytest.mark.parametrize(
@@ -34,7 +35,7 @@ from jaxwalk.learning.config import FAST, PAPER, ROLES, RoleConfig, TrainConfig
     ],
 )
 def test_impossible_values_are_refused_by_name(kind, name, value):
-    config = kind()
+    config = kind(ROLES) if kind is TrainConfig else kind()
     object.__setattr__(config, name, value)  # past the type checks, which only tests have
     with pytest.raises(ValueError, match=f"^{name} must"):
         config.__post_init__()
@@ -43,7 +44,7 @@ def test_impossible_values_are_refused_by_name(kind, name, value):
 def test_somebody_must_learn():
     idle = RoleConfig(fixed=1.0)
     with pytest.raises(ValueError, match="fixed must be below 1"):
-        TrainConfig(driver=idle, pedestrian=idle)
+        TrainConfig(roles={"driver": idle, "pedestrian": idle})
 
 
 def test_paper_preset_is_table_ii():
@@ -51,22 +52,21 @@ def test_paper_preset_is_table_ii():
     assert PAPER.environments * PAPER.steps * PAPER.updates == pytest.approx(6.55e8, rel=1e-3)
     assert (PAPER.learning_rate, PAPER.discount, PAPER.gae_lambda) == (3e-4, 0.995, 0.95)
     assert (PAPER.clip, PAPER.max_grad_norm, PAPER.credit, PAPER.anneal) == (0.2, 0.5, "shared", False)
-    assert [PAPER.role(role).epochs for role in ROLES] == [4, 4]
-    assert (PAPER.driver.entropy, PAPER.pedestrian.entropy) == (0.01, 0.03)
-    assert (PAPER.driver.actor_hidden, PAPER.pedestrian.actor_hidden) == ((256, 256), (128, 128))
+    assert [PAPER.roles[role].epochs for role in PAPER.roles] == [4, 4]
+    assert (PAPER.roles["driver"].entropy, PAPER.roles["pedestrian"].entropy) == (0.01, 0.03)
+    assert (PAPER.roles["driver"].actor_hidden, PAPER.roles["pedestrian"].actor_hidden) == ((256, 256), (128, 128))
     assert PAPER.shared_critic_hidden == (256, 256)
 
 
 def test_fast_networks_are_no_smaller_than_the_papers():
-    for role in ROLES:
-        assert FAST.role(role).actor_hidden >= PAPER.role(role).actor_hidden
+    for role in PAPER.roles:
+        assert FAST.roles[role].actor_hidden >= PAPER.roles[role].actor_hidden
 
 
 def test_roles_and_their_order():
-    from jaxwalk.interfaces import ByRole
 
     assert tuple(f.name for f in dataclasses.fields(ByRole)) == ROLES
-    single = dataclasses.replace(FAST, pedestrian=dataclasses.replace(FAST.pedestrian, fixed=1.0, early=0.0))
+    single = dataclasses.replace(FAST, pedestrian=dataclasses.replace(FAST.roles["pedestrian"], fixed=1.0, early=0.0))
     assert single.learning_roles == ("driver",)
 
 

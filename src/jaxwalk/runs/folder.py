@@ -176,10 +176,22 @@ def _experiments() -> Any:
     return TypeAdapter(Experiment)
 
 
+def _with_roles(text: bytes) -> bytes:
+    """Return a configuration with its roles in one mapping; 0.1 had a field of ``train`` for each."""
+    try:
+        document = json.loads(text)
+        train = document["train"]
+        if "roles" not in train:
+            train["roles"] = {role: train.pop(role) for role in ("driver", "pedestrian")}
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return text  # whoever validates it says what is wrong
+    return json.dumps(document).encode()
+
+
 def _read_experiment(path: Path) -> Experiment:
     mend = "mend it, or copy it again from where the run was made"
     try:
-        return _experiments().validate_json(path.read_bytes())
+        return _experiments().validate_json(_with_roles(path.read_bytes()))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"] if part not in ("int", "float"))  # members of unions
