@@ -28,14 +28,6 @@ CONFIG = TrainConfig(
 )  # fmt: skip
 
 
-@pytest.fixture(autouse=True, scope="module")
-def quick_to_compile():
-    """These games are tiny: compiling them well takes longer than playing them badly compiled."""
-    jax.config.update("jax_disable_most_optimizations", True)
-    yield
-    jax.config.update("jax_disable_most_optimizations", False)
-
-
 def both(config, **changes):
     """The configuration with the same changes in both roles."""
     return games.with_roles(config, **{role: dataclasses.replace(x, **changes) for role, x in config.roles.items()})

@@ -17,7 +17,6 @@ from jaxwalk.interfaces import Environment
 from sim.maps import rearranged, turned, write
 from sim.play import (
     ENVIRONMENTS,
-    QUICKLY,
     TRACES,
     actions,
     columns,
@@ -185,7 +184,7 @@ def test_extreme_configurations(config):
 
         return scenario, *jax.lax.scan(body, street.reset(scenario), length=100)
 
-    scenario, state, (seen, x, speed) = jax.jit(episode, compiler_options=QUICKLY)(street, jax.random.key(0))
+    scenario, state, (seen, x, speed) = jax.jit(episode)(street, jax.random.key(0))
     assert [look.shape[1] for look in seen] == [34, len(seen[1][0]), 20, 10 + 4 * config.pedestrians]
     for look in seen:
         assert np.isfinite(look).all()
