@@ -12,7 +12,8 @@ from jaxwalk.interfaces import View
 from jaxwalk.metrics import summarise
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.report.surprise import in_words
-from jaxwalk.sim.observation import SPEED, Observation, part
+from jaxwalk.sim.features import SPEED
+from jaxwalk.sim.observation import Observation, part
 
 EPISODES = 64  # use 2,000 or more for reliable numbers
 

@@ -1,12 +1,11 @@
 from __future__ import annotations
 
-import dataclasses
 import subprocess
 import sys
 
 import pytest
 
-from jaxwalk.learning.config import FAST, PAPER, RoleConfig, TrainConfig
+from jaxwalk.learning.config import RoleConfig, TrainConfig
 from learning.games import ROLES
 
 
@@ -47,25 +46,8 @@ def test_somebody_must_learn():
         TrainConfig(roles={"driver": idle, "pedestrian": idle})
 
 
-def test_paper_preset_is_table_ii():
-    assert (PAPER.environments, PAPER.steps, PAPER.minibatches, PAPER.updates) == (512, 256, 8, 5000)
-    assert PAPER.environments * PAPER.steps * PAPER.updates == pytest.approx(6.55e8, rel=1e-3)
-    assert (PAPER.learning_rate, PAPER.discount, PAPER.gae_lambda) == (3e-4, 0.995, 0.95)
-    assert (PAPER.clip, PAPER.max_grad_norm, PAPER.credit, PAPER.anneal) == (0.2, 0.5, "shared", False)
-    assert [PAPER.roles[role].epochs for role in PAPER.roles] == [4, 4]
-    assert (PAPER.roles["driver"].entropy, PAPER.roles["pedestrian"].entropy) == (0.01, 0.03)
-    assert (PAPER.roles["driver"].actor_hidden, PAPER.roles["pedestrian"].actor_hidden) == ((256, 256), (128, 128))
-    assert PAPER.shared_critic_hidden == (256, 256)
-
-
-def test_fast_networks_are_no_smaller_than_the_papers():
-    for role in PAPER.roles:
-        assert FAST.roles[role].actor_hidden >= PAPER.roles[role].actor_hidden
-
-
 def test_roles_and_their_order():
-
-    single = dataclasses.replace(FAST, pedestrian=dataclasses.replace(FAST.roles["pedestrian"], fixed=1.0, early=0.0))
+    single = TrainConfig(ROLES | {"pedestrian": RoleConfig(fixed=1.0)})
     assert single.learning_roles == ("driver",)
 
 

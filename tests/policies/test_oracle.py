@@ -14,11 +14,12 @@ from jaxwalk.cli import main
 from jaxwalk.evaluation import compare, evaluate
 from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
-from jaxwalk.sim.observation import ABSENT, LAYOUTS, PRIVILEGED, SPEED, part
-from jaxwalk.sim.prediction import FAR
+from jaxwalk.sim.observation import PRIVILEGED, part
+from jaxwalk.sim.prediction import ABSENT, FAR
 
-SIZE = sum(LAYOUTS["driver"][PRIVILEGED].values())
+SIZE = size("driver", PRIVILEGED)
 LENGTH = 90.0
 STEPS_PLAYED = 400
 CASES = 41
@@ -123,7 +124,7 @@ def test_among_always_go_it_always_arrives(street, played):
 
 
 def test_the_command_line_says_that_it_is_privileged(monkeypatch, capsys):
-    monkeypatch.setattr("jaxwalk.cli.evaluate.compare", partial(compare, batch=16))
+    monkeypatch.setattr("jaxwalk.experiments.evaluating.compare", partial(compare, batch=16))
     command = ["evaluate", "--driver", "oracle", "--episodes", "4"]
     assert main(command) == 0
     assert "oracle (privileged)" in capsys.readouterr().out

@@ -16,7 +16,7 @@ import jax
 
 NAMES = {
     "simulation": ("jaxwalk.bench.simulation", "jaxwalk.experiments.benchmark.simulation"),
-    "recipes": ("jaxwalk.runs.recipes", "jaxwalk.experiments.recipes"),
+    "recipes": ("jaxwalk.recipes", "jaxwalk.experiments.recipes"),
     "street": ("jaxwalk.runs.street", "jaxwalk.experiments.world"),
 }
 """Modules by their present name, and by that of 0.1."""
@@ -40,7 +40,7 @@ def module(name: str):
 
 def simulator() -> tuple[Callable[[], None], int]:
     """Rollouts with every view."""
-    from jaxwalk.sim.config import SimConfig
+    from jaxwalk import SimConfig
 
     simulation = module("simulation")
     street = simulation.paid_street(SimConfig())
