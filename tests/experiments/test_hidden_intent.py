@@ -43,7 +43,7 @@ def test_each_car_sees_its_own(made):
             metadata = read_metadata(run.policy)
             assert (metadata["seed"], metadata["single_agent"]) == (seed, True)
             assert metadata["roles"]["driver"]["observes"] == observes
-            assert run.experiment.train.driver.critic_observes == ("route", "global")
+            assert run.experiment.train.roles["driver"].critic_observes == ("route", "global")
             assert [line["update"] for line in run.metrics()] == [1, 2]
 
 
