@@ -15,6 +15,7 @@ from jaxwalk.adapters.players import AdapterError, player
 from jaxwalk.evaluation import play
 from jaxwalk.policies import ConstantSpeed
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.observation import Observation
 from jaxwalk.sim.sim_config import SimConfig
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
@@ -175,7 +176,7 @@ def test_what_was_returned_does_not_change_later(three):
 class Statues:
     """Pedestrians who never move: a plain object, no pytree."""
 
-    observes = "paper"
+    view = Observation("pedestrian", "paper")
 
     def init(self, agents, batch):
         return None

@@ -5,6 +5,7 @@ import jax
 import jax.numpy as jnp
 import pytest
 
+from jaxwalk.sim.observation import Observation
 from jaxwalk.evaluation import compare, evaluate
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower
 from jaxwalk.scenarios import Drawn
@@ -15,7 +16,7 @@ BATCH = 16  # everywhere, so that little is compiled
 class Undecided(eqx.Module):
     """Pedestrians who toss a coin at every step, and remember how often."""
 
-    observes: str = eqx.field(static=True, default="paper")
+    view: Observation = eqx.field(static=True, default=Observation("pedestrian", "paper"))
 
     @property
     def sample(self):

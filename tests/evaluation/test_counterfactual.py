@@ -26,7 +26,7 @@ from jaxwalk.metrics import measure
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from jaxwalk.sim.observation import part
+from jaxwalk.sim.observation import Observation, part
 from metrics.scenes import Scene, Walk, trajectory
 
 BATCH = 16
@@ -46,7 +46,7 @@ class Car(RouteFollower):
 class People(AlwaysGo):
     """Go; lurkers stand at the kerb until a fast car is less than a second away, and then step out before it."""
 
-    observes: str = eqx.field(static=True, default="kerb")
+    view: Observation = eqx.field(static=True, default=Observation("pedestrian", "kerb"))
     lurk: jax.Array = eqx.field(kw_only=True)
 
     def act(self, key, memory, observation):

@@ -8,13 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation.game import play
+from jaxwalk.acting import SCENARIO_KEYS
+from jaxwalk.evaluation.playing import play
 from jaxwalk.learning import mappo
 from jaxwalk.metrics.outcomes import measure_outcomes
 from jaxwalk.policies import AlwaysGo, load_policy
 from jaxwalk.policies.shipped import shipped_policy
 from jaxwalk.recipes import RECIPES, single_agent, with_training
-from jaxwalk.rollout import SCENARIO_KEYS, TRAINING, draw_batch, seed_key
+from jaxwalk.rollout import TRAINING, draw_batch, seed_key
 from jaxwalk.runs.street import fixed_policies, make_street
 
 ENVIRONMENTS, STEPS = 64, 512
@@ -25,8 +26,8 @@ ENVIRONMENTS, STEPS = 64, 512
 def trained():
     """The street, the driver, and an update in which that driver, without noise, plays among people who always go."""
     fast = RECIPES["fast"]
-    roles = {role: replace(fast.train.role(role), epochs=1) for role in ("driver", "pedestrian")}
-    experiment = single_agent(with_training(fast, steps=STEPS, minibatches=1, **roles))
+    roles = {role: replace(config, epochs=1) for role, config in fast.train.roles.items()}
+    experiment = single_agent(with_training(fast, steps=STEPS, minibatches=1, roles=roles))
     experiment = with_training(experiment, environments=ENVIRONMENTS)
     street, others = make_street(experiment), fixed_policies(experiment)
     learner = mappo.init(street, experiment.train, seed_key(0, TRAINING), others=others)

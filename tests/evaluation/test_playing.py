@@ -12,7 +12,7 @@ from jaxwalk.policies import AlwaysGo, ConstantSpeed
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import pedestrian, prediction
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import part
+from jaxwalk.sim.observation import Observation, part
 from jaxwalk.sim.sim_config import SimConfig
 
 HORIZON = 110  # some arrive earlier, some do not; and it ends within a block of steps
@@ -77,7 +77,7 @@ def test_frames_are_those_of_stepping_by_hand(short, driver, undecided, batch, p
 class Careful(AlwaysGo):
     """Waits at the kerb if going now would bring the centres closer than 2.5 m."""
 
-    observes: str = eqx.field(static=True, default="kerb")
+    view: Observation = eqx.field(static=True, default=Observation("pedestrian", "kerb"))
 
     def act(self, key, memory, observation):
         decides, miss = (observation[part("pedestrian", "kerb", name).start] for name in ("decides", "miss"))
@@ -156,7 +156,8 @@ def test_another_multiplier_or_other_weights_compile_nothing_anew(street):
     first = len(traces)
     for multiplier in (0.0, 0.1, 1.0):
         weaker = Counted(weight=jnp.float32(0.5))
-        play(with_jaywalk_multiplier(street, multiplier), weaker, AlwaysGo(), scenarios, keys)
+        other = with_jaywalk_multiplier(street, multiplier)
+        play(other, {"driver": weaker, "pedestrian": AlwaysGo()}, scenarios, keys)
     assert len(traces) == first > 0
 
 

@@ -68,7 +68,7 @@ def test_bandit(credit):
 
 
 def test_gated_people_decide_only_where_they_may():
-    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(CONFIG.roles["pedestrian"], gated=True))
+    config = games.with_roles(CONFIG, pedestrian=dataclasses.replace(CONFIG.roles["pedestrian"], gated=True))
     learner, metrics = play(games.game("holding"), config)
     actor, may = learner.actors["pedestrian"], jnp.array([[1.0, -1.0], [0.0, 0.0], [0.0, 0.0]])  # the first one may
     wait, _ = decide(actor, jax.random.key(0), actor.init((2,), ()), may, sample=False)
