@@ -5,10 +5,10 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from jaxwalk.sim.observation import Observation
 from jaxwalk.evaluation import compare, evaluate
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.observation import Observation
 
 BATCH = 16  # everywhere, so that little is compiled
 
