@@ -164,11 +164,9 @@ def tiny():
     from jaxwalk.recipes import RECIPES, with_training
 
     experiment = RECIPES["fast"]
-    roles = {
-        role: replace(experiment.train.role(role), actor_hidden=(8,), critic_hidden=(8,), epochs=1)
-        for role in ("driver", "pedestrian")
-    }
-    return with_training(experiment, **SMALL, **roles)
+    changes = {"actor_hidden": (8,), "critic_hidden": (8,), "epochs": 1}
+    roles = {role: replace(config, **changes) for role, config in experiment.train.roles.items()}
+    return with_training(experiment, **SMALL, roles=roles)
 
 
 @pytest.fixture

@@ -49,12 +49,18 @@ def test_progress_is_told_after_every_batch(street, driver, undecided):
     assert told == [(16, 20), (20, 20)]
 
 
-@pytest.mark.parametrize(("wrong", "value"), [("episodes", 0), ("batch", 0), ("seed", -1), ("seed", 2**31)])
-def test_impossible_numbers_are_refused(street, driver, undecided, wrong, value):
+@pytest.mark.parametrize(("wrong", "value"), [("count", 0), ("count", 2**30 + 1), ("seed", -1), ("seed", 2**31)])
+def test_impossible_sets_are_refused(street, wrong, value):
     with pytest.raises(ValueError, match=wrong):
-        evaluate(street, driver, undecided, **({"episodes": 4, "seed": 1, "batch": 4} | {wrong: value}))
-    with pytest.raises(ValueError, match=wrong):
-        scenario_hash(street, **({"episodes": 4, "seed": 1, "batch": 4} | {wrong: value}))
+        Drawn(street, **({"seed": 1, "count": 4} | {wrong: value}))
+
+
+def test_a_batch_has_an_episode_at_least(street, driver, undecided):
+    policies = {"driver": driver, "pedestrian": undecided}
+    with pytest.raises(ValueError, match="batch must be at least 1"):
+        evaluate(street, policies, Drawn(street, 1, 4), batch=0)
+    with pytest.raises(ValueError, match="batch must be at least 1"):
+        replay(street, policies, Drawn(street, 1, 4), [0], batch=0)
 
 
 def test_there_is_no_scenario_below_0(street, driver, undecided):
@@ -69,7 +75,7 @@ def test_the_hash_stands_for_the_scenarios(street):
     assert len(digest) == 16
     assert int(digest, 16) >= 0
     assert Drawn(street, 7, 20).hash() == digest
-    assert scenario_hash(with_jaywalk_multiplier(street, 1.0), seed=7, episodes=20) == digest
+    assert Drawn(with_jaywalk_multiplier(street, 1.0), 7, 20).hash() == digest
     assert len({digest, *(Drawn(street, s, n).hash() for s, n in [(7, 21), (8, 20)])}) == 3
 
 

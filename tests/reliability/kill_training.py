@@ -54,11 +54,9 @@ class HangsError(Exception):
 def small() -> Experiment:
     """A training whose updates take milliseconds."""
     fast = RECIPES["fast"]
-    roles = {
-        role: replace(fast.train.role(role), actor_hidden=(8,), critic_hidden=(8,), epochs=1)
-        for role in ("driver", "pedestrian")
-    }
-    return with_training(fast, environments=8, shards=2, steps=8, minibatches=2, updates=UPDATES, **roles)
+    changes = {"actor_hidden": (8,), "critic_hidden": (8,), "epochs": 1}
+    roles = {role: replace(config, **changes) for role, config in fast.train.roles.items()}
+    return with_training(fast, environments=8, shards=2, steps=8, minibatches=2, updates=UPDATES, roles=roles)
 
 
 def sit(folder: str, checkpoint_minutes: float) -> None:
