@@ -8,7 +8,7 @@ import jax.numpy as jnp
 
 from jaxwalk import Street
 from jaxwalk.evaluation import counterfactuals, evaluate, paired, summarise_counterfactuals
-from jaxwalk.metrics import summarise
+from jaxwalk.metrics import SURROGATES, summarise
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.report.surprise import in_words
 from jaxwalk.sim.observation import SPEED, part
@@ -39,7 +39,7 @@ print("collisions at full speed {:.0%}, at 4 m/s {:.0%}; p = {:.3f}".format(*col
 
 summary = summarise(slow)
 print(in_words(summary.as_dict()["speed_differential"]))
-met = summary.surrogates.crosswalk
+met = summary[SURROGATES].crosswalk
 print(f"TTC below 1.5 s in {met.ttc_critical.value:.0%} of the encounters at crosswalks")
 
 found = summarise_counterfactuals(counterfactuals(street, Cautious(), AlwaysGo(), slow, seed=0, batch=64, at_most=8))

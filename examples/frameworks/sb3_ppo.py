@@ -19,6 +19,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 import jaxwalk.adapters.gymnasium
 from jaxwalk import Street, evaluate, summarise
+from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.sim.weights import DRIVER_WEIGHTS
 
@@ -128,7 +129,7 @@ if options.out:
 goals, collisions = outcomes(model, options.scenarios, seed=0)
 print(f"PPO:            goals {goals:.1%}, collisions {collisions:.1%}")
 rows = evaluate(Street.create(), RouteFollower(), AlwaysGo(), episodes=options.scenarios, seed=0)
-rule = summarise(rows).outcomes
+rule = summarise(rows)[OUTCOMES]
 print(f"route-follower: goals {rule.goal.value:.1%}, collisions {rule.collision.value:.1%}")
 if not options.brief and not (goals > rule.goal.value and collisions < rule.collision.value):
     raise SystemExit("PPO has not learned to drive better than the rule")

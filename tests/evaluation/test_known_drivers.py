@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import pytest
 
 from jaxwalk.evaluation import evaluate
-from jaxwalk.metrics import summarise
+from jaxwalk.metrics import SPEED_DIFFERENTIAL, summarise
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim import observation
@@ -57,7 +57,7 @@ def found():
     observation.OBSERVATIONS["driver"]["known"] = known
     try:
         return {
-            what: summarise(evaluate(street, Known(what), AlwaysGo(), episodes=EPISODES, seed=2)).speed_differential
+            what: summarise(evaluate(street, Known(what), AlwaysGo(), episodes=EPISODES, seed=2))[SPEED_DIFFERENTIAL]
             for what in (BLIND, CROSSWALKS, CROSSWALK_USERS)
         }
     finally:

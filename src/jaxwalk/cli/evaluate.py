@@ -183,7 +183,7 @@ def _compared(options: Evaluate, streets: list[Street], rows: list[Played]) -> l
 
 def _keep_unfinished(out: Path | None, streets: list[Street], rows: list[Played]) -> str:
     """Write what was evaluated before a driver failed, whole batches; says what became of it."""
-    episodes = sum(len(found.episodes.scenario) for played in rows for found in played.values())
+    episodes = sum(found.episodes for played in rows for found in played.values())
     if not episodes:
         return "no batch had been finished before"
     if out is None:

@@ -19,7 +19,7 @@ from jaxwalk.evaluation.game import play
 from jaxwalk.evaluation.interventions import Brake, Intervention, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios
 from jaxwalk.interfaces import Policy
-from jaxwalk.metrics import Rate, Rows, wilson
+from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, wilson
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
 from jaxwalk.policies import Oracle
 from jaxwalk.sim.environment import Street
@@ -176,7 +176,7 @@ class Hits:
 
 def find_hits(rows: Rows) -> Hits:
     """The collisions of an evaluation, in the order of its episodes."""
-    table, crossings = rows.episodes, rows.crossings
+    table, crossings = rows[OUTCOMES], rows[CROSSINGS]
     whose = crossings.episode
     hit = (crossings.ped == table.contact_ped[whose]) & (crossings.last == table.steps[whose])
     enter = np.full(len(table.steps), -1)

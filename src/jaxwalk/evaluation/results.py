@@ -18,7 +18,7 @@ from jaxtyping import Float
 from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches, scenario_hash
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy
-from jaxwalk.metrics import Estimate, Rate, Rows, Summary, summarise
+from jaxwalk.metrics import OUTCOMES, Estimate, Rate, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
@@ -54,7 +54,7 @@ class Cell:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain dicts, lists and numbers: the headline first, then everything of the summary."""
-        outcomes = self.summary.outcomes
+        outcomes = self.summary[OUTCOMES]
         cost = {} if self.driver_ms_per_step is None else {"driver_ms_per_step": self.driver_ms_per_step}
         return {
             "driver": self.driver,
@@ -225,7 +225,7 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
 
 
 def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
-    table, step = rows.episodes, Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
+    table, step = rows[OUTCOMES], Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
     digits = max(1, -int(step.exponent))  # as many as a step has
     outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
     for i in range(len(outcome)):

@@ -10,7 +10,7 @@ import numpy as np
 
 from jaxwalk.evaluation.comparison import paired
 from jaxwalk.evaluation.results import Cell
-from jaxwalk.metrics import Estimate, OverSeeds, Rate, Rows, Summary, over_seeds
+from jaxwalk.metrics import ATTRIBUTION, OUTCOMES, Estimate, OverSeeds, Rate, Rows, Summary, over_seeds
 from jaxwalk.metrics.statistics import FEWEST_SEEDS
 
 
@@ -45,25 +45,25 @@ class Measure:
 
 
 def _rate(ending: Callable[[Rows], np.ndarray]) -> Callable[[Rows], tuple[np.ndarray, np.ndarray]]:
-    return lambda rows: (ending(rows), np.ones(len(rows.episodes.scenario)))
+    return lambda rows: (ending(rows), np.ones(rows.episodes))
 
 
 MEASURES: dict[str, Measure] = {
-    "goal_rate": Measure(lambda s: s.outcomes.goal, _rate(lambda rows: rows.episodes.goal)),
-    "collision_rate": Measure(lambda s: s.outcomes.collision, _rate(lambda rows: rows.episodes.collision)),
+    "goal_rate": Measure(lambda s: s[OUTCOMES].goal, _rate(lambda rows: rows[OUTCOMES].goal)),
+    "collision_rate": Measure(lambda s: s[OUTCOMES].collision, _rate(lambda rows: rows[OUTCOMES].collision)),
     "timeout_rate": Measure(
-        lambda s: s.outcomes.timeout, _rate(lambda rows: ~rows.episodes.goal & ~rows.episodes.collision)
+        lambda s: s[OUTCOMES].timeout, _rate(lambda rows: ~rows[OUTCOMES].goal & ~rows[OUTCOMES].collision)
     ),
     "collisions_per_km": Measure(
-        lambda s: s.outcomes.all.per_km, lambda rows: (rows.episodes.collision, rows.episodes.driven / 1000)
+        lambda s: s[OUTCOMES].all.per_km, lambda rows: (rows[OUTCOMES].collision, rows[OUTCOMES].driven / 1000)
     ),
     "mean_time_to_goal": Measure(
-        lambda s: s.outcomes.time_to_goal,
-        lambda rows: (rows.episodes.goal * rows.episodes.steps * rows.dt, rows.episodes.goal),
+        lambda s: s[OUTCOMES].time_to_goal,
+        lambda rows: (rows[OUTCOMES].goal * rows[OUTCOMES].steps * rows.dt, rows[OUTCOMES].goal),
     ),
     "jaywalk_share": Measure(
-        lambda s: s.attribution.per_crossing.share,
-        lambda rows: (rows.exposure.crossings[:, 1], rows.exposure.crossings.sum(axis=1)),
+        lambda s: s[ATTRIBUTION].per_crossing.share,
+        lambda rows: (rows[ATTRIBUTION].crossings[:, 1], rows[ATTRIBUTION].crossings.sum(axis=1)),
     ),
 }
 """Numbers over training seeds, by name; ``jaywalk_share`` is jaywalking's of the crossings."""
@@ -109,7 +109,7 @@ def paired_over_seeds(ending: str, a: Sequence[Match], b: Sequence[Match]) -> di
     a, b = (list(side) * (seeds // len(side)) for side in (a, b))
     joined = [Rows.join([match.rows for match in side]) for side in (a, b)]
     found = getattr(paired(*joined), ending)
-    ends_a, ends_b = (np.stack([getattr(m.rows.episodes, ending) for m in side]).astype(float) for side in (a, b))
+    ends_a, ends_b = (np.stack([getattr(m.rows[OUTCOMES], ending) for m in side]).astype(float) for side in (a, b))
     difference = over_seeds(ends_b - ends_a, np.ones_like(ends_a)).mean
     names = [{"driver": side[0].cell.driver, "pedestrians": side[0].cell.pedestrians} for side in (a, b)]
     return {

@@ -13,7 +13,7 @@ from jaxwalk.evaluation.results import CONTACT_NAMES
 from jaxwalk.evaluation.scenarios import AT_ONCE
 from jaxwalk.experiments.replays import recording
 from jaxwalk.interfaces import Policy
-from jaxwalk.metrics import Rows
+from jaxwalk.metrics import OUTCOMES, Rows
 from jaxwalk.sim.environment import Street
 
 LEAD = 3.0
@@ -61,7 +61,7 @@ def gallery(
 
     with ThreadPoolExecutor(AT_ONCE) as pool:  # most of the time goes into compiling, each on one core
         incidents = list(chain.from_iterable(pool.map(incidents_of, found)))
-    scenarios = max(len(rows.episodes.scenario) for rows in played.values())
+    scenarios = max(rows.episodes for rows in played.values())
     return {**document, "lead": LEAD, "most": most, "scenarios": scenarios, "incidents": incidents}
 
 
@@ -74,7 +74,7 @@ def _rows(cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents) -> lis
     replayed = counterfactuals(street, driver, people, rows, seed=cast.seed, scenarios=hits)
     labels = dict(zip(replayed.scenario.tolist(), replayed.label.tolist(), strict=True))
     trajectory = replay(street, driver, people, scenarios=some.scenario.tolist(), seed=cast.seed)
-    if (trajectory.length != rows.episodes.steps[some.scenario]).any():
+    if (trajectory.length != rows[OUTCOMES].steps[some.scenario]).any():
         raise ReplayError(f"{pair[0]} among {pair[1]} does not do the same again in the same scenario")
     how = describe(some, trajectory, moving_speed=street.config.moving_speed)
     return [

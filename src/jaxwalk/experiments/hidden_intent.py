@@ -24,7 +24,7 @@ from jaxwalk.experiments.parts import Effort, Work
 from jaxwalk.experiments.provenance import provenance
 from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.experiments.tournament import Round, Scenarios, document_of, play_rounds
-from jaxwalk.metrics import Rows
+from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
 from jaxwalk.report import ALWAYS_GO
@@ -121,12 +121,12 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
     people, seconds = street.config.pedestrians, street.config.horizon * street.config.dt
     always_go = contestant(street, "pedestrian", ALWAYS_GO)
     stands = evaluate(street, ConstantSpeed(throttle=0.0), always_go, episodes=scenarios.episodes, seed=scenarios.seed)
-    whole = _crossings(stands, people)[stands.episodes.steps == street.config.horizon]
-    mean = blind.episodes.steps.mean() * blind.dt
+    whole = _crossings(stands, people)[stands[OUTCOMES].steps == street.config.horizon]
+    mean = blind[OUTCOMES].steps.mean() * blind.dt
     cases = [
         (f"in a whole episode ({seconds:g} s)", whole.ravel()),
         (f"in an episode of the blind car ({mean:.1f} s)", _crossings(blind, people).ravel()),
-        ("before a crossing at which the blind car meets somebody", blind.encounters.number - 1),
+        ("before a crossing at which the blind car meets somebody", blind[ENCOUNTERS].number - 1),
         *((f"crossings of each: {number}", np.array([number])) for number in AFTER),
     ]
     return [
@@ -137,8 +137,8 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
 
 def _crossings(rows: Rows, people: int) -> np.ndarray:
     """(episode, ped)"""
-    episodes = len(rows.episodes.scenario)
-    return crossings_of_people(rows.crossings, episodes=episodes, people=people).reshape(episodes, people)
+    episodes = rows.episodes
+    return crossings_of_people(rows[CROSSINGS], episodes=episodes, people=people).reshape(episodes, people)
 
 
 def _write(work: HiddenIntent) -> None:

@@ -29,6 +29,7 @@ from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_
 from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
 from jaxwalk.interfaces import Policy
+from jaxwalk.metrics import ENCOUNTERS, OUTCOMES
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, write_report
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import JAYWALK
@@ -166,7 +167,7 @@ def _interesting(work: Reproduction, street: Street, driver: Policy, people: Pol
     """The scenario with the encounter that came nearest without a touch to a jaywalker, and the frame it began in."""
     episodes = min(INTERESTING, work.plan.episodes)
     rows = evaluate(street, driver, people, episodes=episodes, seed=work.plan.seed)
-    found, reached = rows.encounters, rows.episodes.goal
+    found, reached = rows[ENCOUNTERS], rows[OUTCOMES].goal
     fit = [i for i in range(len(found.type)) if found.type[i] == JAYWALK and reached[found.episode[i]]]
     if not fit:
         return 0, 0
