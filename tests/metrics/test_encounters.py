@@ -75,7 +75,7 @@ def test_a_crossing_under_way_at_the_end():
 
 
 def test_a_crossing_that_ends_in_the_last_frame_but_one_is_complete():
-    crossings = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 19, JAYWALK)])]))).crossings
+    crossings = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 19, JAYWALK)])])))[CROSSINGS]
     assert crossings.completed.tolist() == [True]
 
 

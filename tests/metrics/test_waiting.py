@@ -119,7 +119,7 @@ def test_the_longest_stand_on_a_roadway():
         Walk(0.0, 9.0, waits=range(30)),  # on a sidewalk
     ]
     cut = Scene(14, people)  # its end comes after 5 of the 7 steps
-    assert measure(trajectory(Scene(40, people), cut)).waiting.longest_stand.tolist() == [7, 5]
+    assert measure(trajectory(Scene(40, people), cut))[WAITING].longest_stand.tolist() == [7, 5]
     assert waiting(Scene(40, people), cut).longest_stand == 7
     assert waiting(Scene(40, [Walk(0.0, 9.0, crossings=[(2, 20, CROSSWALK)])])).longest_stand == 0
 

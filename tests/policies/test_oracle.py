@@ -12,6 +12,7 @@ import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.evaluation import compare, evaluate
+from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.observation import ABSENT, LAYOUTS, PRIVILEGED, SPEED, part
@@ -108,11 +109,11 @@ def test_it_stops_before_who_stays():
 @pytest.fixture(scope="module")
 def played(street):
     """Rows of 64 scenarios among always-go."""
-    return evaluate(street, Oracle(), AlwaysGo(), episodes=64, seed=3, batch=64).episodes
+    return evaluate(street, Oracle(), AlwaysGo(), episodes=64, seed=3, batch=64)[OUTCOMES]
 
 
 def test_among_always_go_it_always_arrives(street, played):
-    blind = evaluate(street, RouteFollower(), AlwaysGo(), episodes=64, seed=3, batch=64).episodes
+    blind = evaluate(street, RouteFollower(), AlwaysGo(), episodes=64, seed=3, batch=64)[OUTCOMES]
     assert blind.collision.sum() > 10
     assert played.goal.all()
     both = blind.goal
