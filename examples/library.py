@@ -8,7 +8,7 @@ from jaxwalk.rollout import TRAINING, draw_batch, environment_keys, rollout, see
 
 street = Street.create()
 
-scenario = street.draw(jax.random.key(0))  # all chance of an episode
+scenario = street.draw(jax.random.key(0))  # all random choices of an episode
 state = street.reset(scenario)
 state, outcome = street.step(scenario, state, ByRole(jnp.array([1.0, 0.0]), jnp.ones(12, int)))
 print(f"after one step the car drives {state.vehicle.speed:.1f} m/s; collision: {outcome.events.collision}")

@@ -1,7 +1,7 @@
-"""One trained driver three ways: as it is, as an ONNX file and in plain NumPy. Do all three end the same?
+"""Play one trained driver in three forms, native, as an ONNX file and in plain NumPy, and compare how episodes end.
 
-Small differences in rounding can grow, so a few scenarios in a thousand may end otherwise; for each of those the gap
-between the actions is traced. Run with a number of scenarios: ``python own_driver.py 1000``.
+Small rounding differences can grow, so a few scenarios in a thousand may end differently. For each of these, the script
+traces the gap between the actions. Run it with a number of scenarios: ``python own_driver.py 1000``.
 """
 
 import sys
@@ -13,7 +13,7 @@ import numpy as np
 
 from jaxwalk import Street
 from jaxwalk.evaluation import draw_scenarios, evaluate, play
-from jaxwalk.experiments.exporting import export
+from jaxwalk.exports.onnx_policy import export
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, load_policy, shipped_policy
 from jaxwalk.policies.host import HostDriver, load_host_driver
@@ -27,7 +27,7 @@ decide = eqx.filter_jit(lambda policy, observation: policy.act(None, None, obser
 
 
 class NumpyDriver:
-    """The whole protocol: what it observes, and an action for each row of a batch of observations."""
+    """Implements the whole protocol: the observation set, and an action for each row of a batch of observations."""
 
     observes = "route"
 
@@ -43,7 +43,7 @@ class NumpyDriver:
 
 
 class Beside:
-    """Drives as another driver does, and notes how far the native one would have acted otherwise at every step."""
+    """Drives like another driver, and records the gap to the native driver's action at every step."""
 
     def __init__(self, driver):
         self.driver, self.gaps = driver, []
@@ -56,7 +56,7 @@ class Beside:
 
 
 def trace(driver, scenario):
-    """The first gap between the actions of an episode, at the same observation, and the largest."""
+    """Print the first gap between the actions of an episode at the same observation, and return the largest one."""
     first, row = scenario - scenario % BATCH, scenario % BATCH
     beside = Beside(driver)
     scenarios, keys = draw_scenarios(street, seed=0, first=first, count=BATCH)

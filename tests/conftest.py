@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import platform
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from jaxtyping import install_import_hook
+from rich.console import Console
 
 install_import_hook("jaxwalk", "beartype.beartype")  # before the first import of jaxwalk
+
+SMALL = {"environments": 8, "steps": 8, "minibatches": 2, "updates": 6}
+"""A training so small that its time is all compiling, which is done once."""
 
 
 def pytest_configure(config):
@@ -98,3 +104,33 @@ def midway(paid_street, scenarios):
     for _ in range(150):
         state, *_ = everything(paid_street, scenarios, state, actions())
     return state
+
+
+@pytest.fixture(scope="session")
+def tiny():
+    """An experiment of 6 updates of 8 environments x 8 steps."""
+    from jaxwalk.runs.recipes import RECIPES, with_training
+
+    experiment = RECIPES["fast"]
+    roles = {
+        role: replace(experiment.train.role(role), actor_hidden=(8,), critic_hidden=(8,), epochs=1)
+        for role in ("driver", "pedestrian")
+    }
+    return with_training(experiment, **SMALL, **roles)
+
+
+@pytest.fixture
+def quiet():
+    """A console that nobody reads."""
+    return Console(file=io.StringIO(), width=100)
+
+
+@pytest.fixture(scope="session")
+def whole(tiny, tmp_path_factory):
+    """The run of an uninterrupted training."""
+    from jaxwalk.runs.folder import Run
+    from jaxwalk.runs.training import train
+
+    run = Run.create(tmp_path_factory.mktemp("runs") / "whole", tiny)
+    train(run, console=Console(file=io.StringIO()))
+    return run

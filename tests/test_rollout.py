@@ -174,13 +174,13 @@ def follow(street):
     """Drives along its lane at full throttle, with pure pursuit of a point 4 m ahead."""
 
     def act(key, scenario, state, memory):
-        car, maps = state.vehicle, street.maps
+        car, maps = state.vehicle, street.world.maps
         point = jnp.minimum(jnp.round(car.along * 2).astype(jnp.int32) + 8, maps.route_x.shape[-1] - 1)
         dx = maps.route_x[scenario.map, scenario.route, point] - car.x
         dy = maps.route_y[scenario.map, scenario.route, point] - car.y
         left = dy * car.cos - dx * car.sin
-        steering = jnp.arctan(2 * street.config.wheelbase * left / (dx * dx + dy * dy + 1e-6))
-        drive = jnp.stack([jnp.where(car.speed < 4, 1.0, 0.0), steering / street.config.max_steering])
+        steering = jnp.arctan(2 * street.world.rules.wheelbase * left / (dx * dx + dy * dy + 1e-6))
+        drive = jnp.stack([jnp.where(car.speed < 4, 1.0, 0.0), steering / street.world.rules.max_steering])
         record = {"x": car.x, "y": car.y, "along": car.along, "speed": car.speed, "route": scenario.route,
                   "step": state.step, "tau": scenario.traits[0]}  # fmt: skip
         return ByRole(drive, jnp.ones((12, *car.x.shape), jnp.int32)), memory, record
@@ -219,5 +219,5 @@ def test_streets_end_and_begin_again(street, drive):
     np.testing.assert_array_equal(begun, stream.episode)
     # An arrival means that the route was driven.
     last, env = np.nonzero(ends[0])
-    length = np.asarray(street.maps.route_length[0])[np.asarray(steps.record["route"])[last, env]]
+    length = np.asarray(street.world.maps.route_length[0])[np.asarray(steps.record["route"])[last, env]]
     np.testing.assert_allclose(np.asarray(steps.record["along"])[last, env], length - 3, atol=1.0)

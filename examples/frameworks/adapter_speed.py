@@ -1,9 +1,10 @@
-"""How fast the Gymnasium adapter is beside the native loop, and whether a long loop holds its memory.
+"""Measure the speed of the Gymnasium adapter beside the native loop, and the memory of a long loop.
 
     python examples/frameworks/adapter_speed.py                   # both at 512 environments, in turns
-    python examples/frameworks/adapter_speed.py --steps 1000000   # then so many steps of a single environment
+    python examples/frameworks/adapter_speed.py --steps 1000000   # also a long loop of a single environment
 
-Needs ``pip install 'jaxwalk[envs]'``. Native is `jaxwalk.rollout.rollout`: same observation, same pay, random actions.
+Needs ``pip install 'jaxwalk[envs]'``.
+The native loop is `jaxwalk.rollout.rollout`: same observation, same rewards, random actions.
 """
 
 import argparse
@@ -25,11 +26,11 @@ BLOCK = 256  # native steps in one call
 
 
 def native(street, environments):
-    """Two functions that play BLOCK steps of every environment and return how long they took: all steps in one compiled
-    loop, and a compiled step in a loop in Python, which is what a policy in Python could have at best."""
+    """Return two functions that play BLOCK steps of every environment and return the time [s]: one compiled loop, and a
+    Python loop over a compiled step, which is the best that a policy in Python can have."""
 
     def act(key, scenario, state, memory):
-        words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random: as good as fresh numbers
+        words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random numbers already
         action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1
         seen = street.observe(scenario, state, "driver", "route")
         return ByRole(action, jnp.ones((12, environments), jnp.int32)), memory, seen
@@ -65,7 +66,7 @@ def native(street, environments):
 
 
 def adapted(environments, mode):
-    """The same with the vector environment."""
+    """Return such a function for the vector environment."""
     env = gymnasium.make_vec("jaxwalk/Street-v0", num_envs=environments, autoreset_mode=mode)
     env.reset(seed=0)
     random = np.random.default_rng(0)
@@ -90,10 +91,10 @@ def speed(environments, rounds):
         "vector, same step": adapted(environments, "SameStep"),
     }
     taken = {name: [] for name in loops}
-    for number in range(rounds + 2):  # in turns, so that whatever else the machine does hits all of them
+    for number in range(rounds + 2):  # in turns, so that other load on the machine affects all of them
         for name, loop in loops.items():
             seconds = loop()
-            if number >= 2:  # compiled, and away from the first steps
+            if number >= 2:  # after compiling and the first steps
                 taken[name].append(seconds)
     fastest = [min(seconds) for name, seconds in taken.items() if name.startswith("native")]
     for name, seconds in taken.items():
@@ -104,7 +105,7 @@ def speed(environments, rounds):
 
 
 def resident():
-    """Memory of this process now [MB]."""
+    """Return the current memory of this process [MB]."""
     with open("/proc/self/statm") as file:
         return int(file.read().split()[1]) * 4096 / 1e6
 
@@ -128,9 +129,9 @@ def long_loop(steps):
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("--environments", type=int, default=512)
-parser.add_argument("--rounds", type=int, default=10, help="of 256 steps each")
-parser.add_argument("--steps", type=int, default=0, help="of the long loop; 0: none")
-parser.add_argument("--brief", action="store_true", help="only to see that it runs")
+parser.add_argument("--rounds", type=int, default=10, help="number of rounds of 256 steps")
+parser.add_argument("--steps", type=int, default=0, help="steps of the long loop; 0 leaves it out")
+parser.add_argument("--brief", action="store_true", help="run very briefly, as a test")
 options = parser.parse_args()
 if options.brief:
     options.rounds, options.steps = 1, 1000

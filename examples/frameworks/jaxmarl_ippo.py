@@ -1,14 +1,14 @@
-"""JaxMARL's own IPPO script trains the pedestrians: when is it worth waiting for a car that follows its route blindly?
+"""Train the pedestrians with JaxMARL's own IPPO script: when should they wait for a car that ignores them?
 
     pip install jaxwalk jaxmarl distrax hydra-core omegaconf wandb
     git clone https://github.com/FLAIROX/JaxMARL       # its scripts are not in the package
     python examples/frameworks/jaxmarl_ippo.py JaxMARL/baselines/IPPO/ippo_ff_mpe.py
 
-The script is used as it is: it asks ``jaxmarl.make`` for an environment by name, and here gets ours. It knows agents
-who are all alike and choose among a few actions, so it trains the twelve pedestrians; a rule drives. The configuration
-is that of the script with the first lines changed.
+The script is unchanged: it calls ``jaxmarl.make`` for an environment by name, and gets jaxwalk's here. It supports
+agents that are all alike and choose among a few actions, so it trains the twelve pedestrians, and a rule drives. The
+configuration is the script's, except for the first lines.
 
-One release of JaxMARL has scripts in its source package, and its IPPO runs as well. It counts a step for each agent:
+The source package of JaxMARL 0.0.2 has scripts too, and its IPPO runs as well. It counts a step for each agent:
 
     pip download --no-deps --no-binary :all: jaxmarl==0.0.2 && tar -xf jaxmarl-0.0.2.tar.gz
     python examples/frameworks/jaxmarl_ippo.py jaxmarl-0.0.2/baselines/IPPO/ippo_mpe.py --steps 12e6
@@ -48,15 +48,15 @@ CONFIG = {
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("script", type=Path, help="JaxMARL's baselines/IPPO/ippo_ff_mpe.py, or ippo_mpe.py of 0.0.2")
-parser.add_argument("--steps", type=float, default=1e6, help="to train for, as the script counts them")
-parser.add_argument("--brief", action="store_true", help="only to see that it runs")
+parser.add_argument("--steps", type=float, default=1e6, help="training steps, as the script counts them")
+parser.add_argument("--brief", action="store_true", help="run very briefly, as a test")
 options = parser.parse_args()
 config = CONFIG | {"TOTAL_TIMESTEPS": options.steps}
 if options.brief:
     config |= {"NUM_ENVS": 8, "TOTAL_TIMESTEPS": 12 * 8 * 128 * 3}
 
 if not hasattr(jax, "tree_map"):
-    jax.tree_map = jax.tree.map  # what the script of 0.0.2 calls it, and JAX did until 2024
+    jax.tree_map = jax.tree.map  # the script of 0.0.2 uses the name that JAX had until 2024
 spec = importlib.util.spec_from_file_location("ippo", options.script)
 ippo = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(ippo)
@@ -70,7 +70,7 @@ print(f"{config['TOTAL_TIMESTEPS']:,.0f} steps in {time.perf_counter() - begun:.
 
 
 def per_episode(name, updates):
-    """How many episodes of some updates ended so."""
+    """Return the share of episodes of some updates that ended in this way."""
     return metrics[name][updates].sum() / metrics["returned_episode"][updates].sum()
 
 

@@ -1,11 +1,11 @@
-"""Stable-Baselines3's PPO learns to drive among people who always go; then it meets the route-follower's scenarios.
+"""Train a driver with Stable-Baselines3's PPO among people who always go, and compare it with the route-follower.
 
     pip install 'jaxwalk[envs]' stable-baselines3
     python examples/frameworks/sb3_ppo.py                   # some minutes on two cores
-    python examples/frameworks/sb3_ppo.py --brief           # only to see that it runs
+    python examples/frameworks/sb3_ppo.py --brief           # very briefly, as a test
 
-``PPO("MlpPolicy", gymnasium.make("jaxwalk/Street-v0"))`` works as it is. Here 512 streets are stepped at once:
-`Streets` hands the native vector environment to Stable-Baselines3, whose own interface for that isn't Gymnasium's.
+``PPO("MlpPolicy", gymnasium.make("jaxwalk/Street-v0"))`` works as it is. This script steps 512 streets at once:
+`Streets` gives the vector environment Stable-Baselines3's interface, which differs from Gymnasium's.
 """
 
 import argparse
@@ -25,12 +25,12 @@ from jaxwalk.sim.weights import DRIVER_WEIGHTS
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 
-SCALE = 0.1  # critics learn values of size 1 soonest
+SCALE = 0.1  # critics learn values of about 1 fastest
 REWARD = {term: SCALE * weight for term, weight in DRIVER_WEIGHTS["fast"].items()}
 
 
 class Streets(VecEnv):
-    """The vector environment as Stable-Baselines3 wants it: an ended episode's last observation is in its info."""
+    """The vector environment with Stable-Baselines3's interface: an ended episode's last observation is in its info."""
 
     def __init__(self, count, **options):
         self.streets = gymnasium.make_vec(
@@ -73,7 +73,7 @@ class Streets(VecEnv):
 
 
 def outcomes(model, scenarios, *, seed, batch=512):
-    """Shares of goals and collisions in scenarios 0, 1, ... of a seed, through the adapter."""
+    """Return the shares of goals and collisions in scenarios 0, 1, ... of a seed, through the adapter."""
     batch = min(batch, scenarios)
     streets = gymnasium.make_vec("jaxwalk/Street-v0", num_envs=batch)
     goals = collisions = 0
@@ -91,7 +91,7 @@ def outcomes(model, scenarios, *, seed, batch=512):
 
 
 def train(options):
-    """PPO with the numbers of jaxwalk's own recipe ``fast``."""
+    """Train PPO with the numbers of jaxwalk's recipe ``fast``."""
     count, steps = options.environments, 64
     model = PPO(
         "MlpPolicy",
@@ -113,12 +113,14 @@ def train(options):
 
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("--steps", type=int, default=4_000_000, help="of all environments together")
+parser.add_argument("--steps", type=int, default=4_000_000, help="steps of all environments together")
 parser.add_argument("--environments", type=int, default=512)
-parser.add_argument("--scenarios", type=int, default=2048, help="to be judged on; a multiple of 512, or fewer")
+parser.add_argument(
+    "--scenarios", type=int, default=2048, help="scenarios of the evaluation; a multiple of 512, or fewer"
+)
 parser.add_argument("--seed", type=int, default=0)
 parser.add_argument("--out", help="where to write the policy, as Stable-Baselines3 does (.zip)")
-parser.add_argument("--brief", action="store_true", help="only to see that it runs")
+parser.add_argument("--brief", action="store_true", help="run very briefly, as a test")
 options = parser.parse_args()
 if options.brief:
     options.environments, options.steps, options.scenarios = 32, 4096, 32

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from jaxwalk.policies import POPULATIONS as POPULATIONS
     from jaxwalk.policies import LearnedPolicy as LearnedPolicy
     from jaxwalk.policies import load_policy as load_policy
-    from jaxwalk.sim.config import SimConfig as SimConfig
     from jaxwalk.sim.environment import Street as Street
+    from jaxwalk.sim.sim_config import SimConfig as SimConfig
     from jaxwalk.sim.trajectory import Trajectory as Trajectory
 
     __version__: str
@@ -29,7 +29,7 @@ _HOMES = {
     "DRIVERS": "jaxwalk.policies",
     "LearnedPolicy": "jaxwalk.policies",
     "POPULATIONS": "jaxwalk.policies",
-    "SimConfig": "jaxwalk.sim.config",
+    "SimConfig": "jaxwalk.sim.sim_config",
     "Street": "jaxwalk.sim.environment",
     "Trajectory": "jaxwalk.sim.trajectory",
     "evaluate": "jaxwalk.evaluation",

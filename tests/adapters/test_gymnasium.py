@@ -14,7 +14,7 @@ from jaxwalk.adapters.gymnasium import StreetEnv
 from jaxwalk.adapters.players import AdapterError, player
 from jaxwalk.evaluation import draw_scenarios, play
 from jaxwalk.policies import ConstantSpeed
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 

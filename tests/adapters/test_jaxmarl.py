@@ -7,7 +7,7 @@ import pytest
 
 from jaxwalk.adapters.jaxmarl import StreetMARL
 from jaxwalk.adapters.players import AdapterError
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 HORIZON, COUNT = 40, 6
 TRACES = []

@@ -6,7 +6,7 @@ from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 from jaxwalk.adapters.pettingzoo import StreetParallelEnv
 from jaxwalk.adapters.players import AdapterError
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 RULES = SimConfig(horizon=120)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from jaxwalk.maps import load_map
-from jaxwalk.sim.paths import Paths
-from jaxwalk.sim.trajectory import JAYWALK
+from jaxwalk.sim.crossing_kind import JAYWALK
+from jaxwalk.sim.walking_paths import Paths
 from jaxwalk.viewer.record import make_records
 from jaxwalk.viewer.replay import document, entries
 from metrics.scenes import Scene, Walk, trajectory

@@ -7,10 +7,10 @@ import re
 
 import pytest
 
-from jaxwalk.experiments.progress import Pace
-from jaxwalk.experiments.recipes import RECIPES
-from jaxwalk.experiments.runs import Run
-from jaxwalk.experiments.watch import WatchPage
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.progress import Pace
+from jaxwalk.runs.recipes import RECIPES
+from jaxwalk.runs.watch import WatchPage
 
 
 def _line(update):

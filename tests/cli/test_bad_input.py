@@ -10,15 +10,15 @@ import jax
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.experiments.recipes import RECIPES
-from jaxwalk.experiments.runs import Run
-from jaxwalk.experiments.training import Trained
 from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import save_policy
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.recipes import RECIPES
+from jaxwalk.runs.training import Trained
 from jaxwalk.sim.observation import size
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def _policy(path, role="driver"):
@@ -205,13 +205,13 @@ def test_out_of_memory_is_said(place, capsys, monkeypatch):
     def train(*_, **__):
         raise RuntimeError("RESOURCE_EXHAUSTED: Out of memory allocating 99999999999 bytes.")
 
-    monkeypatch.setattr("jaxwalk.experiments.training.train", train)
+    monkeypatch.setattr("jaxwalk.runs.training.train", train)
     assert main(["train", "--run", "r"]) == 2
     assert "jaxwalk: not enough memory; ask for fewer environments" in capsys.readouterr().err
 
 
 def test_brackets_in_a_folder_are_no_markup(place, capsys, monkeypatch):
-    monkeypatch.setattr("jaxwalk.experiments.training.train", lambda *_, **__: Trained(1, 64, 1.0, False))
+    monkeypatch.setattr("jaxwalk.runs.training.train", lambda *_, **__: Trained(1, 64, 1.0, False))
     assert main(["train", "--run", "a[/b]"]) == 0
     assert "jaxwalk evaluate --driver a[/b]" in capsys.readouterr().err
 

@@ -15,8 +15,8 @@ import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.cli.options import Bench, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
-from jaxwalk.experiments.recipes import with_training
-from jaxwalk.experiments.runs import Run
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.recipes import with_training
 
 SMALL = ("--environments", "8", "--steps", "8", "--minibatches", "2")
 
@@ -221,7 +221,7 @@ def test_bench_prints_one_document_and_keeps_it(place, capfd):
 
 
 def test_bench_prints_a_table(capfd, monkeypatch):
-    from jaxwalk.experiments.benchmark import document
+    from jaxwalk.bench import document
 
     monkeypatch.setattr(document, "starts", lambda: {"import_s": 0.25, "help_s": 0.5})
     assert main(["bench", "--only", "compile"]) == 0

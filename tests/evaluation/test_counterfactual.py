@@ -26,8 +26,8 @@ from jaxwalk.evaluation.counterfactual import find_hits
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.metrics import OUTCOMES, measure
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.observation import part
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 BATCH = 16

@@ -11,9 +11,9 @@ from jaxwalk.interfaces import ByRole
 from jaxwalk.metrics import WAITING, measure, summarise
 from jaxwalk.policies import AlwaysGo, ConstantSpeed
 from jaxwalk.sim import pedestrian, prediction
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import part
+from jaxwalk.sim.sim_config import SimConfig
 
 HORIZON = 110  # some arrive earlier, some do not; and it ends within a block of steps
 
@@ -51,10 +51,10 @@ def test_frames_are_those_of_stepping_by_hand(short, driver, undecided, batch, p
         car, people = state.vehicle, state.pedestrian
         seen = {
             "car_x": car.x, "car_speed": car.speed, "car_acceleration": car.acceleration, "ped_x": people.x,
-            "ped_vx": pedestrian.velocity(short.config, scenarios, people)[0], "on_roadway": people.on_roadway,
-            "going": people.going, "decisions": people.decisions, "at_kerb": pedestrian.at_kerb(short.config, people),
+            "ped_vx": pedestrian.velocity(short.world, scenarios, people)[0], "on_roadway": people.on_roadway,
+            "going": people.going, "decisions": people.decisions, "at_kerb": pedestrian.at_kerb(short.world, people),
             "enters_roadway": pedestrian.enters_roadway(people),
-            "predicted_miss": prediction.predicted_miss(short.config, scenarios, state)[0],
+            "predicted_miss": prediction.predicted_miss(short.world, scenarios, state)[0],
         }  # fmt: skip
         return state, memory, outcome.events, seen
 

@@ -27,7 +27,7 @@ def test_ghosts_walk_as_always_go_does(street, drawn):
     others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(second, scenarios)
     played = play(street, ConstantSpeed(throttle=0.0), AlwaysGo(), others, keys)
     for name, column in vars(ghosts).items():
-        assert column.shape == (130, BATCH, street.config.pedestrians)
+        assert column.shape == (130, BATCH, street.world.rules.pedestrians)
         for episode, length in enumerate(np.minimum(played.length, 129)):
             expected = getattr(played, name)[: length + 1, episode]
             np.testing.assert_allclose(column[: length + 1, episode], expected, atol=1e-4, err_msg=name)

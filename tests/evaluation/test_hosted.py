@@ -13,8 +13,8 @@ from jaxwalk.evaluation.interventions import Brake
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.host import DriverError, HostDriver
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.observation import part
+from jaxwalk.sim.sim_config import SimConfig
 
 BATCH = 16  # as in all of this folder
 ROUTE = part("driver", "route", "route")

@@ -9,7 +9,7 @@ import pytest
 
 from jaxwalk.evaluation import describe, find_incidents
 from jaxwalk.metrics import measure
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 FROM_THE_RIGHT = Walk(25.0, -4.0, vy=1.0, crossings=[(20, 50, JAYWALK)])

@@ -15,7 +15,7 @@ from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim import observation
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.tables import inside
+from jaxwalk.sim.geometry import inside
 
 EPISODES = 2048
 SLOW = 3.0
@@ -24,12 +24,12 @@ NOTHING = 1e-3
 """Speeds that differ by less are the same [m/s]."""
 
 
-def known(world: observation.World) -> observation.Parts:
+def known(moment: observation.Moment) -> observation.Parts:
     """What a driver of known truth goes by: its route; a crosswalk within 10 m ahead; somebody on one close ahead."""
-    car, maps = world.state.vehicle, world.maps
+    car, maps = moment.state.vehicle, moment.world.maps
     ahead = jnp.arange(0.0, 10.1, 2.0).reshape(-1, *(1,) * car.x.ndim)
-    at_crosswalk = inside(maps.crosswalks, world.scenario.map, car.x + ahead * car.cos, car.y + ahead * car.sin)
-    return [*observation._on_route(world), at_crosswalk.any(axis=0), world.state.foresight.crosswalk_user]
+    at_crosswalk = inside(maps.crosswalks, moment.scenario.map, car.x + ahead * car.cos, car.y + ahead * car.sin)
+    return [*observation._on_route(moment), at_crosswalk.any(axis=0), moment.state.foresight.crosswalk_user]
 
 
 class Known(eqx.Module):

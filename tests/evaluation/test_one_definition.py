@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation.game import play
-from jaxwalk.experiments.recipes import RECIPES, single_agent, with_training
-from jaxwalk.experiments.world import fixed_policies, make_street
 from jaxwalk.learning import mappo
 from jaxwalk.metrics.outcomes import measure_outcomes
 from jaxwalk.policies import AlwaysGo, load_policy
 from jaxwalk.policies.shipped import shipped_policy
 from jaxwalk.rollout import SCENARIO_KEYS, TRAINING, draw_batch, seed_key
+from jaxwalk.runs.recipes import RECIPES, single_agent, with_training
+from jaxwalk.runs.street import fixed_policies, make_street
 
 ENVIRONMENTS, STEPS = 64, 512
 """In 512 steps every environment ends an episode at least: its horizon is 500."""

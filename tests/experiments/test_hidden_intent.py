@@ -12,9 +12,9 @@ from jaxwalk.evaluation import compare, evaluate
 from jaxwalk.experiments import hidden_intent as module
 from jaxwalk.experiments import tournament
 from jaxwalk.experiments.hidden_intent import Plan, hidden_intent
-from jaxwalk.experiments.recipes import single_agent
-from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.policies import read_metadata
+from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.runs.recipes import single_agent
 from jaxwalk.sim.observation import BELIEF, TOLD
 
 PLAN = Plan(updates=2, episodes=8, seed=3, seeds=2)

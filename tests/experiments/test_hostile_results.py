@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from hostile.judging import command, unfinished
 from hostile.mutations import as_json, contents, documents
-from jaxwalk.experiments.parts import run_folder
-from jaxwalk.experiments.recipes import RECIPES
 from jaxwalk.experiments.reproduce import Plan
-from jaxwalk.experiments.runs import Run
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.recipes import RECIPES
+from jaxwalk.runs.study import run_folder
 from report.material import material
 
 CASES = 20

@@ -10,13 +10,14 @@ import pytest
 from rich.console import Console
 
 from jaxwalk.evaluation import compare, evaluate, replay
-from jaxwalk.experiments import parts, tournament
 from jaxwalk.experiments import reproduce as module
-from jaxwalk.experiments.parts import Interrupted
+from jaxwalk.experiments import tournament
 from jaxwalk.experiments.reproduce import Plan, report, reproduce
-from jaxwalk.experiments.runs import Run, RunError
-from jaxwalk.experiments.training import Session
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, read_metadata
+from jaxwalk.runs import study
+from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.runs.study import Interrupted
+from jaxwalk.runs.training import Session
 
 PLAN = Plan(updates=3, episodes=8, seed=3, seeds=2)
 
@@ -47,9 +48,9 @@ def _play_little(patch):
     patch.setattr(tournament, "MULTIPLIERS", MULTIPLIERS)
     patch.setattr(tournament, "compare", partial(compare, batch=PLAN.episodes))
     patch.setattr(module, "evaluate", partial(evaluate, batch=PLAN.episodes))
-    patch.setattr("jaxwalk.experiments.replays.BATCH", PLAN.episodes)
-    for place in ("episodes", "gallery", "replays"):
-        patch.setattr(f"jaxwalk.experiments.{place}.replay", partial(replay, batch=PLAN.episodes))
+    patch.setattr("jaxwalk.exports.replays.BATCH", PLAN.episodes)
+    for place in ("drawn_episode", "gallery", "replays"):
+        patch.setattr(f"jaxwalk.exports.{place}.replay", partial(replay, batch=PLAN.episodes))
 
 
 def _interrupt_second(patch):
@@ -216,7 +217,7 @@ def test_later_co_trainings_are_as_long_as_the_first(tiny, tmp_path, quiet, monk
         return module_trained
 
     module_trained = type("Trained", (), {"interrupted": False, "steps": 1, "seconds": 1.0})()
-    monkeypatch.setattr(parts, "train", train)
+    monkeypatch.setattr(study, "train", train)
     work = module.Reproduction(tmp_path, Plan(minutes=5.0, seeds=3), quiet, tiny)
     module._co_train(work)
     module._train_alone(work)

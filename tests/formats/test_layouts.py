@@ -7,12 +7,12 @@ import pytest
 
 from formats.scene import STREET
 from jaxwalk.formats.areas import parse_areas
-from jaxwalk.formats.layouts import open_source
+from jaxwalk.formats.layouts import open_tracks
 from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.track_file import TrackFile, write_tracks
 from jaxwalk.formats.tracks import TracksError
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, SURROGATES
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 HEAD = (
     "recordingId,trackId,frame,trackLifetime,xCenter,yCenter,heading,width,length,xVelocity,yVelocity,"
@@ -46,7 +46,7 @@ def _ind(folder, *, frames=100, meta="", classes="0,car\n1,pedestrian\n2,bicycle
 
 
 def test_ind(tmp_path):
-    source = open_source(_ind(tmp_path))
+    source = open_tracks(_ind(tmp_path))
     (tracks,) = source.recordings
     assert (source.areas, source.rules, tracks.episode) == (None, {}, 7)
     assert sorted(set(tracks.type.tolist())) == ["bicycle", "car", "pedestrian"]
@@ -75,7 +75,7 @@ def test_ind_files_that_cannot_be_used(tmp_path, spoil, message):
     path = _ind(tmp_path)
     spoil(tmp_path)
     with pytest.raises(TracksError, match=message):
-        open_source(path)
+        open_tracks(path)
 
 
 def _dut(folder):
@@ -91,7 +91,7 @@ def _dut(folder):
 
 
 def test_dut(tmp_path):
-    (tracks,) = open_source(_dut(tmp_path), frame_rate=23.976, number=4).recordings
+    (tracks,) = open_tracks(_dut(tmp_path), frame_rate=23.976, number=4).recordings
     assert tracks.episode == 4
     assert set(zip(tracks.id.tolist(), tracks.type.tolist(), strict=True)) == {(0, "car"), (1, "pedestrian")}
     rows = measure_all([(tracks, parse_areas(STREET, "street"))], config=SimConfig()).rows
@@ -105,16 +105,16 @@ def test_dut(tmp_path):
 def test_dut_does_not_say_its_frame_rate(tmp_path):
     path = _dut(tmp_path)
     with pytest.raises(TracksError, match=r"give it \(23.976 for DUT, 29.97 for CITR\)"):
-        open_source(path)
+        open_tracks(path)
     with pytest.raises(TracksError, match="frame rate must be above 0"):
-        open_source(path, frame_rate=0.0)
+        open_tracks(path, frame_rate=0.0)
     (tmp_path / "intersection_01_traj_veh_filtered.csv").unlink()
     with pytest.raises(TracksError, match="beside the others"):
-        open_source(path, frame_rate=23.976)
+        open_tracks(path, frame_rate=23.976)
 
 
 def test_any_layout_can_be_kept_as_our_table(tmp_path):
-    (tracks,) = open_source(_dut(tmp_path), frame_rate=23.976).recordings
+    (tracks,) = open_tracks(_dut(tmp_path), frame_rate=23.976).recordings
     write_tracks(tmp_path / "dut.parquet", [tracks], about={"from": "DUT"}, areas=STREET)
     file = TrackFile(tmp_path / "dut.parquet")
     again = measure_all(((one, file.areas) for one in file.recordings()), config=SimConfig()).as_dict()
@@ -122,24 +122,24 @@ def test_any_layout_can_be_kept_as_our_table(tmp_path):
 
 
 def test_our_tables_say_by_which_rules_they_were_recorded(tmp_path):
-    (tracks,) = open_source(_dut(tmp_path), frame_rate=23.976).recordings
+    (tracks,) = open_tracks(_dut(tmp_path), frame_rate=23.976).recordings
     write_tracks(tmp_path / "t.parquet", [tracks], about={"dt": 0.05, "moving_speed": 0.4, "map": "paper"})
-    assert open_source(tmp_path / "t.parquet").rules == {"dt": 0.05, "moving_speed": 0.4}
+    assert open_tracks(tmp_path / "t.parquet").rules == {"dt": 0.05, "moving_speed": 0.4}
 
 
 def test_other_files(tmp_path):
     (tmp_path / "tracks.csv").write_text("")
-    with pytest.raises(TracksError, match="of no known layout"):
-        open_source(tmp_path / "tracks.csv")
+    with pytest.raises(TracksError, match="unknown layout"):
+        open_tracks(tmp_path / "tracks.csv")
     with pytest.raises(TracksError, match="no such file"):
-        open_source(tmp_path / "tracks.parquet")
+        open_tracks(tmp_path / "tracks.parquet")
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"\xff\xfe", "no CSV file"),
-        (b"recordingId,frameRate\n" + b"7" * 200_000 + b",25\n", "no CSV file"),
+        (b"\xff\xfe", "not a CSV file"),
+        (b"recordingId,frameRate\n" + b"7" * 200_000 + b",25\n", "not a CSV file"),
         (b"recordingId,frameRate\nnan,25\n", "column recordingId has a value that is no number up to"),
         (b"recordingId,frameRate\n1e300,25\n", "column recordingId has a value that is no number up to"),
     ],
@@ -149,7 +149,7 @@ def test_a_damaged_file_is_named(tmp_path, content, message):
     path = _ind(tmp_path)
     (tmp_path / "07_recordingMeta.csv").write_bytes(content)
     with pytest.raises(TracksError, match=rf"07_recordingMeta\.csv: {message}"):
-        open_source(path)
+        open_tracks(path)
 
 
 @pytest.mark.parametrize("column", ["id", "class"])
@@ -158,13 +158,13 @@ def test_a_long_value_does_not_fill_memory(tmp_path, column):
     path, long = _ind(tmp_path), "7" * 1001
     row = f"{long},car" if column == "id" else f"0,{long}"
     (tmp_path / "07_tracksMeta.csv").write_text(f"trackId,class\n{row}\n")
-    with pytest.raises(TracksError, match=r"07_tracksMeta\.csv: column \w+ has a value of 1,001 characters; mend it"):
-        open_source(path)
+    with pytest.raises(TracksError, match=r"tracksMeta\.csv: column \w+ has a value of 1,001 characters; correct it"):
+        open_tracks(path)
 
 
 def test_words_take_their_own_room_only(tmp_path):
     """A class of 1,000 letters, on many rows."""
-    (tracks,) = open_source(_ind(tmp_path, classes=f"0,car\n1,pedestrian\n2,{'x' * 1000}\n")).recordings
+    (tracks,) = open_tracks(_ind(tmp_path, classes=f"0,car\n1,pedestrian\n2,{'x' * 1000}\n")).recordings
     assert tracks.type.nbytes < 10 * len(tracks.t)
     assert len(set(tracks.type.tolist())) == 3
 
@@ -172,15 +172,15 @@ def test_words_take_their_own_room_only(tmp_path):
 def test_a_frame_rate_that_nothing_has(tmp_path):
     path = _ind(tmp_path, meta="recordingId,frameRate\n7,1e-300\n")
     with pytest.raises(TracksError, match=r"07_tracks\.csv: at 1e-300 frames per second, a time is beyond 1e\+12 s"):
-        open_source(path)
+        open_tracks(path)
     with pytest.raises(TracksError, match="check the frame rate"):
-        open_source(_dut(tmp_path), frame_rate=1e-300)
+        open_tracks(_dut(tmp_path), frame_rate=1e-300)
 
 
 def test_a_recording_that_would_fill_memory(tmp_path, monkeypatch):
     from jaxwalk.formats import recordings
 
     monkeypatch.setattr(recordings, "MOST_MOMENTS", 20)
-    (tracks,) = open_source(_ind(tmp_path)).recordings
+    (tracks,) = open_tracks(_ind(tmp_path)).recordings
     with pytest.raises(TracksError, match=r"car 0 has 39 steps among 1 people, too many to measure at once"):
         measure_all([(tracks, None)], config=SimConfig())

@@ -11,11 +11,11 @@ import pytest
 from formats.scene import STREET, car, person, recording
 from jaxwalk.formats.areas import parse_areas, read_areas
 from jaxwalk.formats.measured import measure_all
-from jaxwalk.formats.recordings import _crossing_numbers, trajectory_of, views
+from jaxwalk.formats.recordings import _crossing_numbers, cars_in_view, trajectory_of
 from jaxwalk.formats.tracks import TracksError
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, SURROGATES
 from jaxwalk.metrics.braking import NEVER, ONSET, UNSEEN
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 CONFIG = SimConfig()
 GROUND = parse_areas(STREET, "street")
@@ -53,18 +53,18 @@ def test_every_car_has_its_episode_and_its_people():
     assert rows[OUTCOMES].steps.tolist() == [60, 50]
     assert rows[ENCOUNTERS].episode.tolist() == [0, 1]
     assert rows[ENCOUNTERS].ped.tolist() == [0, 0]
-    assert [len(view.people) for view in views(tracks, CONFIG)] == [1, 1]
+    assert [len(view.people) for view in cars_in_view(tracks, CONFIG)] == [1, 1]
 
 
 def test_who_is_out_of_view_is_nowhere():
     tracks = recording(car(0, 6, 0, 0, 10.0), person(2, 4, 58, 1))
-    trajectory = trajectory_of(next(views(tracks, CONFIG)), areas=GROUND, config=CONFIG)
+    trajectory = trajectory_of(next(cars_in_view(tracks, CONFIG)), areas=GROUND, config=CONFIG)
     seen = np.arange(61)[:, None]
     seen = (seen >= 20) & (seen <= 40)
     assert np.array_equal(~np.isnan(trajectory.ped_x[:, 0]), seen)
     assert np.array_equal(trajectory.on_roadway[:, 0], seen)
     says_so = replace(tracks, known=dict.fromkeys(("on_roadway", "on_crosswalk"), tracks.type == "pedestrian"))
-    trajectory = trajectory_of(next(views(says_so, CONFIG)), areas=None, config=CONFIG)
+    trajectory = trajectory_of(next(cars_in_view(says_so, CONFIG)), areas=None, config=CONFIG)
     assert np.array_equal(trajectory.on_crosswalk[:, 0], seen), "on a crosswalk in every row, and nowhere without one"
     rows = _rows(tracks)
     assert rows[ENCOUNTERS].min_distance == pytest.approx([np.hypot(18, 1)], abs=1e-4), (
@@ -81,15 +81,15 @@ def test_who_appears_on_the_roadway_was_not_seen_to_enter_it():
 
 def test_after_a_gap_it_is_somebody_else():
     tracks = recording(car(0, 6, 0, 0, 10.0), person(0, 1, 90, 1), person(2.5, 6, 90, 1), ids=(0, 1, 1))
-    assert [len(view.people) for view in views(tracks, CONFIG)] == [2]
+    assert [len(view.people) for view in cars_in_view(tracks, CONFIG)] == [2]
     short = recording(car(0, 6, 0, 0, 10.0), person(0, 1, 90, 1), person(1.5, 6, 90, 1), ids=(0, 1, 1))
-    assert [len(view.people) for view in views(short, CONFIG)] == [1], "half a second is bridged"
+    assert [len(view.people) for view in cars_in_view(short, CONFIG)] == [1], "half a second is bridged"
 
 
 def test_parked_cars_are_left_out():
     tracks = recording(car(0, 60, 55, 6), car(0, 6, 0, 0, 10.0), person(0, 6, 60, 1))
     assert _rows(tracks)[OUTCOMES].steps.tolist() == [60]
-    with pytest.raises(TracksError, match="no car that moves"):
+    with pytest.raises(TracksError, match="no car moves"):
         _rows(recording(car(0, 60, 55, 6), person(0, 6, 60, 1)))
 
 
@@ -174,8 +174,8 @@ def test_two_rows_of_one_moment():
 
 
 WRONG = {
-    "no JSON": ("{", "no GeoJSON"),
-    "brackets": ("[" * 20_000, "no GeoJSON"),
+    "no JSON": ("{", "not GeoJSON"),
+    "brackets": ("[" * 20_000, "not GeoJSON"),
     "no list": ('{"type": "FeatureCollection", "features": 3}', "its features must be a list"),
     "a kind that is a list": (
         json.dumps(STREET).replace('"crosswalk"', '["crosswalk"]'),

@@ -21,7 +21,7 @@ from jaxwalk.formats.paths import Path, largest_error, paths
 from jaxwalk.formats.road_network import EAST, NORTH, Arm, road_network
 from jaxwalk.formats.tracks import TracksError
 from jaxwalk.maps import load_map
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from sim.maps import turned, write
 
 CONFIG = SimConfig()

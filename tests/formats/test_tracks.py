@@ -161,13 +161,13 @@ def test_words_that_are_no_text_are_refused(file, tmp_path):
         words = pyarrow.array([b"\xe3ar"] * len(table)).view(pyarrow.string())
         return table.set_column(table.schema.get_field_index("type"), "type", words)
 
-    with pytest.raises(TracksError, match="no UTF-8"):
+    with pytest.raises(TracksError, match="isn't UTF-8"):
         list(_rewritten(file, tmp_path / "garbled.parquet", garbled).recordings())
 
 
 def test_no_parquet_file(tmp_path, episodes, monkeypatch):
     (tmp_path / "text.parquet").write_text("t,id\n")
-    with pytest.raises(TracksError, match="no Parquet file"):
+    with pytest.raises(TracksError, match="not a Parquet file"):
         TrackFile(tmp_path / "text.parquet")
     with pytest.raises(TracksError, match="no trajectories to write"):
         write_tracks(tmp_path / "none.parquet", [], about={})
@@ -185,7 +185,7 @@ def test_a_small_file_does_not_fill_memory(file, tmp_path, monkeypatch):
         at = table.schema.get_field_index("type")
         return table.set_column(at, "type", pyarrow.array([long] * len(table)))
 
-    with pytest.raises(TracksError, match=r"column type has words of 1,001 characters; mend it"):
+    with pytest.raises(TracksError, match=r"column type has words of 1,001 characters; correct it"):
         next(_rewritten(file, tmp_path / "words.parquet", change).recordings())
     table = pyarrow.parquet.read_table(file).slice(0, 150)
     pyarrow.parquet.write_table(table, tmp_path / "groups.parquet", row_group_size=50)
@@ -222,9 +222,9 @@ def test_a_column_that_could_fill_memory_is_not_read(file, tmp_path, name, value
 @pytest.mark.parametrize(
     ("metadata", "message"),
     [
-        ({"jaxwalk": "[1"}, "its metadata jaxwalk is no JSON"),
-        ({"jaxwalk": "[1]"}, "its metadata jaxwalk is no object"),
-        ({"jaxwalk_areas": "[" * 20_000}, "its metadata jaxwalk_areas is no JSON"),
+        ({"jaxwalk": "[1"}, "metadata jaxwalk isn't JSON"),
+        ({"jaxwalk": "[1]"}, "metadata jaxwalk isn't an object"),
+        ({"jaxwalk_areas": "[" * 20_000}, "metadata jaxwalk_areas isn't JSON"),
     ],
 )
 def test_damaged_metadata_is_named(file, tmp_path, metadata, message):

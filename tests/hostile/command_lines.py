@@ -16,14 +16,14 @@ from safetensors.numpy import save
 
 from hostile.targets import ARRAYS, HEADER
 from jaxwalk.cli import options
-from jaxwalk.experiments.recipes import RECIPES
-from jaxwalk.experiments.runs import Run
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.recipes import RECIPES
 
 WORKERS = (
-    "jaxwalk.experiments.training.train", "jaxwalk.experiments.parts.train", "jaxwalk.cli.evaluate._play",
+    "jaxwalk.runs.training.train", "jaxwalk.runs.study.train", "jaxwalk.cli.evaluate._play",
     "jaxwalk.cli.play._page", "jaxwalk.cli.play._drawing", "jaxwalk.experiments.driver_report.play_rounds",
-    "jaxwalk.experiments.sharing.compare", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
-    "jaxwalk.experiments.exporting.met", "jaxwalk.cli.bench.benchmark",
+    "jaxwalk.exports.sharing.compare", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
+    "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
 )  # fmt: skip
 """Where the work begins that a good command line asks for: a case ends there."""
 PEOPLE = ["always-go", "learned", "mine.safetensors", "run", "nobody", "bad.safetensors"]

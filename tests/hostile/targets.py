@@ -19,17 +19,17 @@ from safetensors.numpy import save
 from hostile.drivers import agent, onnx_network, spoiled_agent, spoiled_archive, spoiled_onnx, torchscript_network
 from hostile.mutations import Files, as_json, as_toml, damaged, documents
 from jaxwalk.cli.train import bad_values
-from jaxwalk.experiments.recipes import RECIPES
-from jaxwalk.experiments.runs import Run
-from jaxwalk.experiments.watch import curves
-from jaxwalk.experiments.world import make_street
 from jaxwalk.formats.areas import read_areas
-from jaxwalk.formats.layouts import open_source
+from jaxwalk.formats.layouts import open_tracks
 from jaxwalk.formats.measured import measure_all
 from jaxwalk.maps import load_map
 from jaxwalk.policies import load_policy, read_metadata
 from jaxwalk.policies.host import load_host_driver
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.recipes import RECIPES
+from jaxwalk.runs.street import make_street
+from jaxwalk.runs.watch import curves
+from jaxwalk.sim.sim_config import SimConfig
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ def _measured(name: str) -> Callable[[Path], Any]:
     """Opening a file of trajectories and measuring them, as `jaxwalk measure` does."""
 
     def read(folder: Path) -> Any:
-        source = open_source(folder / name, frame_rate=25.0)
+        source = open_tracks(folder / name, frame_rate=25.0)
         with bad_values():
             config = SimConfig(**source.rules)
         return measure_all(((x, source.areas) for x in source.recordings), config=config).as_dict()

@@ -38,7 +38,7 @@ def test_all_routes_between_many_places_are_too_many(small, write):
 
 def test_many_routes_on_a_large_map_do_not_fit(small, write):
     small["car"]["places"] = [[5 + n, 10] for n in range(32)]
-    with pytest.raises(MapError, match=r"car.routes: 992 on so large a map don't fit into memory; list fewer"):
+    with pytest.raises(MapError, match=r"car.routes: 992 on a map of this size don't fit into memory; list fewer"):
         load_map(write(small | {"size": [1500, 20]}))
 
 
@@ -68,7 +68,7 @@ def test_what_is_no_file_is_not_read(tmp_path, kind):
     """A device may have no end, and a pipe no other."""
     path = tmp_path / "town.toml"
     {"device": lambda: path.symlink_to("/dev/zero"), "pipe": lambda: os.mkfifo(path), "folder": path.mkdir}[kind]()
-    with pytest.raises(MapError, match="is no file: check the path"):
+    with pytest.raises(MapError, match="not a regular file: check the path"):
         load_map(path)
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Ghosts, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 DT = 0.1
 PADDED = ("car_x", "car_y", "car_cos", "car_sin", "car_speed", "car_acceleration")

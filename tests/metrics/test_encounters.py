@@ -8,7 +8,7 @@ import pytest
 
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, measure, summarise
 from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, changed, trajectory
 
 

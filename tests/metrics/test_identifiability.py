@@ -12,7 +12,7 @@ from scipy import integrate, stats
 from jaxwalk.metrics.crossings import find_crossings
 from jaxwalk.metrics.identifiability import PRIOR_VARIANCE, crossings_of_people, identifiability
 from jaxwalk.sim.belief import posterior
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 MULTIPLIERS = (0.25, 1.0, 1.6)

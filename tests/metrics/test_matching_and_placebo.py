@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.metrics import PLACEBO, SPEED_DIFFERENTIAL, measure, summarise
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, changed, ghosts_of, trajectory
 
 

@@ -18,8 +18,8 @@ from jaxwalk.metrics import (
     summarise,
 )
 from jaxwalk.metrics.outcomes import NO_CONTACT, SIDEWALK
-from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.sim_config import SimConfig
 from metrics.scenes import Scene, Walk, changed, pick, trajectory
 
 AWAY = Walk(90, 50)

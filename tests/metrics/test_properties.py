@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from jaxwalk import metrics
 from jaxwalk.metrics import ENCOUNTERS, PLACEBO, SPEED_DIFFERENTIAL, Rows, measure, summarise
 from jaxwalk.metrics.meetings import meeting_columns
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from metrics.reference import encounters, near_speeds
 from metrics.scenes import ghosts_of, padded, pick, random_trajectory, turned
 

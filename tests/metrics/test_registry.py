@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +25,7 @@ from jaxwalk.metrics import (
 )
 from jaxwalk.metrics.metric import with_needs
 from jaxwalk.metrics.statistics import interval, ratio
-from jaxwalk.sim.trajectory import JAYWALK
+from jaxwalk.sim.crossing_kind import JAYWALK
 from metrics.scenes import Scene, Walk, ghosts_of, random_trajectory, trajectory
 
 
@@ -90,17 +91,18 @@ def test_a_new_metric_is_in_the_rows_the_summary_and_the_document(recorded):
     found = summarise(Rows.join([rows, rows]), resamples=20)
     assert (found[TOP_SPEED].mean.value, found[TOP_SPEED].per_encounter.value) == (5.0, 7.5)
     document = json.loads(json.dumps(found.as_dict(), allow_nan=False))
-    assert document["top_speed"]["per_encounter"] == {"value": 7.5, "low": None, "high": None, "count": 4} or (
-        document["top_speed"]["per_encounter"]["value"] == 7.5
+    assert list(document)[-1] == "top_speed"
+    assert (document["top_speed"]["per_encounter"]["value"], document["top_speed"]["per_encounter"]["count"]) == (
+        7.5,
+        4,
     )
     assert Summary.from_dict(document, metrics=(*METRICS, TOP_SPEED)) == found
 
 
 def test_a_new_metric_leaves_the_others_alone(recorded):
     before, after = (summarise(measure(recorded, metrics=m), resamples=20) for m in (METRICS, (*METRICS, TOP_SPEED)))
-    document = after.as_dict()
-    del document["top_speed"]
-    assert document == before.as_dict()
+    for name, numbers in before.as_dict().items():
+        _assert_close(numbers, after.as_dict()[name])
 
 
 @pytest.mark.parametrize("metric", METRICS, ids=lambda metric: metric.name)
@@ -120,7 +122,7 @@ def _assert_close(a, b):
         for x, y in zip(a, b, strict=True):
             _assert_close(x, y)
     else:
-        assert a == pytest.approx(b, rel=1e-12)
+        assert a == b or (a is not None and b is not None and math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-12))
 
 
 def test_what_is_not_among_the_needs_is_named(recorded):

@@ -10,7 +10,7 @@ from hypothesis import given
 
 from jaxwalk.metrics import SURROGATE_DISTRIBUTIONS, SURROGATES, measure, summarise
 from jaxwalk.metrics.severity import THRESHOLDS
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 from metrics.test_properties import few, trajectories
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jaxwalk.metrics import SPEED_DIFFERENTIAL, measure, summarise
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from jaxwalk.metrics import SURROGATES, Rows, measure, summarise
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
 from jaxwalk.metrics.surrogate import Surrogates, required_deceleration, surrogate_columns, time_to_collision
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics import reference
 from metrics.scenes import Scene, Walk, changed, trajectory
 from metrics.test_properties import few, trajectories

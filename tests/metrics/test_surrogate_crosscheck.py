@@ -17,7 +17,7 @@ import pytest
 
 from jaxwalk.metrics import ENCOUNTERS, SURROGATES, measure
 from jaxwalk.metrics.surrogate import required_deceleration, time_to_collision
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 COUNT = 1000

@@ -6,7 +6,7 @@ from hypothesis import given
 
 from jaxwalk.metrics import WAITING, Rows, bootstrap_by_episode, measure, summarise
 from jaxwalk.metrics.waiting import DANGER, DISTANCES, HARMLESS, MISSES, OTHER, SPEEDS
-from jaxwalk.sim.trajectory import CROSSWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK
 from metrics.reference import kerb_moments
 from metrics.scenes import Scene, Walk, changed, trajectory
 from metrics.test_properties import few, trajectories

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jaxwalk.sim.trajectory import CROSSWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK
 from sim.play import ENVIRONMENTS, PEOPLE, STEPS, inside, play
 
 few = settings(
@@ -39,7 +39,7 @@ def test_the_laws_of_the_world(street, scenarios, behaviour):
     for name, x in played.items():
         assert np.isfinite(x).all(), name
 
-    maps = street.maps
+    maps = street.world.maps
     roads, walks, crosswalks = (np.asarray(a[0]) for a in (maps.roads, maps.sidewalks, maps.crosswalks))
     x, y, on = played["x"], played["y"], played["on_roadway"]
     by_crosswalk = played["crossing"] == CROSSWALK

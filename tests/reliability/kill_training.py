@@ -30,11 +30,11 @@ import jax.numpy as jnp
 import numpy as np
 from rich.console import Console
 
-from jaxwalk.experiments.recipes import RECIPES, Experiment, with_training
-from jaxwalk.experiments.runs import METRICS, Run
-from jaxwalk.experiments.training import begin, train
-from jaxwalk.experiments.world import make_street
 from jaxwalk.policies import load_policy
+from jaxwalk.runs.folder import METRICS, Run
+from jaxwalk.runs.recipes import RECIPES, Experiment, with_training
+from jaxwalk.runs.street import make_street
+from jaxwalk.runs.training import begin, train
 from jaxwalk.writing import is_unfinished
 
 UPDATES = 24
@@ -235,7 +235,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(folder) / "compiled"))
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
-        FORKS.set_forkserver_preload(["jaxwalk.experiments.training", "orbax.checkpoint"])
+        FORKS.set_forkserver_preload(["jaxwalk.runs.training", "orbax.checkpoint"])
         try:
             wrong = kill_often(Path(folder), options.kills, options.seed, lambda text: print(text, flush=True))
         except (HangsError, RuntimeError, ValueError) as error:

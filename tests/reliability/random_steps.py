@@ -88,7 +88,7 @@ def _limits(x):
 @jax.jit
 def play(street, stream):
     """Some steps of all environments: the stream, the limits of everything, the counts."""
-    idle = ByRole(jnp.zeros((2, ENVIRONMENTS)), jnp.zeros((street.config.pedestrians, ENVIRONMENTS), jnp.int32))
+    idle = ByRole(jnp.zeros((2, ENVIRONMENTS)), jnp.zeros((street.world.rules.pedestrians, ENVIRONMENTS), jnp.int32))
     stream, (limits, counts) = rollout(
         street, act, stream, STEPS, fresh_memory=idle, keep=lambda step: look(street, step)
     )
@@ -107,7 +107,7 @@ def run(steps, *, seed=0, told=print):
     street = Street.create(
         driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0), pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0)
     )
-    idle = ByRole(jnp.zeros((2, ENVIRONMENTS)), jnp.zeros((street.config.pedestrians, ENVIRONMENTS), jnp.int32))
+    idle = ByRole(jnp.zeros((2, ENVIRONMENTS)), jnp.zeros((street.world.rules.pedestrians, ENVIRONMENTS), jnp.int32))
     stream = jax.jit(start)(street, environment_keys(seed_key(seed, TRAINING), 0, ENVIRONMENTS), idle)
     seen, counts, begun, turn = {}, Counter(), time.monotonic(), 0
     while counts["steps"] < steps:
@@ -126,7 +126,7 @@ def wrong(street, seen):
     lines = [f"{name}: not finite at {np.flatnonzero(~np.isfinite(x).all(axis=0))}" for name, x in seen.items()
              if not np.isfinite(x).all()]  # fmt: skip
     for role, name in [*SETS, ("driver", PRIVILEGED)]:
-        low, high = bounds(street.maps, street.tables, street.config, role, name)
+        low, high = bounds(street.world, role, name)
         lowest, highest = seen[f"{role} {name}"]
         lines += [
             f"{role} {name}: feature {i} was in [{lowest[i]:g}, {highest[i]:g}], not within [{low[i]:g}, {high[i]:g}]"

@@ -11,7 +11,7 @@ def test_wrong_numbers_are_told_by_name(street):
     seen = {"state": np.zeros((2, 3))}
     for role, sets in LAYOUTS.items():
         for name in sets:
-            seen[f"{role} {name}"] = np.stack(bounds(street.maps, street.tables, street.config, role, name))
+            seen[f"{role} {name}"] = np.stack(bounds(street.world, role, name))
     assert wrong(street, seen) == []
     seen["state"][1, 2] = np.inf
     seen["driver privileged"][0, 7] -= 1

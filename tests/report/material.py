@@ -6,7 +6,7 @@ import json
 
 from jaxwalk.evaluation import Cell, Match, Results, over_training_seeds, paired_over_seeds
 from jaxwalk.metrics import measure, summarise
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 DRIVERS = (

@@ -11,7 +11,7 @@ from jaxwalk.evaluation import Cell, Counterfactuals, Results, summarise_counter
 from jaxwalk.metrics import measure, summarise
 from jaxwalk.report.suite import suite
 from jaxwalk.report.surprise import FEWEST, four_ways, in_words
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, ghosts_of, trajectory
 
 MADE = {"commit": "abc123", "hardware": "an abacus", "versions": {"jax": "0.10.2"}}

@@ -56,14 +56,14 @@ def reset(street, scenario):
 def view(street, scenario, state):
     """What tests look at, by name."""
     car, people = state.vehicle, state.pedestrian
-    vx, vy = pedestrian.velocity(street.config, scenario, people)
+    vx, vy = pedestrian.velocity(street.world, scenario, people)
     return {
         "step": state.step, "car_x": car.x, "car_y": car.y, "car_cos": car.cos, "car_sin": car.sin,
         "car_speed": car.speed, "car_steering": car.steering, "car_acceleration": car.acceleration,
         "along": car.along, "x": people.x, "y": people.y, "vx": vx, "vy": vy, "on_roadway": people.on_roadway,
         "on_crosswalk": people.on_crosswalk, "crossing": people.crossing, "decisions": people.decisions,
         "goal": people.goal, "arrivals": people.arrivals, "going": people.going,
-        "at_kerb": pedestrian.at_kerb(street.config, people),
+        "at_kerb": pedestrian.at_kerb(street.world, people),
     }  # fmt: skip
 
 
@@ -101,7 +101,7 @@ def _draw(street, keys):
 
 @jax.jit
 def _play(street, scenario, state, actions):
-    TRACES["play", state.step.shape, street.maps.roads.shape] += 1
+    TRACES["play", state.step.shape, street.world.maps.roads.shape] += 1
 
     def body(state, action):
         after, _ = street.step(scenario, state, action)
@@ -113,7 +113,7 @@ def _play(street, scenario, state, actions):
 
 
 def _everything(street, scenario, state, actions):
-    TRACES["everything", state.step.shape, street.maps.roads.shape] += 1
+    TRACES["everything", state.step.shape, street.world.maps.roads.shape] += 1
     state = street.refreshed(scenario, state)
     seen = {f"{role} {name}": street.observe(scenario, state, role, name) for role, name in SETS}
     seen["global"] = street.global_state(scenario, state)

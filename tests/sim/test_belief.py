@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -11,9 +9,10 @@ import numpy as np
 import pytest
 from scipy import integrate
 
+from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim import belief
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
 from jaxwalk.sim.observation import BELIEF, TOLD, part
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, NO_CROSSING
 from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, everything, people, play, reset
 
 TYPES = (JAYWALK, CROSSWALK)
@@ -66,9 +65,9 @@ def test_the_posterior_is_what_remains_of_many(multiplier):
 
 @jax.jit
 def _seen(street, scenario, state):
-    multiplier, walkers = street.jaywalk_multiplier, state.pedestrian
-    counts = belief.crossings_seen(multiplier, scenario, walkers)
-    return counts, belief.expected_tendency(multiplier, scenario, walkers)
+    world, walkers = street.world, state.pedestrian
+    counts = belief.crossings_seen(world, scenario, walkers)
+    return counts, belief.expected_tendency(world, scenario, walkers)
 
 
 @jax.jit
@@ -79,7 +78,7 @@ def _look(street, scenario, state):
 @pytest.fixture(scope="module")
 def jaywalking(paid_street):
     """The street on which half of the crossings are jaywalks."""
-    return dataclasses.replace(paid_street, jaywalk_multiplier=jnp.float32(1))
+    return with_jaywalk_multiplier(paid_street, 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +93,7 @@ def stepped(street, jaywalking, scenarios):
 
         return jax.lax.scan(body, state, None, length=500)[1]
 
-    unpaid = dataclasses.replace(street, jaywalk_multiplier=jaywalking.jaywalk_multiplier)  # or `play` is compiled anew
+    unpaid = with_jaywalk_multiplier(street, 1.0)  # or `play` is compiled anew
     return np.asarray(walk(jaywalking, scenarios, reset(jaywalking, scenarios))), play(unpaid, scenarios)
 
 

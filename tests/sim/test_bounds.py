@@ -11,7 +11,7 @@ from sim.play import SETS, actions, everything, random_actions
 
 
 def of(street, role, name):
-    return bounds(street.maps, street.tables, street.config, role, name)
+    return bounds(street.world, role, name)
 
 
 def test_observations_of_random_driving_lie_within_their_bounds(paid_street, scenarios, midway):
@@ -40,7 +40,7 @@ def test_bounds_are_those_of_the_rules(street):
         (-ROUNDING, 1 + ROUNDING)
     )
     first = part("driver", "route", "route").start  # 2.5 m ahead, which is the scale
-    diagonal = float(np.hypot(street.maps.width[0], street.maps.height[0]))
+    diagonal = float(np.hypot(street.world.maps.width[0], street.world.maps.height[0]))
     assert high[first] == pytest.approx(diagonal / 2.5 + ROUNDING)
     low, high = of(street, "pedestrian", "kerb")
     place = part("pedestrian", "kerb", "to_kerb")

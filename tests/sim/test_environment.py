@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import tomllib
 from importlib import resources
 
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 
 from jaxwalk import SimConfig, Street
+from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.interfaces import ByRole, Environment
 from sim.maps import rearranged, turned, write
 from sim.play import (
@@ -107,7 +107,7 @@ def test_two_batch_axes_are_one(paid_street, batched):
 def test_each_function_is_traced_once(paid_street, scenarios, midway, batched):
     state = midway
     for k in range(3):
-        street = dataclasses.replace(paid_street, jaywalk_multiplier=jnp.float32(k / 2))
+        street = with_jaywalk_multiplier(paid_street, k / 2)
         state, *_ = everything(street, scenarios, state, actions((0.1 * k, 0.0)))
     assert TRACES
     assert max(TRACES.values()) == 1, TRACES

@@ -10,10 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import arrives, closes_in, closing_speed, touches
 from jaxwalk.sim.prediction import HOLD
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, actions, columns, everything, reset, with_car
 
@@ -61,8 +61,8 @@ def crossing_person(paid_street, scenarios, midway):
     """Somebody on a roadway, 5 m or more from others and from the goal: (scenario, state, person), everywhere alike."""
     people = midway.pedestrian
     x, y = np.asarray(people.x), np.asarray(people.y)
-    goal_x, goal_y = goal(paid_street.tables, scenarios)
-    roads = np.asarray(paid_street.maps.roads[0])
+    goal_x, goal_y = goal(paid_street.world, scenarios)
+    roads = np.asarray(paid_street.world.maps.roads[0])
     for p, env in zip(*np.nonzero(np.asarray(people.on_roadway)), strict=True):
         far = np.hypot(goal_x[env] - x[p, env], goal_y[env] - y[p, env]) > 8
         room = min(abs(roads[:, 1] - y[p, env]).min(), abs(roads[:, 3] - y[p, env]).min()) > 2
@@ -95,10 +95,10 @@ def test_a_collision_terminates_the_car_and_whom_it_touches(paid_street, crossin
 
 def test_the_goal_terminates_the_car_and_truncates_the_people(paid_street, scenarios):
     state = reset(paid_street, scenarios)
-    goal_x, goal_y = goal(paid_street.tables, scenarios)
-    last = np.round(np.asarray(paid_street.maps.route_length[0])[scenarios.route] / 0.5).astype(int)
+    goal_x, goal_y = goal(paid_street.world, scenarios)
+    last = np.round(np.asarray(paid_street.world.maps.route_length[0])[scenarios.route] / 0.5).astype(int)
     cos, sin = (np.asarray(axis[0])[scenarios.route, last] for axis in
-                (paid_street.maps.route_cos, paid_street.maps.route_sin))  # fmt: skip
+                (paid_street.world.maps.route_cos, paid_street.world.maps.route_sin))  # fmt: skip
     short = np.where(np.arange(ENVIRONMENTS) % 2, 3.002, 2.998)
     state = with_car(state, x=goal_x - short * cos, y=goal_y - short * sin, cos=cos, sin=sin, speed=0.0)
     _, outcome, _, _ = everything(paid_street, scenarios, state, actions(BRAKE, 0))
@@ -131,10 +131,10 @@ def test_collision_before_goal_before_timeout(paid_street, scenarios, midway):
     people = midway.pedestrian
     p, env = np.nonzero(np.asarray(people.on_roadway))
     x, y = (np.asarray(axis)[p, env] for axis in (people.x, people.y))
-    routes = np.arange(int(paid_street.maps.route_count[0]))
+    routes = np.arange(int(paid_street.world.maps.route_count[0]))
     every = eqx.tree_at(lambda s: (s.map, s.route), columns(scenarios, np.zeros(routes.size, int)),
                         (jnp.zeros(routes.size, jnp.int32), jnp.asarray(routes, jnp.int32)))  # fmt: skip
-    goal_x, goal_y = (np.asarray(v) for v in goal(paid_street.tables, every))
+    goal_x, goal_y = (np.asarray(v) for v in goal(paid_street.world, every))
     who, route = np.nonzero(np.hypot(goal_x[None] - x[:, None], goal_y[None] - y[:, None]) < 2.8)
     assert who.size > 0
     who, route = who[:ENVIRONMENTS], route[:ENVIRONMENTS]
@@ -150,7 +150,7 @@ def test_collision_before_goal_before_timeout(paid_street, scenarios, midway):
     far = columns(midway, np.zeros(ENVIRONMENTS, int))
     scenario = eqx.tree_at(lambda s: s.route, columns(scenarios, np.zeros(ENVIRONMENTS, int)),
                            jnp.asarray(np.resize(routes, ENVIRONMENTS), jnp.int32))  # fmt: skip
-    goal_x, goal_y = goal(paid_street.tables, scenario)
+    goal_x, goal_y = goal(paid_street.world, scenario)
     _, outcome, _, _ = everything(paid_street, scenario, with_car(at_step(far, 499), x=goal_x, y=goal_y, speed=0.0),
                                   actions(BRAKE, 0))  # fmt: skip
     assert (outcome.events.goal ^ outcome.events.collision).all()
@@ -201,7 +201,7 @@ def test_driving_along_the_route(paid_street, scenarios):
     np.testing.assert_allclose(paid["off_lane"][:4], [0, 1, 1, 4], atol=1e-3)
     np.testing.assert_allclose(paid["misaligned"][[0, 4]], [0, 0.5], atol=1e-4)
     np.testing.assert_allclose(paid["time"], 1)
-    goal_x, goal_y = (np.asarray(v)[0] for v in goal(paid_street.tables, scenario))
+    goal_x, goal_y = (np.asarray(v)[0] for v in goal(paid_street.world, scenario))
     before = np.hypot(goal_x - state.vehicle.x[0], goal_y - state.vehicle.y[0])
     after = np.hypot(goal_x - state.vehicle.x[0] - 0.5 * car.cos[0], goal_y - state.vehicle.y[0] - 0.5 * car.sin[0])
     np.testing.assert_allclose(paid["crow_progress"][0], before - after, atol=1e-4)

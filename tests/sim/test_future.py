@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.observation import PRIVILEGED, part
 from jaxwalk.sim.prediction import FAR
@@ -35,7 +33,9 @@ def test_the_table_is_what_happens_when_everybody_goes(street, scenarios, midway
     steps = 150 + STEPS * np.arange(1, MOMENTS + 1)
     along = driven + SPACING * np.arange(PLACES)[:, None]
     for env in range(0, ENVIRONMENTS, 5):
-        route = (np.asarray(xy)[0, scenarios.route[env]] for xy in (street.maps.route_x, street.maps.route_y))
+        route = (
+            np.asarray(xy)[0, scenarios.route[env]] for xy in (street.world.maps.route_x, street.world.maps.route_y)
+        )
         x, y = (np.interp(along[:, env], 0.5 * np.arange(len(xy)), xy) for xy in route)
         people_x, people_y = (always_go[name][steps][..., env] for name in ("x", "y"))
         away = np.hypot(people_x[:, None] - x[:, None], people_y[:, None] - y[:, None]).min(axis=2)
@@ -53,7 +53,7 @@ def test_who_waits_is_taken_to_start_now(street, paid_street, scenarios, midway)
 
 def test_it_knows_jaywalks_that_nobody_has_decided_yet(street, scenarios):
     start = street.reset(scenarios)
-    never, always = (dataclasses.replace(street, jaywalk_multiplier=jnp.float32(x)) for x in (0, 1e9))
+    never, always = (with_jaywalk_multiplier(street, x) for x in (0.0, 1e9))
     with_none, with_all = clearances(never, scenarios, start), clearances(always, scenarios, start)
     differs = (np.abs(with_none - with_all) > 1).any(axis=(0, 1))
     assert differs.mean() > 0.5

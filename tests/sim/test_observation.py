@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import LAYOUTS
 from jaxwalk.sim.vehicle import goal
@@ -49,7 +48,7 @@ def test_an_unknown_set_is_refused(street, scenarios, midway):
 
 
 def test_the_papers_car(street, scenarios, moving, seen):
-    car, goal_xy = moving.vehicle, goal(street.tables, scenarios)
+    car, goal_xy = moving.vehicle, goal(street.world, scenarios)
     x, y, cos, sin, speed = (np.asarray(v, float) for v in (car.x, car.y, car.cos, car.sin, car.speed))
     dx, dy = np.asarray(goal_xy[0], float) - x, np.asarray(goal_xy[1], float) - y
     own = np.stack([x / 120, y / 120, cos, sin, speed / 8.33, (dx * cos + dy * sin) / 60, (dy * cos - dx * sin) / 60,
@@ -144,7 +143,7 @@ def test_what_people_have_in_mind_does_not_show(change, paid_street, scenarios):
     """Two worlds, alike but for what is decided and where people want to go: they look the same till people part."""
     other_street, other = paid_street, scenarios
     if change == "multiplier":
-        other_street = dataclasses.replace(paid_street, jaywalk_multiplier=jnp.float32(4))
+        other_street = with_jaywalk_multiplier(paid_street, 4.0)
     else:
         other = eqx.tree_at(
             lambda s: s.goals, scenarios, scenarios.goals.at[1:].set(jnp.roll(scenarios.goals[1:], 1, axis=0))

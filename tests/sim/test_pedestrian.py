@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
-
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.stats import binom
 
-from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, NO_CROSSING
+from jaxwalk.evaluation import with_jaywalk_multiplier
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
+from jaxwalk.sim.sim_config import SimConfig
 from sim.play import inside, play, random_actions
 
 MAX_TURN = 2e-3
@@ -29,7 +27,7 @@ def hesitant(street, scenarios):
 @pytest.fixture(scope="module")
 def eager(street, scenarios):
     """The same scenarios, with many jaywalks."""
-    return play(dataclasses.replace(street, jaywalk_multiplier=jnp.float32(4)), scenarios)
+    return play(with_jaywalk_multiplier(street, 4.0), scenarios)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +37,7 @@ def speed(scenarios):
 
 @pytest.fixture(scope="module")
 def areas(street):
-    maps = street.maps
+    maps = street.world.maps
     return {name: np.asarray(getattr(maps, name)[0]) for name in ("roads", "sidewalks", "crosswalks")}
 
 
@@ -103,7 +101,7 @@ def test_a_goal_reached_changes_the_goal_and_not_the_position(street, scenarios,
     assert gained.max() == 1
     t, p, e = np.nonzero(gained)
     assert t.size > 1000
-    x, y = (np.asarray(axis[0])[goal[t, p, e]] for axis in (street.maps.node_x, street.maps.node_y))
+    x, y = (np.asarray(axis[0])[goal[t, p, e]] for axis in (street.world.maps.node_x, street.world.maps.node_y))
     for frame in (t, t + 1):  # it is there, within a stride
         away = np.hypot(always_go["x"][frame, p, e] - x, always_go["y"][frame, p, e] - y)
         assert (away <= 0.1 * speed[p, e] + 1e-4).all()
@@ -167,9 +165,9 @@ def test_a_jaywalk_is_a_number_below_tendency_times_multiplier(request, name, mu
 
 def jaywalks(street, played):
     """For each jaywalk: the side where it begins (-1: none), where along the kerb it begins and ends, its slant."""
-    m = {name: np.asarray(getattr(street.maps, name)[0], float) for name in
+    m = {name: np.asarray(getattr(street.world.maps, name)[0], float) for name in
          ("node_x", "node_y", "side_ux", "side_uy", "zone_near", "zone_far")}  # fmt: skip
-    landing = np.asarray(street.maps.side_landing[0])
+    landing = np.asarray(street.world.maps.side_landing[0])
     t, p, e = entries(played)
     jaywalk = (played["crossing"][t + 1, p, e] == JAYWALK) & (t + 2 < len(played["x"]))
     t, p, e = (index[jaywalk] for index in (t, p, e))
@@ -206,7 +204,7 @@ def test_jaywalks_lead_from_zone_to_zone_slanted_by_45_degrees_at_most(request, 
     assert (side >= 0).all()
     assert np.abs(slant).max() <= 1 + 5e-3
     assert np.abs(slant).max() > 0.9
-    near, far = (np.asarray(zone[0])[side ^ 1] for zone in (street.maps.zone_near, street.maps.zone_far))
+    near, far = (np.asarray(zone[0])[side ^ 1] for zone in (street.world.maps.zone_near, street.world.maps.zone_far))
     assert (ends > near - 0.05).all()
     assert (ends < far + 0.05).all()
 
@@ -224,14 +222,14 @@ def test_all_crosswalks_and_all_zones_are_used(street, always_go, areas):
 def test_the_whole_zone_is_used(street, eager):
     side, begins, _, _ = jaywalks(street, eager)
     for s in range(12):
-        near, far = (float(zone[0][s]) for zone in (street.maps.zone_near, street.maps.zone_far))
+        near, far = (float(zone[0][s]) for zone in (street.world.maps.zone_near, street.world.maps.zone_far))
         reached = (begins[side == s] - near) / (far - near)
         assert reached.min() < 0.15
         assert reached.max() > 0.85
 
 
 def test_without_jaywalking_nobody_is_on_a_roadway_off_a_crosswalk(street, draw):
-    never = dataclasses.replace(street, jaywalk_multiplier=jnp.float32(0))
+    never = with_jaywalk_multiplier(street, 0.0)
     crossings = 0
     for first in range(0, 256 * 8, 256):
         played = play(never, draw(first))

@@ -57,9 +57,9 @@ def test_what_is_drawn_is_uniform(scenarios):
 def test_every_route_and_waypoint_is_used(street, draw):
     several = [draw(first) for first in (0, 256, 512)]
     routes = np.concatenate([np.asarray(s.route) for s in several])
-    assert (np.unique(routes) == np.arange(street.maps.route_count[0])).all()
+    assert (np.unique(routes) == np.arange(street.world.maps.route_count[0])).all()
     goals = np.concatenate([np.asarray(s.goals).ravel() for s in several])
-    assert set(np.unique(goals)) == set(np.flatnonzero(~np.asarray(street.maps.node_is_midpoint[0])))
+    assert set(np.unique(goals)) == set(np.flatnonzero(~np.asarray(street.world.maps.node_is_midpoint[0])))
 
 
 def test_nobody_starts_close_to_the_car(street, scenarios):
@@ -67,13 +67,13 @@ def test_nobody_starts_close_to_the_car(street, scenarios):
     away = np.hypot(start.pedestrian.x - start.vehicle.x, start.pedestrian.y - start.vehicle.y)
     assert away.min() >= 10 - 1e-4
     assert away.min() < 12  # though some may start near
-    np.testing.assert_array_equal(start.pedestrian.x, np.asarray(street.maps.node_x[0])[scenarios.start])
-    np.testing.assert_array_equal(start.pedestrian.y, np.asarray(street.maps.node_y[0])[scenarios.start])
+    np.testing.assert_array_equal(start.pedestrian.x, np.asarray(street.world.maps.node_x[0])[scenarios.start])
+    np.testing.assert_array_equal(start.pedestrian.y, np.asarray(street.world.maps.node_y[0])[scenarios.start])
 
 
 def test_goals_are_twenty_metres_apart_on_foot(street, scenarios):
     stops = np.concatenate([np.asarray(scenarios.start)[None], scenarios.goals])
-    walks = np.asarray(street.maps.distance[0])[stops[:-1], stops[1:]]
+    walks = np.asarray(street.world.maps.distance[0])[stops[:-1], stops[1:]]
     assert walks.min() >= 20 - 1e-4
     assert np.isfinite(walks).all()
 
@@ -90,8 +90,8 @@ def test_tables_last_for_the_fastest_walkers(street, draw):
 
 def test_tables_last_however_close_the_goals_are(street, scenarios):
     # Back and forth over a crosswalk, or between the two nearest possible goals, for ever.
-    distance = np.asarray(street.maps.distance[0])
-    waypoints = np.flatnonzero(~np.asarray(street.maps.node_is_midpoint[0]))
+    distance = np.asarray(street.world.maps.distance[0])
+    waypoints = np.flatnonzero(~np.asarray(street.world.maps.node_is_midpoint[0]))
     far_enough = np.where(distance >= 20 - 1e-4, distance, np.inf)[np.ix_(waypoints, waypoints)]
     here, there = np.divmod(np.argsort(far_enough, axis=None)[:ENVIRONMENTS], len(waypoints))
     here, there = waypoints[here], waypoints[there]

@@ -6,11 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jaxwalk.sim.tables import POINT_SPACING, POINTS, for_everybody, index_of, look_up_row, with_index
+from jaxwalk.sim.everybody import for_everybody, index_of, with_index
+from jaxwalk.sim.lookup import look_up_row
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 
 
 def test_the_course_is_the_route_and_the_points_ahead(street):
-    maps, course = street.maps, np.asarray(street.tables.course)[0]
+    maps, course = street.world.maps, np.asarray(street.world.tables.course)[0]
     last = maps.route_x.shape[-1] - 1
     for column, field in enumerate((maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)):
         np.testing.assert_array_equal(course[..., column], np.asarray(field)[0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, STEPS, actions, everything, inside, play, reset, with_car
 
@@ -33,7 +33,7 @@ def nearest_place_inside(roads, x, y):
 
 @pytest.fixture(scope="module")
 def roads(street):
-    return np.asarray(street.maps.roads[0], float)
+    return np.asarray(street.world.maps.roads[0], float)
 
 
 def test_each_step_is_the_bicycle_models(driven, roads):
@@ -107,7 +107,7 @@ def test_full_throttle_straight_ahead(street, scenarios):
     travelled = (0.1 * speed).cumsum(axis=0)
     assert 18 < travelled.max() < 21
     x, y, cos, sin = (played[name][:36] for name in ("car_x", "car_y", "car_cos", "car_sin"))
-    clear = inside(np.asarray(street.maps.roads[0]), x[0] + 21 * cos[0], y[0] + 21 * sin[0])
+    clear = inside(np.asarray(street.world.maps.roads[0]), x[0] + 21 * cos[0], y[0] + 21 * sin[0])
     assert clear.mean() > 0.5
     dx, dy = x - x[0], y - y[0]
     np.testing.assert_allclose((played["car_speed"][:36] - speed)[:, clear], 0, atol=1e-4)
@@ -133,7 +133,7 @@ def test_the_smallest_turning_circle(street, scenarios):
 
 
 def test_it_starts_in_the_right_hand_lane_and_is_sent_to_one(street, scenarios):
-    pairs = np.asarray(street.maps.route_places[0])[scenarios.route]
+    pairs = np.asarray(street.world.maps.route_places[0])[scenarios.route]
     start = reset(street, scenarios).vehicle
     x, y, cos, sin = (np.asarray(v, float) for v in (start.x, start.y, start.cos, start.sin))
     assert np.isin(np.round(np.stack([cos, sin]), 5), (-1, 0, 1)).all()
@@ -141,10 +141,10 @@ def test_it_starts_in_the_right_hand_lane_and_is_sent_to_one(street, scenarios):
     np.testing.assert_allclose(x - PLACES[pairs[:, 0], 0], 2 * sin, atol=1e-4)
     np.testing.assert_allclose(y - PLACES[pairs[:, 0], 1], -2 * cos, atol=1e-4)
     assert (np.asarray(start.speed) == 0).all()
-    goal_x, goal_y = (np.asarray(v) for v in goal(street.tables, scenarios))
-    end = np.round(np.asarray(street.maps.route_length[0])[scenarios.route] / 0.5).astype(int)
+    goal_x, goal_y = (np.asarray(v) for v in goal(street.world, scenarios))
+    end = np.round(np.asarray(street.world.maps.route_length[0])[scenarios.route] / 0.5).astype(int)
     where = (scenarios.route, end)
-    cos, sin = np.asarray(street.maps.route_cos[0])[where], np.asarray(street.maps.route_sin[0])[where]
+    cos, sin = np.asarray(street.world.maps.route_cos[0])[where], np.asarray(street.world.maps.route_sin[0])[where]
     np.testing.assert_allclose(goal_x - PLACES[pairs[:, 1], 0], 2 * sin, atol=1e-3)
     np.testing.assert_allclose(goal_y - PLACES[pairs[:, 1], 1], -2 * cos, atol=1e-3)
 

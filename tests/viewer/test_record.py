@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from jaxwalk.maps import load_map
-from jaxwalk.sim.paths import Paths
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.walking_paths import Paths
 from jaxwalk.viewer.record import GOING, JAYWALKS, ON_ROADWAY, make_records
 from jaxwalk.viewer.replay import as_script, document, entries, replay_page
 from metrics.scenes import Scene, Walk, trajectory

@@ -7,8 +7,9 @@ import pytest
 from PIL import Image
 
 from jaxwalk.maps import load_map, stack_maps
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
-from jaxwalk.viewer import ViewerError, animation, picture, scene
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
 
 FRAMES, EPISODES, PEOPLE = 21, 2, 2
 
@@ -50,7 +51,7 @@ def has(image, colour, tolerance=6):
 
 def test_a_picture_shows_everything(trajectory, road_map, tmp_path):
     path = tmp_path / "end.png"
-    picture(trajectory, 1, road_map, path, width=500)
+    picture(EpisodeFigure(trajectory, 1, road_map, width=500), path)
     image = colours(path)
     assert image.shape == (490, 500, 3)
     for colour in ((0x9A, 0x9E, 0xA5), (0xB5, 0xD3, 0xA2), (0x1F, 0x5F, 0xD0), (0xD8, 0x1E, 0x2C), (0xFF, 0xD4, 0x00)):
@@ -61,14 +62,14 @@ def test_a_picture_shows_everything(trajectory, road_map, tmp_path):
 def test_frames_differ_and_the_last_one_is_the_default(trajectory, road_map, tmp_path):
     names = {None: "default.png", 18: "18.png", 3: "3.png"}
     for frame, name in names.items():
-        picture(trajectory, 1, road_map, tmp_path / name, frame=frame, width=240)
+        picture(EpisodeFigure(trajectory, 1, road_map, width=240), tmp_path / name, frame=frame)
     default, last, early = (colours(tmp_path / name) for name in names.values())
     assert (default == last).all()
     assert (default != early).any()
 
 
 def test_texts_and_jaywalks(trajectory, road_map):
-    drawn = scene.Scene(trajectory, 1, road_map, width=240)
+    drawn = EpisodeFigure(trajectory, 1, road_map, width=240)
     assert drawn.jaywalks == [(0, 6, 18)]
     drawn.show(5)
     assert drawn.title.get_text().split() == ["0.5", "s", "8.0", "m/s"]
@@ -82,8 +83,8 @@ def test_texts_and_jaywalks(trajectory, road_map):
 
 
 @pytest.mark.parametrize("name", ["film.gif", "FILM.GIF"])
-def test_an_animation_has_a_frame_for_every_so_many_steps(trajectory, road_map, tmp_path, name):
-    animation(trajectory, 0, road_map, tmp_path / name, every=5, speed=2.0, width=150)
+def test_an_animation_has_a_frame_for_every_fifth_step(trajectory, road_map, tmp_path, name):
+    animation(EpisodeFigure(trajectory, 0, road_map, width=150), tmp_path / name, every=5, speed=2.0)
     with Image.open(tmp_path / name) as film:
         assert film.format == "GIF"
         assert film.n_frames >= 5  # 0, 5, 10, 15 and the end, which stays for 1.5 s (equal frames may be merged)
@@ -102,7 +103,7 @@ def test_a_failed_drawing_leaves_the_old_file_alone(trajectory, road_map, tmp_pa
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", fail)
     monkeypatch.setattr("PIL.Image.Image.save", fail)
     with pytest.raises(OSError, match="disk full"):
-        write(trajectory, 0, road_map, path)
+        write(EpisodeFigure(trajectory, 0, road_map), path)
     assert path.read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 1
 
@@ -121,18 +122,18 @@ def test_a_failed_drawing_leaves_the_old_file_alone(trajectory, road_map, tmp_pa
 )
 def test_what_cannot_be_drawn_is_refused(trajectory, road_map, tmp_path, write, episode, name, options, complaint):
     with pytest.raises(ViewerError, match=complaint):
-        write(trajectory, episode, road_map, tmp_path / name, **options)
+        write(EpisodeFigure(trajectory, episode, road_map), tmp_path / name, **options)
     assert not list(tmp_path.iterdir())
 
 
 def test_a_stack_of_maps_is_refused(trajectory, road_map, tmp_path):
     with pytest.raises(ViewerError, match="stack"):
-        picture(trajectory, 0, stack_maps([road_map]), tmp_path / "a.png")
+        EpisodeFigure(trajectory, 0, stack_maps([road_map]))
 
 
 def test_a_film_is_made_of_sizes_that_the_encoder_takes(trajectory, road_map, tmp_path):
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    animation(trajectory, 0, road_map, tmp_path / "a.mp4", every=5, speed=2.0, width=151)  # (odd ones it refuses)
+    animation(EpisodeFigure(trajectory, 0, road_map, width=151), tmp_path / "a.mp4", every=5, speed=2.0)  # odd: refused
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))
     assert frames >= 5 and seconds > 1
 
@@ -140,5 +141,5 @@ def test_a_film_is_made_of_sizes_that_the_encoder_takes(trajectory, road_map, tm
 def test_mp4_without_its_encoder_says_what_to_install(trajectory, road_map, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(ViewerError, match="pip install"):
-        animation(trajectory, 0, road_map, tmp_path / "a.mp4")
+        animation(EpisodeFigure(trajectory, 0, road_map), tmp_path / "a.mp4")
     assert not list(tmp_path.iterdir())

@@ -15,7 +15,7 @@ from jaxwalk.rollout import Stream
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory
-from jaxwalk.viewer.scene import Scene
+from jaxwalk.viewer import EpisodeFigure
 
 WIDTH = 640
 """Width of a picture in pixels."""
@@ -31,21 +31,21 @@ class Camera:
         """``width`` of the pictures in pixels."""
         self.street, self.width = street, width
         self.trajectory: Trajectory | None = None
-        self.scene: Scene | None = None
+        self.figure: EpisodeFigure | None = None
 
     def begin(self, stream: Stream) -> None:
         """An episode's first frame; ``stream`` holds one environment."""
         row, scenario = self._row(stream), stream.scenario
-        frames = self.street.config.horizon + 1
-        goal_x, goal_y = _goal(self.street.tables, scenario)
-        self.trajectory, self.scene = (
+        frames = self.street.world.rules.horizon + 1
+        goal_x, goal_y = _goal(self.street.world, scenario)
+        self.trajectory, self.figure = (
             Trajectory(
-                dt=self.street.config.dt,
+                dt=self.street.world.rules.dt,
                 scenario=np.asarray(stream.episode),
                 length=np.zeros(1, np.int32),
                 goal=np.zeros(1, bool),
                 collision=np.zeros(1, bool),
-                touched=np.zeros((1, self.street.config.pedestrians), bool),
+                touched=np.zeros((1, self.street.world.rules.pedestrians), bool),
                 goal_x=np.asarray(goal_x),
                 goal_y=np.asarray(goal_y),
                 jaywalking_tendency=np.asarray(scenario.jaywalking_tendency).T,
@@ -70,11 +70,11 @@ class Camera:
         """The last frame."""
         if self.trajectory is None:
             raise RuntimeError("the camera has seen no beginning")
-        if self.scene is None:
-            road_map = jax.device_get(jax.tree.map(lambda x: x[self.map_index], self.street.maps))
-            self.scene = Scene(self.trajectory, 0, road_map, width=self.width)
-        self.scene.grown()
-        return self.scene.pixels(self.scene.last)
+        if self.figure is None:
+            road_map = jax.device_get(jax.tree.map(lambda x: x[self.map_index], self.street.world.maps))
+            self.figure = EpisodeFigure(self.trajectory, 0, road_map, width=self.width)
+        self.figure.refresh()
+        return self.figure.pixels(self.figure.last)
 
     def _row(self, stream: Stream) -> dict[str, np.ndarray]:
         """A moment as the rows of a `Trajectory`."""

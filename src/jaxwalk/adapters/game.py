@@ -19,8 +19,8 @@ from jaxtyping import Array, Bool, Key
 from jaxwalk.adapters.players import AdapterError, Weights, player, weights_of
 from jaxwalk.interfaces import ByRole, Outcome, Policy
 from jaxwalk.rollout import FIRST_ACTION_KEY, Step, Stream, advance, environment_keys, restart, seed_key, start
-from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 
 SEEDS = 2**32
 """Seeds lie in [0, this)."""
@@ -99,7 +99,7 @@ def play(game: Game, stream: Stream, actions: ByRole[Array | None]) -> tuple[Str
     def act(key: Key[Array, "env"], scenario: Any, state: Any, memory: ByRole[Any]) -> tuple[ByRole, ByRole, None]:
         return *decide(game, key, scenario, state, memory, actions), None
 
-    since = stream.episode * (game.street.config.horizon + 1) + stream.state.step
+    since = stream.episode * (game.street.world.rules.horizon + 1) + stream.state.step
     now = jax.vmap(jax.random.fold_in)(stream.key, FIRST_ACTION_KEY + since)
     return advance(game.street, act, stream, now)
 

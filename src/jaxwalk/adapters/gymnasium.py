@@ -28,7 +28,7 @@ from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.adapters.seat import NEVER, NEXT_STEP, SAME_STEP, Seat, Seen
 from jaxwalk.interfaces import Policy
 from jaxwalk.rollout import EVALUATION, TRAINING
-from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 
 ID = "jaxwalk/Street-v0"
 _MODES = {AutoresetMode.NEXT_STEP: NEXT_STEP, AutoresetMode.SAME_STEP: SAME_STEP}
@@ -77,7 +77,7 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self.seat = Seat(game, 1, observation=observation, autoreset=NEVER)
         self.observation_space, self.action_space = _spaces(self.seat)
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": round(1 / game.street.config.dt)}
+        self.metadata = {**self.metadata, "render_fps": round(1 / game.street.world.rules.dt)}
         self.camera = Camera(game.street) if render_mode else None
         self._ended = False
 

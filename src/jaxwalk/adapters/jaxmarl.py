@@ -21,7 +21,7 @@ from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.interfaces import ByRole, Outcome, Policy
 from jaxwalk.rollout import Stream
 from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"
 """The car's name, and how those of the people begin."""
@@ -104,7 +104,7 @@ class StreetMARL:
             driver=driver, pedestrians=pedestrians, maps=maps, config=config, jaywalk_multiplier=jaywalk_multiplier,
             driver_reward=driver_reward, pedestrian_reward=pedestrian_reward,
         )  # fmt: skip
-        people = [] if pedestrians is not None else range(self.game.street.config.pedestrians)
+        people = [] if pedestrians is not None else range(self.game.street.world.rules.pedestrians)
         by_role = {"driver": [DRIVER] if driver is None else [], "pedestrian": [f"{PEDESTRIAN}{i}" for i in people]}
         self.agent_classes = {role: names for role, names in by_role.items() if names}
         self.agents = [name for names in by_role.values() for name in names]
@@ -163,7 +163,7 @@ class StreetMARL:
 
     def _seen_by(self, role: str) -> Box:
         street = self.game.street
-        low, high = bounds(street.maps, street.tables, street.config, role, self.observes[role])
+        low, high = bounds(street.world, role, self.observes[role])
         return Box(low, high, low.shape)
 
     def _play(self, state: StreetState, actions: dict[str, Array], *, renews: bool) -> Brought:

@@ -25,7 +25,7 @@ from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.interfaces import ByRole, Outcome
 from jaxwalk.rollout import EVALUATION, TRAINING, Stream
 from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"
 """The car's name, and how those of the people begin."""
@@ -66,7 +66,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
             driver=None, pedestrians=None, maps=maps, config=config, jaywalk_multiplier=jaywalk_multiplier,
             driver_reward=driver_reward, pedestrian_reward=pedestrian_reward,
         )  # fmt: skip
-        self.people = self.game.street.config.pedestrians
+        self.people = self.game.street.world.rules.pedestrians
         self.possible_agents = [DRIVER, *(f"{PEDESTRIAN}{i}" for i in range(self.people))]
         self.agents: list[str] = []
         self.observes = ByRole(driver_observation, pedestrian_observation)
@@ -80,7 +80,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
             name: Box(-1.0, 1.0, (2,), np.float32) if name == DRIVER else Discrete(2) for name in self.possible_agents
         }
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": round(1 / self.game.street.config.dt)}
+        self.metadata = {**self.metadata, "render_fps": round(1 / self.game.street.world.rules.dt)}
         self.camera = Camera(self.game.street) if render_mode else None
         self._stream: Stream | None = None
         self._seed: int | None = None
@@ -167,7 +167,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
 
 def _space(game: Game, role: str, observation: str) -> Box:
     street = game.street
-    return Box(*bounds(street.maps, street.tables, street.config, role, observation))
+    return Box(*bounds(street.world, role, observation))
 
 
 @eqx.filter_jit

@@ -88,7 +88,7 @@ class Seat:
             raise AdapterError(f"the number of environments must be at least 1, not {count}")
         self.count, street = count, game.street
         self.terms = tuple(street.weights.driver)
-        self.low, self.high = bounds(street.maps, street.tables, street.config, "driver", observation)
+        self.low, self.high = bounds(street.world, "driver", observation)
         self.rules = Rules(game, observation, autoreset)
         self.structure = jax.tree.structure(None)
         self._leaves: list[Array] = []

@@ -103,7 +103,7 @@ def _keep_compiled_code() -> None:
 def _make_devices_of_cores() -> None:
     """Let each core be a device of JAX, so that environments can be shared out, unless somebody chose a number."""
     if "host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
-        from jaxwalk.experiments.provenance import cores
+        from jaxwalk.runs.provenance import cores
 
         os.environ.setdefault("JAX_NUM_CPU_DEVICES", str(cores()))
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from rich.console import Console
 
+from jaxwalk.bench.benchmark_settings import QUICK, Settings
+from jaxwalk.bench.document import as_text, benchmark, write
+from jaxwalk.bench.showing import table
 from jaxwalk.cli.options import Bench
 from jaxwalk.cli.train import bad_values
-from jaxwalk.experiments.benchmark.document import as_text, benchmark, write
-from jaxwalk.experiments.benchmark.settings import QUICK, Settings
-from jaxwalk.experiments.benchmark.showing import table
-from jaxwalk.experiments.runs import check_writable
+from jaxwalk.runs.folder import check_writable
 
 TUNABLE = ("environments", "training_environments", "pedestrians", "seconds", "chunk_rows", "only")
 """Options that, where given, replace a field of `Settings`."""

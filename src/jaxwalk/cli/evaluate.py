@@ -29,14 +29,14 @@ from jaxwalk.evaluation import (
     write_encounters,
     write_rows,
 )
-from jaxwalk.experiments.contestants import contestant, world_of
-from jaxwalk.experiments.lock import held
-from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.runs import check_writable
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.report.suite import said, suite
 from jaxwalk.report.table import shown
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.folder import check_writable
+from jaxwalk.runs.lock import held
+from jaxwalk.runs.provenance import provenance
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.writing import write_whole
@@ -197,7 +197,7 @@ def _write_episodes(out: Path, name: str, streets: list[Street], rows: list[Play
     """A row per episode, in a file for each multiplier; ``rows`` may be of the first streets only."""
     files = []
     for street, played in zip(streets, rows, strict=False):
-        suffix = f"-x{float(street.jaywalk_multiplier):g}" if len(streets) > 1 else ""
+        suffix = f"-x{float(street.world.jaywalk_multiplier):g}" if len(streets) > 1 else ""
         files.append(out / f"{name}{suffix}.csv")
         write_rows(files[-1], [(*pair, found) for pair, found in played.items()])
     return files

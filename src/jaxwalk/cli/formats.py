@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from jaxwalk.cli.options import Export, Observations, UsageError
 from jaxwalk.cli.train import bad_values
-from jaxwalk.experiments.runs import check_writable
+from jaxwalk.runs.folder import check_writable
 from jaxwalk.sim.observation import HIDDEN, LAYOUTS, part, size
 
 
 def export(options: Export) -> int:
     """Write the file, and say how well it agrees."""
-    from jaxwalk.experiments.exporting import LARGEST_GAP, export
+    from jaxwalk.exports.onnx_policy import LARGEST_GAP, export
 
     if options.out is None or options.out.suffix != ".onnx":
         raise UsageError(f"--out {options.out or 'FILE.onnx is missing'}: name a file that ends in .onnx")

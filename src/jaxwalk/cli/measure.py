@@ -15,11 +15,11 @@ from rich.table import Table
 from jaxwalk.cli.options import Measure, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.formats.areas import Areas, read_areas
-from jaxwalk.formats.layouts import Source, open_source
+from jaxwalk.formats.layouts import TrackSource, open_tracks
 from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.tracks import Tracks
 from jaxwalk.report.table import shown
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def run(options: Measure) -> int:
@@ -28,7 +28,7 @@ def run(options: Measure) -> int:
         raise UsageError("FILE is missing: a table of trajectories, as in jaxwalk measure tracks.parquet")
     areas = read_areas(options.areas) if options.areas else None
     sources = [
-        open_source(path, frame_rate=options.frame_rate, number=number) for number, path in enumerate(options.files)
+        open_tracks(path, frame_rate=options.frame_rate, number=number) for number, path in enumerate(options.files)
     ]
     if any(source.rules != sources[0].rules for source in sources):
         raise UsageError("the files were recorded in worlds of different rules; measure each by itself")
@@ -48,7 +48,7 @@ def run(options: Measure) -> int:
     return 0
 
 
-def _recordings(sources: list[Source], areas: Areas | None) -> Iterator[tuple[Tracks, Areas | None]]:
+def _recordings(sources: list[TrackSource], areas: Areas | None) -> Iterator[tuple[Tracks, Areas | None]]:
     for source in sources:
         for tracks in source.recordings:
             yield tracks, areas or source.areas

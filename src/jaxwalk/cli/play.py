@@ -7,11 +7,11 @@ from pathlib import Path
 from jaxwalk.cli.options import Play, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import with_jaywalk_multiplier
-from jaxwalk.experiments.contestants import contestant, world_of
-from jaxwalk.experiments.episodes import MOVING, draw_episode
-from jaxwalk.experiments.replays import recording
-from jaxwalk.experiments.runs import check_writable
+from jaxwalk.exports.drawn_episode import MOVING, draw_episode
+from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.folder import check_writable
 from jaxwalk.sim.environment import Street
 
 PAGE = ".html"

@@ -9,12 +9,12 @@ from rich.console import Console
 from jaxwalk.cli.options import Report, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import with_jaywalk_multiplier
-from jaxwalk.experiments.contestants import contestant, world_of
 from jaxwalk.experiments.driver_report import driver_report
-from jaxwalk.experiments.gallery import Cast
-from jaxwalk.experiments.lock import held
 from jaxwalk.experiments.reproduce import report as remake
-from jaxwalk.experiments.runs import check_writable
+from jaxwalk.exports.gallery import Cast
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.folder import check_writable
+from jaxwalk.runs.lock import held
 
 MOST_POPULATIONS, MOST_INCIDENTS = 3, 200
 """More would fit into no figure, and into no page."""

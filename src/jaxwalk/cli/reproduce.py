@@ -8,8 +8,8 @@ from collections.abc import Callable
 from jaxwalk.cli import INTERRUPTED
 from jaxwalk.cli.options import Reproduce
 from jaxwalk.cli.train import bad_values
-from jaxwalk.experiments.parts import Interrupted
 from jaxwalk.experiments.reproduce import Plan, reproduce
+from jaxwalk.runs.study import Interrupted
 
 
 def run(options: Reproduce) -> int:

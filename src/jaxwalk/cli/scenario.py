@@ -5,10 +5,10 @@ from __future__ import annotations
 from jaxwalk.cli.options import Scenario, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import with_jaywalk_multiplier
-from jaxwalk.experiments.contestants import contestant, world_of
-from jaxwalk.experiments.runs import check_writable
-from jaxwalk.experiments.scenario_files import COMMONROAD, EPISODE, MAP, export_scenario
+from jaxwalk.exports.scenario_files import COMMONROAD, EPISODE, MAP, export_scenario
 from jaxwalk.formats.opendrive import load_library
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.folder import check_writable
 
 
 def run(options: Scenario) -> int:

@@ -8,8 +8,8 @@ from rich.progress import Progress, TaskID
 
 from jaxwalk.cli.evaluate import check_scenarios
 from jaxwalk.cli.options import Share, UsageError
-from jaxwalk.experiments.runs import check_writable
-from jaxwalk.experiments.sharing import share
+from jaxwalk.exports.sharing import share
+from jaxwalk.runs.folder import check_writable
 
 
 def run(options: Share) -> int:

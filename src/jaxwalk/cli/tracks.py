@@ -10,10 +10,10 @@ from rich.progress import Progress
 from jaxwalk.cli.options import Tracks, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.evaluation import with_jaywalk_multiplier
-from jaxwalk.experiments.contestants import contestant, world_of
-from jaxwalk.experiments.recording import record_tracks
-from jaxwalk.experiments.runs import Run, check_writable
+from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.folder import Run, check_writable
 
 
 def run(options: Tracks) -> int:

@@ -11,8 +11,8 @@ from pathlib import Path
 from rich.console import Console
 
 from jaxwalk.cli.options import Train, UsageError
-from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
-from jaxwalk.experiments.runs import Run, check_new, check_writable
+from jaxwalk.runs.folder import Run, check_new, check_writable
+from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
 
 TUNABLE = (
     "updates", "environments", "steps", "minibatches",
@@ -30,8 +30,8 @@ def run(options: Train) -> int:
     begun = Run.open(options.resume) if options.resume else None
     experiment = begun.experiment if begun else make_experiment(options)
     with bad_values():
-        from jaxwalk.experiments.training import train
-        from jaxwalk.experiments.world import make_street, shared_out
+        from jaxwalk.runs.street import make_street, shared_out
+        from jaxwalk.runs.training import train
         from jaxwalk.shards import mesh_of
 
         street = make_street(experiment)

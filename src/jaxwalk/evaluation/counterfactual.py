@@ -22,9 +22,9 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, wilson
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
 from jaxwalk.policies import Oracle
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
 
 SMALL_BATCH = 64
 """Collisions replayed at once, unless told otherwise."""
@@ -202,7 +202,7 @@ def _replay(
     unchanged = play(street, driver, pedestrians, scenarios, keys, until=hits.steps)
     _check_same(measure_outcomes(unchanged, moving_speed=street.config.moving_speed), hits)
     crossing = unchanged.decisions[hits.steps, np.arange(len(hits.ped)), hits.ped] - 1
-    watched = hits.steps + round(WATCHED / street.config.dt)
+    watched = hits.steps + round(WATCHED / street.world.rules.dt)
 
     def avoids(change: Intervention | None, scenarios: Scenario = scenarios) -> Bool[np.ndarray, "collision"]:
         return ~play(street, driver, pedestrians, scenarios, keys, intervention=change, until=watched).collision

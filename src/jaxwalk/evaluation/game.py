@@ -90,7 +90,7 @@ def play(
     if keys.ndim != 1 or scenarios.route.shape != keys.shape:
         shapes = f"keys {keys.shape}, scenarios {scenarios.route.shape}"
         raise ValueError(f"play needs a batch of scenarios and one key for each, not: {shapes}")
-    last = np.full(keys.shape, street.config.horizon) if until is None else until
+    last = np.full(keys.shape, street.world.rules.horizon) if until is None else until
     numbers = np.arange(len(keys)) if numbers is None else np.asarray(numbers)
     compiled = Answered.nothing(driver.observes, keys.shape) if isinstance(driver, HostDriver) else driver
     policies = ByRole(compiled, pedestrians)
@@ -195,16 +195,16 @@ def frame(street: Street, scenarios: Scenario, state: State) -> Frame:
         "car_acceleration": car.acceleration,
         **frame_of_people(street, scenarios, people),
         "decisions": people.decisions.astype(jnp.int16),
-        "at_kerb": pedestrian.at_kerb(street.config, people),
+        "at_kerb": pedestrian.at_kerb(street.world, people),
         "enters_roadway": pedestrian.enters_roadway(people),
         "going": people.going,
-        "predicted_miss": prediction.predicted_miss(street.config, scenarios, state)[0],
+        "predicted_miss": prediction.predicted_miss(street.world, scenarios, state)[0],
     }
 
 
 def frame_of_people(street: Street, scenarios: Scenario, people: PedestrianState) -> Frame:
     """Where people are, how they move, and how they cross."""
-    velocity_x, velocity_y = pedestrian.velocity(street.config, scenarios, people)
+    velocity_x, velocity_y = pedestrian.velocity(street.world, scenarios, people)
     return {
         "ped_x": people.x,
         "ped_y": people.y,
@@ -227,9 +227,9 @@ def _trajectory(
     length = np.asarray(game.state.step)
     frames = int(length.max()) + 1
     columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in blocks[0]}
-    goal_x, goal_y = _goal(street.tables, scenarios)
+    goal_x, goal_y = _goal(street.world, scenarios)
     return Trajectory(
-        dt=street.config.dt,
+        dt=street.world.rules.dt,
         scenario=numbers,
         length=length,
         goal=np.asarray(game.goal),

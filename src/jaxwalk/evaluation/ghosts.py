@@ -43,7 +43,7 @@ def _begin(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]) -> 
     """The ghosts' scenarios, and where they start. Their keys are those of a second episode, which is never played."""
     second_episode = jax.vmap(lambda key: jax.random.fold_in(jax.random.fold_in(key, SCENARIO_KEYS), 1))
     others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(second_episode(keys), scenarios)
-    people = pedestrian.place(street.maps, others)
+    people = pedestrian.place(street.world, others)
     return others, people, frame_of_people(street, others, people)
 
 
@@ -53,9 +53,7 @@ def _walk_block(street: Street, others: Scenario, people: PedestrianState) -> tu
     go = jnp.ones(people.going.shape, bool)
 
     def stride(people: PedestrianState, _: None) -> tuple[PedestrianState, Frame]:
-        people = pedestrian.walk(
-            street.maps, street.tables, street.config, street.jaywalk_multiplier, others, people, go
-        )
+        people = pedestrian.walk(street.world, others, people, go)
         return people, frame_of_people(street, others, people)
 
     return jax.lax.scan(stride, people, None, length=BLOCK)

@@ -7,10 +7,10 @@ from typing import Any, TypeVar
 
 import equinox as eqx
 import jax.numpy as jnp
-import numpy as np
 
 from jaxwalk.interfaces import ByRole
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.world import as_written, check_multiplier
 
 SAMPLES = ByRole(driver=False, pedestrian=True)
 """Whether a role's policy samples its actions at evaluation, unless told otherwise; else it takes the likeliest."""
@@ -35,11 +35,10 @@ def with_jaywalk_multiplier(street: Street, multiplier: float) -> Street:
 
     Raises ValueError for a negative or infinite multiplier.
     """
-    if not 0 <= multiplier < float("inf"):
-        raise ValueError(f"jaywalk_multiplier must be 0 or more, not {multiplier}")
-    return eqx.tree_at(lambda s: s.jaywalk_multiplier, street, jnp.float32(multiplier))
+    check_multiplier(multiplier)
+    return eqx.tree_at(lambda s: s.world.jaywalk_multiplier, street, jnp.float32(multiplier))
 
 
 def jaywalk_multiplier(street: Street) -> float:
     """The street's multiplier as it was written: 0.1, not 0.10000000149."""
-    return float(str(np.float32(street.jaywalk_multiplier)))
+    return as_written(street.world.jaywalk_multiplier)

@@ -1,1 +1,1 @@
-"""Recipes, runs on disk, and the paper's tables as plain lists of runs."""
+"""Studies: each answers one question and is one command."""

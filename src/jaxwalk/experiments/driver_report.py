@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from jaxwalk.evaluation import Match, ReplayError, paired_over_seeds, write_rows
-from jaxwalk.experiments.contestants import run_folders
-from jaxwalk.experiments.gallery import Cast, gallery
-from jaxwalk.experiments.lock import held
-from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.runs import Run
 from jaxwalk.experiments.tournament import Scenarios, document_of, play_rounds
+from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.metrics import Rows
 from jaxwalk.report import write_report
+from jaxwalk.runs.contestants import run_folders
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.lock import held
+from jaxwalk.runs.provenance import provenance
 from jaxwalk.writing import write_whole
 
 MANY = 4

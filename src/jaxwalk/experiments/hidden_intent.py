@@ -19,16 +19,16 @@ import numpy as np
 from rich.console import Console
 
 from jaxwalk.evaluation import Match, evaluate, paired_over_seeds, with_jaywalk_multiplier
-from jaxwalk.experiments.contestants import contestant
-from jaxwalk.experiments.parts import Effort, Work
-from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.experiments.tournament import Round, Scenarios, document_of, play_rounds
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
 from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.hidden_intent import BLIND, page
+from jaxwalk.runs.contestants import contestant
+from jaxwalk.runs.provenance import provenance
+from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.runs.study import Effort, Work
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, TOLD
 from jaxwalk.writing import write_whole
@@ -118,10 +118,10 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
 
     Whole episodes are those of a car that stands; where somebody walks into it, the episode is cut short and left out.
     """
-    people, seconds = street.config.pedestrians, street.config.horizon * street.config.dt
+    people, seconds = street.world.rules.pedestrians, street.world.rules.horizon * street.world.rules.dt
     always_go = contestant(street, "pedestrian", ALWAYS_GO)
     stands = evaluate(street, ConstantSpeed(throttle=0.0), always_go, episodes=scenarios.episodes, seed=scenarios.seed)
-    whole = _crossings(stands, people)[stands[OUTCOMES].steps == street.config.horizon]
+    whole = _crossings(stands, people)[stands[OUTCOMES].steps == street.world.rules.horizon]
     mean = blind[OUTCOMES].steps.mean() * blind.dt
     cases = [
         (f"in a whole episode ({seconds:g} s)", whole.ravel()),

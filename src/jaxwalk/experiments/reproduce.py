@@ -20,19 +20,19 @@ from typing import Any
 from rich.console import Console
 
 from jaxwalk.evaluation import evaluate, write_rows
-from jaxwalk.experiments.contestants import contestant
-from jaxwalk.experiments.episodes import draw_episode
-from jaxwalk.experiments.gallery import Cast, gallery
-from jaxwalk.experiments.parts import Effort, Work, read_json, run_folder
-from jaxwalk.experiments.provenance import provenance
-from jaxwalk.experiments.recipes import RECIPES, Experiment, single_agent, with_training
-from jaxwalk.experiments.runs import Run, RunError
 from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
+from jaxwalk.exports.drawn_episode import draw_episode
+from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import ENCOUNTERS, OUTCOMES
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, write_report
+from jaxwalk.runs.contestants import contestant
+from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.runs.provenance import provenance
+from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.runs.study import Effort, Work, read_json, run_folder
+from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.trajectory import JAYWALK
 
 ABLATED = 2000
 """The ablation, which has ten cells for each training seed, takes at most so many scenarios."""
@@ -159,7 +159,9 @@ def _draw(work: Reproduction) -> None:
     scenario, frame = _interesting(work, street, driver, trained.learned)
     for kind in ("png", "svg"):
         file = work.folder / f"episode.{kind}"
-        draw_episode(street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.config.dt)
+        draw_episode(
+            street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.world.rules.dt
+        )
     work.keep("episode.json", {"scenario": scenario, "seed": seed, "training_seed": seed, "frame": frame})
 
 

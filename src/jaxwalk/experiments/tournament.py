@@ -15,10 +15,10 @@ from jaxwalk.evaluation import (
     paired_over_seeds,
     with_jaywalk_multiplier,
 )
-from jaxwalk.experiments.contestants import contestant
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT
+from jaxwalk.runs.contestants import contestant
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
 

@@ -1,1 +1,1 @@
-"""Episodes in other people's file formats: trajectories out and in, scenarios out (``docs/trajectories.md``)."""
+"""Standard file formats: reads and writes trajectories, writes scenarios (``docs/trajectories.md``)."""

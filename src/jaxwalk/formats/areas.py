@@ -1,4 +1,4 @@
-"""Where the roadway and the crosswalks are: read from GeoJSON, or made of a map."""
+"""Areas of the roadway and the crosswalks, read from GeoJSON or made from a map."""
 
 from __future__ import annotations
 
@@ -17,26 +17,27 @@ from jaxwalk.formats.tracks import TracksError
 from jaxwalk.maps import RoadMap
 
 KINDS = {"roadway": "roads", "crosswalk": "crosswalks", "sidewalk": "sidewalks"}
-"""What a feature's ``kind`` may be, and which rectangles of a `RoadMap` it is."""
+"""Values of a feature's ``kind``, and the rectangles of a `RoadMap` that each one means."""
 
 
 @dataclass(frozen=True)
 class Areas:
-    """The ground of a place."""
+    """The roadway and the crosswalks of one place."""
 
     roadway: BaseGeometry
-    """Between the kerbs, under crosswalks too [m]."""
+    """Everything between the kerbs, with the crosswalks [m]."""
     crosswalk: BaseGeometry
+    """All crosswalks [m]."""
 
     def locate(
         self, x: Float[np.ndarray, "..."], y: Float[np.ndarray, "..."]
     ) -> tuple[Bool[np.ndarray, "..."], Bool[np.ndarray, "..."]]:
-        """Which points are on the roadway, and which on a crosswalk; a kerb is no roadway, NaN is nowhere."""
+        """Return which points are on the roadway, and which on a crosswalk. Kerb points and NaN are on neither."""
         return shapely.contains_xy(self.roadway, x, y), shapely.contains_xy(self.crosswalk, x, y)
 
 
 def areas_of(road_map: RoadMap) -> dict[str, Any]:
-    """The ground of a map (no stack) as GeoJSON: a polygon for every rectangle, in metres."""
+    """Return the areas of a map (not a stack of maps) as GeoJSON: a polygon for every rectangle [m]."""
     features = []
     for kind, name in KINDS.items():
         rectangles = np.asarray(getattr(road_map, name), float)
@@ -50,16 +51,19 @@ def areas_of(road_map: RoadMap) -> dict[str, Any]:
 
 
 def read_areas(path: str | Path) -> Areas:
-    """The areas of a GeoJSON file. TracksError if it is none."""
+    """Read the areas of a GeoJSON file. Raises TracksError if it isn't one."""
     try:
         document = json.loads(Path(path).read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
-        raise TracksError(f"{path}: no GeoJSON ({error}); write it as docs/trajectories.md shows") from None
+        raise TracksError(f"{path}: not GeoJSON ({error}); write it as docs/trajectories.md shows") from None
     return parse_areas(document, str(path))
 
 
 def parse_areas(document: Any, source: str) -> Areas:
-    """The areas of a GeoJSON document from ``source``. TracksError if it has no roadway, or something strange."""
+    """Return the areas of a GeoJSON document; messages name its ``source``.
+
+    Raises TracksError if it has no roadway, or a feature that isn't a valid polygon of a known kind.
+    """
     if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
         raise TracksError(f"{source}: the areas must be a GeoJSON FeatureCollection (docs/trajectories.md)")
     shapes: dict[str, list[BaseGeometry]] = {kind: [] for kind in KINDS}
@@ -77,7 +81,7 @@ def parse_areas(document: Any, source: str) -> Areas:
 
 
 def _feature(feature: Any, source: str) -> tuple[str, BaseGeometry]:
-    """Kind and shape of one feature."""
+    """Return the kind and the shape of one feature. Raises TracksError if it isn't a polygon of a known kind."""
     try:
         kind, shape = feature["properties"]["kind"], shapely.from_geojson(json.dumps(feature["geometry"]))
     except (KeyError, TypeError, shapely.GEOSException) as error:

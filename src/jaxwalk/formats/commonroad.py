@@ -1,4 +1,4 @@
-"""An episode as a CommonRoad scenario, XML format 2020a: lanelets, everybody as an obstacle, the car's task.
+"""An episode as a CommonRoad scenario: lanelets, all road users as obstacles, and the car's planning problem.
 
 Format: commonroad.in.tum.de, *XML format of scenarios*, version 2020a. Written with the standard library.
 """
@@ -15,26 +15,27 @@ import numpy as np
 from jaxwalk.formats.paths import Path, paths
 from jaxwalk.formats.road_network import Arm, Connection, Network, Rectangle
 from jaxwalk.formats.tracks import CAR, Tracks
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 FIRST_OBSTACLE, PROBLEM = 10_000, 20_000
-"""Ids of obstacles begin here, in the order of the table's ids; lanelets have smaller ones. The planning problem's."""
+"""Ids of the first obstacle and of the planning problem. Obstacles follow the order of the table's ids; lanelets have
+smaller ids."""
 ARC_POINTS = 13
 """Points of each bound of a lanelet that turns."""
 NOWHERE = {"geoNameId": "-999", "gpsLatitude": "999", "gpsLongitude": "999"}
-"""A location on no globe, in CommonRoad's manner."""
+"""CommonRoad's values for an unknown location."""
 
 Points = Sequence[tuple[float, float]]
 
 
 def commonroad(tracks: Tracks, network: Network, *, name: str, config: SimConfig) -> bytes:
-    """The document.
+    """Return the scenario as an XML document.
 
     Args:
-        tracks: an episode of ours: everybody is there all the time.
+        tracks: an episode of the simulator, with all road users in every frame.
         network: the lanes of its map.
-        name: what it is, as the source.
-        config: the step, and how near the car must come to its goal.
+        name: the scenario's source, as a text.
+        config: gives the length of a step and the goal distance.
     """
     root = ET.Element(
         "commonRoad", commonRoadVersion="2020a", benchmarkID=f"ZAM_Jaxwalk-1_{tracks.episode + 1}_T-1",
@@ -58,7 +59,7 @@ def commonroad(tracks: Tracks, network: Network, *, name: str, config: SimConfig
 
 
 def _decimal(value: float | np.floating) -> str:
-    """A number without an exponent, to a tenth of a millimetre or better."""
+    """Return a number as text without an exponent, with six decimals at most."""
     return f"{float(value):.6f}".rstrip("0").rstrip(".")
 
 
@@ -73,7 +74,7 @@ def _add_exact(parent: ET.Element, tag: str, text: str) -> None:
 
 
 def _add_lanelets(root: ET.Element, network: Network) -> None:
-    """Two for every arm, one for every connection, and one for every crosswalk and sidewalk."""
+    """Add two lanelets for every arm, and one for every connection, crosswalk and sidewalk."""
     for number, arm in enumerate(network.arms):
         line = _along(arm)
         for along, id, other in ((True, *_ids(number)), (False, *reversed(_ids(number)))):
@@ -98,7 +99,7 @@ def _add_lanelets(root: ET.Element, network: Network) -> None:
 
 
 def _ids(arm: int) -> tuple[int, int]:
-    """The lanelets of an arm: along it, and the other way."""
+    """Return the ids of an arm's two lanelets: along the arm, and in the opposite direction."""
     return 1 + 2 * arm, 2 + 2 * arm
 
 
@@ -124,7 +125,7 @@ def _add_kind(lanelet: ET.Element, kind: str, *, one_way: str | None = None, bot
 
 
 def _add_links(lanelet: ET.Element, network: Network, arm: int, along: bool) -> None:
-    """Which connections lead into an arm's lane, and which out of it."""
+    """Add the connections that lead into an arm's lane, and those that lead out of it."""
     before, after = network.arms[arm].ends if along else network.arms[arm].ends[::-1]
     numbered = list(enumerate(network.connections))
     into = [n for n, one in numbered if one.outgoing == arm and one.junction == before]
@@ -135,13 +136,13 @@ def _add_links(lanelet: ET.Element, network: Network, arm: int, along: bool) -> 
 
 
 def _along(arm: Arm) -> list[tuple[float, float]]:
-    """The centre line of an arm."""
+    """Return the centre line of an arm [m]."""
     cos, sin = math.cos(arm.heading), math.sin(arm.heading)
     return [(arm.x, arm.y), (arm.x + arm.length * cos, arm.y + arm.length * sin)]
 
 
 def _offset(line: Points, by: float) -> list[tuple[float, float]]:
-    """A straight line moved to the right [m]."""
+    """Return a straight line moved to the right by some distance [m]."""
     (x0, y0), (x1, y1) = line
     length = math.hypot(x1 - x0, y1 - y0)
     right = by * (y1 - y0) / length, -by * (x1 - x0) / length
@@ -149,7 +150,7 @@ def _offset(line: Points, by: float) -> list[tuple[float, float]]:
 
 
 def _bounds(connection: Connection) -> tuple[Points, Points]:
-    """The left and right bound of a connection."""
+    """Return the left and right bound of a connection [m]."""
     s = np.linspace(0, connection.length, ARC_POINTS if connection.curvature else 2)
     heading = connection.heading + connection.curvature * s
     if connection.curvature:
@@ -164,7 +165,7 @@ def _bounds(connection: Connection) -> tuple[Points, Points]:
 
 
 def _sides(area: Rectangle) -> tuple[Points, Points]:
-    """The long sides of a rectangle, in one direction, the left one first."""
+    """Return the long sides of a rectangle in one direction [m], the left one first."""
     x0, y0, x1, y1 = area
     if x1 - x0 >= y1 - y0:
         return [(x0, y1), (x1, y1)], [(x0, y0), (x1, y0)]
@@ -172,7 +173,7 @@ def _sides(area: Rectangle) -> tuple[Points, Points]:
 
 
 def _add_obstacle(root: ET.Element, id: int, path: Path, dt: float) -> None:
-    """Somebody with its trajectory."""
+    """Add a road user with its trajectory."""
     obstacle = ET.SubElement(root, "dynamicObstacle", id=str(id))
     ET.SubElement(obstacle, "type").text = path.type
     rectangle = ET.SubElement(ET.SubElement(obstacle, "shape"), "rectangle")
@@ -193,7 +194,7 @@ def _add_state(state: ET.Element, path: Path, moment: int, speed: np.ndarray, dt
 
 
 def _add_problem(root: ET.Element, car: Path, tracks: Tracks, config: SimConfig) -> None:
-    """From where the car starts to within the goal distance of its goal, before the horizon."""
+    """Add the car's planning problem: from its start to within the goal distance of its goal, before the horizon."""
     problem = ET.SubElement(root, "planningProblem", id=str(PROBLEM))
     start = ET.SubElement(problem, "initialState")
     _add_point(ET.SubElement(start, "position"), car.x[0], car.y[0])
@@ -216,7 +217,7 @@ def _add_problem(root: ET.Element, car: Path, tracks: Tracks, config: SimConfig)
 
 
 def read_commonroad(document: bytes) -> dict[int, Path]:
-    """The paths in a document that `commonroad` wrote, of centres, by their order."""
+    """Return the paths of centres in a document that `commonroad` wrote, by their order."""
     root, found = ET.fromstring(document), {}
     dt = float(root.attrib["timeStepSize"])
     for number, obstacle in enumerate(root.iter("dynamicObstacle")):

@@ -1,8 +1,8 @@
 """Recordings of the inD dataset: Bock et al. (2020), *The inD Dataset*, IEEE Intelligent Vehicles Symposium.
 
-The layout is that of the dataset's own reader (github.com/ika-rwth-aachen/drone-dataset-tools, ``tracks_import.py``),
-whose columns rounD and uniD share: ``XX_tracks.csv`` with a row for each track and frame, ``XX_tracksMeta.csv`` with a
-row for each track, ``XX_recordingMeta.csv`` with one row. Metres, headings in degrees. The data needs registration.
+The layout is that of the dataset's own reader (github.com/ika-rwth-aachen/drone-dataset-tools, ``tracks_import.py``).
+rounD and uniD have the same columns. ``XX_tracks.csv`` has a row for each track and frame, ``XX_tracksMeta.csv`` a row
+for each track, ``XX_recordingMeta.csv`` one row. Units are metres and degrees. The data needs registration.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from jaxwalk.formats.csv_columns import read_columns, seconds
 from jaxwalk.formats.tracks import CAR, PEDESTRIAN, Tracks, TracksError
 
 ENDING = "_tracks.csv"
-"""How the name of a recording's main file ends."""
+"""Ending of the name of a recording's main file."""
 COLUMNS = ("trackId", "frame", "xCenter", "yCenter", "heading", "width", "length", "xVelocity", "yVelocity")
 TYPES = {"car": CAR, "pedestrian": PEDESTRIAN}
-"""Our words for classes; others keep theirs."""
+"""Names of the dataset's classes in `Tracks.type`; other classes keep their names."""
 
 
 def read_ind(path: str | Path) -> Tracks:
-    """The recording of a ``XX_tracks.csv``, whose two other files lie beside it.
+    """Read the recording of a ``XX_tracks.csv``. Its two other files must lie beside it.
 
     Raises:
         TracksError: a file or column is missing, or a track has no class.

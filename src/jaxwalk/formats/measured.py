@@ -1,4 +1,4 @@
-"""The suite's numbers of anybody's trajectories, and what could not be told from them."""
+"""Metrics of trajectories from any source, and the reasons why some metrics are left out."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.recordings import GAP, measure_tracks
 from jaxwalk.formats.tracks import Tracks, TracksError
 from jaxwalk.metrics import OUTCOMES, Rows, summarise
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 ANYBODY = "anybody"
-"""The one type of encounter where it is not known where the roadway is."""
+"""The only kind of encounter if the roadway is unknown."""
 WAITING = ("at_kerb", "enters_roadway", "going", "predicted_miss")
 """Columns that the metrics of waiting need."""
 CHOICES = ("crossing", "decisions", "jaywalking_tendency")
 """Columns that the jaywalk rate needs."""
 CONTACT_NAMES = ("crosswalk", "jaywalk", "sidewalk")
-"""What people who were hit were doing."""
+"""Where pedestrians who were hit were walking."""
 OF_HITS = ("impact_speed", "mais3", "fatal", "fatal_rosen_sander")
-"""Numbers of those who were hit."""
+"""Metrics of pedestrians who were hit."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What trajectories say."""
+    """Measured trajectories."""
 
     rows: Rows
     known: frozenset[str]
-    """Optional columns that all of them had."""
+    """Optional columns that all recordings have."""
     ground: bool
-    """Whether it is known where the roadway and the crosswalks are."""
+    """Whether the roadway and the crosswalks are known."""
 
     def as_dict(self) -> dict[str, Any]:
-        """The metrics of `jaxwalk.metrics.Summary` that these trajectories can tell, and why others are left out."""
+        """Return the metrics of `jaxwalk.metrics.Summary` that can be computed, and why others are left out."""
         found, left_out = summarise(self.rows).as_dict(), {}
         for name, columns in (("jaywalk_rate", CHOICES), ("waiting", WAITING)):
             if missing := [column for column in columns if column not in self.known]:
@@ -70,13 +70,13 @@ def measure_all(
     """Measure recordings, one after the other.
 
     Args:
-        recordings: at least one with a car that moves; each with its areas, which a table that says who is on a
-            roadway doesn't need.
-        config: of its values, the step of the resampling, when a car is moving and what is a touch are used.
-        progress: called after each recording with their number so far.
+        recordings: recordings, each with its areas; at least one has a car that moves. A table that states who is on a
+            roadway needs no areas.
+        config: gives the step of the resampling, the speed of a moving car and the distance of a collision.
+        progress: called after each recording with the number of recordings so far.
 
     Raises:
-        TracksError: no car moves, or a recording can't be.
+        TracksError: no car moves, or a recording is invalid.
     """
     parts, known, ground = [], None, True
     for number, (tracks, areas) in enumerate(recordings, start=1):
@@ -87,14 +87,14 @@ def measure_all(
             progress(number)
     if known is None or not parts:
         raise TracksError(
-            f"there is no car that moves for two frames (rows more than {GAP:g} s apart are cut): nothing to measure"
+            f"no car moves for two frames (a gap of more than {GAP:g} s cuts a track): nothing to measure"
         )
     return Measured(Rows.join(parts), known, ground)
 
 
 def _of_anybody(found: dict[str, Any]) -> dict[str, Any]:
-    """Without what needs to know where the roadway is."""
-    encounters = _without(found["encounters"]["jaywalk"], ("braking",))  # on no crosswalk, as far as is known
+    """Return the metrics without those that need a known roadway."""
+    encounters = _without(found["encounters"]["jaywalk"], ("braking",))  # without areas, nobody is on a crosswalk
     of_anybody = {name: {ANYBODY: found[name]["jaywalk"]} for name in ("surrogates", "surrogate_distributions")}
     rest = _without(found, ("speed_differential", "attribution", "jaywalk_rate", "waiting"))
     if "outcomes" in rest:

@@ -1,6 +1,6 @@
 """A map as OpenDRIVE 1.7: straight arms, junctions with their connecting roads, and crosswalks as objects.
 
-Positions are those of the map, to the bit. Sidewalks are not in it: people walk beside the lanes.
+Positions are exactly those of the map. Sidewalks are left out: people walk beside the lanes.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from jaxwalk.formats.road_network import Arm, Connection, Network, Rectangle
 from jaxwalk.formats.tracks import TracksError
 
 FIRST_CONNECTION, FIRST_JUNCTION = 1000, 2000
-"""Arms have the ids 0, 1, ...; connecting roads and junctions begin here."""
+"""First ids of connecting roads and of junctions; arms have the ids 0, 1, ..."""
 
 
 def load_library() -> ModuleType:
-    """``scenariogeneration``, which is optional. TracksError if it is missing."""
+    """Import ``scenariogeneration``, which is optional. Raises TracksError if it is missing."""
     try:
         import scenariogeneration
     except ImportError:
@@ -27,7 +27,7 @@ def load_library() -> ModuleType:
 
 
 def opendrive(network: Network, name: str) -> bytes:
-    """The document. TracksError without the library."""
+    """Return the map as an OpenDRIVE document. Raises TracksError if scenariogeneration is missing."""
     library = load_library()
     xodr = library.xodr
     drive = xodr.OpenDrive(name, revMajor="1", revMinor="7")
@@ -49,7 +49,7 @@ def opendrive(network: Network, name: str) -> bytes:
 
 
 def _road(xodr: ModuleType, number: int, start: tuple[float, float, float], line, lanes, junction: int = -1):
-    """A road whose line begins at a place and heading."""
+    """Return a road with a line that begins at a point and heading."""
     plan = xodr.PlanView(*start)
     plan.add_geometry(line)
     plan.adjust_geometries()
@@ -57,7 +57,7 @@ def _road(xodr: ModuleType, number: int, start: tuple[float, float, float], line
 
 
 def _arm(xodr: ModuleType, number: int, arm: Arm, crosswalks: tuple[Rectangle, ...]):
-    """An arm as a road: lane -1 leads along it, lane 1 the other way."""
+    """Return an arm as a road: lane -1 leads along the arm, lane 1 in the opposite direction."""
     section = xodr.LaneSection(0, xodr.standard_lane())
     edge = xodr.RoadMark(xodr.RoadMarkType.solid, width=0.12)
     for add in (section.add_right_lane, section.add_left_lane):
@@ -80,7 +80,7 @@ def _arm(xodr: ModuleType, number: int, arm: Arm, crosswalks: tuple[Rectangle, .
 
 
 def _on_arm(arm: Arm, area: Rectangle) -> tuple[float, float, float, float] | None:
-    """A rectangle on an arm: where its middle is along and to the left, how long and how wide it is [m]."""
+    """Return a rectangle in an arm's frame, or None off the arm: s and t of its middle, length and width [m]."""
     dx, dy = (area[0] + area[2]) / 2 - arm.x, (area[1] + area[3]) / 2 - arm.y
     wide, high = area[2] - area[0], area[3] - area[1]
     if arm.heading:
@@ -89,7 +89,7 @@ def _on_arm(arm: Arm, area: Rectangle) -> tuple[float, float, float, float] | No
 
 
 def _crosswalk(xodr: ModuleType, id: str, s: float, t: float, length: float, width: float):
-    """A crosswalk as an object with an outline."""
+    """Return a crosswalk as an object with an outline."""
     size = {"length": length, "width": width, "height": 0}
     made = xodr.Object(s, t, xodr.ObjectType.crosswalk, subtype="", id=id, name="crosswalk", **size)
     outline = xodr.Outline(closed=True, id=0)
@@ -100,7 +100,7 @@ def _crosswalk(xodr: ModuleType, id: str, s: float, t: float, length: float, wid
 
 
 def _connection(xodr: ModuleType, number: int, connection: Connection, network: Network):
-    """A connecting road of one lane, and its place in the junction."""
+    """Return a connecting road with one lane, and its link in the junction."""
     id = FIRST_CONNECTION + number
     begin, end = connection.widths
     lane = xodr.Lane(a=begin, b=(end - begin) / connection.length)

@@ -1,6 +1,6 @@
-"""An episode as OpenSCENARIO XML 1.2: everybody follows its trajectory, point by point, with times.
+"""An episode as OpenSCENARIO XML 1.2: every road user follows its trajectory, point by point, with times.
 
-A vehicle's place is that of its rear axle, as the standard has it; its box says where the centre is.
+The standard places a vehicle by its rear axle; its bounding box states where the centre is.
 """
 
 from __future__ import annotations
@@ -13,24 +13,24 @@ import numpy as np
 from jaxwalk.formats.opendrive import load_library
 from jaxwalk.formats.paths import Path, paths
 from jaxwalk.formats.tracks import CAR, Tracks
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 VERSION = 2
-"""The minor one."""
+"""Minor version of OpenSCENARIO."""
 HEIGHTS = {True: 1.5, False: 1.75}
-"""Of a car, and of a pedestrian [m]; nominal."""
+"""Nominal height of a car (True) and of a pedestrian [m]."""
 WHEEL, TRACK, MASS = 0.6, 1.6, 75.0
-"""Diameter and distance of the wheels [m], mass of a pedestrian [kg]; nominal."""
+"""Nominal diameter and distance of the wheels [m], and mass of a pedestrian [kg]."""
 
 
 def openscenario(tracks: Tracks, *, name: str, road_file: str, config: SimConfig) -> bytes:
-    """The document. TracksError without scenariogeneration.
+    """Return the episode as an OpenSCENARIO document. Raises TracksError if scenariogeneration is missing.
 
     Args:
-        tracks: an episode of ours: everybody is there all the time.
-        name: what it is.
+        tracks: an episode of the simulator, with all road users in every frame.
+        name: the scenario's name.
         road_file: name of the OpenDRIVE file beside it.
-        config: the car's wheelbase and limits.
+        config: gives the car's wheelbase and limits.
     """
     library = load_library()
     xosc = library.xosc
@@ -57,14 +57,14 @@ def openscenario(tracks: Tracks, *, name: str, road_file: str, config: SimConfig
 
 
 def _at(xosc: ModuleType, name: str, time: float, point: str):
-    """A trigger at a time [s]."""
+    """Return a trigger at a time [s]."""
     rule = xosc.Rule.greaterOrEqual
     condition = xosc.SimulationTimeCondition(float(time), rule)
     return xosc.ValueTrigger(name, 0, xosc.ConditionEdge.none, condition, triggeringpoint=point)
 
 
 def _body(xosc: ModuleType, path: Path, config: SimConfig):
-    """What somebody is and how large."""
+    """Return a road user's kind and size."""
     is_car = path.type == CAR
     centre = config.wheelbase / 2 if is_car else 0.0
     height = HEIGHTS[is_car]
@@ -78,14 +78,14 @@ def _body(xosc: ModuleType, path: Path, config: SimConfig):
 
 
 def _places(xosc: ModuleType, path: Path, back: float) -> list:
-    """The places of a path, ``back`` metres behind the centre."""
+    """Return the positions of a path, ``back`` metres behind the centre."""
     x, y = path.x - back * np.cos(path.heading), path.y - back * np.sin(path.heading)
     columns = (values.tolist() for values in (x, y, path.heading))
     return [xosc.WorldPosition(x, y, 0, heading) for x, y, heading in zip(*columns, strict=True)]
 
 
 def _follow(xosc: ModuleType, who: str, path: Path, places: list):
-    """Somebody follows the path from time 0 on."""
+    """Return a group that makes a road user follow its path from time 0 on."""
     trajectory = xosc.Trajectory(f"path of {who}", False)
     trajectory.add_shape(xosc.Polyline(path.t.tolist(), places))
     action = xosc.FollowTrajectoryAction(
@@ -103,7 +103,7 @@ def _follow(xosc: ModuleType, who: str, path: Path, places: list):
 
 
 def read_openscenario(document: bytes) -> dict[int, Path]:
-    """The paths in a document that `openscenario` wrote, of centres, by id."""
+    """Return the paths of centres in a document that `openscenario` wrote, by id."""
     root, found = ET.fromstring(document), {}
     bodies = {one.get("name", ""): one for one in root.iter("ScenarioObject")}
     for group in root.iter("ManeuverGroup"):

@@ -1,4 +1,4 @@
-"""Who moves along what in an episode, and how much two recordings of it differ."""
+"""Paths of the road users of an episode, and the difference between two recordings of them."""
 
 from __future__ import annotations
 
@@ -13,23 +13,24 @@ from jaxwalk.formats.tracks import Tracks
 
 @dataclass(frozen=True)
 class Path:
-    """Where one road user was."""
+    """The positions of one road user over time."""
 
     type: str
+    """Kind of road user, such as ``car``."""
     t: Float[np.ndarray, "moment"]
-    """[s]"""
+    """Times [s]."""
     x: Float[np.ndarray, "moment"]
     """Centre [m]."""
     y: Float[np.ndarray, "moment"]
     heading: Float[np.ndarray, "moment"]
-    """[rad]"""
+    """Heading, counter-clockwise from the x axis [rad]."""
     length: float
-    """[m]"""
+    """Size [m]."""
     width: float
 
 
 def paths(tracks: Tracks) -> dict[int, Path]:
-    """The path of every road user, by id."""
+    """Return the path of every road user, by id."""
     found = {}
     for id in np.unique(tracks.id).tolist():
         rows = np.flatnonzero(tracks.id == id)
@@ -41,9 +42,9 @@ def paths(tracks: Tracks) -> dict[int, Path]:
 
 
 def largest_error(original: Mapping[int, Path], copy: Mapping[int, Path]) -> float:
-    """The largest distance between a road user and its copy, at the original's times [m]; inf if one is missing.
+    """Return the largest distance between a road user and its copy, at the original's times [m]; inf if one is missing.
 
-    Between its moments, the copy moves on straight lines.
+    The copy is interpolated linearly between its moments.
     """
     if original.keys() != copy.keys():
         return float("inf")

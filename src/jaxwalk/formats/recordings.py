@@ -1,9 +1,9 @@
-"""Anybody's trajectories as the metrics see them: every car in turn is the driver of an episode, its time in view.
+"""Trajectories from any source as episodes for the metrics: each car's time in view is one episode with it as driver.
 
-The people of an episode are all pedestrians in view meanwhile. Everything is resampled to one step. Who is out of view
-is nowhere (positions are NaN) and on no roadway, which is where all metrics of encounters look. What the table doesn't
-say (`jaxwalk.formats.tracks.OPTIONAL`) is taken from places and speeds where they tell it, and else left out of the
-results (`jaxwalk.formats.measured`).
+The pedestrians of an episode are all those in view during that time. Everything is resampled to one step. A pedestrian
+out of view has NaN as position and is not on the roadway, so the metrics of encounters ignore it. Columns that the
+table lacks (`jaxwalk.formats.tracks.OPTIONAL`) are computed from positions and speeds if possible; otherwise the
+results leave out the metrics that need them (`jaxwalk.formats.measured`).
 """
 
 from __future__ import annotations
@@ -20,42 +20,46 @@ from jaxwalk.formats.tracks import CAR, COLLISION, GOAL, PEDESTRIAN, Tracks, Tra
 from jaxwalk.formats.tracks import CROSSINGS as CHOICES
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, Rows, measure
 from jaxwalk.metrics.braking import UNSEEN
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 GAP = 1.0
-"""Who is not seen for longer than this is out of view meanwhile, and somebody else afterwards [s]."""
+"""A longer gap cuts a track: the road user is out of view, and counts as another one afterwards [s]."""
 MOST_MOMENTS = 20_000_000
-"""Steps times people while a car is in view: more would fill memory."""
+"""Largest number of steps times pedestrians in one episode, so that it fits into memory."""
 NEARLY = 1e-6
-"""Times this close are the same [s]."""
+"""Times that differ by less are equal [s]."""
 
 
 @dataclass(frozen=True)
-class View:
-    """A car's time in view."""
+class CarInView:
+    """A car's time in view, with the pedestrians in view during it."""
 
     tracks: Tracks
+    """The recording."""
     car: Int[np.ndarray, "_"]
     """Rows of the car, in order of time."""
     people: tuple[Int[np.ndarray, "_"], ...]
-    """Rows of each pedestrian in view meanwhile."""
+    """Rows of each pedestrian in view during that time."""
     times: Float[np.ndarray, "frame"]
-    """Of the episode's frames [s]."""
+    """Times of the episode's frames [s]."""
 
 
 def measure_tracks(tracks: Tracks, *, areas: Areas | None, config: SimConfig) -> Iterator[Rows]:
-    """The rows of each episode of a recording.
+    """Yield the rows of each episode of a recording.
 
-    Without ``areas``, and without the columns of a table of ours, everywhere is roadway and nobody on a crosswalk.
+    Without ``areas`` and without the optional columns that state it, every place is roadway and none is a crosswalk.
     """
-    for view in views(tracks, config):
+    for view in cars_in_view(tracks, config):
         trajectory = trajectory_of(view, areas=areas, config=config)
         yield _without_unseen_entries(measure(trajectory, config=config), trajectory)
 
 
-def views(tracks: Tracks, config: SimConfig) -> Iterator[View]:
-    """Every car's time in view, if the car moves in it (of ours, which say how they ended, all)."""
+def cars_in_view(tracks: Tracks, config: SimConfig) -> Iterator[CarInView]:
+    """Yield every car's time in view, if the car moves during it or the recording states its ending.
+
+    Raises TracksError if a road user has two rows at one time, or if there is too much to measure at once.
+    """
     pieces = _pieces(tracks)
     of_type = {kind: [rows for rows in pieces if tracks.type[rows[0]] == kind] for kind in (CAR, PEDESTRIAN)}
     for car in of_type[CAR]:
@@ -68,11 +72,14 @@ def views(tracks: Tracks, config: SimConfig) -> Iterator[View]:
         if steps * max(len(people), 1) > MOST_MOMENTS:
             met = f"car {tracks.id[car[0]]} has {steps:,} steps among {len(people):,} people"
             raise TracksError(f"episode {tracks.episode}: {met}, too many to measure at once; cut the recording")
-        yield View(tracks, car, tuple(people), begin + np.arange(steps + 1) * config.dt)
+        yield CarInView(tracks, car, tuple(people), begin + np.arange(steps + 1) * config.dt)
 
 
 def _pieces(tracks: Tracks) -> list[Int[np.ndarray, "_"]]:
-    """The rows of every unbroken stay in view, in order of id and time. TracksError for two rows of one moment."""
+    """Return the rows of every unbroken time in view, in order of id and time.
+
+    Raises TracksError if a road user has two rows at one time.
+    """
     order = np.lexsort((tracks.t, tracks.id))
     same, later = np.diff(tracks.id[order]) == 0, np.diff(tracks.t[order])
     if (twice := np.flatnonzero(same & (later <= 0))).size:
@@ -81,8 +88,8 @@ def _pieces(tracks: Tracks) -> list[Int[np.ndarray, "_"]]:
     return np.split(order, np.flatnonzero(~same | (later > GAP)) + 1)
 
 
-def trajectory_of(view: View, *, areas: Areas | None, config: SimConfig) -> Trajectory:
-    """A view as a trajectory of one episode."""
+def trajectory_of(view: CarInView, *, areas: Areas | None, config: SimConfig) -> Trajectory:
+    """Return a car's time in view as a trajectory of one episode."""
     length, known = len(view.times) - 1, view.tracks.known
     ending = known["ending"][view.car[-1]] if "ending" in known else ""
     touched = [bool(known["touched"][rows].any()) if "touched" in known else False for rows in view.people]
@@ -102,8 +109,8 @@ def trajectory_of(view: View, *, areas: Areas | None, config: SimConfig) -> Traj
     )
 
 
-def _car(view: View, config: SimConfig) -> dict[str, np.ndarray]:
-    """The car's columns, each (frame, 1). It moves along its heading, or backwards."""
+def _car(view: CarInView, config: SimConfig) -> dict[str, np.ndarray]:
+    """Return the car's columns, each (frame, 1). It moves along its heading, or backwards."""
     tracks, rows, times = view.tracks, view.car, view.times
     x, y, vx, vy = (_between(times, tracks.t[rows], getattr(tracks, name)[rows]) for name in ("x", "y", "vx", "vy"))
     heading = _between(times, tracks.t[rows], np.unwrap(tracks.heading[rows]))
@@ -120,8 +127,8 @@ def _car(view: View, config: SimConfig) -> dict[str, np.ndarray]:
     return {f"car_{name}": values[:, None] for name, values in columns.items()}
 
 
-def _people(view: View, areas: Areas | None) -> dict[str, np.ndarray]:
-    """The pedestrians' columns, each (frame, ped)."""
+def _people(view: CarInView, areas: Areas | None) -> dict[str, np.ndarray]:
+    """Return the pedestrians' columns, each (frame, ped)."""
     tracks, times = view.tracks, view.times
     known = tracks.known if areas or "on_roadway" in tracks.known else {}
     shape = len(times), len(view.people)
@@ -150,8 +157,8 @@ def _people(view: View, areas: Areas | None) -> dict[str, np.ndarray]:
 
 
 def _crossing_numbers(words: np.ndarray) -> Int[np.ndarray, "row"]:
-    """Numbers of `jaxwalk.sim.trajectory` for words. TracksError for others."""
-    strange = set(words.tolist()) - set(CHOICES)  # (an array of text has room for the longest word in every row)
+    """Return the numbers of `jaxwalk.sim.trajectory` for words. Raises TracksError for an unknown word."""
+    strange = set(words.tolist()) - set(CHOICES)  # np.unique would need the memory of the longest word in every row
     if strange:
         shown = shorten(repr(min(strange)), 100)
         raise TracksError(f"column crossing: {shown}; it must be one of {', '.join(CHOICES)}")
@@ -159,18 +166,18 @@ def _crossing_numbers(words: np.ndarray) -> Int[np.ndarray, "row"]:
 
 
 def _between(times: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values at ``times``, on straight lines between those at ``t``; NaN where there are none."""
+    """Interpolate values at ``t`` linearly to ``times``; NaN outside."""
     inside = (times >= t[0] - NEARLY) & (times <= t[-1] + NEARLY)
     return np.where(inside, np.interp(times, t, values), np.nan).astype(values.dtype)
 
 
 def _nearest(times: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values at ``times``, each that of the nearest ``t``."""
+    """Return values at ``times``, each from the nearest ``t``."""
     return values[np.searchsorted((t[1:] + t[:-1]) / 2, times)]
 
 
 def _without_unseen_entries(rows: Rows, trajectory: Trajectory) -> Rows:
-    """Who came into view on the roadway was not seen to enter it: nothing is said of braking since then."""
+    """Mark pedestrians who came into view on the roadway: their entry, and braking for it, were not observed."""
     seen = ~np.isnan(trajectory.ped_x[:, 0])
 
     def unseen(enter: np.ndarray, ped: np.ndarray) -> Bool[np.ndarray, "row"]:

@@ -1,7 +1,7 @@
-"""Lanes for formats that want them: a map's rectangles as straight roads that meet in junctions.
+"""Lanes for formats that need them: a map's rectangles as straight roads that meet in junctions.
 
-A road's rectangle is cut at every junction. What is left are arms, with a lane in each direction; between the arms of a
-junction lead connections, straight on or along a quarter of a circle. Right-hand traffic.
+Every junction cuts its roads' rectangles. The remaining pieces are arms, with a lane in each direction. Connections
+lead from arm to arm through a junction, straight on or along a quarter of a circle. Right-hand traffic.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import permutations, product
 
 import numpy as np
 
@@ -19,19 +19,19 @@ from jaxwalk.maps import RoadMap
 Rectangle = tuple[float, float, float, float]
 """x0, y0, x1, y1 [m]."""
 ROOM = 5.0
-"""A junction reaches this much beyond the wider road's edge, if no crosswalk and no other junction is nearer [m]."""
+"""Length by which a junction reaches beyond the wider road's edge, unless a crosswalk or junction is nearer [m]."""
 EAST, NORTH = 0.0, math.pi / 2
 
 
 @dataclass(frozen=True)
 class Junction:
-    """Where roads meet."""
+    """A place where roads meet."""
 
     x: float
-    """Where their centre lines do [m]."""
+    """Point where the centre lines meet [m]."""
     y: float
     reach: float
-    """From there to where its arms begin [m]."""
+    """Distance from that point to the junction's arms [m]."""
 
 
 @dataclass(frozen=True)
@@ -39,16 +39,16 @@ class Arm:
     """A straight piece of road, with a lane in each direction."""
 
     x: float
-    """Where its centre line begins [m]."""
+    """First point of the centre line [m]."""
     y: float
     heading: float
     """EAST or NORTH [rad]."""
     length: float
-    """[m]"""
+    """Length of the centre line [m]."""
     width: float
-    """Of both lanes together [m]."""
+    """Width of both lanes together [m]."""
     ends: tuple[int | None, int | None]
-    """The junctions where it begins and ends."""
+    """The junctions where it begins and ends; None at the end of a road."""
 
 
 @dataclass(frozen=True)
@@ -56,20 +56,22 @@ class Connection:
     """A lane through a junction. It lies to the right of a line from arm to arm."""
 
     junction: int
+    """Number of the junction."""
     incoming: int
-    """The arm that it leads from ..."""
+    """Number of the arm from which it leads."""
     outgoing: int
-    """... and the one that it leads to."""
+    """Number of the arm to which it leads."""
     x: float
-    """Where its line begins [m]."""
+    """First point of its line [m]."""
     y: float
     heading: float
-    """There [rad]."""
+    """Heading at the first point [rad]."""
     length: float
+    """Length of the line [m]."""
     curvature: float
-    """Positive to the left [1/m]; 0 if it is straight."""
+    """Curvature, positive to the left [1/m]; 0 if it is straight."""
     widths: tuple[float, float]
-    """Of the lane, where it begins and ends [m]."""
+    """Width of the lane at its beginning and end [m]."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ class Network:
     sidewalks: tuple[Rectangle, ...]
 
     def bounds(self) -> Rectangle:
-        """The rectangle around all arms [m]."""
+        """Return the bounding rectangle of all arms [m]."""
         boxes = []
         for arm in self.arms:
             along, half = (arm.length, 0.0) if arm.heading == EAST else (0.0, arm.length), arm.width / 2
@@ -93,15 +95,17 @@ class Network:
         return min(x0), min(y0), max(x1), max(y1)
 
     def arms_at(self, junction: int) -> Iterator[tuple[int, Arm, bool]]:
-        """The arms at a junction: number, arm, and whether it is the arm's end that lies there."""
-        for number, arm in enumerate(self.arms):
-            for at_end in (False, True):
-                if arm.ends[at_end] == junction:
-                    yield number, arm, at_end
+        """Yield the arms at a junction: number, arm, and whether the arm ends there (else it begins there)."""
+        for (number, arm), at_end in product(enumerate(self.arms), (False, True)):
+            if arm.ends[at_end] == junction:
+                yield number, arm, at_end
 
 
 def road_network(road_map: RoadMap) -> Network:
-    """The lanes of a map (no stack). TracksError if two junctions, or a junction and a crosswalk, are too near."""
+    """Return the lanes of a map (not a stack of maps).
+
+    Raises TracksError if two junctions, or a junction and a crosswalk, are too close.
+    """
     roads, crosswalks, sidewalks = (_real(getattr(road_map, name)) for name in ("roads", "crosswalks", "sidewalks"))
     junctions = _junctions(roads, crosswalks)
     arms = tuple(arm for road in roads for arm in _arms(road, junctions))
@@ -111,7 +115,7 @@ def road_network(road_map: RoadMap) -> Network:
 
 
 def _real(rectangles: np.ndarray) -> tuple[Rectangle, ...]:
-    """Rectangles without padding."""
+    """Return the rectangles that aren't padding."""
     x0, y0, x1, y1 = np.asarray(rectangles, float).T
     return tuple(zip(*(side[x0 <= x1].tolist() for side in (x0, y0, x1, y1)), strict=True))
 
@@ -121,21 +125,23 @@ def _leads_east(road: Rectangle) -> bool:
 
 
 def _junctions(roads: tuple[Rectangle, ...], crosswalks: tuple[Rectangle, ...]) -> tuple[Junction, ...]:
-    """Where perpendicular roads overlap or share a piece of edge."""
+    """Return the junctions: places where perpendicular roads overlap or share a piece of edge."""
     half: dict[tuple[float, float], float] = {}
-    for east in filter(_leads_east, roads):
-        for north in (road for road in roads if not _leads_east(road)):
-            if east[0] <= north[2] and north[0] <= east[2] and east[1] <= north[3] and north[1] <= east[3]:
-                place = (north[0] + north[2]) / 2, (east[1] + east[3]) / 2
-                wider = max(north[2] - north[0], east[3] - east[1]) / 2
-                half[place] = max(wider, half.get(place, 0.0))
+    for east, north in product(filter(_leads_east, roads), (road for road in roads if not _leads_east(road))):
+        if east[0] <= north[2] and north[0] <= east[2] and east[1] <= north[3] and north[1] <= east[3]:
+            place = (north[0] + north[2]) / 2, (east[1] + east[3]) / 2
+            wider = max(north[2] - north[0], east[3] - east[1]) / 2
+            half[place] = max(wider, half.get(place, 0.0))
     return tuple(Junction(*place, _reach(place, half, crosswalks)) for place in half)
 
 
 def _reach(
     place: tuple[float, float], half: dict[tuple[float, float], float], crosswalks: tuple[Rectangle, ...]
 ) -> float:
-    """How far a junction can reach: up to the next crosswalk, and no farther than half way to the next junction."""
+    """Return how far a junction reaches [m]: to the next crosswalk, or halfway to the next junction, at most.
+
+    Raises TracksError if that is less than half the road's width.
+    """
     x, y = place
     free = [half[place] + ROOM]
     free += [max(abs(x - a), abs(y - b)) / 2 for a, b in half if (a, b) != place and (a == x or b == y)]
@@ -150,7 +156,7 @@ def _reach(
 
 
 def _arms(road: Rectangle, junctions: tuple[Junction, ...]) -> Iterator[Arm]:
-    """What is left of a road between its junctions, and before and after them."""
+    """Yield the pieces of a road that its junctions leave."""
     x0, y0, x1, y1 = road
     east = _leads_east(road)
     begin, end, centre, width = (x0, x1, (y0 + y1) / 2, y1 - y0) if east else (y0, y1, (x0 + x1) / 2, x1 - x0)
@@ -169,7 +175,7 @@ def _arms(road: Rectangle, junctions: tuple[Junction, ...]) -> Iterator[Arm]:
 
 
 def _connections(network: Network, junction: int) -> Iterator[Connection]:
-    """A lane from every arm of a junction to every other."""
+    """Yield a lane from every arm of a junction to every other one."""
     reach = network.junctions[junction].reach
     for (number, arm, at_end), (target, other, other_end) in permutations(network.arms_at(junction), 2):
         heading = arm.heading + (0 if at_end else math.pi)

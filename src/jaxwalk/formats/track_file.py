@@ -1,4 +1,4 @@
-"""Trajectories as a Parquet file, written and read some episodes at a time."""
+"""Trajectories as a Parquet file, written and read in groups of episodes."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ from jaxwalk.writing import whole
 SCHEMA = 1
 """Version of the table."""
 KEY, AREAS = b"jaxwalk", b"jaxwalk_areas"
-"""The file's metadata: what it is, and the ground, each as JSON."""
+"""Keys of the file's metadata: a description of the file, and the areas, each as JSON."""
 EPISODES = 32
-"""Episodes in each group of rows of the file, which is read at once."""
+"""Episodes in each row group of the file. A row group is read at once."""
 MOST_ROWS = 4_000_000
-"""Of a group of rows, and of an episode before the last group that it is in."""
+"""Largest number of rows of a row group, and of the part of an episode in earlier row groups."""
 WORDS = ("type", *(name for name, empty in OPTIONAL.items() if isinstance(empty, str)))
-"""Columns of words."""
+"""Columns that hold text."""
 FINITE = ("t", "x", "y", "vx", "vy", "heading")
-"""Columns without which nothing can be measured."""
+"""Columns that must be finite, because the metrics need them."""
 
 
 def check_parquet() -> None:
-    """Raise TracksError if Parquet files can't be read or written."""
+    """Raise TracksError if pyarrow, which reads and writes Parquet files, is missing."""
     if importlib.util.find_spec("pyarrow") is None:
         raise TracksError('Parquet files need pyarrow; install it with: pip install "jaxwalk[data]"')
 
@@ -53,9 +53,9 @@ def write_tracks(
 
     Args:
         path: the file.
-        recordings: at least one, all with the same optional columns; they are taken some at a time.
-        about: kept in the file's metadata with the version of the table: ``dt`` [s], and what else describes it.
-        areas: GeoJSON of the ground, as `jaxwalk.formats.areas.areas_of` makes it.
+        recordings: at least one, all with the same optional columns; they are read in groups.
+        about: a description for the file's metadata: ``dt`` [s] and any other JSON values.
+        areas: GeoJSON of the areas, as `jaxwalk.formats.areas.areas_of` returns it.
 
     Raises:
         TracksError: pyarrow is missing, or there is nothing to write.
@@ -77,7 +77,7 @@ def write_tracks(
 
 
 def _table(recordings: list[Tracks]) -> Any:
-    """Recordings as a table of pyarrow's; what a row's type has no value of is null."""
+    """Return recordings as a pyarrow table. A column is null in rows of a type that doesn't have it."""
     import pyarrow
 
     columns = {name: np.concatenate([getattr(one, name) for one in recordings]) for name in REQUIRED[1:]}
@@ -94,10 +94,10 @@ def _table(recordings: list[Tracks]) -> Any:
 
 
 class TrackFile:
-    """A Parquet file of trajectories, ours or anybody's."""
+    """A Parquet file of trajectories, written by jaxwalk or by another program."""
 
     def __init__(self, path: str | Path) -> None:
-        """Open it. TracksError if it is no such file."""
+        """Open the file. Raises TracksError if it isn't a table of trajectories."""
         check_parquet()
         import pyarrow
         from pyarrow.parquet import ParquetFile
@@ -108,7 +108,7 @@ class TrackFile:
             words = [x.name for x in schema if x.name in WORDS and x.type in (pyarrow.string(), pyarrow.large_string())]
             self._file = ParquetFile(self.path, read_dictionary=words)
         except (pyarrow.ArrowException, UnicodeDecodeError, OSError) as error:
-            raise TracksError(f"{path}: no Parquet file ({error}); write it anew") from None
+            raise TracksError(f"{path}: not a Parquet file ({error}); write it again") from None
         names = set(schema.names)
         if twice := [name for name in names if schema.names.count(name) > 1]:
             raise TracksError(f"{path}: has several columns {', '.join(sorted(twice))}; keep one of each")
@@ -125,7 +125,7 @@ class TrackFile:
         self.known = tuple(name for name in OPTIONAL if name in names)
 
     def _check_type(self, field: Any) -> None:
-        """Raise TracksError for a column that could fill memory when it is read: texts, unless each is held once."""
+        """Raise TracksError if reading a column could fill memory: text must be dictionary-encoded."""
         from pyarrow import types
 
         kind = field.type.value_type if types.is_dictionary(field.type) else field.type
@@ -133,24 +133,24 @@ class TrackFile:
             small = types.is_string(kind) or types.is_large_string(kind) or types.is_null(kind)
         elif field.name in REQUIRED or field.name in OPTIONAL:
             small = types.is_primitive(field.type) or types.is_decimal(field.type) or types.is_null(field.type)
-        else:  # (isn't read)
+        else:  # other columns aren't read
             small = True
         if not small:
             wanted = _kind(field.name, field.type)
             raise TracksError(f"{self.path}: column {field.name} holds {field.type}; make it {wanted}")
 
     def _json(self, metadata: Mapping[bytes, bytes], key: bytes) -> dict[str, Any]:
-        """An object in the file's metadata; {} if it isn't there."""
+        """Return an object of the file's metadata, or {} if it is missing. Raises TracksError if it isn't an object."""
         try:
             found = json.loads(metadata.get(key, b"{}"))
         except (ValueError, RecursionError) as error:
-            raise TracksError(f"{self.path}: its metadata {key.decode()} is no JSON ({error}); write it anew") from None
+            raise TracksError(f"{self.path}: metadata {key.decode()} isn't JSON ({error}); write it again") from None
         if not isinstance(found, dict):
-            raise TracksError(f"{self.path}: its metadata {key.decode()} is no object; write it anew")
+            raise TracksError(f"{self.path}: metadata {key.decode()} isn't an object; write it again")
         return found
 
     def recordings(self) -> Iterator[Tracks]:
-        """Every recording, one after the other. TracksError for values that can't be, or rows in disorder."""
+        """Yield every recording. Raises TracksError if a value is invalid or the rows aren't sorted by episode."""
         ended, rest = set(), None
         for group in range(self._file.num_row_groups):
             table = self._columns(group)
@@ -168,7 +168,7 @@ class TrackFile:
             yield self._recording(rest, ended)
 
     def _columns(self, group: int) -> dict[str, np.ndarray]:
-        """All columns of a group of rows."""
+        """Return all columns of a row group. Raises TracksError if it is too large or damaged."""
         from pyarrow import ArrowException
 
         names = (*REQUIRED, *self.known)
@@ -177,16 +177,19 @@ class TrackFile:
         try:
             table = self._file.read_row_group(group, columns=list(names))
         except (ArrowException, UnicodeDecodeError, OSError) as error:
-            raise TracksError(f"{self.path}: damaged ({error}); write it anew") from None
+            raise TracksError(f"{self.path}: damaged ({error}); write it again") from None
         return {name: self._column(name, table[name]) for name in names}
 
     def _check_rows(self, rows: int, where: str) -> None:
-        """Raise TracksError for more rows than are held at once."""
+        """Raise TracksError if there are more than MOST_ROWS rows."""
         if rows > MOST_ROWS:
             raise TracksError(f"{self.path}: has {rows:,} rows {where}; write it with at most {MOST_ROWS:,}")
 
     def _column(self, name: str, column: Any) -> np.ndarray:
-        """A column of pyarrow's, of the type that it must have. Only the optional ones may have empty values."""
+        """Return a pyarrow column as an array of the right type. Raises TracksError if that is impossible.
+
+        Only optional columns may have empty values.
+        """
         import pyarrow
         from pyarrow.compute import fill_null
 
@@ -202,10 +205,10 @@ class TrackFile:
         try:
             return (fill_null(column, OPTIONAL[name]) if name in OPTIONAL else column).to_numpy()
         except (pyarrow.ArrowException, UnicodeDecodeError):
-            raise TracksError(f"{self.path}: column {name} has words that are no UTF-8; write it anew") from None
+            raise TracksError(f"{self.path}: column {name} has text that isn't UTF-8; write it again") from None
 
     def _words(self, name: str, column: Any) -> Any:
-        """A column of words, each of which is held once until it is known to be short."""
+        """Return a column of text. Decodes its dictionary only after checking that no text is too long."""
         import pyarrow
         from pyarrow.compute import call_function
 
@@ -214,11 +217,14 @@ class TrackFile:
         lengths = [call_function("binary_length", [chunk.dictionary]) for chunk in column.chunks]
         longest = [call_function("max", [x]).as_py() or 0 for x in lengths]
         if max(longest, default=0) > LONGEST_WORD:
-            raise TracksError(f"{self.path}: column {name} has words of {max(longest):,} characters; mend it")
+            raise TracksError(f"{self.path}: column {name} has words of {max(longest):,} characters; correct it")
         return column.cast(column.type.value_type)
 
     def _recording(self, part: Mapping[str, np.ndarray], ended: set[int]) -> Tracks:
-        """The rows of one episode as a recording; ``ended`` has those that came before, and gets this one."""
+        """Return the rows of one episode as a recording, and add its number to ``ended``.
+
+        Raises TracksError if the episode is already in ``ended``, or if a column isn't finite.
+        """
         episode = int(part["episode"][0])
         if episode in ended:
             raise TracksError(f"{self.path}: the rows of episode {episode} are not together; sort the table by episode")
@@ -226,13 +232,13 @@ class TrackFile:
         known = {name: part[name] for name in self.known}
         tracks = Tracks(episode=episode, known=known, **{name: part[name] for name in REQUIRED[1:]})
         for name in FINITE:
-            if not (np.abs(part[name]) <= LARGEST).all():  # (not so for NaN)
-                raise TracksError(f"{self.path}: column {name} of episode {episode} is not finite throughout; mend it")
+            if not (np.abs(part[name]) <= LARGEST).all():  # also false for NaN
+                raise TracksError(f"{self.path}: column {name} of episode {episode} is not finite; correct it")
         return tracks
 
 
 def _kind(name: str, found: Any) -> Any:
-    """The type that a column must have; numbers keep their precision."""
+    """Return the pyarrow type that a column must have. Numbers keep their precision."""
     import pyarrow
 
     if name in ("episode", "id"):

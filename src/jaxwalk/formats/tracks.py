@@ -1,4 +1,4 @@
-"""Trajectories as a table with a row for each road user and moment, ours and anybody's: ``docs/trajectories.md``."""
+"""Trajectories as a table with a row for each road user and moment, from any source (``docs/trajectories.md``)."""
 
 from __future__ import annotations
 
@@ -11,43 +11,43 @@ from jaxtyping import Float, Int, Shaped
 from jaxwalk.sim.trajectory import Trajectory
 
 CAR, PEDESTRIAN = "car", "pedestrian"
-"""Types that are measured; others, such as ``bicycle``, are kept and passed over."""
+"""Types that are measured. Others, such as ``bicycle``, may be in a table, but the metrics ignore them."""
 CAR_LENGTH, CAR_WIDTH, PERSON = 4.5, 1.8, 0.5
-"""Sizes that our own tables state [m]. Nominal: in the simulator the centres alone decide."""
+"""Nominal sizes in the simulator's tables [m]. In the simulator, collisions depend on the distance of centres."""
 CROSSINGS = ("none", "crosswalk", "jaywalk")
 """Words for `Trajectory.crossing`, by its number."""
 GOAL, COLLISION, TIMEOUT = "goal", "collision", "timeout"
-"""How an episode ended."""
+"""Endings of an episode."""
 
 OF_CARS = {"speed": np.nan, "acceleration": np.nan, "goal_x": np.nan, "goal_y": np.nan, "ending": ""}
-"""Optional columns with values in the rows of cars, and what stands for none."""
+"""Optional columns of cars, and the value that stands for an empty one."""
 OF_PEOPLE = {
     "jaywalking_tendency": np.nan, "on_roadway": False, "on_crosswalk": False, "crossing": CROSSINGS[0], "decisions": 0,
     "at_kerb": False, "enters_roadway": False, "going": True, "predicted_miss": np.nan, "touched": False,
 }  # fmt: skip
-"""The same of pedestrians."""
+"""Optional columns of pedestrians, and the value that stands for an empty one."""
 OPTIONAL = {**OF_CARS, **OF_PEOPLE}
 
 LARGEST = 1e12
-"""No time, place or speed of a table is larger: such a number is a mistake."""
+"""Largest time, position or speed in a table; a larger number is a mistake."""
 LONGEST_WORD = 1000
-"""Characters (of Parquet, bytes) of a value's text: so that a small file can't fill memory."""
+"""Longest text in a table [characters; bytes in Parquet], so that a small file can't fill memory."""
 
 
 class TracksError(ValueError):
-    """Trajectories that can't be used; one line says why and what to do."""
+    """Trajectories can't be used. The message says why and what to do, in one line."""
 
 
 @dataclass(frozen=True)
 class Tracks:
-    """Who was seen in one place for a while: a row for each road user and moment, in any order."""
+    """A recording of one place: a row for each road user and moment, in any order."""
 
     episode: int
-    """Number of the recording; of ours, the scenario."""
+    """Number of the recording. For the simulator's episodes, it is the scenario's number."""
     t: Float[np.ndarray, "row"]
-    """[s]"""
+    """Time [s]."""
     id: Int[np.ndarray, "row"]
-    """Of the road user."""
+    """Number of the road user."""
     type: Shaped[np.ndarray, "row"]
     """CAR, PEDESTRIAN or another word."""
     x: Float[np.ndarray, "row"]
@@ -57,12 +57,12 @@ class Tracks:
     """Velocity [m/s]."""
     vy: Float[np.ndarray, "row"]
     heading: Float[np.ndarray, "row"]
-    """Counter-clockwise from the x axis [rad]."""
+    """Heading, counter-clockwise from the x axis [rad]."""
     length: Float[np.ndarray, "row"]
-    """[m]; no metric reads sizes."""
+    """Size [m]; no metric reads it."""
     width: Float[np.ndarray, "row"]
     known: Mapping[str, Shaped[np.ndarray, "row"]]
-    """Further columns, by the names of `OPTIONAL`."""
+    """Optional columns that the recording has, by the names in `OPTIONAL`."""
 
 
 REQUIRED = tuple(field.name for field in fields(Tracks) if field.name != "known")
@@ -74,12 +74,12 @@ UNITS = {
 
 
 def tracks_of(trajectory: Trajectory) -> Iterator[Tracks]:
-    """Every episode of a trajectory with all that the metrics need: car 0, pedestrians 1, 2, ..."""
+    """Return every episode of a trajectory, with all columns that the metrics need: car 0, pedestrians 1, 2, ..."""
     return (_episode(trajectory, episode) for episode in range(len(trajectory.length)))
 
 
 def _episode(trajectory: Trajectory, episode: int) -> Tracks:
-    """One episode: the car's rows, then those of each pedestrian."""
+    """Return one episode: the car's rows, then those of each pedestrian."""
     frames, people = int(trajectory.length[episode]) + 1, trajectory.ped_x.shape[2]
     car = {name: _frames(trajectory, f"car_{name}", frames, episode) for name in ("x", "y", "cos", "sin", "speed")}
     ped = {name: _frames(trajectory, f"ped_{name}", frames, episode) for name in ("x", "y", "vx", "vy")}
@@ -99,7 +99,7 @@ def _episode(trajectory: Trajectory, episode: int) -> Tracks:
         y=both(car["y"], ped["y"]),
         vx=both(car["speed"] * car["cos"], ped["vx"]),
         vy=both(car["speed"] * car["sin"], ped["vy"]),
-        # (in double precision, so that the car's cosine and sine come back as they were, to their last bit)
+        # In double precision, so that the car's cosine and sine can be restored exactly.
         heading=both(np.arctan2(car["sin"], car["cos"], dtype=np.float64), _headings(ped["vx"], ped["vy"])),
         length=constant(CAR_LENGTH, PERSON),
         width=constant(CAR_WIDTH, PERSON),
@@ -108,12 +108,12 @@ def _episode(trajectory: Trajectory, episode: int) -> Tracks:
 
 
 def _frames(trajectory: Trajectory, name: str, frames: int, episode: int) -> np.ndarray:
-    """The first frames of a column of one episode."""
+    """Return the first frames of a column of one episode."""
     return np.asarray(getattr(trajectory, name))[:frames, episode]
 
 
 def _headings(vx: Float[np.ndarray, "frame ped"], vy: Float[np.ndarray, "frame ped"]) -> Float[np.ndarray, "frame ped"]:
-    """Where people walk; who stands keeps the last heading, or has the first one to come (0 if there is none)."""
+    """Return walking directions [rad]. Standing pedestrians keep the last one, else have the next one, else 0."""
     walks = (vx != 0) | (vy != 0)
     frame = np.arange(len(vx))[:, None]
     last = np.maximum.accumulate(np.where(walks, frame, -1), axis=0)
@@ -122,7 +122,7 @@ def _headings(vx: Float[np.ndarray, "frame ped"], vy: Float[np.ndarray, "frame p
 
 
 def _known(trajectory: Trajectory, episode: int, frames: int) -> dict[str, np.ndarray]:
-    """The optional columns of one episode."""
+    """Return the optional columns of one episode."""
     people = trajectory.ped_x.shape[2]
     last = (np.arange(frames) == frames - 1)[:, None]
     ending = GOAL if trajectory.goal[episode] else COLLISION if trajectory.collision[episode] else TIMEOUT
@@ -149,4 +149,4 @@ def _known(trajectory: Trajectory, episode: int, frames: int) -> dict[str, np.nd
 _RECORDED = (
     "on_roadway", "on_crosswalk", "crossing", "decisions", "at_kerb", "enters_roadway", "going", "predicted_miss",
 )  # fmt: skip
-"""Optional columns that a trajectory has frame by frame."""
+"""Optional columns that a trajectory has for every frame."""

@@ -1,4 +1,4 @@
-"""The world as data: map files, the loader that refuses wrong ones, and the arrays the simulator sees."""
+"""Maps: the file format, the loader with its checks, and the arrays that the simulator uses."""
 
 from jaxwalk.maps.file import MapError
 from jaxwalk.maps.load import bundled_maps, load_map

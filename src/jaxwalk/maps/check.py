@@ -1,8 +1,8 @@
-"""Everything that can be wrong with a map, found at once. Each check returns its faults, with what to do."""
+"""All checks of a map. Each one returns its faults: one line each, which says what is wrong and what to do."""
 
 from __future__ import annotations
 
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 
 import numpy as np
 import shapely
@@ -16,13 +16,19 @@ from jaxwalk.maps.routes import RouteFault, centre_lines, lane_route, make_road,
 from jaxwalk.maps.scene import Scene
 
 SMALLEST_TURN = 2.5 / float(np.tan(0.52))
-"""The car's smallest turning radius [m]: wheelbase by the tangent of its largest steering angle."""
+"""The car's smallest turning radius [m]: the wheelbase over the tangent of the largest steering angle."""
 CAR_MARGIN = 0.5
-"""A route stays this far inside the road [m]: where the simulator puts back a car that left it."""
+"""Smallest distance of a route from the road's edge [m]. The simulator moves a car that leaves the road back to it."""
 
 
 def find_faults(file: MapFile, *, goal_spacing: float, start_clearance: float) -> list[str]:
-    """All faults of a map file, one line each; empty if it can be used."""
+    """Return all faults of a map file, one line each; empty if the map can be used.
+
+    Args:
+        file: the map.
+        goal_spacing: shortest walk to a next goal [m].
+        start_clearance: shortest distance between the car's start and a pedestrian's start [m].
+    """
     scene = Scene.of(file)
     graph = build_graph(file)
     return [
@@ -39,7 +45,7 @@ def find_faults(file: MapFile, *, goal_spacing: float, start_clearance: float) -
 
 
 def _rectangle_faults(file: MapFile) -> list[str]:
-    """Rectangles must be the right way round, and everything inside the map."""
+    """Check that rectangles have an area and that everything lies inside the map."""
     faults = []
     width, height = file.size
     if min(file.size) <= 0:
@@ -59,24 +65,25 @@ def _rectangle_faults(file: MapFile) -> list[str]:
 
 
 def _road_faults(file: MapFile, scene: Scene) -> list[str]:
-    """Roads have a direction, parallel ones don't touch, and sidewalks keep off them."""
+    """Check that roads have a direction, that parallel roads don't touch, and that sidewalks don't overlap roads."""
     faults = [] if file.roads else ["roads: none; add at least one"]
     roads = [make_road(name, area) for name, area in file.roads.items()]
     for road in roads:
         if road.area[road.axis + 2] - road.area[road.axis] <= road.width + NEARLY:
-            faults.append(f"roads.{road.name}: no longer than wide; the longer side is the direction of traffic")
+            faults.append(f"roads.{road.name}: not longer than wide; the longer side is the direction of traffic")
     for a, b in combinations(roads, 2):
         if a.axis == b.axis and meet(a.area, b.area):
             faults.append(f"roads.{a.name} and roads.{b.name}: parallel and touching; make them one road")
-    for name, sidewalk in scene.sidewalks.items():
-        for road, area in scene.roads.items():
-            if sidewalk.intersection(area).area > NEARLY:
-                faults.append(f"sidewalks.{name}: overlaps roads.{road}; end it at the kerb")
+    faults += [
+        f"sidewalks.{name}: overlaps roads.{road}; end it at the kerb"
+        for (name, sidewalk), (road, area) in product(scene.sidewalks.items(), scene.roads.items())
+        if sidewalk.intersection(area).area > NEARLY
+    ]
     return faults
 
 
 def _name_faults(file: MapFile) -> list[str]:
-    """Walkways and crosswalks speak only of waypoints there are."""
+    """Check that walkways and crosswalks name only waypoints that exist."""
     used = [(f"walkways.{walkway}", name) for walkway, chain in file.walkways.items() for name in chain]
     for crosswalk, definition in file.crosswalks.items():
         for number, side in enumerate(definition.sides):
@@ -90,7 +97,7 @@ def _name_faults(file: MapFile) -> list[str]:
 
 
 def _waypoint_faults(file: MapFile, scene: Scene) -> list[str]:
-    """Waypoints stand on sidewalks, each in a place of its own."""
+    """Check that waypoints lie on sidewalks, each at its own place."""
     faults = []
     for name, point in file.waypoints.items():
         if not scene.on_foot(shapely.Point(point), crosswalks=False):
@@ -102,41 +109,42 @@ def _waypoint_faults(file: MapFile, scene: Scene) -> list[str]:
 
 
 def _walkway_faults(file: MapFile, scene: Scene) -> list[str]:
-    """Walkways stay on sidewalks: a roadway is entered only by a crosswalk's own two edges."""
-    faults = []
+    """Check that walkways stay on sidewalks. Only the two edges of a crosswalk enter a roadway."""
+    faults = [
+        f"walkways.{walkway}: joins nothing; name at least two waypoints"
+        for walkway, chain in file.walkways.items()
+        if len(chain) < 2
+    ]
     seen: dict[frozenset[str], str] = {}
-    for walkway, chain in file.walkways.items():
-        if len(chain) < 2:
-            faults.append(f"walkways.{walkway}: joins nothing; name at least two waypoints")
-        for a, b in pairwise(chain):
-            field = f"walkways.{walkway}, {a} to {b}"
-            if a == b:
-                faults.append(f"{field}: a waypoint is joined to itself; remove the repetition")
-                continue
-            if frozenset((a, b)) in seen:
-                faults.append(f"{field}: already joined by walkways.{seen[frozenset((a, b))]}; remove one of the two")
-            seen.setdefault(frozenset((a, b)), walkway)
-            if a in file.waypoints and b in file.waypoints:
-                faults += _edge_faults(field, shapely.LineString([file.waypoints[a], file.waypoints[b]]), scene)
+    for walkway, a, b in ((walkway, a, b) for walkway, chain in file.walkways.items() for a, b in pairwise(chain)):
+        field = f"walkways.{walkway}, {a} to {b}"
+        if a == b:
+            faults.append(f"{field}: a waypoint is joined to itself; remove the repetition")
+            continue
+        if frozenset((a, b)) in seen:
+            faults.append(f"{field}: already joined by walkways.{seen[frozenset((a, b))]}; remove one of the two")
+        seen.setdefault(frozenset((a, b)), walkway)
+        if a in file.waypoints and b in file.waypoints:
+            faults += _edge_faults(field, shapely.LineString([file.waypoints[a], file.waypoints[b]]), scene)
     return faults
 
 
 def _edge_faults(field: str, edge: shapely.LineString, scene: Scene) -> list[str]:
-    """What a single piece of walkway does wrong."""
+    """Check one edge of a walkway."""
     if edge.intersection(scene.roadway).length > NEARLY:
-        return [f"{field}: crosses a roadway; remove it, people cross by way of a crosswalk's landings"]
+        return [f"{field}: crosses a roadway; remove it, people cross at a crosswalk's landings"]
     if not scene.on_foot(edge, crosswalks=False):
         return [f"{field}: leaves the sidewalks; add a sidewalk there, or waypoints around the corner"]
     return []
 
 
 def _reach_faults(graph: Graph, goal_spacing: float) -> list[str]:
-    """Every waypoint reaches every other, and has a goal to walk to."""
+    """Check that every waypoint is connected to every other, and has a goal to walk to."""
     if not graph.waypoints:
         return ["waypoints: none; add them along the sidewalks"]
     distance, _ = shortest_ways(graph)
     groups, group = connected_components(np.isfinite(distance), directed=False)
-    # The largest connected part is taken to be the map; what can't reach it is the mistake.
+    # The largest connected part counts as the map; the other parts are the mistake.
     main = np.bincount(group, minlength=groups).argmax()
     faults = [
         f"waypoints.{graph.names[node]}: cut off from the others; join it by a walkway"
@@ -144,7 +152,7 @@ def _reach_faults(graph: Graph, goal_spacing: float) -> list[str]:
     ]
     choices = goal_choices(graph, distance, goal_spacing)
     faults += [
-        f"waypoints.{graph.names[node]}: no waypoint is {goal_spacing:g} m of walking away; add one further off"
+        f"waypoints.{graph.names[node]}: no waypoint is {goal_spacing:g} m of walking away; add one farther away"
         for node in np.flatnonzero(group[: graph.waypoints] == main)
         if not len(choices[node])
     ]
@@ -152,7 +160,7 @@ def _reach_faults(graph: Graph, goal_spacing: float) -> list[str]:
 
 
 def _place_faults(file: MapFile) -> list[str]:
-    """Places lie on the centre line of a road, each elsewhere; routes and radii make sense."""
+    """Check that the car's places lie on centre lines, at different points, and that routes and radii are possible."""
     faults = []
     roads = [make_road(name, area) for name, area in file.roads.items()]
     places = file.car.places
@@ -178,7 +186,7 @@ def _place_faults(file: MapFile) -> list[str]:
 
 
 def _route_faults(file: MapFile, scene: Scene, graph: Graph, start_clearance: float) -> list[str]:
-    """Every route can be driven, and leaves pedestrians somewhere to start."""
+    """Check that the car can drive every route, and that pedestrians have waypoints to start from."""
     faults = []
     lines = centre_lines(file)
     places, roads = file.car.places, [make_road(name, area) for name, area in file.roads.items()]
@@ -186,7 +194,7 @@ def _route_faults(file: MapFile, scene: Scene, graph: Graph, start_clearance: fl
     radii = (file.car.right_turn_radius, file.car.left_turn_radius)
     for start, goal in dict.fromkeys(file.car.pairs()):
         if start == goal or not {start, goal} <= good:
-            continue  # named among the places' faults
+            continue  # _place_faults reports it
         field = f"route from {list(places[start])} to {list(places[goal])}"
         try:
             pieces, length = lane_route(lines, start, goal, radii)
@@ -200,5 +208,5 @@ def _route_faults(file: MapFile, scene: Scene, graph: Graph, start_clearance: fl
             faults.append(f"{field}: less than {CAR_MARGIN} m from the road's edge at ({x:.1f}, {y:.1f}); "
                           "widen the road, move the place or change the turning radius")  # fmt: skip
         if not len(start_choices(graph, tuple(points[0]), start_clearance)):
-            faults.append(f"{field}: no waypoint is {start_clearance:g} m from the car's start; add one further off")
+            faults.append(f"{field}: no waypoint is {start_clearance:g} m from the car's start; add one farther away")
     return faults

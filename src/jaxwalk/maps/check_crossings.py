@@ -1,4 +1,4 @@
-"""The checks of crosswalks and their jaywalk zones."""
+"""Checks of crosswalks and their jaywalk zones."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from jaxwalk.maps.scene import Scene
 from jaxwalk.maps.tables import zone_from_landing
 
 ZONE = (1.0, 25.0)
-"""A jaywalk zone lies between these distances from its crosswalk's edge [m]."""
+"""Smallest and largest distance of a jaywalk zone from its crosswalk's edge [m]."""
 
 
 def crossing_faults(file: MapFile, scene: Scene, graph: Graph) -> list[str]:
-    """All faults of the crosswalks of a map file."""
+    """Return all faults of the crosswalks of a map file, one line each."""
     faults = [] if file.crosswalks else ["crosswalks: none; add at least one"]
     faults += _shared_faults(file, scene)
     for name, crosswalk in file.crosswalks.items():
@@ -30,7 +30,7 @@ def crossing_faults(file: MapFile, scene: Scene, graph: Graph) -> list[str]:
                           "let it end exactly at both kerbs of one arm")  # fmt: skip
             continue
         if not all(n in file.waypoints for side in crosswalk.sides for n in (side.landing, side.outer)):
-            continue  # named among the unknown waypoints
+            continue  # the check of names reports it
         own = _landing_faults(field, crosswalk, road, file, scene)
         own += _side_faults(field, crosswalk, road, file, graph)
         faults += own or _clear_faults(field, crosswalk, road, file, scene)
@@ -38,13 +38,13 @@ def crossing_faults(file: MapFile, scene: Scene, graph: Graph) -> list[str]:
 
 
 def _in_junction(scene: Scene, name: str, road: Road) -> bool:
-    """Whether a crosswalk lies partly on another road than its own, that is, in a junction."""
+    """Return whether a crosswalk overlaps another road than its own, that is, a junction."""
     area = scene.crosswalks[name]
     return any(_overlap(area, shape) for other, shape in scene.roads.items() if other != road.name)
 
 
 def _shared_faults(file: MapFile, scene: Scene) -> list[str]:
-    """Crosswalks are apart, and so are their landings."""
+    """Check that no two crosswalks overlap or share a landing."""
     faults = [
         f"crosswalks.{a} and crosswalks.{b}: overlap; move them apart"
         for (a, area), (b, other) in combinations(scene.crosswalks.items(), 2)
@@ -60,7 +60,7 @@ def _shared_faults(file: MapFile, scene: Scene) -> list[str]:
 
 
 def _spanned(crosswalk: Crosswalk, file: MapFile) -> Road | None:
-    """The road that a crosswalk crosses from kerb to kerb, or None."""
+    """Return the road that a crosswalk crosses from kerb to kerb, or None."""
     for name, area in file.roads.items():
         road = make_road(name, area)
         along, across = road.axis, 1 - road.axis
@@ -72,7 +72,7 @@ def _spanned(crosswalk: Crosswalk, file: MapFile) -> Road | None:
 
 
 def _landing_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, scene: Scene) -> list[str]:
-    """Landings lie straight across the crosswalk's middle, one at each kerb."""
+    """Check that the landings lie straight across the crosswalk's middle, one at each kerb."""
     faults = []
     points = np.array([file.waypoints[side.landing] for side in crosswalk.sides])
     along, across = road.axis, 1 - road.axis
@@ -91,7 +91,7 @@ def _landing_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile,
 
 
 def _side_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, graph: Graph) -> list[str]:
-    """Zones lie within one sidewalk edge along the kerb, at the right distance, opposite each other."""
+    """Check that the zones lie within one edge along the kerb, at an allowed distance, opposite each other."""
     faults = []
     units = []
     for number, side in enumerate(crosswalk.sides):
@@ -103,7 +103,7 @@ def _side_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, gr
         units.append(unit)
     if len(units) == 2 and np.abs(units[0] - units[1]).max() > NEARLY:
         faults.append(f"{field}.sides: the zones go in different directions; let both lead away from the junction")
-    if crosswalk.sides[0].zone != crosswalk.sides[1].zone:  # else walking straight across might miss the other zone
+    if crosswalk.sides[0].zone != crosswalk.sides[1].zone:  # otherwise a straight way across could miss the other zone
         faults.append(f"{field}.sides: the zones differ; give both the same [from, to]")
     return faults
 
@@ -111,7 +111,7 @@ def _side_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, gr
 def _zone_faults(
     crosswalk: Crosswalk, side: Side, road: Road, file: MapFile, graph: Graph
 ) -> tuple[list[str], np.ndarray]:
-    """Faults of one side, and the unit vector (2,) of its zone."""
+    """Return the faults of one side, and the unit vector (2,) of its zone."""
     faults = []
     unit, _, far = zone_from_landing(crosswalk, side, file.waypoints)
     if abs(abs(unit[road.axis]) - 1) > NEARLY:
@@ -135,14 +135,14 @@ def _zone_faults(
 
 
 def _neighbours(graph: Graph, landing: str) -> list[str]:
-    """Names of the waypoints joined to a landing (not the crosswalk's middle)."""
+    """Return the names of the waypoints joined to a landing, without the crosswalk's middle."""
     node = graph.names.index(landing)
     joined = graph.edges[(graph.edges == node).any(axis=1)].sum(axis=1) - node
     return [graph.names[other] for other in joined if other < graph.waypoints]
 
 
 def _clear_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, scene: Scene) -> list[str]:
-    """Every straight line between the two zones stays on sidewalks and this road, off crosswalks and other roads."""
+    """Check that straight lines between the zones stay on sidewalks and this road, off crosswalks and other roads."""
     ends = []
     for side in crosswalk.sides:
         unit, near, far = zone_from_landing(crosswalk, side, file.waypoints)
@@ -158,5 +158,5 @@ def _clear_faults(field: str, crosswalk: Crosswalk, road: Road, file: MapFile, s
 
 
 def _overlap(a: BaseGeometry, b: BaseGeometry) -> bool:
-    """Whether two shapes share an area."""
+    """Return whether two shapes share an area."""
     return a.intersection(b).area > NEARLY

@@ -1,4 +1,4 @@
-"""The check that comes first: no part is so large, or there so often, that the others would never end."""
+"""The first check: limits on sizes and numbers, so that the other checks end and fit into memory."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Iterator
 from jaxwalk.maps.file import MapFile
 
 LARGEST = 2000.0
-"""No length or coordinate is above this [m]."""
+"""Largest length or coordinate [m]."""
 MOST = {"roads": 50, "sidewalks": 500, "crosswalks": 100, "waypoints": 500, "walkways": 500}
-"""How many of each part a map may have."""
+"""Largest number of each part of a map."""
 MOST_PLACES, MOST_ROUTES, LONGEST_WALKWAY = 200, 1000, 100
-"""Of the car's places and routes, and of the waypoints that a walkway joins."""
+"""Largest number of the car's places, of its routes, and of waypoints that a walkway joins."""
 MOST_METRES = 200_000.0
-"""Routes times (width + height): all routes together could hardly be longer [m]."""
+"""Largest value of routes times (width + height), a bound on the length of all routes together [m]."""
 
 
 def size_faults(file: MapFile) -> list[str]:
-    """What of the file is too large or there too often; [] if the other checks can be made."""
+    """Return the faults of size and number, one line each; [] if the other checks can run."""
     faults = [
         f"{name}: {len(getattr(file, name))} are too many; a map has at most {most}"
         for name, most in MOST.items()
@@ -36,12 +36,12 @@ def size_faults(file: MapFile) -> list[str]:
     ]
     faults += [f"{name}: {value:g} m is beyond {LARGEST:g} m; is it in metres?" for name, value in _lengths(file)]
     if not faults and routes * sum(file.size) > MOST_METRES:
-        faults.append(f"car.routes: {routes:,} on so large a map don't fit into memory; list fewer")
+        faults.append(f"car.routes: {routes:,} on a map of this size don't fit into memory; list fewer")
     return faults
 
 
 def _lengths(file: MapFile) -> Iterator[tuple[str, float]]:
-    """The first length of each part that is too large."""
+    """Yield each part that has a length beyond LARGEST, with the first such length [m]."""
     parts = {"size": file.size, "car.right_turn_radius": (file.car.right_turn_radius,)}
     parts["car.left_turn_radius"] = (file.car.left_turn_radius,)
     parts |= {f"car.places[{number}]": place for number, place in enumerate(file.car.places)}

@@ -1,4 +1,4 @@
-"""The map file: what may stand in it, and how it is read. Described for authors in ``docs/maps.md``."""
+"""The map file: its fields, and its parser. ``docs/maps.md`` describes it for authors of maps."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-"""A finite number; text and booleans are refused instead of converted."""
+"""A finite number. Text and booleans are errors; they are not converted."""
 Index = Annotated[int, Field(strict=True)]
 Name = Annotated[str, Field(strict=True, min_length=1)]
 Point = tuple[Number, Number]
@@ -19,15 +19,15 @@ Rectangle = tuple[Number, Number, Number, Number]
 """x0, y0, x1, y1 [m]."""
 
 SHOWN = 200
-"""Characters that a message shows of a wrong value."""
+"""Longest quotation of a wrong value in a message [characters]."""
 _EXACT = ConfigDict(extra="forbid")
 
 
 class MapError(ValueError):
-    """A map that cannot be used: its message names the file and, one per line, every fault with what to do."""
+    """A map can't be used. The message names the file and lists every fault in a line, with what to do."""
 
     def __init__(self, source: str, faults: list[str]) -> None:
-        """Compose the message of the ``faults`` found in ``source``, the map's name or path."""
+        """Make the message from the ``faults`` of ``source``, the map's name or path."""
         self.source = source
         self.faults = list(faults)
         head = f"map {source} has {len(faults)} fault" + ("s" if len(faults) != 1 else "")
@@ -39,11 +39,11 @@ class Side:
     """One end of a crosswalk."""
 
     landing: Name
-    """The waypoint where people step on the crosswalk."""
+    """The waypoint where people step onto the crosswalk."""
     outer: Name
     """The waypoint next to the landing along the kerb, away from the junction."""
     zone: Point
-    """The jaywalk zone: from and to, in metres from the crosswalk's edge toward ``outer``."""
+    """The jaywalk zone: nearest and farthest distance from the crosswalk's edge toward ``outer`` [m]."""
 
 
 @dataclass(frozen=True, config=_EXACT)
@@ -56,19 +56,19 @@ class Crosswalk:
 
 @dataclass(frozen=True, config=_EXACT)
 class Car:
-    """Where the car may start or be sent, and how it turns."""
+    """Where the car may start and where its goals are, and how it turns."""
 
     places: list[Point]
     """Points on the centre lines of roads."""
     right_turn_radius: Number
-    """[m]"""
+    """Radius of right turns [m]."""
     left_turn_radius: Number
-    """[m]"""
+    """Radius of left turns [m]."""
     routes: Literal["all"] | list[tuple[Index, Index]] = "all"
     """Pairs (start, goal) of positions in ``places``, counted from 0; ``all`` is every ordered pair."""
 
     def pairs(self) -> list[tuple[int, int]]:
-        """The routes as (start, goal) pairs."""
+        """Return the routes as (start, goal) pairs."""
         if self.routes != "all":
             return list(self.routes)
         count = range(len(self.places))
@@ -77,7 +77,7 @@ class Car:
 
 @dataclass(frozen=True, config=_EXACT)
 class MapFile:
-    """A map as it is written down."""
+    """The content of a map file."""
 
     size: Point
     """Width (to the east) and height (to the north) [m]."""
@@ -86,7 +86,7 @@ class MapFile:
     sidewalks: dict[Name, Rectangle]
     waypoints: dict[Name, Point]
     walkways: dict[Name, list[Name]]
-    """Waypoints joined one after the other."""
+    """Chains of waypoints, each joined to the next one."""
     crosswalks: dict[Name, Crosswalk]
 
 
@@ -94,14 +94,14 @@ _ADAPTER = TypeAdapter(MapFile)
 
 
 def parse(text: str, source: str) -> MapFile:
-    """The map file in ``text``. MapError if it isn't TOML, or a key is unknown, missing or of the wrong type."""
+    """Parse a map file's text. Raises MapError if it isn't TOML, or a key is unknown, missing or of the wrong type."""
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         last = f"at line {len(text.splitlines())}, the end of the file"
         reason = str(error).replace("at end of document", last)
         raise MapError(source, [f"not valid TOML: {reason}; correct the file there"]) from None
-    except (ValueError, RecursionError) as error:  # a number of thousands of digits, thousands of brackets
+    except (ValueError, RecursionError) as error:  # for example a number with thousands of digits
         raise MapError(source, [f"not TOML that can be read ({error}); correct the file"]) from None
     try:
         return _ADAPTER.validate_python(table)
@@ -110,7 +110,7 @@ def parse(text: str, source: str) -> MapFile:
 
 
 def _explain(fault: dict[str, Any]) -> str:
-    """One pydantic fault as a line: which field, what is wrong, what to write instead."""
+    """Return one pydantic fault as a line: the field, what is wrong, what to write instead."""
     field = ".".join(str(part) for part in fault["loc"] if not _is_branch_of_union(part))
     if fault["type"] == "unexpected_keyword_argument":
         return f"{field}: unknown key; remove it or correct its spelling (docs/maps.md lists all keys)"
@@ -120,5 +120,5 @@ def _explain(fault: dict[str, Any]) -> str:
 
 
 def _is_branch_of_union(part: str | int) -> bool:
-    """Whether pydantic put the alternative it tried, such as ``list[...]``, into the field's path."""
+    """Return whether a part of the field's path is an alternative that pydantic tried, such as ``list[...]``."""
     return isinstance(part, str) and ("[" in part or "literal" in part)

@@ -12,20 +12,20 @@ from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.tables import build
 
 MOST_BYTES = 1_000_000
-"""A larger file is no map."""
+"""Largest size of a map file [bytes]."""
 
 
 def bundled_maps() -> list[str]:
-    """Names of the maps that come with jaxwalk."""
+    """Return the names of the maps that ship with jaxwalk."""
     folder = resources.files("jaxwalk.maps")
     return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
 
 
 def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clearance: float = 10.0) -> RoadMap:
-    """The map of a bundled name, or of a path that ends in ``.toml``, as numpy arrays (float32, int32, bool).
+    """Load a bundled map by name, or a file by a path that ends in ``.toml``, as numpy arrays (float32, int32, bool).
 
-    ``goal_spacing`` and ``start_clearance`` [m] are those of SimConfig. Raises MapError, naming every fault, if the
-    map can't be read or is wrong.
+    ``goal_spacing`` and ``start_clearance`` [m] are those of SimConfig. Raises MapError, with a line for every fault,
+    if the map can't be read or is wrong.
     """
     file = parse(_read(name_or_path), str(name_or_path))
     if too_much := size_faults(file):
@@ -37,7 +37,7 @@ def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clea
 
 
 def _read(name_or_path: str | Path) -> str:
-    """The text of a map. MapError if there is none."""
+    """Return the text of a map. Raises MapError if it can't be read."""
     source = str(name_or_path)
     names = bundled_maps()
     if source in names:
@@ -46,8 +46,8 @@ def _read(name_or_path: str | Path) -> str:
         known = ", ".join(names)
         raise MapError(source, [f"no such map: use a bundled one ({known}) or the path of a file that ends in .toml"])
     path = Path(source)
-    if path.exists() and not path.is_file():  # a folder, a device without an end, a pipe that nobody writes into
-        raise MapError(source, ["is no file: check the path"])
+    if path.exists() and not path.is_file():  # a folder, an endless device, a pipe without a writer
+        raise MapError(source, ["not a regular file: check the path"])
     try:
         with path.open("rb") as file:
             content = file.read(MOST_BYTES + 1)

@@ -1,4 +1,4 @@
-"""The navigation graph on foot: waypoints, crosswalk midpoints, and the shortest ways between them."""
+"""The pedestrians' navigation graph: waypoints, crosswalk midpoints, and the shortest ways between them."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from scipy.sparse.csgraph import dijkstra
 from jaxwalk.maps.file import MapFile
 
 NEARLY = 1e-6
-"""Lengths closer than this are equal [m]: far above rounding, far below anything a map means."""
+"""Lengths that differ by less are equal [m]: far above rounding errors, far below any real distance on a map."""
 
 
 class Graph(NamedTuple):
     """Waypoints in the order of the file, then one midpoint for each crosswalk."""
 
     names: list[str]
-    """What to call each node in a message."""
+    """Name of each node in messages."""
     points: np.ndarray
     """float64 (node, 2) [m]."""
     edges: np.ndarray
     """int64 (edge, 2), smaller index first: the walkways' in the order of the file, then the crosswalks'."""
     waypoints: int
-    """How many nodes are waypoints; the rest are midpoints."""
+    """Number of nodes that are waypoints; the rest are midpoints."""
 
 
 def build_graph(file: MapFile) -> Graph:
-    """The graph of a map file. Joins with an unknown name or of a waypoint to itself are left out (and are faults)."""
+    """Build the graph of a map file. It leaves out faults: unknown names, and waypoints joined to themselves."""
     index = {name: number for number, name in enumerate(file.waypoints)}
     middles = [((c.area[0] + c.area[2]) / 2, (c.area[1] + c.area[3]) / 2) for c in file.crosswalks.values()]
     joins = [
@@ -50,28 +50,29 @@ def build_graph(file: MapFile) -> Graph:
 
 
 def shortest_ways(graph: Graph) -> tuple[np.ndarray, np.ndarray]:
-    """Dijkstra over all nodes: lengths float64 (node, goal) [m], inf without a way, and next hops int64 (node, goal).
+    """Run Dijkstra's algorithm over all nodes.
 
-    The next hop is the node itself at its goal and where there is no way.
+    Returns the lengths float64 (node, goal) [m], inf without a way, and the next hops int64 (node, goal). At the goal,
+    and without a way, the next hop is the node itself.
     """
     nodes = len(graph.points)
     first, second = graph.edges.T
     lengths = np.linalg.norm(graph.points[first] - graph.points[second], axis=1)
     matrix = csr_array((lengths, (first, second)), shape=(nodes, nodes))
     distance, before = dijkstra(matrix, directed=False, return_predecessors=True)
-    # Walked backwards from the goal, the node before another is the one after it on the way to the goal.
+    # On the way from a goal, the node before another one is the next hop on the way to the goal.
     next_hop = np.where(before.T >= 0, before.T, np.arange(nodes)[:, None])
     return distance.T, next_hop
 
 
 def goal_choices(graph: Graph, distance: np.ndarray, spacing: float) -> list[np.ndarray]:
-    """For each node, the waypoints that can be walked to and are at least ``spacing`` metres of walking away."""
+    """Return for each node the waypoints that a pedestrian can reach by a walk of at least ``spacing`` metres."""
     to_waypoint = distance[:, : graph.waypoints]
     far = (to_waypoint >= spacing - NEARLY) & np.isfinite(to_waypoint)
     return [np.flatnonzero(row) for row in far]
 
 
 def start_choices(graph: Graph, car: tuple[float, float], clearance: float) -> np.ndarray:
-    """The waypoints at least ``clearance`` metres, as the crow flies, from a car at ``car`` (x, y)."""
+    """Return the waypoints at least ``clearance`` metres, in a straight line, from a car at ``car`` (x, y) [m]."""
     away = np.linalg.norm(graph.points[: graph.waypoints] - np.asarray(car), axis=1)
     return np.flatnonzero(away >= clearance - NEARLY)

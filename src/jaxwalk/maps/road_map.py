@@ -1,4 +1,4 @@
-"""A map as the simulator sees it: arrays only, padded so that maps of different sizes can be stacked."""
+"""A map for the simulator: arrays only, padded so that maps of different sizes can be stacked."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 if TYPE_CHECKING:
     Array = jax.Array
 else:
-    Array = jax.Array | np.ndarray  # maps are built by numpy; the simulator, which computes with them, sees JAX arrays
+    Array = jax.Array | np.ndarray  # maps are built with numpy; the simulator gets JAX arrays
 
 
 class RoadMap(eqx.Module):
@@ -29,20 +29,20 @@ class RoadMap(eqx.Module):
     roads: Float[Array, "*map road 4"]
     """Road rectangles x0, y0, x1, y1 [m]; padding is (inf, inf, -inf, -inf)."""
     sidewalks: Float[Array, "*map sidewalk 4"]
-    """Sidewalk rectangles, likewise."""
+    """Sidewalk rectangles, in the same form."""
     crosswalks: Float[Array, "*map crosswalk 4"]
-    """Crosswalk rectangles, likewise."""
+    """Crosswalk rectangles, in the same form."""
 
     node_x: Float[Array, "*map node"]
-    """Waypoints of the navigation graph [m]; padding is 0."""
+    """x of the navigation graph's nodes [m]; padding is 0."""
     node_y: Float[Array, "*map node"]
-    """Waypoints of the navigation graph [m]."""
+    """y of the navigation graph's nodes [m]."""
     node_is_midpoint: Bool[Array, "*map node"]
     """Whether the node is the middle of a crosswalk (the others are on sidewalks)."""
     edges: Int[Array, "*map edge 2"]
     """Node pairs joined by a straight walkway; padding is (-1, -1)."""
     next_hop: Int[Array, "*map node goal"]
-    """First node on the shortest way from a node to a goal (itself if there)."""
+    """First node on the shortest way from a node to a goal; the node itself at the goal."""
     distance: Float[Array, "*map node goal"]
     """Length of the shortest way [m]; inf where there is none."""
 
@@ -54,30 +54,30 @@ class RoadMap(eqx.Module):
     """Unit vector along the kerb, from the landing toward ``side_outer``; the same for both sides of a crosswalk."""
     side_uy: Float[Array, "*map side"]
     zone_near: Float[Array, "*map side"]
-    """The jaywalk zone reaches from this far from the landing, along the unit vector [m] ..."""
+    """Where the jaywalk zone begins: distance from the landing along the unit vector [m]."""
     zone_far: Float[Array, "*map side"]
-    """... to this far [m]."""
+    """Where the jaywalk zone ends, likewise [m]."""
     node_side: Int[Array, "*map node"]
-    """The side whose landing a node is, else -1."""
+    """The side that has this node as its landing, or -1."""
 
     goal_choices: Int[Array, "*map node choice"]
-    """Waypoints far enough from a node to be its next goal, the first ``goal_count`` of the row."""
+    """Waypoints far enough from a node to be its next goal: the first ``goal_count`` entries of the row."""
     goal_count: Int[Array, "*map node"]
 
     route_count: Int[Array, "*map"]
-    """How many routes the car can be given."""
+    """Number of routes of the car."""
     route_places: Int[Array, "*map route 2"]
     """Start and goal place of each route: indices into the map file's list of places."""
     route_x: Float[Array, "*map route point"]
-    """Lane route every ``ROUTE_SPACING`` metres from the start, continued straight on beyond the goal [m]."""
+    """Points of the lane route, ``ROUTE_SPACING`` metres apart, from the start and straight on beyond the goal [m]."""
     route_y: Float[Array, "*map route point"]
     route_cos: Float[Array, "*map route point"]
-    """Direction of travel at each point."""
+    """Unit vector of travel at each point."""
     route_sin: Float[Array, "*map route point"]
     route_length: Float[Array, "*map route"]
-    """Metres from start to goal."""
+    """Length from start to goal [m]."""
     start_choices: Int[Array, "*map route start"]
-    """Waypoints where a pedestrian may start on a route: not close to the car; the first ``start_count``."""
+    """Waypoints where a pedestrian may start, not close to the car: the first ``start_count`` entries of the row."""
     start_count: Int[Array, "*map route"]
 
 

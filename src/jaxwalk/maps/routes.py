@@ -1,4 +1,4 @@
-"""Lane routes for the car: the shortest way over the centre lines, moved into the right-hand lane, corners rounded.
+"""Lane routes for the car: the shortest way along centre lines, moved into the right-hand lane, with rounded corners.
 
 Roads are axis-aligned rectangles whose longer side is their direction. Two perpendicular roads that overlap or share a
 piece of edge form a junction where their (extended) centre lines meet.
@@ -18,7 +18,7 @@ from jaxwalk.maps.navigation import NEARLY
 
 
 class RouteFault(ValueError):
-    """A route that cannot be laid out; the message says why and what to do."""
+    """A route is impossible. The message says why and what to do."""
 
 
 class Road(NamedTuple):
@@ -31,22 +31,22 @@ class Road(NamedTuple):
     centre: float
     """Coordinate of the centre line on the other axis [m]."""
     width: float
-    """Across both lanes [m]."""
+    """Width of both lanes together [m]."""
 
 
 class Piece(NamedTuple):
     """A straight line or an arc of a route."""
 
     begin: float
-    """Metres from the start of the route."""
+    """Distance of its first point from the start of the route [m]."""
     point: np.ndarray
-    """Where it begins: x, y [m]."""
+    """Its first point: x, y [m]."""
     direction: np.ndarray
-    """Unit vector of travel at its beginning."""
+    """Unit vector of travel at its first point."""
     inward: np.ndarray
-    """Unit vector toward the middle of the arc; unused on a straight line."""
+    """Unit vector from the first point to the centre of the arc; unused on a straight line."""
     radius: float
-    """Of the arc [m]; inf for a straight line."""
+    """Radius of the arc [m]; inf for a straight line."""
 
 
 class CentreLines(NamedTuple):
@@ -57,11 +57,11 @@ class CentreLines(NamedTuple):
     roads: dict[tuple[int, int], Road]
     """The road between two neighbouring points."""
     before: np.ndarray
-    """int (place, point): the point before this one on the shortest way from the place; negative if none."""
+    """int (place, point): the previous point on the shortest way from the place; negative if there is none."""
 
 
 def make_road(name: str, area: Rectangle) -> Road:
-    """A road from its rectangle."""
+    """Return the road with this rectangle."""
     extent = (area[2] - area[0], area[3] - area[1])
     axis = int(extent[1] > extent[0])
     across = 1 - axis
@@ -69,13 +69,13 @@ def make_road(name: str, area: Rectangle) -> Road:
 
 
 def meet(a: Rectangle, b: Rectangle) -> bool:
-    """Whether two rectangles overlap or share a piece of edge (a common corner isn't enough)."""
+    """Return whether two rectangles overlap or share a piece of edge (a common corner isn't enough)."""
     shared = [min(a[k + 2], b[k + 2]) - max(a[k], b[k]) for k in (0, 1)]
     return min(shared) > -NEARLY and max(shared) > NEARLY
 
 
 def road_of(place: tuple[float, float], roads: list[Road]) -> Road | None:
-    """The only road on whose centre line a place lies; None in a junction or elsewhere."""
+    """Return the road that has the place on its centre line; None in a junction or off the centre lines."""
     on = [r for r in roads if all(r.area[k] - NEARLY <= place[k] <= r.area[k + 2] + NEARLY for k in (0, 1))]
     if len(on) != 1 or abs(place[1 - on[0].axis] - on[0].centre) > NEARLY:
         return None
@@ -83,7 +83,7 @@ def road_of(place: tuple[float, float], roads: list[Road]) -> Road | None:
 
 
 def centre_lines(file: MapFile) -> CentreLines:
-    """The network of a map file. Places that are not on one road's centre line are joined to nothing."""
+    """Return the network of a map file. Places off the centre lines have no neighbours."""
     roads = [make_road(name, area) for name, area in file.roads.items()]
     points = list(file.car.places)
     on_road: dict[str, list[int]] = {road.name: [] for road in roads}
@@ -107,7 +107,7 @@ def centre_lines(file: MapFile) -> CentreLines:
 
 
 def _shortest(points: np.ndarray, neighbours: dict[tuple[int, int], Road], places: int) -> np.ndarray:
-    """Dijkstra from each place: int (place, point), the point before."""
+    """Run Dijkstra's algorithm from each place: int (place, point), the previous point."""
     pairs = np.array(list(neighbours), int).reshape(-1, 2)
     lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
     matrix = csr_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
@@ -116,7 +116,7 @@ def _shortest(points: np.ndarray, neighbours: dict[tuple[int, int], Road], place
 
 
 def lane_route(lines: CentreLines, start: int, goal: int, radii: tuple[float, float]) -> tuple[list[Piece], float]:
-    """Pieces and length [m] of the route between two places; ``radii`` of right and left turns [m].
+    """Return the pieces and the length [m] of the route between two places; ``radii`` are of right and left turns [m].
 
     Raises RouteFault if there is no way, or if a straight piece is too short for the turns at its ends.
     """
@@ -145,20 +145,20 @@ def lane_route(lines: CentreLines, start: int, goal: int, radii: tuple[float, fl
 
 
 def _way(lines: CentreLines, start: int, goal: int) -> list[int]:
-    """Points of the shortest way, which never turns back. RouteFault if there is none."""
+    """Return the points of the shortest way, which never turns back. Raises RouteFault if there is none."""
     way = [goal]
     while way[-1] != start:
         step = int(lines.before[start, way[-1]])
         if step < 0:
-            raise RouteFault("no road leads there: let the roads meet, or take the route off the list")
+            raise RouteFault("no road leads there: let the roads meet, or remove the route from the list")
         way.append(step)
     return way[::-1]
 
 
 def _lane_corners(lines: CentreLines, way: list[int]) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Start, corners and goal in the lane, float64 (corner, 2), and the direction of travel between them."""
+    """Return start, corners and goal in the lane, float64 (corner, 2) [m], and the directions of travel between."""
     steps = [(a, b, lines.roads[a, b]) for a, b in pairwise(way)]
-    # Where the road stays the same, the way goes straight on.
+    # The way bends only where the road changes.
     bends = [k for k in range(1, len(steps)) if steps[k][2] is not steps[k - 1][2]]
     corners = lines.points[[way[k] for k in (0, *bends, len(steps))]].copy()
     directions = []
@@ -174,7 +174,10 @@ def _lane_corners(lines: CentreLines, way: list[int]) -> tuple[np.ndarray, list[
 
 
 def sample(pieces: list[Piece], along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points and unit tangents, each float64 (point, 2), at ``along`` metres; straight on beyond the last piece."""
+    """Return points [m] and unit tangents, each float64 (point, 2), at ``along`` metres from the start.
+
+    The route goes straight on beyond its last piece.
+    """
     which = np.searchsorted([piece.begin for piece in pieces], along, side="right") - 1
     points, tangents = np.empty((2, len(along), 2))
     for number, piece in enumerate(pieces):

@@ -1,4 +1,4 @@
-"""From a faultless map file to the arrays of a RoadMap, and several RoadMaps into one."""
+"""Arrays of a RoadMap from a map file without faults, and a stack of several RoadMaps."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from jaxwalk.maps.road_map import ROUTE_SPACING, RoadMap
 from jaxwalk.maps.routes import centre_lines, lane_route, sample
 
 BEYOND_GOAL = 30.0
-"""Every route is continued at least this far past its goal [m]."""
+"""Length by which every route continues past its goal, at least [m]."""
 
 _EMPTY = np.array([np.inf, np.inf, -np.inf, -np.inf], np.float32)
 _PADDING: dict[str, Any] = {
     "roads": _EMPTY, "sidewalks": _EMPTY, "crosswalks": _EMPTY, "edges": -1, "distance": np.inf,
     "side_landing": -1, "side_outer": -1, "node_side": -1, "route_places": -1, "route_cos": 1.0,
 }  # fmt: skip
-"""What fills the room that a map doesn't need, where it isn't 0."""
+"""Padding values of the fields that aren't padded with 0."""
 
 
 def build(file: MapFile, *, goal_spacing: float, start_clearance: float) -> RoadMap:
-    """The arrays (numpy, float32 and int32) of a map file that has passed the checks."""
+    """Return the arrays (numpy, float32, int32 and bool) of a map file that has passed the checks."""
     graph = build_graph(file)
     arrays: dict[str, Any] = {
         "width": file.size[0],
@@ -42,7 +42,7 @@ def build(file: MapFile, *, goal_spacing: float, start_clearance: float) -> Road
 
 
 def stack_maps(maps: Sequence[RoadMap]) -> RoadMap:
-    """Maps padded to a common size and stacked along a new leading axis (also a single one). ValueError if empty."""
+    """Pad maps (one or more) to a common size and stack them along a new leading axis. Raises ValueError if empty."""
     if not maps:
         raise ValueError("stack_maps needs at least one map")
     arrays: dict[str, Any] = {}
@@ -54,9 +54,10 @@ def stack_maps(maps: Sequence[RoadMap]) -> RoadMap:
 
 
 def zone_from_landing(crosswalk: Crosswalk, side: Side, waypoints: dict[str, Point]) -> tuple[np.ndarray, float, float]:
-    """Unit vector (2,) from a side's landing to its outer neighbour, and the zone's two distances along it [m].
+    """Return the unit vector (2,) from a side's landing to its outer neighbour, and the zone's distances along it [m].
 
-    The file counts them from the crosswalk's edge, a RoadMap from the landing, half a crosswalk further in.
+    A file measures distances from the crosswalk's edge. A RoadMap measures them from the landing, which is half a
+    crosswalk's width farther in.
     """
     away = np.subtract(waypoints[side.outer], waypoints[side.landing])
     unit = away / np.linalg.norm(away)
@@ -66,7 +67,7 @@ def zone_from_landing(crosswalk: Crosswalk, side: Side, waypoints: dict[str, Poi
 
 
 def _walking(graph: Graph, goal_spacing: float) -> dict[str, Any]:
-    """Nodes, edges, shortest ways and goals."""
+    """Return nodes, edges, shortest ways and goals."""
     distance, next_hop = shortest_ways(graph)
     choices, count = _table(goal_choices(graph, distance, goal_spacing))
     return {
@@ -82,7 +83,7 @@ def _walking(graph: Graph, goal_spacing: float) -> dict[str, Any]:
 
 
 def _crossing(file: MapFile, graph: Graph) -> dict[str, Any]:
-    """The two sides of each crosswalk, with their jaywalk zones."""
+    """Return the two sides of each crosswalk, with their jaywalk zones."""
     index = {name: number for number, name in enumerate(file.waypoints)}
     sides = [(crosswalk, side) for crosswalk in file.crosswalks.values() for side in crosswalk.sides]
     landings = [index[side.landing] for _, side in sides]
@@ -101,7 +102,7 @@ def _crossing(file: MapFile, graph: Graph) -> dict[str, Any]:
 
 
 def _driving(file: MapFile, graph: Graph, start_clearance: float) -> dict[str, Any]:
-    """The car's routes, and where pedestrians may start on each."""
+    """Return the car's routes, and the waypoints where pedestrians may start on each."""
     radii = (file.car.right_turn_radius, file.car.left_turn_radius)
     lines = centre_lines(file)
     pairs = file.car.pairs()
@@ -126,7 +127,7 @@ def _driving(file: MapFile, graph: Graph, start_clearance: float) -> dict[str, A
 
 
 def _table(rows: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of different lengths as one int table, filled up with 0, and their lengths."""
+    """Return rows of different lengths as one int table, padded with 0, and their lengths."""
     count = np.array([len(row) for row in rows], int)
     table = np.zeros((len(rows), count.max(initial=0)), int)
     for line, row in zip(table, rows, strict=True):
@@ -135,7 +136,7 @@ def _table(rows: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _compact(value: Any) -> np.ndarray:
-    """As bool, int32 or float32."""
+    """Return a value as an array of bool, int32 or float32."""
     array = np.asarray(value)
     if array.dtype == bool:
         return array
@@ -143,12 +144,12 @@ def _compact(value: Any) -> np.ndarray:
 
 
 def _pad(name: str, array: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """One field of a map, with padding at the end of each axis up to ``shape``."""
+    """Pad one field of a map at the end of each axis up to ``shape``."""
     padded = np.empty(shape, array.dtype)
     padded[...] = _PADDING.get(name, 0)
-    if name == "next_hop":  # without a way, one stays
+    if name == "next_hop":  # a node without a way is its own next hop
         padded[...] = np.arange(shape[0])[:, None]
-    if name in ("route_x", "route_y"):  # straight on, as beyond the goal; needs no other field but the last two points
+    if name in ("route_x", "route_y"):  # straight on, as beyond the goal, along the line through the last two points
         points = array.shape[1]
         further = np.arange(1, shape[1] - points + 1, dtype=array.dtype)
         padded[: len(array), points:] = array[:, -1:] + further * (array[:, -1:] - array[:, -2:-1])

@@ -13,7 +13,8 @@ from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ from jaxtyping import Bool, Float, Int, Shaped
 
 from jaxwalk.metrics.metric import Finding, MetricTable
 from jaxwalk.sim import events
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, NO_CROSSING, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
+from jaxwalk.sim.trajectory import Trajectory
 
 T = TypeVar("T")
 TYPES = (CROSSWALK, JAYWALK)

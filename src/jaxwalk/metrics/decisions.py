@@ -10,7 +10,8 @@ from jaxtyping import Float, Int
 from jaxwalk.metrics.crossings import real_frames
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Rate, wilson
-from jaxwalk.sim.trajectory import JAYWALK, NO_CROSSING, Trajectory
+from jaxwalk.sim.crossing_kind import JAYWALK, NO_CROSSING
+from jaxwalk.sim.trajectory import Trajectory
 
 QUARTERS = 4
 """tau in [0, 0.25), [0.25, 0.5), [0.5, 0.75) and [0.75, 1]."""

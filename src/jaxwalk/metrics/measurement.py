@@ -13,7 +13,7 @@ import pydantic
 from jaxwalk.metrics.metric import Metric, MetricTable, Numbers, Recording, Rows, Sums, with_needs
 from jaxwalk.metrics.registry import METRICS
 from jaxwalk.metrics.statistics import RESAMPLES, episode_sums
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 T = TypeVar("T")

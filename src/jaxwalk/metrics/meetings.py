@@ -12,7 +12,8 @@ from jaxwalk.metrics.crossings import ROAD, TYPES, RoadSteps
 from jaxwalk.metrics.encounters import encounter_starts
 from jaxwalk.metrics.metric import MetricTable, Rows
 from jaxwalk.metrics.statistics import Estimate, episode_draws, interval, ratio
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
 
 BIN_WIDTH = 3.0
 """[m]"""

@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar, get_type_hints
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 T = TypeVar("T")

@@ -12,7 +12,8 @@ from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio, wilson
 from jaxwalk.sim import events
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
 
 NO_CONTACT, SIDEWALK = 0, 3
 """Contact types beside CROSSWALK (1) and JAYWALK (2): nobody was touched; somebody on no roadway was."""

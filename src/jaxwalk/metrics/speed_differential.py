@@ -24,7 +24,8 @@ from jaxwalk.metrics.meetings import (
 from jaxwalk.metrics.metric import Metric, MetricTable, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, Ghosts, Trajectory
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Everybody who can decide: trained networks and fixed rules. Names are loaded when they are first used."""
+"""Policies: trained networks and fixed rules. A name is imported when it is first used."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _HOMES = {
     "save_policy": "learned",
     "shipped_policy": "shipped",
 }
-"""Public names and the modules of this package that define them."""
+"""Each public name, and the module of this package that defines it."""
 
 __all__ = sorted(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
 

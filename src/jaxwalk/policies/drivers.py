@@ -1,7 +1,7 @@
-"""Drivers that are rules: those of `DRIVERS` to compare trained ones with, `Careless` for people to learn among.
+"""Rule-based drivers: `DRIVERS` are baselines for trained ones, and pedestrians train among `Careless`.
 
 An action is (acceleration, steering), each a share of its limit in [-1, 1]; positive steering is to the left. The
-rules know the car's default limits (`SimConfig`); a street with other limits wants them passed on.
+rules assume the car's default limits (`SimConfig`); for a street with other limits, pass those.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from jaxtyping import Array, Bool, Float, Key
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies.oracle import Oracle
 from jaxwalk.policies.pursuit import pursue
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, SPEED, part
+from jaxwalk.sim.sim_config import SimConfig
 
 FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
 """Accelerations as shares of the limit (3 m/s2)."""
@@ -28,22 +28,22 @@ Action = Float[Array, "2 *batch"]
 
 
 class Random(eqx.Module):
-    """Acceleration and steering uniform in [-1, 1], new and independent at every step."""
+    """Draws acceleration and steering uniformly from [-1, 1], independently at every step."""
 
     observes: str = eqx.field(static=True, default="paper")
     """Name of the observation set (it looks at nothing)."""
 
     @property
     def sample(self) -> bool:
-        """It always draws its actions."""
+        """Always True: it draws every action."""
         return True
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
+        """Return None: it has no memory."""
         return None
 
     def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
-        """Uniform actions, each episode's from its own key."""
+        """Return uniform actions, each episode's from its own key."""
 
         def draw(one: Key[Array, ""]) -> Float[Array, "2"]:
             return jax.random.uniform(one, (2,), minval=-1, maxval=1)
@@ -54,7 +54,7 @@ class Random(eqx.Module):
 
 
 class ConstantSpeed(eqx.Module):
-    """A fixed throttle and straight wheels: half throttle (1.5 m/s2), so top speed (8.33 m/s) after 5.6 s."""
+    """Drives straight with a fixed throttle: half throttle (1.5 m/s2) reaches the top speed (8.33 m/s) after 5.6 s."""
 
     throttle: float = eqx.field(static=True, default=0.5)
     """Share of the largest acceleration, in [-1, 1]."""
@@ -62,19 +62,19 @@ class ConstantSpeed(eqx.Module):
     """Name of the observation set (it looks at nothing)."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
+        """Return None: it has no memory."""
         return None
 
     def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
-        """Always the same."""
+        """Return the fixed action."""
         batch = observation.shape[1:]
         return _action(jnp.full(batch, self.throttle, jnp.float32), jnp.zeros(batch, jnp.float32)), memory
 
 
 class RuleBased(eqx.Module):
-    """Full throttle, and steers at the goal as the crow flies: the steering angle is the goal's bearing, at most 0.52.
+    """Drives straight to the goal at full throttle: its steering angle is the goal's bearing, at most 0.52 rad.
 
-    It sees neither lanes nor people. Where the road bends it meets the kerb and slides along it.
+    It observes neither lanes nor people. Where the road bends, it meets the kerb and slides along it.
     """
 
     max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
@@ -83,20 +83,20 @@ class RuleBased(eqx.Module):
     """Name of the observation set."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
+        """Return None: it has no memory."""
         return None
 
     def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
-        """Full throttle at the goal."""
+        """Return full throttle and the steering that points to the goal."""
         steering = _steer_at_goal(observation, self.max_steering)
         return _action(jnp.full_like(steering, FULL_THROTTLE), steering), memory
 
 
 class RuleBasedBraking(eqx.Module):
-    """Like `RuleBased`, but brakes fully (3 m/s2) while a pedestrian is in a cone ahead.
+    """Drives like `RuleBased`, but brakes fully (3 m/s2) while a pedestrian is in a cone ahead.
 
-    The cone: up to 13 m from the car's centre (from top speed the car stops in 11.6 m, and 1.5 m is a collision) and at
-    most 20 degrees to either side of its heading. Of the people, it sees the nearest six.
+    The cone reaches 13 m from the car's centre (from top speed the car stops in 11.6 m, and 1.5 m is a collision) and
+    20 degrees to either side of its heading. The driver observes the six nearest pedestrians.
     """
 
     cone_range: float = eqx.field(static=True, default=13.0)
@@ -109,49 +109,49 @@ class RuleBasedBraking(eqx.Module):
     """Name of the observation set."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
+        """Return None: it has no memory."""
         return None
 
     def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
-        """Full throttle at the goal, or full braking."""
+        """Return full throttle or full braking, and the steering that points to the goal."""
         blocked = _somebody_in_cone(observation, self.cone_range, self.cone_half_angle)
         throttle = jnp.where(blocked, FULL_BRAKING, FULL_THROTTLE)
         return _action(throttle, _steer_at_goal(observation, self.max_steering)), memory
 
 
 class RouteFollower(eqx.Module):
-    """Full throttle along its lane route, through turns as well, blind to people: pure pursuit, 2.5 m ahead."""
+    """Follows its lane route at full throttle, also through turns, and ignores people (pure pursuit, 2.5 m ahead)."""
 
     wheelbase: float = eqx.field(static=True, default=SimConfig.wheelbase)
     """Distance between the car's axles [m]."""
     max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
     """The car's largest steering angle [rad]."""
     point: int = eqx.field(static=True, default=0)
-    """Which of the route's points it aims at: an index of ``jaxwalk.sim.tables.POINTS``."""
+    """The point of the route to steer to: an index of ``jaxwalk.sim.map_tables.POINTS``."""
     observes: str = eqx.field(static=True, default="route")
     """Name of the observation set."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
+        """Return None: it has no memory."""
         return None
 
     def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
-        """Full throttle after the route."""
+        """Return full throttle and the steering that follows the route."""
         route = observation[part("driver", "route", "route")]
         steering = pursue(route, point=self.point, wheelbase=self.wheelbase, max_steering=self.max_steering)
         return _action(jnp.full_like(steering, FULL_THROTTLE), steering), memory
 
 
 class Careless(eqx.Module):
-    """Drives like `RouteFollower`, but every environment's car keeps to a speed of its own between 3 and 8.33 m/s.
+    """Drives like `RouteFollower`, but each environment's car has its own speed limit between 3 and 8.33 m/s.
 
-    Pedestrians learn to wait among all sorts of cars; in an evaluation nobody drives so.
+    Pedestrians learn to wait among cars of many speeds. No evaluation uses this driver.
     """
 
     follower: RouteFollower = eqx.field(default_factory=RouteFollower)
-    """Steers, and speeds up."""
+    """The driver that steers."""
     slowest: float = eqx.field(static=True, default=3.0)
-    """[m/s]"""
+    """The lowest speed limit [m/s]."""
 
     @property
     def observes(self) -> str:
@@ -159,14 +159,14 @@ class Careless(eqx.Module):
         return self.follower.observes
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Float[Array, "*batch"]:
-        """The speed each keeps to [m/s], evenly spread over any stretch of environments (golden ratio)."""
+        """Return each car's speed limit [m/s], spread evenly over any range of environments (golden ratio)."""
         share = (jnp.arange(math.prod(batch)) * 0.618034) % 1
         return (self.slowest + share * (SPEED - self.slowest)).reshape(batch)
 
     def act(
         self, key: Key[Array, "*batch"], memory: Float[Array, "*batch"], observation: Observation
     ) -> tuple[Action, Float[Array, "*batch"]]:
-        """Full throttle up to its speed."""
+        """Return full throttle up to the speed limit, and the follower's steering."""
         (_, steering), _ = self.follower.act(key, None, observation)
         (speed,) = observation[part("driver", "route", "speed")] * SPEED
         return _action(jnp.where(speed < memory, FULL_THROTTLE, 0.0), steering), memory
@@ -180,7 +180,7 @@ DRIVERS: dict[str, Callable[[], Policy]] = {
     "route-follower": RouteFollower,
     "oracle": Oracle,
 }
-"""Driver rules by name: call one to make it."""
+"""Rule-based drivers by name: call an entry to make the driver."""
 
 
 def _action(acceleration: Array, steering: Array) -> Action:
@@ -188,13 +188,13 @@ def _action(acceleration: Array, steering: Array) -> Action:
 
 
 def _steer_at_goal(observation: Observation, max_steering: float) -> Float[Array, "*batch"]:
-    """Steering at the goal of the observation set "paper", as a share of the largest angle."""
+    """Return the steering to the goal that the observation set "paper" shows, as a share of the largest angle."""
     ahead, left = observation[part("driver", "paper", "goal")]
     return jnp.clip(jnp.arctan2(left, ahead) / max_steering, -1, 1)
 
 
 def _somebody_in_cone(observation: Observation, length: float, half_angle: float) -> Bool[Array, "*batch"]:
-    """Whether one of the nearest people of the set "paper" is within ``length`` [m] and ``half_angle`` [degrees]."""
+    """Return whether a pedestrian in the set "paper" is within ``length`` [m] and ``half_angle`` [degrees]."""
     people = observation[part("driver", "paper", "people")]
     ahead, left = jnp.moveaxis(people.reshape(NEIGHBOURS, 4, *people.shape[1:])[:, :2], 1, 0) * ABSENT
     away = jnp.sqrt(ahead * ahead + left * left)

@@ -1,7 +1,7 @@
-"""Trained networks as policies, and the files that they are shared in.
+"""Trained networks as policies, and their files.
 
-A file is safetensors: named arrays and a text header, no code. It holds the actors of the roles that learned; the
-header's entry ``jaxwalk`` is JSON that says how to put them together and where they come from.
+A file is safetensors: named arrays and a text header, no code. It holds the actor of each role that was trained. The
+header's entry ``jaxwalk`` is JSON: how to rebuild the actors, and where they come from.
 """
 
 from __future__ import annotations
@@ -28,46 +28,46 @@ from jaxwalk.writing import write_whole
 FORMAT: Final = 1
 """Version of the file format."""
 HEADER = "jaxwalk"
-"""The entry of the file's header that is ours."""
+"""The header's entry that jaxwalk writes and reads."""
 
 
 class PolicyError(ValueError):
-    """A policy file that can't be used; one line names the file, says what is wrong and what to do."""
+    """A policy file can't be used. The message names the file, says what is wrong and what to do, in one line."""
 
 
 @dataclass(frozen=True)
 class RoleHeader:
-    """How to put a role's actor together."""
+    """How to rebuild the actor of one role."""
 
     observes: str
-    """The observation set it reads."""
+    """Name of the observation set that it reads."""
     kind: Literal["discrete", "gated", "clipped", "tanh"]
-    """What its outputs mean: `Actor.kind`."""
+    """Meaning of the network's outputs: `Actor.kind`."""
     sizes: tuple[int, ...]
-    """Numbers in, units of each hidden layer, outputs."""
+    """Number of inputs, units of each hidden layer, outputs."""
     hold: int = 1
-    """Steps for which a gated policy's decision stands."""
+    """Steps for which a gated policy holds a decision."""
 
 
 @dataclass(frozen=True)
 class Header:
-    """What a file says of itself."""
+    """What a file says about its content."""
 
     format: int
     """Version of the file format."""
     roles: dict[str, RoleHeader]
     """The actors in it."""
     metadata: dict[str, Any]
-    """Where they come from, as it was given to `save_policy`."""
+    """Where the actors come from, as given to `save_policy`."""
 
 
 class LearnedPolicy(eqx.Module):
-    """An actor that decides for all agents of its role."""
+    """A trained actor, which decides for all agents of its role."""
 
     actor: Actor
     """The network and its distribution."""
     sample: bool = eqx.field(static=True, default=False)
-    """Whether it draws its action at random, as in training; else it takes the likeliest one."""
+    """Whether to draw the action at random, as in training, instead of taking the most likely one."""
 
     @property
     def observes(self) -> str:
@@ -75,19 +75,19 @@ class LearnedPolicy(eqx.Module):
         return self.actor.observes
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Held | None:
-        """No decision yet; None for a policy that decides anew at every step."""
+        """Return a memory without a decision, or None for a policy that decides at every step."""
         return no_memory(self.actor, agents, batch)
 
     def act(
         self, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature ..."]
     ) -> tuple[Array, Held | None]:
-        """The action of every agent."""
+        """Return the action of every agent, and the next memory."""
         choice, memory = decide(self.actor, key, memory, observation, sample=self.sample)
         return choice.action, memory
 
 
 def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadata: Mapping[str, Any]) -> None:
-    """Write the actors by role, and free JSON ``metadata`` (recipe, seed, commit, steps, results, ...).
+    """Write the actors by role, with any JSON ``metadata`` (recipe, seed, commit, steps, results, ...).
 
     The file appears whole or not at all.
     """
@@ -99,7 +99,10 @@ def save_policy(path: str | Path, actors: Learner | Mapping[str, Actor], metadat
 
 
 def load_policy(path: str | Path, role: str, *, sample: bool = False, expect_size: int | None = None) -> LearnedPolicy:
-    """The policy of that role in the file; with ``expect_size``, its observations must have so many numbers."""
+    """Return the policy of a role from a file.
+
+    Raises PolicyError if the file can't be used, has no such role, or doesn't read ``expect_size`` numbers (if given).
+    """
     header, arrays = _read(path)
     if role not in header.roles:
         held = ", ".join(sorted(header.roles)) or "none"
@@ -110,13 +113,16 @@ def load_policy(path: str | Path, role: str, *, sample: bool = False, expect_siz
     if expect_size is not None and size != expect_size:
         raise PolicyError(
             f"{path}: the {role} reads {size} numbers ({actor.observes!r}), but the environment gives {expect_size}; "
-            "use the environment configuration that it was trained with, or train anew"
+            "use the environment configuration that it was trained with, or train again"
         )
     return LearnedPolicy(actor, sample)
 
 
 def read_metadata(path: str | Path) -> dict[str, Any]:
-    """What was saved about the file's policies: ``metadata`` as given, and under ``roles`` each network."""
+    """Return the ``metadata`` of a file as saved, and under ``roles`` a description of each network.
+
+    Raises PolicyError if the file can't be used.
+    """
     header, _ = _read(path)
     return header.metadata | {"roles": {role: asdict(described) for role, described in header.roles.items()}}
 
@@ -132,7 +138,7 @@ def _arrays(actor: Actor) -> dict[str, np.ndarray]:
 
 
 def _read(path: str | Path) -> tuple[Header, dict[str, np.ndarray]]:
-    """The header and all arrays, or an error that says what is the matter."""
+    """Return the header and all arrays, or raise PolicyError."""
     if not Path(path).is_file():
         raise PolicyError(f"{path}: no such file; check the name, or train and save a policy first")
     try:
@@ -140,7 +146,12 @@ def _read(path: str | Path) -> tuple[Header, dict[str, np.ndarray]]:
             text = (file.metadata() or {}).get(HEADER)
             names = file.keys()
             arrays = {name: file.get_tensor(name) for name in names}
-    except (safetensors.SafetensorError, OSError, TypeError, AttributeError) as error:  # (of types that NumPy has not)
+    except (
+        safetensors.SafetensorError,
+        OSError,
+        TypeError,
+        AttributeError,
+    ) as error:  # the last two for dtypes NumPy lacks
         raise PolicyError(f"{path}: damaged or no safetensors file ({error}); copy or download it again") from error
     if text is None:
         raise PolicyError(f"{path}: a safetensors file, but not of jaxwalk; give a file written by save_policy")
@@ -148,7 +159,7 @@ def _read(path: str | Path) -> tuple[Header, dict[str, np.ndarray]]:
 
 
 def _header(path: str | Path, text: str) -> Header:
-    """The header, checked; its format first, since another one may look different."""
+    """Return the checked header. The format comes first, because another format may have other fields."""
     try:
         header = pydantic.TypeAdapter(dict[str, Any]).validate_json(text)
         version = header.get("format")
@@ -162,7 +173,7 @@ def _header(path: str | Path, text: str) -> Header:
 
 
 def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray]) -> Actor:
-    """Put an actor together, after checking that every array is there, has its shape and holds numbers."""
+    """Rebuild an actor. Raise PolicyError unless every array is there, has its shape and holds finite numbers."""
     sizes, kind = described.sizes, described.kind
     layers = range(len(sizes) - 1)
     if described.hold < 1:
@@ -179,7 +190,7 @@ def _actor(path: str | Path, described: RoleHeader, arrays: dict[str, np.ndarray
         raise PolicyError(f"{path}: its arrays don't match its header ({wrong}); copy or download it again")
     for name, x in arrays.items():
         if x.dtype != np.float32 or not np.isfinite(x).all():
-            raise PolicyError(f"{path}: {name} holds something else than finite float32 numbers; train anew")
+            raise PolicyError(f"{path}: {name} holds something else than finite float32 numbers; train again")
     loaded = jax.device_put(arrays)
     network = MLP(tuple(loaded[f"layer{i}.weight"] for i in layers), tuple(loaded[f"layer{i}.bias"] for i in layers))
     return Actor(network, loaded.get("log_std"), observes=described.observes, kind=kind, hold=described.hold)

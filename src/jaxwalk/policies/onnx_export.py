@@ -1,9 +1,9 @@
-"""A trained network as an ONNX file: what `LearnedPolicy` does when it takes the likeliest action, and nothing else.
+"""A trained network as an ONNX file, which computes the most likely action of `LearnedPolicy`.
 
-A row of the inputs is an agent. A driver maps ``observation (rows, features)`` to ``action (rows, 2)``; pedestrians to
-``action (rows,)`` (0 waits, 1 goes) and ``logits (rows, 2)``, for whoever wants to draw. Who holds decisions has its
-memory as further inputs ``choice`` and ``left``, both (rows,) and 0 at the start of an episode, and as further outputs
-``next_choice`` and ``next_left``.
+Each row of the inputs is one agent. A driver maps ``observation (rows, features)`` to ``action (rows, 2)``. Pedestrians
+map it to ``action (rows,)`` (0 waits, 1 goes) and ``logits (rows, 2)``, from which a caller may draw. A policy that
+holds its decisions has its memory as inputs ``choice`` and ``left``, both (rows,) and 0 at the start of an episode, and
+as outputs ``next_choice`` and ``next_left``.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from jaxwalk.learning.actor import DISCRETE, GATED, OTHERWISE, Actor
 from jaxwalk.policies.learned import PolicyError
 
 OPSET, IR = 17, 8
-"""Versions of ONNX that its runtimes of 2022 and later read."""
+"""Versions of ONNX, which every ONNX Runtime since 2022 reads."""
 
 
 def onnx_model(actor: Actor, *, role: str, metadata: Mapping[str, str]) -> bytes:
-    """The content of the file. Its metadata has ``jaxwalk.role``, ``jaxwalk.observes`` and the given entries.
+    """Return the content of the file. Its metadata has ``jaxwalk.role``, ``jaxwalk.observes`` and the given entries.
 
     Raises PolicyError if the package onnx isn't installed.
     """
@@ -44,7 +44,7 @@ def _onnx() -> Any:
     try:
         return import_module("onnx")
     except ImportError as error:
-        raise PolicyError("to write ONNX needs the package onnx: pip install 'jaxwalk[onnx]'") from error
+        raise PolicyError("writing ONNX needs the package onnx: pip install 'jaxwalk[onnx]'") from error
 
 
 class _Graph:
@@ -60,17 +60,17 @@ class _Graph:
         self._outputs.append(self.onnx.helper.make_tensor_value_info(name, kind, ["rows", *shape]))
 
     def constant(self, name: str, value: Any, dtype: type = np.int32) -> str:
-        """A named constant; returns its name."""
+        """Add a named constant and return its name."""
         self._constants.append(self.onnx.numpy_helper.from_array(np.array(value, dtype), name))
         return name
 
     def add(self, operation: str, inputs: list[str], output: str, **attributes: Any) -> str:
-        """An operation with one output; returns the output's name."""
+        """Add an operation with one output and return the output's name."""
         self._nodes.append(self.onnx.helper.make_node(operation, inputs, [output], **attributes))
         return output
 
     def model(self, name: str, metadata: Mapping[str, str]) -> Any:
-        """All of it, checked by the package onnx."""
+        """Return the whole model, after the package onnx has checked it."""
         helper = self.onnx.helper
         graph = helper.make_graph(self._nodes, name, self._inputs, self._outputs, self._constants)
         opset = helper.make_opsetid("", OPSET)
@@ -81,7 +81,7 @@ class _Graph:
 
 
 def _layers(graph: _Graph, actor: Actor) -> str:
-    """The network; returns the name of its outputs, ``(rows, outputs)``."""
+    """Add the network and return the name of its outputs, ``(rows, outputs)``."""
     x, last = "observation", len(actor.network.weights) - 1
     for i, (weight, bias) in enumerate(zip(actor.network.weights, actor.network.biases, strict=True)):
         weights = [graph.constant(f"weight{i}", weight, np.float32), graph.constant(f"bias{i}", bias, np.float32)]
@@ -92,7 +92,7 @@ def _layers(graph: _Graph, actor: Actor) -> str:
 
 
 def _choose(graph: _Graph, actor: Actor, logits: str) -> None:
-    """The likeliest choice; of a gated policy, held as `jaxwalk.learning.actor.decide` does."""
+    """Add the most likely choice; a gated policy holds it, as `jaxwalk.learning.actor.decide` does."""
     integer = graph.onnx.TensorProto.INT32
     gated = actor.kind == GATED
     likeliest = graph.add("ArgMax", [logits], "likeliest", axis=1, keepdims=0)

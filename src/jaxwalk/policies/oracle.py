@@ -1,8 +1,8 @@
-"""A driver that knows the future, to tell collisions that could have been avoided from those that could not.
+"""A driver that knows the future. It separates collisions that could have been avoided from those that could not.
 
-It looks for the best speeds along its route by dynamic programming over time, place and speed. A manoeuvre (brake,
-hold or accelerate) lasts 0.6 s and changes the speed by one of `LEVELS`, so that it always ends at a place and a
-moment that the observation set shows: from level k to k + a, the car drives 2k + a places (of 0.5 m).
+It searches for the best speeds along its route by dynamic programming over time, place and speed. A manoeuvre (brake,
+hold or accelerate) lasts 0.6 s and changes the speed by at most one of the `LEVELS`. So it always ends at a place and
+a moment that the observation set shows: from level k to level k + a, the car drives 2k + a places of 0.5 m.
 """
 
 from __future__ import annotations
@@ -16,52 +16,53 @@ import numpy as np
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.policies.pursuit import pursue
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.observation import ABSENT, PRIVILEGED, SPEED, part
 from jaxwalk.sim.prediction import FAR
+from jaxwalk.sim.sim_config import SimConfig
 
 LEVELS = 6
-"""Speeds: multiples of a fifth of the top speed, 0 to 8.33 m/s."""
+"""Number of speeds: multiples of a fifth of the top speed, 0 to 8.33 m/s."""
 LEVEL = SimConfig.max_speed / (LEVELS - 1)
-"""Between two of them [m/s]."""
+"""Difference between neighbouring speeds [m/s]."""
 HELD = 6
 """Steps that a manoeuvre lasts."""
 DURATION = HELD * SimConfig.dt
-"""The same [s]. LEVEL / DURATION is 2.8 m/s2, and LEVEL x DURATION is two places."""
+"""Time that a manoeuvre lasts [s]. LEVEL / DURATION is 2.8 m/s2, and LEVEL x DURATION is two places."""
 SEEN = HELD // STEPS
 """Moments at which the future is shown during a manoeuvre."""
 ARRIVED = SimConfig.goal_distance - 0.1
 """With this much of the route left, the car has arrived [m]."""
 MARGIN = 1.9
-"""Nobody is to come closer [m]: 1.5 m is a collision, and the car leaves its route by up to 0.35 m in a turn."""
+"""Safety margin [m]: 1.5 m is a collision, and the car leaves its route by up to 0.35 m in a turn."""
 COMFORT = 3.0
-"""Beyond this, distance is worth nothing more [m]; people on the sidewalk pass the middle of the lane at 3 m."""
+"""Comfortable distance [m]: more distance has no value. People on the sidewalk pass the middle of the lane at 3 m."""
 MARGIN_COST, COMFORT_COST = 1000.0, 1.0
-"""What each metre inside the margin costs at each moment, and each square metre inside the comfortable distance [s]."""
+"""Cost at each moment of each metre inside the margin [s/m], and of each square metre inside the comfortable distance
+[s/m2]."""
 
 Memory = tuple[Float[Array, "*batch"], Int[Array, "*batch"]]
-"""The acceleration being held, as a share of the largest, and for how many more steps."""
+"""The current acceleration, as a share of the largest, and the number of steps for which it still holds."""
 
 
 class Oracle(eqx.Module):
     """Drives along its lane route as fast as the future allows, if everybody walks on (pure pursuit, 2.5 m ahead).
 
-    It minimises the time to the goal plus what closeness costs over the next 9.6 s, drives the first manoeuvre (0.6 s)
-    and plans again. Among people who may wait, the future that it is shown is only a guess.
+    It minimises the time to the goal plus the cost of closeness over the next 9.6 s, drives the first manoeuvre
+    (0.6 s) and plans again. If people may wait, the future that it observes is only a guess.
     """
 
     observes: str = eqx.field(static=True, default=PRIVILEGED)
     """Name of the observation set."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Memory:
-        """It holds nothing yet."""
+        """Return a memory that holds no manoeuvre yet."""
         return jnp.zeros((*agents, *batch)), jnp.zeros((*agents, *batch), jnp.int32)
 
     def act(
         self, key: Key[Array, "*batch"], memory: Memory, observation: Float[Array, "feature *batch"]
     ) -> tuple[Float[Array, "2 *batch"], Memory]:
-        """Holds the manoeuvre, or plans a new one."""
+        """Continue the current manoeuvre, or plan a new one."""
         held, left = memory
         plan = jax.lax.cond((left == 0).any(), best_acceleration, lambda _: held, observation)
         acceleration = jnp.where(left == 0, plan, held)
@@ -70,7 +71,7 @@ class Oracle(eqx.Module):
 
 
 def best_acceleration(observation: Float[Array, "feature *batch"]) -> Float[Array, "*batch"]:
-    """Of the first manoeuvre of the best plan, as a share of the largest acceleration."""
+    """Return the acceleration of the best plan's first manoeuvre, as a share of the largest."""
     speed = observation[part("driver", PRIVILEGED, "speed")][0] * SPEED
     to_go = observation[part("driver", PRIVILEGED, "to_go")][0] * ABSENT
     clearances = observation[part("driver", PRIVILEGED, "clearances")] * FAR
@@ -81,16 +82,16 @@ def best_acceleration(observation: Float[Array, "feature *batch"]) -> Float[Arra
 
 
 def _closeness(clearances: Float[Array, "moment place *batch"]) -> Float[Array, "moment place *batch"]:
-    """What it costs to be anywhere from a place to the next one at a moment [s]."""
+    """Return the cost of being anywhere between a place and the next one at a moment [s]."""
     nearest = jnp.minimum(clearances[:, :-1], clearances[:, 1:])
     nearest = jnp.concatenate([nearest, clearances[:, -1:]], axis=1)
     return MARGIN_COST * jnp.maximum(MARGIN - nearest, 0) + COMFORT_COST * jnp.maximum(COMFORT - nearest, 0) ** 2
 
 
 def _plan(closeness: Float[Array, "moment place *batch"], to_go: Float[Array, "*batch"]) -> Int[Array, "level *batch"]:
-    """The best change of level now, for each level: backwards from the end of the horizon.
+    """Return the best change of level now, for each level, by going backwards from the end of the horizon.
 
-    ``cost[level, place]`` is the time to the goal from there plus what closeness costs on the way [s].
+    ``cost[level, place]`` is the time to the goal from there plus the cost of closeness on the way [s].
     """
     arrived = jnp.arange(PLACES).reshape(-1, *(1,) * to_go.ndim) * SPACING >= to_go - ARRIVED
 
@@ -104,31 +105,33 @@ def _plan(closeness: Float[Array, "moment place *batch"], to_go: Float[Array, "*
 
 
 def _choose(cost: Array, closeness: Array, level: int) -> tuple[Float[Array, "place *batch"], Int[Array, "*batch"]]:
-    """The least cost from each place at a level, and the change of level that brings it at the car's own place."""
-    changes = [change for change in (1, 0, -1) if 0 <= level + change < LEVELS]  # of equals, the fastest
+    """Return the least cost from each place at a level, and the change of level that is best at the car's own place."""
+    changes = [change for change in (1, 0, -1) if 0 <= level + change < LEVELS]  # the fastest wins a tie
     choices = [_cost_of(cost, closeness, level, change) for change in changes]
     best = jnp.stack([choice[0] for choice in choices]).argmin(axis=0)
     return reduce(jnp.minimum, choices), jnp.array(changes)[best]
 
 
 def _cost_of(cost: Array, closeness: Array, level: int, change: int) -> Float[Array, "place *batch"]:
-    """Of a manoeuvre, from each place: its time, closeness at each of its moments, and the cost from where it ends."""
+    """Return a manoeuvre's cost from each place: its time, closeness at each moment, and the cost from its end."""
     share = np.arange(1, SEEN + 1) / SEEN
-    driven = 2 * level * share + change * share**2 + change * share / HELD  # the last: a step changes the speed first
+    driven = (
+        2 * level * share + change * share**2 + change * share / HELD
+    )  # the last term: a step changes the speed first
     close = sum(closeness[i, place : place + PLACES] for i, place in enumerate(np.maximum(driven, 0).astype(int)))
     end = 2 * level + change
     return DURATION + close + cost[level + change, end : end + PLACES]
 
 
 def _extended(table: Float[Array, "row place *batch"]) -> Float[Array, "row farther *batch"]:
-    """Beyond the last place as at the last place, as far as a manoeuvre can bring the car."""
+    """Repeat the last place as far as a manoeuvre can take the car beyond it."""
     return jnp.pad(table, [(0, 0), (0, 2 * LEVELS)] + [(0, 0)] * (table.ndim - 2), mode="edge")
 
 
 def _time_to_goal(to_go: Float[Array, "*batch"]) -> Float[Array, "level place *batch"]:
-    """At the end of the horizon: the rest of the way at top speed [s], whatever the speed is then.
+    """Return the cost at the end of the horizon: the time for the rest of the way at top speed [s], at every level.
 
-    Were speed worth something there, it would pay to keep back now for a run-up into the unknown.
+    If speed had a value there, it would pay to fall back now and to accelerate into the unknown.
     """
     distance = to_go - ARRIVED - (jnp.arange(PLACES) * SPACING).reshape(-1, *(1,) * to_go.ndim)
     return jnp.broadcast_to(jnp.maximum(distance, 0) / SimConfig.max_speed, (LEVELS, *distance.shape))

@@ -1,4 +1,4 @@
-"""Pedestrian populations that are rules. Each is a `jaxwalk.interfaces.Policy`."""
+"""Rule-based pedestrians. Each rule is a `jaxwalk.interfaces.Policy`."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from jaxtyping import Array, Float, Int, Key
 from jaxwalk.interfaces import Policy
 
 GO = 1
-"""The action of a pedestrian who walks on (0: waits)."""
+"""The action "walk on"; 0 is "wait"."""
 
 
 class AlwaysGo(eqx.Module):
-    """Everybody walks on at every step, whatever comes."""
+    """Walks on at every step, whatever happens."""
 
     observes: str = eqx.field(static=True, default="paper")
     """Name of the observation set (it looks only at its shape)."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
+        """Return None: it has no memory."""
         return None
 
     def act(
         self, key: Key[Array, "*batch"], memory: None, observation: Float[Array, "feature ped *batch"]
     ) -> tuple[Int[Array, "ped *batch"], None]:
-        """Go, for all."""
+        """Return "walk on" for everybody."""
         return jnp.full(observation.shape[1:], GO, jnp.int32), memory
 
 
 POPULATIONS: dict[str, Callable[[], Policy]] = {"always-go": AlwaysGo}
-"""Pedestrian rules by name: call one to make it."""
+"""Rule-based pedestrians by name: call an entry to make the policy."""

@@ -1,12 +1,12 @@
-"""Steering along a route that is shown as points ahead."""
+"""Steering along a route that an observation gives as points ahead."""
 
 from __future__ import annotations
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.tables import POINT_SPACING, POINTS
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def pursue(
@@ -16,15 +16,15 @@ def pursue(
     wheelbase: float = SimConfig.wheelbase,
     max_steering: float = SimConfig.max_steering,
 ) -> Float[Array, "*batch"]:
-    """Pure pursuit: steering along the circle that meets a point of the route, as a share of the largest angle.
+    """Return the steering of pure pursuit, as a share of the largest angle: the circle through a point of the route.
 
-    For a bicycle about its centre, whose course is its heading plus the slip angle beta, that circle has
-    tan(beta) = L y / (x2 + y2 + L x), and the steering angle is atan(2 tan(beta)): x, y is the point ahead and to the
-    left [m], L the wheelbase.
+    A bicycle model about the centre moves along its heading plus the slip angle beta. Its circle has
+    tan(beta) = L y / (x2 + y2 + L x), and the steering angle is atan(2 tan(beta)). Here x and y are the point's
+    distances ahead and to the left [m], and L is the wheelbase [m].
 
     Args:
-        route: the part "route" of an observation: x and y of each point ahead, over its distance along the route.
-        point: which of them to aim at: an index of ``jaxwalk.sim.tables.POINTS``; the first is 2.5 m ahead.
+        route: the part "route" of an observation: x and y of each point ahead, divided by its distance along the route.
+        point: the point to steer to: an index of ``jaxwalk.sim.map_tables.POINTS``; the first is 2.5 m ahead.
         wheelbase: distance between the car's axles [m].
         max_steering: the car's largest steering angle [rad].
     """

@@ -1,4 +1,4 @@
-"""Trained policies that come with jaxwalk, by name. Each file has its model card beside it (``docs/policies.md``)."""
+"""Trained policies that ship with jaxwalk, by name. Each file has a model card beside it (``docs/policies.md``)."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ SHIPPED: Final[dict[str, dict[str, str]]] = {
     },
     "pedestrian": {"learned": "fast-co-trained", "paper-learned": "paper-co-trained"},
 }
-"""Of each role, what people write, and the file that holds it."""
+"""For each role: the names that commands accept, and the file that each one stands for."""
 FOLDER = Path(__file__).parent / "files"
-"""Where the files are."""
+"""The folder of the files."""
 
 
 def shipped_policy(role: str, name: str) -> Path | None:
-    """The file of a shipped policy; None for another name."""
+    """Return the file of a shipped policy, or None if the name isn't one."""
     file = SHIPPED[role].get(name)
     return None if file is None else FOLDER / f"{file}.safetensors"

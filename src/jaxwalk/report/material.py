@@ -43,7 +43,7 @@ class Material:
     ablation: Mapping[str, Any] | None = None
     """``results`` of the co-trained driver with several jaywalk multipliers, if there are any; nothing is paired."""
     gallery: Mapping[str, Any] | None = None
-    """Episodes and incidents to watch (`jaxwalk.experiments.gallery`)."""
+    """Episodes and incidents to watch (`jaxwalk.exports.gallery`)."""
     episode: Mapping[str, Any] | None = None
     """Which episode is drawn: ``scenario``, ``seed`` and ``training_seed``."""
     episode_svg: str | None = None

@@ -11,16 +11,17 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int, Real
 
+from jaxwalk.sim.crossing_kind import NO_CROSSING
+from jaxwalk.sim.lookup import look_up
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import PedestrianState
-from jaxwalk.sim.tables import look_up
-from jaxwalk.sim.trajectory import NO_CROSSING
+from jaxwalk.sim.world import World
 
 PRIOR_MEAN = 0.5
 """What is believed of somebody who has not crossed yet."""
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(32)
 """Gauss-Legendre quadrature on [-1, 1]: exact for polynomials of degree 63, so for 61 crossings."""
-ACROSS = 1.0
+CROSSED = 1.0
 """Somebody off the roadway whose path entered it longer ago than this [m] has crossed it: more than rounding."""
 
 
@@ -49,7 +50,7 @@ def posterior(
 
 
 def crossings_seen(
-    multiplier: Float[Array, ""], scenario: Scenario, people: PedestrianState
+    world: World, scenario: Scenario, people: PedestrianState
 ) -> tuple[Int[Array, "ped *batch"], Int[Array, "ped *batch"]]:
     """How many times each pedestrian has jaywalked and used a crosswalk so far: (jaywalks, crosswalks).
 
@@ -57,22 +58,20 @@ def crossings_seen(
     along the kerb to where a jaywalk will begin. Nothing has to be remembered: the scenario says how crossing i was
     decided.
     """
-    entered = people.on_roadway | (people.to_kerb < -ACROSS)
+    entered = people.on_roadway | (people.to_kerb < -CROSSED)
     intended = (people.crossing != NO_CROSSING) & ~entered
     seen = people.decisions - intended
     number = jnp.arange(scenario.jaywalk_draw.shape[0]).reshape(-1, *(1,) * seen.ndim)
-    jaywalk = scenario.jaywalk_draw < scenario.jaywalking_tendency * multiplier
+    jaywalk = scenario.jaywalk_draw < scenario.jaywalking_tendency * world.jaywalk_multiplier
     jaywalks = (jaywalk & (number < seen)).sum(axis=0)
     return jaywalks, seen - jaywalks
 
 
-def expected_tendency(
-    multiplier: Float[Array, ""], scenario: Scenario, people: PedestrianState
-) -> Float[Array, "ped *batch"]:
+def expected_tendency(world: World, scenario: Scenario, people: PedestrianState) -> Float[Array, "ped *batch"]:
     """The posterior mean of everybody's tau, given their crossings so far.
 
     Counts are small, so it is looked up in a table of all that are possible.
     """
     count = jnp.arange(scenario.jaywalk_draw.shape[0] + 1)
-    means, _ = posterior(count[:, None], count, multiplier)
-    return look_up(means, *crossings_seen(multiplier, scenario, people))
+    means, _ = posterior(count[:, None], count, world.jaywalk_multiplier)
+    return look_up(means, *crossings_seen(world, scenario, people))

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from jaxwalk.maps import RoadMap
 from jaxwalk.maps.road_map import ROUTE_SPACING
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS, Tables
 from jaxwalk.sim.observation import ABSENT, KERB_CAR_DISTANCE, LAYOUTS, SPEED
-from jaxwalk.sim.tables import POINT_SPACING, POINTS, Tables
+from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.world import World
 
 ROUNDING = 1e-3
 """Bounds are this much wider than derived: single precision rounds."""
@@ -26,14 +26,13 @@ SHARE, SIGNED = (0.0, 1.0), (-1.0, 1.0)
 """Of flags, traits, positions on the map and capped distances; of cosines and of commands."""
 
 
-def bounds(
-    maps: RoadMap, tables: Tables, config: SimConfig, role: str, name: str
-) -> tuple[Float[np.ndarray, " feature"], Float[np.ndarray, " feature"]]:
+def bounds(world: World, role: str, name: str) -> tuple[Float[np.ndarray, " feature"], Float[np.ndarray, " feature"]]:
     """Lowest and highest values of each feature of an observation set; ValueError for an unknown one."""
     if name not in LAYOUTS[role]:
         raise ValueError(f"no observation set '{name}' for the {role}; there are: {', '.join(LAYOUTS[role])}")
-    diagonal = float(np.hypot(np.asarray(maps.width), np.asarray(maps.height)).max())
-    parts = _of_driver(tables, config, diagonal) if role == "driver" else _of_pedestrians(config, diagonal)
+    diagonal = float(np.hypot(np.asarray(world.maps.width), np.asarray(world.maps.height)).max())
+    config = world.rules.config
+    parts = _of_driver(world.tables, config, diagonal) if role == "driver" else _of_pedestrians(config, diagonal)
     rows: list[Bound] = []
     for part, size in LAYOUTS[role][name].items():
         pattern = parts[part]

@@ -9,39 +9,24 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Key
+from jaxtyping import Array, Float, Key
 
 from jaxwalk.interfaces import Box, ByRole, Discrete, Outcome, RoleSpec
-from jaxwalk.maps import RoadMap, load_map, stack_maps
 from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
-from jaxwalk.sim.config import JAYWALK_MULTIPLIER, SimConfig
-from jaxwalk.sim.events import arrives, touches
+from jaxwalk.sim.events import Events, arrives, touches
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 from jaxwalk.sim.state import PedestrianState, State, VehicleState
-from jaxwalk.sim.tables import Tables, pack_tables
-
-
-class Events(eqx.Module):
-    """What ended an episode, if anything did. In one step: collision before goal before timeout."""
-
-    collision: Bool[Array, "*batch"]
-    goal: Bool[Array, "*batch"]
-    timeout: Bool[Array, "*batch"]
-    touched: Bool[Array, "ped *batch"]
-    """Whom the car collided with."""
+from jaxwalk.sim.world import World
 
 
 class Street(eqx.Module):
     """Streets with a car and people who may jaywalk (an `Environment`). Make one with `Street.create`."""
 
-    maps: RoadMap
-    """Stacked maps; a scenario names one."""
-    tables: Tables
-    jaywalk_multiplier: Float[Array, ""]
+    world: World
     weights: ByRole[dict[str, Float[Array, ""]]]
-    """Of the reward terms that are paid."""
-    config: SimConfig = eqx.field(static=True)
+    """The weights of the reward terms that are paid, by role and name."""
 
     @classmethod
     def create(
@@ -53,25 +38,24 @@ class Street(eqx.Module):
         driver_weights: Mapping[str, float] | None = None,
         pedestrian_weights: Mapping[str, float] | None = None,
     ) -> Street:
-        """A street on the given maps (bundled names or files), paying the given reward terms (default: none).
+        """Return a street on the given maps (bundled names or files) that pays the given reward terms (default: none).
 
-        Raises MapError for a wrong map, ValueError for a reward term that doesn't exist or a negative multiplier.
+        Raise MapError for a wrong map, and ValueError for a reward term that doesn't exist or a negative multiplier.
         """
-        config = config or SimConfig()
-        spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
-        stacked = stack_maps([load_map(name, **spacing) for name in maps])
         weights = ByRole(dict(driver_weights or {}), dict(pedestrian_weights or {}))
         reward.check_weights(weights.driver, weights.pedestrian)
-        if not 0 <= jaywalk_multiplier < float("inf"):
-            raise ValueError(f"jaywalk_multiplier must be 0 or more, not {jaywalk_multiplier}")
-        on_host = (stacked, np.float32(jaywalk_multiplier), jax.tree.map(np.float32, weights))
-        road_map, multiplier, paid = jax.device_put(on_host)  # `jnp.asarray` compiles a program for each shape
-        return cls(road_map, pack_tables(stacked), multiplier, paid, config)
+        world = World.create(maps, config or SimConfig(), jaywalk_multiplier=jaywalk_multiplier)
+        return cls(world, jax.device_put(jax.tree.map(np.float32, weights)))
+
+    @property
+    def config(self) -> SimConfig:
+        """The rules as plain numbers. Only outside compiled code, which reads ``world.rules``."""
+        return self.world.rules.config
 
     @property
     def roles(self) -> ByRole[RoleSpec]:
         """One car with acceleration and steering; people who wait (0) or go (1)."""
-        return ByRole(RoleSpec((), Box(2)), RoleSpec((self.config.pedestrians,), Discrete(2)))
+        return ByRole(RoleSpec((), Box(2)), RoleSpec((self.world.rules.pedestrians,), Discrete(2)))
 
     @eqx.filter_jit
     def draw(self, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
@@ -79,44 +63,39 @@ class Street(eqx.Module):
 
         ``like``: other people, but the map, start and goal of this scenario.
         """
-        sizes = scenario.table_sizes(self.config, shortest_crossing=self.tables.shortest_crossing)
-        return scenario.draw(self.maps, self.config, sizes, key, like)
+        return scenario.draw(self.world, key, like)
 
     @eqx.filter_jit
     def reset(self, scenario: Scenario) -> State:
         """Car and people at their starts, standing."""
         zero = jnp.zeros_like(scenario.map)
-        return self._state(scenario, zero, vehicle.place(self.tables, scenario), pedestrian.place(self.maps, scenario))
+        return self._state(scenario, zero, vehicle.place(self.world, scenario), pedestrian.place(self.world, scenario))
 
     @eqx.filter_jit
     def refreshed(self, scenario: Scenario, state: State) -> State:
         """A state in which somebody was moved by hand, with what follows from places and speeds worked out again."""
-        course = vehicle.course(self.tables, scenario, state.vehicle.along)
+        course = vehicle.course(self.world, scenario, state.vehicle.along)
         car = eqx.tree_at(lambda car: car.course, state.vehicle, course)
         return self._state(scenario, state.step, car, state.pedestrian)
 
     @eqx.filter_jit
     def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
         """A named observation set (`jaxwalk.sim.observation.OBSERVATIONS`)."""
-        world = observation.World(self.maps, self.tables, self.config, self.jaywalk_multiplier, scenario, state)
-        return observation.observe(role, name, world)
+        return observation.observe(role, name, observation.Moment(self.world, scenario, state))
 
     @eqx.filter_jit
     def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
         """What the paper's centralised critic sees."""
-        return observation.global_state(self.maps, self.tables, self.config, scenario, state)
+        return observation.global_state(self.world, scenario, state)
 
     @eqx.filter_jit
     def step(self, scenario: Scenario, state: State, actions: ByRole[Array]) -> tuple[State, Outcome]:
         """One step: everybody moves, then events, then rewards. Deterministic; never resets."""
-        car = vehicle.drive(self.maps, self.tables, self.config, scenario, state.vehicle, actions.driver)
-        people = pedestrian.walk(
-            self.maps, self.tables, self.config, self.jaywalk_multiplier, scenario, state.pedestrian,
-            actions.pedestrian.astype(bool),
-        )  # fmt: skip
+        car = vehicle.drive(self.world, scenario, state.vehicle, actions.driver)
+        people = pedestrian.walk(self.world, scenario, state.pedestrian, actions.pedestrian.astype(bool))
         after = self._state(scenario, state.step + 1, car, people)
         events = self._events(scenario, after)
-        transition = reward.Transition(self.tables, self.config, scenario, state, after, events)
+        transition = reward.Transition(self.world, scenario, state, after, events)
         over = events.collision | events.goal
         ended = over | events.timeout
         return after, Outcome(
@@ -130,13 +109,14 @@ class Street(eqx.Module):
         )
 
     def _state(self, scenario: Scenario, step: Array, car: VehicleState, people: PedestrianState) -> State:
-        return State(step, car, people, foresee(self.config, scenario, car, people))
+        return State(step, car, people, foresee(self.world, scenario, car, people))
 
     def _events(self, scenario: Scenario, state: State) -> Events:
         car, people = state.vehicle, state.pedestrian
-        touched = touches(people.x - car.x[None], people.y - car.y[None], self.config.collision_distance)
-        goal_x, goal_y = vehicle.goal(self.tables, scenario)
+        rules = self.world.rules
+        touched = touches(people.x - car.x[None], people.y - car.y[None], rules.collision_distance)
+        goal_x, goal_y = vehicle.goal(self.world, scenario)
         collision = touched.any(axis=0)
-        goal = arrives(car.x - goal_x, car.y - goal_y, self.config.goal_distance) & ~collision
-        timeout = (state.step >= self.config.horizon) & ~collision & ~goal
+        goal = arrives(car.x - goal_x, car.y - goal_y, rules.goal_distance) & ~collision
+        timeout = (state.step >= rules.horizon) & ~collision & ~goal
         return Events(collision=collision, goal=goal, timeout=timeout, touched=touched)

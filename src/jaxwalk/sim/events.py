@@ -5,6 +5,9 @@ Every function is plain arithmetic that broadcasts: it serves JAX arrays in the 
 
 from __future__ import annotations
 
+import equinox as eqx
+from jaxtyping import Array, Bool
+
 ENCOUNTER_DISTANCE = 20.0
 """An encounter needs the car within this distance [m] ..."""
 CLOSING_SPEED = 0.1
@@ -17,26 +20,36 @@ BRAKING_MIN_SPEED = 1.0
 """... by a car faster than this [m/s]."""
 
 
+class Events(eqx.Module):
+    """What ended an episode, if anything did. In one step a collision wins over the goal, the goal over a timeout."""
+
+    collision: Bool[Array, "*batch"]
+    goal: Bool[Array, "*batch"]
+    timeout: Bool[Array, "*batch"]
+    touched: Bool[Array, "ped *batch"]
+    """The pedestrians that the car hit."""
+
+
 def distance(dx, dy):
-    """Euclidean distance of a displacement [m]."""
+    """Return the Euclidean distance of a displacement [m]."""
     return (dx * dx + dy * dy) ** 0.5
 
 
 def closing_speed(dx, dy, dvx, dvy):
-    """How fast two centres approach each other [m/s]: minus d/dt of their distance; both vectors are relative."""
+    """Return how fast two centres approach each other [m/s], from their relative position and velocity."""
     return -(dx * dvx + dy * dvy) / (distance(dx, dy) + 1e-9)
 
 
 def closes_in(dx, dy, dvx, dvy):
-    """Whether a pedestrian on a roadway begins an encounter: the car within 20 m and closing at more than 0.1 m/s."""
+    """Return whether a pedestrian on a roadway begins an encounter: the car is near and comes closer."""
     return (distance(dx, dy) <= ENCOUNTER_DISTANCE) & (closing_speed(dx, dy, dvx, dvy) > CLOSING_SPEED)
 
 
 def touches(dx, dy, collision_distance):
-    """Whether car and pedestrian collide: centres closer than ``collision_distance`` [m] (the paper's criterion)."""
+    """Return whether car and pedestrian collide: centres closer than this [m] (the paper's criterion)."""
     return dx * dx + dy * dy < collision_distance**2
 
 
 def arrives(dx, dy, goal_distance):
-    """Whether the car is within ``goal_distance`` [m] of its goal."""
+    """Return whether the car is within ``goal_distance`` [m] of its goal."""
     return dx * dx + dy * dy <= goal_distance**2

@@ -6,14 +6,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.maps import RoadMap
 from jaxwalk.maps.road_map import ROUTE_SPACING
 from jaxwalk.sim import pedestrian
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.everybody import for_everybody
+from jaxwalk.sim.lookup import look_up_each
 from jaxwalk.sim.prediction import FAR
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import PedestrianState, State
-from jaxwalk.sim.tables import Tables, for_everybody, look_up_each
+from jaxwalk.sim.world import World
 
 MOMENTS, STEPS = 48, 2
 """The future is shown at 48 moments, 2 steps apart: 9.6 s with steps of 0.1 s."""
@@ -21,19 +21,17 @@ PLACES, SPACING = 161, 0.5
 """... and at each moment at 161 places of the route, 0.5 m apart: the car's own, and 80 m ahead, which 9.6 s allow."""
 
 
-def clearances(
-    maps: RoadMap, tables: Tables, config: SimConfig, multiplier: Float[Array, ""], scenario: Scenario, state: State
-) -> Float[Array, "moment place *batch"]:
+def clearances(world: World, scenario: Scenario, state: State) -> Float[Array, "moment place *batch"]:
     """Distance from each place of the route ahead to the nearest person at each moment to come, at most `FAR` [m].
 
     It is the simulator itself that walks on, with the scenario's own draws: jaywalks not yet decided are known too. The
     assumption is that everybody goes from now on; who waits now is taken to start at once.
     """
-    place_x, place_y = _places(maps, scenario, state)
+    place_x, place_y = _places(world, scenario, state)
     go = jnp.ones(state.pedestrian.going.shape, bool)
 
     def stride(people: PedestrianState, _: None) -> tuple[PedestrianState, None]:
-        return pedestrian.walk(maps, tables, config, multiplier, scenario, people, go), None
+        return pedestrian.walk(world, scenario, people, go), None
 
     def moment(people: PedestrianState, _: None) -> tuple[PedestrianState, Array]:
         people, _ = jax.lax.scan(stride, people, None, length=STEPS)
@@ -42,8 +40,9 @@ def clearances(
     return jax.lax.scan(moment, state.pedestrian, None, length=MOMENTS)[1]
 
 
-def _places(maps: RoadMap, scenario: Scenario, state: State) -> tuple[Array, Array]:
+def _places(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:
     """Places of the route ahead of the car [m], ``(place, *batch)``; beyond the route's last point, that point."""
+    maps = world.maps
     along = state.vehicle.along + (jnp.arange(PLACES) * SPACING).reshape(-1, *(1,) * state.step.ndim)
     point = jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, maps.route_x.shape[-1] - 1)
     columns = (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)

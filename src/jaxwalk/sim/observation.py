@@ -13,16 +13,17 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.maps import RoadMap
 from jaxwalk.sim import belief, future, pedestrian, prediction, vehicle
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
 from jaxwalk.sim.events import distance
+from jaxwalk.sim.everybody import for_everybody, index_of, with_index
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.lookup import of_map
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
-from jaxwalk.sim.tables import POINT_SPACING, POINTS, Tables, for_everybody, index_of, of_map, with_index
-from jaxwalk.sim.trajectory import JAYWALK
-from jaxwalk.sim.vehicle import to_frame
+from jaxwalk.sim.world import World
 
 KERB_CAR_DISTANCE = 40.0
 """A pedestrian at the kerb decides whether to wait only with the car within this distance [m] ..."""
@@ -49,24 +50,20 @@ PARTS_AT_ONCE = 8
 Parts = list[Array]
 
 
-class World(NamedTuple):
+class Moment(NamedTuple):
     """All that an observation may be made of."""
 
-    maps: RoadMap
-    tables: Tables
-    config: SimConfig
-    multiplier: Float[Array, ""]
-    """The jaywalk multiplier."""
+    world: World
     scenario: Scenario
     state: State
 
 
-def observe(role: str, name: str, world: World) -> Float[Array, "feature ..."]:
+def observe(role: str, name: str, moment: Moment) -> Float[Array, "feature ..."]:
     """The named set of a role, ``(feature, *agents, *batch)``; raises ValueError for an unknown name."""
     sets = OBSERVATIONS[role]
     if name not in sets:
         raise ValueError(f"no observation set '{name}' for the {role}; there are: {', '.join(sets)}")
-    return _joined(sets[name](world))
+    return _joined(sets[name](moment))
 
 
 def _joined(parts: Parts) -> Float[Array, "feature ..."]:
@@ -79,28 +76,27 @@ def _joined(parts: Parts) -> Float[Array, "feature ..."]:
     return jnp.concatenate(jax.lax.optimization_barrier(groups))  # else the compiler makes one of many parts again
 
 
-def global_state(
-    maps: RoadMap, tables: Tables, config: SimConfig, scenario: Scenario, state: State
-) -> Float[Array, "feature *batch"]:
+def global_state(world: World, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
     """What the paper's critic sees (section III-B), 4 numbers a pedestrian and 10: 58 for 12 people."""
     car, people = state.vehicle, state.pedestrian
-    width, height = of_map(maps.width, scenario.map), of_map(maps.height, scenario.map)
-    vx, vy = pedestrian.velocity(config, scenario, people)
+    width, height = of_map(world.maps.width, scenario.map), of_map(world.maps.height, scenario.map)
+    vx, vy = pedestrian.velocity(world, scenario, people)
     of_people = [people.x / width, people.y / height, distance(vx, vy) / 2, scenario.jaywalking_tendency]
-    goal_x, goal_y = vehicle.goal(tables, scenario)
+    goal_x, goal_y = vehicle.goal(world, scenario)
     return _joined([
         *of_people,
-        car.x / width, car.y / height, car.cos, car.sin, car.speed / SPEED, car.steering / config.max_steering,
+        car.x / width, car.y / height, car.cos, car.sin, car.speed / SPEED, car.steering / world.rules.max_steering,
         goal_x / width, goal_y / height, distance(goal_x - car.x, goal_y - car.y) / ABSENT,
-        1 - state.step / config.horizon,
+        1 - state.step / world.rules.horizon,
     ])  # fmt: skip
 
 
-def _driver_paper(world: World) -> Parts:
+def _driver_paper(moment: Moment) -> Parts:
     """The paper's 34: own state and goal 8, lane 2, nearest 6 people x (relative position 2, velocity 2)."""
-    maps, tables, scenario, state = world.maps, world.tables, world.scenario, world.state
+    world, scenario, state = moment.world, moment.scenario, moment.state
+    maps = world.maps
     car = state.vehicle
-    goal_x, goal_y = vehicle.goal(tables, scenario)
+    goal_x, goal_y = vehicle.goal(world, scenario)
     ahead, left = to_frame(goal_x - car.x, goal_y - car.y, car.cos, car.sin)
     lateral, heading_cos, heading_sin = vehicle.route_frame(car)
     return [
@@ -110,28 +106,28 @@ def _driver_paper(world: World) -> Parts:
     ]  # fmt: skip
 
 
-def _driver_route(world: World) -> Parts:
+def _driver_route(moment: Moment) -> Parts:
     """The car in the frame of its route: lane keeping 6, route ahead 16, predicted clearances 13, nearest people 24.
 
     Clearances come once more as shares of the metres from 1 to 4, one by one: there a touch is decided, and the whole
     range in one number is too coarse for a network to learn that soon.
     """
-    clearance, conflict = world.state.foresight.clearance, world.state.foresight.conflict
+    clearance, conflict = moment.state.foresight.clearance, moment.state.foresight.conflict
     margin = jnp.concatenate([jnp.clip(clearance - metre, 0, 1) for metre in MARGINS])
     longest = prediction.MOMENTS * prediction.MOMENT
     ahead = [clearance / prediction.FAR, margin, conflict / longest]
-    return [*_on_route(world), *ahead, _nearest_people(world.state)]
+    return [*_on_route(moment), *ahead, _nearest_people(moment.state)]
 
 
-def _driver_told(world: World) -> Parts:
+def _driver_told(moment: Moment) -> Parts:
     """As `_driver_route`, and the jaywalking tendency of each of the nearest people 6."""
-    return [*_driver_route(world), _of_nearest(world.state, world.scenario.jaywalking_tendency)]
+    return [*_driver_route(moment), _of_nearest(moment.state, moment.scenario.jaywalking_tendency)]
 
 
-def _driver_belief(world: World) -> Parts:
+def _driver_belief(moment: Moment) -> Parts:
     """As `_driver_route`, and the posterior mean of the jaywalking tendency of each of the nearest people 6."""
-    expected = belief.expected_tendency(world.multiplier, world.scenario, world.state.pedestrian)
-    return [*_driver_route(world), _of_nearest(world.state, expected)]
+    expected = belief.expected_tendency(moment.world, moment.scenario, moment.state.pedestrian)
+    return [*_driver_route(moment), _of_nearest(moment.state, expected)]
 
 
 def _of_nearest(state: State, tendency: Float[Array, "ped *batch"]) -> Float[Array, "neighbour *batch"]:
@@ -140,22 +136,22 @@ def _of_nearest(state: State, tendency: Float[Array, "ped *batch"]) -> Float[Arr
     return prediction.of_nearest(state.foresight.people, tendency, unknown)
 
 
-def _driver_privileged(world: World) -> Parts:
+def _driver_privileged(moment: Moment) -> Parts:
     """The car in the frame of its route 22, and how near people will be to the places ahead if everybody goes 7728."""
-    nearest = future.clearances(*world) / prediction.FAR
-    return [*_on_route(world), nearest.reshape(-1, *world.state.step.shape)]
+    nearest = future.clearances(*moment) / prediction.FAR
+    return [*_on_route(moment), nearest.reshape(-1, *moment.state.step.shape)]
 
 
-def _on_route(world: World) -> Parts:
+def _on_route(moment: Moment) -> Parts:
     """Lane keeping 6, route ahead 16."""
-    config, scenario, state = world.config, world.scenario, world.state
+    world, scenario, state = moment.world, moment.scenario, moment.state
     car = state.vehicle
     lateral, heading_cos, heading_sin = vehicle.route_frame(car)
-    to_go = vehicle.route_length(world.tables, scenario) - car.along
+    to_go = vehicle.route_length(world, scenario) - car.along
     away = (jnp.array(POINTS) * POINT_SPACING).reshape(-1, 1, *(1,) * car.x.ndim)
     route = jnp.stack([state.foresight.route_x, state.foresight.route_y], axis=1) / away
     return [
-        car.speed / SPEED, car.steering / config.max_steering, lateral / 2, heading_cos, heading_sin,
+        car.speed / SPEED, car.steering / world.rules.max_steering, lateral / 2, heading_cos, heading_sin,
         jnp.minimum(to_go / ABSENT, 2), route.reshape(-1, *car.x.shape),
     ]  # fmt: skip
 
@@ -167,52 +163,54 @@ def _nearest_people(state: State) -> Float[Array, "feature *batch"]:
     return rows.reshape(-1, *rows.shape[2:])
 
 
-def _pedestrian_paper(world: World) -> Parts:
+def _pedestrian_paper(moment: Moment) -> Parts:
     """The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's
     relative position 2 and velocity 2, nearest other pedestrian 2. Relative means in the map's axes, from oneself."""
-    maps, config, scenario, state = world.maps, world.config, world.scenario, world.state
+    world, scenario, state = moment.world, moment.scenario, moment.state
+    maps = world.maps
     car, people = state.vehicle, state.pedestrian
-    vx, vy = pedestrian.velocity(config, scenario, people)
+    vx, vy = pedestrian.velocity(world, scenario, people)
     other_x, other_y = _nearest_other(people.x, people.y)
     return [
         people.x / of_map(maps.width, scenario.map), people.y / of_map(maps.height, scenario.map), vx / 2, vy / 2,
         scenario.traits, (people.leg.end_x - people.x) / ABSENT, (people.leg.end_y - people.y) / ABSENT,
         ~people.on_roadway, people.on_roadway & people.on_crosswalk, people.on_roadway & ~people.on_crosswalk,
-        people.leg.kind == pedestrian.ACROSS,
+        people.leg.kind == LegKind.ACROSS,
         (car.x[None] - people.x) / ABSENT, (car.y[None] - people.y) / ABSENT,
         (car.speed * car.cos)[None] / SPEED, (car.speed * car.sin)[None] / SPEED,
         other_x / ABSENT, other_y / ABSENT,
     ]  # fmt: skip
 
 
-def _pedestrian_kerb(world: World) -> Parts:
+def _pedestrian_kerb(moment: Moment) -> Parts:
     """What bears on stepping into the road: whether there is anything to decide 1, the car as it comes 7, the times at
     which both would be where their ways cross 3, how close they would come if one goes now 2, oneself 6.
 
     There is something to decide on the last metre before the roadway, with the car within 40 m and not yet past.
     Vectors are in the car's frame.
     """
-    config, scenario, state = world.config, world.scenario, world.state
+    world, scenario, state = moment.world, moment.scenario, moment.state
     car, people = state.vehicle, state.pedestrian
     ahead, left = state.foresight.people.ahead, state.foresight.people.left
     along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
-    pace, speed = scenario.walking_speed(config), jnp.broadcast_to(car.speed[None], ahead.shape)
+    pace, speed = scenario.walking_speed(world), jnp.broadcast_to(car.speed[None], ahead.shape)
     close = (ahead * ahead + left * left < KERB_CAR_DISTANCE**2) & (ahead > -PASSED)
-    decides = pedestrian.at_kerb(config, people) & pedestrian.enters_roadway(people) & close
+    decides = pedestrian.at_kerb(world, people) & pedestrian.enters_roadway(people) & close
 
     crossing_speed = pace * across
     toward = left * crossing_speed < 0
     own_time = jnp.where(toward, -left / jnp.where(toward, crossing_speed, 1), LONG)
     car_time = ahead / jnp.maximum(speed, 0.5)
-    miss, closest = prediction.predicted_miss(config, scenario, state)
+    miss, closest = prediction.predicted_miss(world, scenario, state)
     return [
         decides, ahead / KERB_CAR_DISTANCE, left / KERB_CAR_DISTANCE, speed / SPEED,
-        (car.acceleration / config.max_acceleration)[None], (car.steering / config.max_steering)[None], along, across,
+        (car.acceleration / world.rules.max_acceleration)[None], (car.steering / world.rules.max_steering)[None],
+        along, across,
         jnp.clip(car_time, -LONG, LONG) / LONG, jnp.minimum(own_time, LONG) / LONG,
         jnp.clip(car_time - own_time, -LONG, LONG) / LONG, jnp.minimum(miss, 10) / 10,
         jnp.minimum(closest, LONG) / LONG, pace / 2,
         scenario.traits[0], scenario.traits[2], scenario.traits[3], people.crossing == JAYWALK,
-        jnp.clip(people.to_kerb, -1, config.kerb_distance),
+        jnp.clip(people.to_kerb, -1, world.rules.kerb_distance),
     ]  # fmt: skip
 
 
@@ -236,7 +234,7 @@ def _nearest_other(x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"])
     return for_everybody((x, y, order), pick, (jnp.full_like(x, ABSENT), jnp.zeros_like(x)))
 
 
-OBSERVATIONS: dict[str, dict[str, Callable[[World], Parts]]] = {
+OBSERVATIONS: dict[str, dict[str, Callable[[Moment], Parts]]] = {
     "driver": {
         "paper": _driver_paper,
         "route": _driver_route,

@@ -7,23 +7,20 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int, Shaped
+from jaxtyping import Array, Bool, Int, Shaped
 
-from jaxwalk.maps import RoadMap
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING, LegKind
+from jaxwalk.sim.geometry import inside
+from jaxwalk.sim.lookup import look_up, look_up_each
+from jaxwalk.sim.map_tables import unpack_hop
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Leg, PedestrianState
-from jaxwalk.sim.tables import Tables, inside, look_up, look_up_each, unpack_hop
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK, NO_CROSSING
-
-SIDEWALK, ON_CROSSWALK, TO_ZONE, ACROSS = 0, 1, 2, 3
-"""Kinds of leg: along an edge of the graph (on a sidewalk, or half a crosswalk), to the point where a jaywalk begins,
-and from there straight across the roadway."""
+from jaxwalk.sim.world import World
 
 
-def place(maps: RoadMap, scenario: Scenario) -> PedestrianState:
-    """Everybody at their start waypoint, as at the end of a leg."""
-    x, y = look_up_each((maps.node_x, maps.node_y), scenario.map, scenario.start)
+def place(world: World, scenario: Scenario) -> PedestrianState:
+    """Return everybody at their start waypoint, as if at the end of a leg."""
+    x, y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, scenario.start)
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
         end_x=x, end_y=y, cos=zero, sin=zero, length=zero, kind=none, node=scenario.start, landing_x=zero,
@@ -33,26 +30,21 @@ def place(maps: RoadMap, scenario: Scenario) -> PedestrianState:
     people = PedestrianState(
         leg=leg, following=leg, planned=no, remaining=zero, going=~no, on_roadway=no, on_crosswalk=no
     )
-    return _on_surface(maps, scenario, people)
+    return _on_surface(world, scenario, people)
 
 
-def walk(
-    maps: RoadMap, tables: Tables, config: SimConfig, multiplier: Float[Array, ""], scenario: Scenario,
-    people: PedestrianState, go: Bool[Array, "ped *batch"],
-) -> PedestrianState:  # fmt: skip
-    """One step: who goes moves along the committed path at their own speed; who waits stands.
+def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Array, "ped *batch"]) -> PedestrianState:
+    """Make one step: people who go move along their committed path at their own speed; people who wait stand.
 
-    What is left of the step at the end of a leg is carried into the next (but not over a second end). What follows a
-    leg depends on nothing that happens during it, so it is worked out for everybody at once whenever somebody needs it:
-    some tenth of the steps.
+    The rest of a step after the end of a leg is carried into the next leg (but not over a second end). What follows a
+    leg depends on nothing that happens during it, so it is computed for everybody at once whenever somebody needs it:
+    in about a tenth of the steps.
     """
-    stride = jnp.where(go, scenario.walking_speed(config) * config.dt, 0)
+    stride = jnp.where(go, scenario.walking_speed(world) * world.rules.dt, 0)
     carry = stride - people.remaining
     finished = go & (carry >= 0)
     missing = (finished & ~people.planned).any()
-    following = jax.lax.cond(
-        missing, lambda: next_leg(maps, tables, multiplier, scenario, people.leg), lambda: people.following
-    )
+    following = jax.lax.cond(missing, lambda: next_leg(world, scenario, people.leg), lambda: people.following)
     people = PedestrianState(
         leg=jax.tree.map(lambda new, old: jnp.where(finished, new, old), following, people.leg),
         following=following,
@@ -62,59 +54,59 @@ def walk(
         on_roadway=people.on_roadway,
         on_crosswalk=people.on_crosswalk,
     )
-    return _on_surface(maps, scenario, people)
+    return _on_surface(world, scenario, people)
 
 
-def _on_surface(maps: RoadMap, scenario: Scenario, people: PedestrianState) -> PedestrianState:
-    """Note where everybody stands, by the geometry of the map."""
+def _on_surface(world: World, scenario: Scenario, people: PedestrianState) -> PedestrianState:
+    """Fill in what everybody stands on, from the geometry of the map."""
     surfaces = (
-        inside(maps.roads, scenario.map, people.x, people.y),
-        inside(maps.crosswalks, scenario.map, people.x, people.y),
+        inside(world.maps.roads, scenario.map, people.x, people.y),
+        inside(world.maps.crosswalks, scenario.map, people.x, people.y),
     )
     return eqx.tree_at(lambda p: (p.on_roadway, p.on_crosswalk), people, surfaces)
 
 
-def velocity(config: SimConfig, scenario: Scenario, people: PedestrianState) -> tuple[Array, Array]:
-    """Velocity [m/s], along the leg being walked: zero for who waited in the last step (and before the first)."""
-    speed = jnp.where(people.going, scenario.walking_speed(config), 0)
+def velocity(world: World, scenario: Scenario, people: PedestrianState) -> tuple[Array, Array]:
+    """Return the velocity along the leg [m/s]: zero for people who waited in the last step."""
+    speed = jnp.where(people.going, scenario.walking_speed(world), 0)
     return speed * people.leg.cos, speed * people.leg.sin
 
 
-def at_kerb(config: SimConfig, people: PedestrianState) -> Bool[Array, "ped *batch"]:
-    """On a sidewalk, the committed path enters a roadway within ``kerb_distance``."""
-    return (people.to_kerb > 0) & (people.to_kerb <= config.kerb_distance)
+def at_kerb(world: World, people: PedestrianState) -> Bool[Array, "ped *batch"]:
+    """Return who is on a sidewalk with a roadway within ``kerb_distance`` of the committed path."""
+    return (people.to_kerb > 0) & (people.to_kerb <= world.rules.kerb_distance)
 
 
 def enters_roadway(people: PedestrianState) -> Bool[Array, "ped *batch"]:
-    """The leg being walked leads into a roadway: whoever goes on turns no more before it."""
+    """Return whose leg leads into a roadway: they turn no more before it."""
     return people.leg.kerb < 0
 
 
-def next_leg(maps: RoadMap, tables: Tables, multiplier: Float[Array, ""], scenario: Scenario, leg: Leg) -> Leg:
+def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     """What follows a leg.
 
     Someone who has come to where a jaywalk begins goes across; everybody else continues along the graph: to the next
     node, or, from where a jaywalk landed, to the node of the first edge. Leaving for the last edge before a crosswalk
     (or its landing, for who turns there) is where the crossing is decided: equation 1.
     """
-    begins, landed = leg.kind == TO_ZONE, leg.kind == ACROSS
-    arrived = (leg.kind <= ON_CROSSWALK) & (leg.node == leg.goal)
+    begins, landed = leg.kind == LegKind.TO_ZONE, leg.kind == LegKind.ACROSS
+    arrived = (leg.kind <= LegKind.CROSSWALK) & (leg.node == leg.goal)
     arrivals = leg.arrivals + arrived
     goal = jnp.where(arrived, _take(scenario.goals, arrivals), leg.goal)
 
-    hop = unpack_hop(look_up(tables.hop, scenario.map, leg.node, goal))
+    hop = unpack_hop(look_up(world.tables.hop, scenario.map, leg.node, goal))
     node = jnp.where(begins | landed, leg.node, hop.node)
-    node_x, node_y = look_up_each((maps.node_x, maps.node_y), scenario.map, node)
+    node_x, node_y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, node)
     to_crosswalk = hop.to_midpoint & ~landed
     on_crosswalk = to_crosswalk | (hop.from_midpoint & ~landed)
 
-    left = landed | ((leg.kind == ON_CROSSWALK) & ~hop.from_midpoint)
+    left = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
     crossing = jnp.where(left, NO_CROSSING, leg.crossing)
     side = jnp.where(landed & ~hop.to_midpoint, -1, hop.side)
     decided = (side >= 0) & (crossing == NO_CROSSING)
-    probability = scenario.jaywalking_tendency * multiplier
+    probability = scenario.jaywalking_tendency * world.jaywalk_multiplier
     jaywalk = decided & (_take(scenario.jaywalk_draw, leg.decisions) < probability)
-    way = _jaywalk(maps, tables, scenario, leg, goal, jnp.maximum(side, 0))
+    way = _jaywalk(world, scenario, leg, goal, jnp.maximum(side, 0))
 
     end_x = jnp.where(begins, leg.landing_x, jnp.where(jaywalk, way.x, node_x))
     end_y = jnp.where(begins, leg.landing_y, jnp.where(jaywalk, way.y, node_y))
@@ -122,14 +114,14 @@ def next_leg(maps: RoadMap, tables: Tables, multiplier: Float[Array, ""], scenar
     length = jnp.sqrt(dx * dx + dy * dy)
     by_crosswalk = way.kerb + jnp.where(to_crosswalk, 0, length)
     to_kerb = jnp.where(decided, jnp.where(jaywalk, way.to_kerb, by_crosswalk), jnp.where(left, jnp.inf, leg.kerb))
-    walks = jnp.where(jaywalk, TO_ZONE, jnp.where(on_crosswalk, ON_CROSSWALK, SIDEWALK))
+    walks = jnp.where(jaywalk, LegKind.TO_ZONE, jnp.where(on_crosswalk, LegKind.CROSSWALK, LegKind.SIDEWALK))
     return Leg(
         end_x=end_x,
         end_y=end_y,
         cos=dx / jnp.maximum(length, 1e-6),
         sin=dy / jnp.maximum(length, 1e-6),
         length=length,
-        kind=jnp.where(begins, ACROSS, walks),
+        kind=jnp.where(begins, LegKind.ACROSS, walks),
         node=jnp.where(jaywalk, way.node, node),
         landing_x=jnp.where(jaywalk, way.landing_x, leg.landing_x),
         landing_y=jnp.where(jaywalk, way.landing_y, leg.landing_y),
@@ -159,27 +151,27 @@ class Jaywalk(NamedTuple):
 
 
 def _jaywalk(
-    maps: RoadMap, tables: Tables, scenario: Scenario, leg: Leg, goal: Int[Array, "ped *batch"],
-    side: Int[Array, "ped *batch"],
-) -> Jaywalk:  # fmt: skip
+    world: World, scenario: Scenario, leg: Leg, goal: Int[Array, "ped *batch"], side: Int[Array, "ped *batch"]
+) -> Jaywalk:
     """The jaywalk that someone at the end of a leg would make at a side.
 
     It begins uniformly in the part of the zone not yet passed (else in the whole zone), and is slanted toward the goal
     by at most 45 degrees within the opposite zone, so it is clear of crosswalks and junctions.
     """
-    of = dict(zip(tables.side, look_up_each(list(tables.side.values()), scenario.map, side), strict=True))
+    columns = world.tables.side
+    of = dict(zip(columns, look_up_each(list(columns.values()), scenario.map, side), strict=True))
     here = (leg.end_x - of["x"]) * of["ux"] + (leg.end_y - of["y"]) * of["uy"]
     farthest = jnp.where(here > of["near"], jnp.minimum(here, of["far"]), of["far"])
     begin = of["near"] + (farthest - of["near"]) * _take(scenario.zone_draw, leg.decisions)
 
     opposite_x, opposite_y = of["x"] + of["across_x"], of["y"] + of["across_y"]
-    goal_x, goal_y = look_up_each((maps.node_x, maps.node_y), scenario.map, goal)
+    goal_x, goal_y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, goal)
     toward = (goal_x - opposite_x) * of["ux"] + (goal_y - opposite_y) * of["uy"]
     width = jnp.sqrt(of["across_x"] ** 2 + of["across_y"] ** 2)
     end = jnp.clip(jnp.clip(toward, begin - width, begin + width), of["far_near"], of["far_far"])
     slant = jnp.sqrt((end - begin) ** 2 + width * width) / jnp.maximum(width, 1e-6)
 
-    near_landing = end <= look_up(tables.turn, scenario.map, side ^ 1, goal)
+    near_landing = end <= look_up(world.tables.turn, scenario.map, side ^ 1, goal)
     return Jaywalk(
         x=of["x"] + begin * of["ux"],
         y=of["y"] + begin * of["uy"],

@@ -10,13 +10,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.sim import pedestrian
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import distance
+from jaxwalk.sim.everybody import for_everybody, with_index
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Foresight, Motion, PedestrianState, State, VehicleState
-from jaxwalk.sim.tables import POINT_SPACING, POINTS, for_everybody, with_index
-from jaxwalk.sim.trajectory import CROSSWALK, JAYWALK
-from jaxwalk.sim.vehicle import to_frame
+from jaxwalk.sim.world import World
 
 T = TypeVar("T")
 
@@ -36,14 +37,14 @@ CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
 """People on the roadway this far ahead of the car and this far aside [m] call for caution."""
 
 
-def relative_people(config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Motion:
+def relative_people(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Motion:
     """People in the car's frame; arrays ``(ped, *batch)``."""
     ahead, left = to_frame(people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
-    vx, vy = pedestrian.velocity(config, scenario, people)
+    vx, vy = pedestrian.velocity(world, scenario, people)
     return Motion(ahead, left, *to_frame(vx, vy, car.cos[None], car.sin[None]))
 
 
-def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Foresight:
+def foresee(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Foresight:
     """People as the car sees them, the route ahead, the smallest predicted distance to anybody for each manoeuvre, the
     time until a conflict, and whether somebody crosses close ahead.
 
@@ -52,9 +53,9 @@ def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: Pe
     large is ever stored.
     """
     route_x, route_y = to_frame(car.course.ahead_x - car.x, car.course.ahead_y - car.y, car.cos, car.sin)
-    car_x, car_y = _predicted_car(config, car, route_x, route_y)
+    car_x, car_y = _predicted_car(world, car, route_x, route_y)
     time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, 1, *(1,) * car.x.ndim)
-    motion = relative_people(config, scenario, car, people)
+    motion = relative_people(world, scenario, car, people)
     on_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
     jaywalking = people.on_roadway & (people.crossing == JAYWALK)
 
@@ -86,12 +87,12 @@ def foresee(config: SimConfig, scenario: Scenario, car: VehicleState, people: Pe
     )
 
 
-def predicted_miss(config: SimConfig, scenario: Scenario, state: State) -> tuple[Array, Array]:
+def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:
     """How close each pedestrian's centre and the car's would come if it went on along its leg from now and the car kept
     its velocity [m], and when [s]; ``(ped, *batch)``. Now, if they are moving apart."""
     car, people, motion = state.vehicle, state.pedestrian, state.foresight.people
     along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
-    pace = scenario.walking_speed(config)
+    pace = scenario.walking_speed(world)
     vx, vy = pace * along - car.speed[None], pace * across
     when = -(motion.ahead * vx + motion.left * vy) / jnp.maximum(vx * vx + vy * vy, 1e-6)
     when = jnp.maximum(when, 0)
@@ -127,18 +128,18 @@ def of_nearest(motion: Motion, of_all: T, absent: T) -> T:
     return for_everybody((ranks, of_all), pick, absent)
 
 
-def _predicted_car(config: SimConfig, car: VehicleState, route_x: Array, route_y: Array) -> tuple[Array, Array]:
+def _predicted_car(world: World, car: VehicleState, route_x: Array, route_y: Array) -> tuple[Array, Array]:
     """Where each manoeuvre would bring the car, in its present frame [m]: arrays ``(moment, manoeuvre, *batch)``."""
     batch = (1,) * car.speed.ndim
     time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, *batch)
-    acceleration = config.max_acceleration
+    rules, acceleration = world.rules, world.rules.max_acceleration
     braking = jnp.minimum(time, car.speed / acceleration)
-    accelerating = jnp.minimum(time, (config.max_speed - car.speed) / acceleration)
+    accelerating = jnp.minimum(time, (rules.max_speed - car.speed) / acceleration)
     travelled = jnp.stack(
         [
             car.speed * braking - 0.5 * acceleration * braking**2,
             car.speed * time,
-            car.speed * accelerating + 0.5 * acceleration * accelerating**2 + config.max_speed * (time - accelerating),
+            car.speed * accelerating + 0.5 * acceleration * accelerating**2 + rules.max_speed * (time - accelerating),
         ],
         axis=1,
     )

@@ -9,11 +9,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.sim import pedestrian, prediction, vehicle
-from jaxwalk.sim.config import SimConfig
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
-from jaxwalk.sim.tables import Tables
+from jaxwalk.sim.world import World
 
 NEAR_WAIT = 8.0
 """Waiting for the car is rewarded with it within this distance [m] ..."""
@@ -31,8 +30,7 @@ LARGEST_WEIGHT = 1e6
 class Transition(NamedTuple):
     """A step, as rewards see it."""
 
-    tables: Tables
-    config: SimConfig
+    world: World
     scenario: Scenario
     before: State
     after: State
@@ -49,14 +47,14 @@ def reward(
 
 def _crow_progress(t: Transition) -> Array:
     """Metres nearer to the goal, as the crow flies."""
-    goal_x, goal_y = vehicle.goal(t.tables, t.scenario)
+    goal_x, goal_y = vehicle.goal(t.world, t.scenario)
     before, after = t.before.vehicle, t.after.vehicle
     return distance(goal_x - before.x, goal_y - before.y) - distance(goal_x - after.x, goal_y - after.y)
 
 
 def _speeding(t: Transition, somebody: Array) -> Array:
     """Share of top speed above 3 m/s, with somebody on the roadway close ahead of the car."""
-    return jnp.where(somebody, jnp.maximum(t.after.vehicle.speed - CAUTIOUS_SPEED, 0) / t.config.max_speed, 0)
+    return jnp.where(somebody, jnp.maximum(t.after.vehicle.speed - CAUTIOUS_SPEED, 0) / t.world.rules.max_speed, 0)
 
 
 def _off_lane(t: Transition) -> Array:
@@ -74,19 +72,19 @@ def _misaligned(t: Transition) -> Array:
 def _closeness(t: Transition) -> Array:
     """How far the clearance predicted at held speed falls below 3 m, in [0, 1], times the share of top speed."""
     shortfall = jnp.maximum(1 - t.after.foresight.clearance[prediction.HOLD] / COMFORTABLE, 0)
-    return shortfall * t.after.vehicle.speed / t.config.max_speed
+    return shortfall * t.after.vehicle.speed / t.world.rules.max_speed
 
 
 def _waiting(t: Transition) -> Array:
     """Waiting at the kerb for a car within 8 m, faster than 2 m/s and closing in: with oneself ahead of it."""
     car, seen = t.before.vehicle, t.before.foresight.people
     near = (seen.ahead**2 + seen.left**2 < NEAR_WAIT**2) & (seen.ahead > 0) & (car.speed > FAST_CAR)
-    return near & pedestrian.at_kerb(t.config, t.before.pedestrian) & ~t.after.pedestrian.going
+    return near & pedestrian.at_kerb(t.world, t.before.pedestrian) & ~t.after.pedestrian.going
 
 
 def _walked(t: Transition) -> Array:
     """Metres walked along the committed path."""
-    return jnp.where(t.after.pedestrian.going, t.scenario.walking_speed(t.config) * t.config.dt, 0)
+    return jnp.where(t.after.pedestrian.going, t.scenario.walking_speed(t.world) * t.world.rules.dt, 0)
 
 
 DRIVER_TERMS: dict[str, Callable[[Transition], Array]] = {

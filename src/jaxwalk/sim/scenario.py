@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, Key
 
-from jaxwalk.maps import RoadMap
-from jaxwalk.sim.config import SimConfig
-from jaxwalk.sim.tables import look_up
+from jaxwalk.sim.lookup import look_up
+from jaxwalk.sim.world import World
 
 TRAITS = 4
 """Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed and two without effect."""
@@ -40,36 +37,50 @@ class Scenario(eqx.Module):
         """The trait tau of equation 1."""
         return self.traits[0]
 
-    def walking_speed(self, config: SimConfig) -> Float[Array, "ped *batch"]:
-        """Each pedestrian's own speed [m/s]."""
-        return config.slowest_walk + (config.fastest_walk - config.slowest_walk) * self.traits[1]
+    def walking_speed(self, world: World) -> Float[Array, "ped *batch"]:
+        """Return each pedestrian's own speed [m/s]."""
+        slowest, fastest = world.rules.slowest_walk, world.rules.fastest_walk
+        return slowest + (fastest - slowest) * self.traits[1]
 
 
-def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:
-    """How many goals and how many crossings the fastest pedestrian could need: (goals, crossings).
+def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
+    """Draw one scenario (no batch axes). ``like``: keep the map and the route of this one."""
+    return from_uniforms(world, uniforms(key, dimensions(world)), like)
 
-    It walks at most horizon x dt x top speed. Between two decisions lies at least one crossing, ``shortest_crossing``
-    metres long. Goals are ``goal_spacing`` apart along the graph; a jaywalk is shorter, but no shorter than a crossing.
+
+def dimensions(world: World) -> int:
+    """Return how many uniform numbers a scenario is a function of."""
+    return 2 + _rows(world) * world.rules.pedestrians
+
+
+def uniforms(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
+    """Draw numbers in (0, 1).
+
+    They are odd multiples of 2**-17, two from each random word: random words are what costs time.
     """
-    reach = config.horizon * config.dt * config.fastest_walk
-    apart = min(config.goal_spacing, shortest_crossing)
-    return 2 + math.floor(reach / apart), 2 + math.floor(reach / shortest_crossing)
+    words = jax.random.bits(key, (-(-count // 2),), jnp.uint32)
+    halves = jnp.concatenate([words >> 16, words & 0xFFFF])[:count]
+    return (halves.astype(jnp.float32) + 0.5) / 65536
 
 
-def draw(
-    maps: RoadMap, config: SimConfig, sizes: tuple[int, int], key: Key[Array, ""], like: Scenario | None = None
-) -> Scenario:
-    """Draw one scenario (no batch axes); ``sizes`` as from `table_sizes`. ``like``: with this one's map and route."""
-    goals, crossings = sizes
-    people = config.pedestrians
-    rows = 1 + goals + TRAITS + 2 * crossings
-    uniform = _uniform(key, 2 + rows * people)
-    start_draw, goal_draws, traits, crossing_draws = jnp.split(
-        uniform[2:].reshape(rows, people), (1, 1 + goals, 1 + goals + TRAITS)
+def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario | None = None) -> Scenario:
+    """Return the scenario at a point of the unit cube: `dimensions` numbers in [0, 1).
+
+    The first two choose map and route. The others are the rows of a table with one column for each pedestrian: start,
+    goals, traits, then one row of jaywalk draws and one of zone draws for each crossing, in the order of `Scenario`.
+
+    Args:
+        world: gives the tables to choose from.
+        numbers: where in the cube.
+        like: keep the map and the route of this scenario.
+    """
+    maps = world.maps
+    start_draw, goal_draws, traits, jaywalk_draw, zone_draw = jnp.split(
+        numbers[2:].reshape(_rows(world), world.rules.pedestrians), _boundaries(world)
     )
-    map_index = jnp.floor(uniform[0] * maps.roads.shape[0]).astype(jnp.int32)
+    map_index = jnp.floor(numbers[0] * maps.roads.shape[0]).astype(jnp.int32)
     routes = look_up(maps.route_count, map_index)
-    route = jnp.minimum((uniform[1] * routes).astype(jnp.int32), routes - 1)
+    route = jnp.minimum((numbers[1] * routes).astype(jnp.int32), routes - 1)
     if like is not None:
         map_index, route = like.map, like.route
     starts = look_up(maps.start_count, map_index, route)
@@ -79,27 +90,30 @@ def draw(
         goal = _choose(maps.goal_choices, look_up(maps.goal_count, map_index, node), (map_index, node), draw)
         return goal, goal
 
-    _, goal_table = jax.lax.scan(next_goal, start, goal_draws)
-    jaywalk_draw, zone_draw = jnp.split(crossing_draws, 2)
+    _, goals = jax.lax.scan(next_goal, start, goal_draws)
     return Scenario(
         map=map_index,
         route=route,
         start=start,
         traits=traits,
-        goals=goal_table,
+        goals=goals,
         jaywalk_draw=jaywalk_draw,
         zone_draw=zone_draw,
     )
 
 
-def _uniform(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
-    """Numbers in (0, 1), multiples of 2**-16 and half of that: two for each random word, which are what costs time."""
-    words = jax.random.bits(key, (-(-count // 2),), jnp.uint32)
-    halves = jnp.concatenate([words >> 16, words & 0xFFFF])[:count]
-    return (halves.astype(jnp.float32) + 0.5) / 65536
+def _boundaries(world: World) -> tuple[int, ...]:
+    """Return where goals, traits, jaywalk draws and zone draws begin in the table of uniform numbers."""
+    traits = 1 + world.goals
+    return 1, traits, traits + TRAITS, traits + TRAITS + world.crossings
+
+
+def _rows(world: World) -> int:
+    """Return how many uniform numbers a scenario needs for each pedestrian."""
+    return _boundaries(world)[-1] + world.crossings
 
 
 def _choose(table: Array, count: Array, row: tuple[Array, ...], uniform: Array) -> Array:
-    """One of the first ``count`` entries of a row of a choice table, by a number in [0, 1)."""
+    """Return one of the first ``count`` entries of a row of a choice table, chosen by a number in [0, 1)."""
     column = jnp.minimum((uniform * count).astype(jnp.int32), count - 1)
     return look_up(table, *row, column)

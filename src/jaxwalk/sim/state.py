@@ -16,7 +16,7 @@ class Course(eqx.Module):
     """... and the direction of travel there."""
     sin: Float[Array, "*batch"]
     ahead_x: Float[Array, "point *batch"]
-    """Points of the route ahead [m] (`jaxwalk.sim.tables.POINTS`)."""
+    """Points of the route ahead [m] (`jaxwalk.sim.map_tables.POINTS`)."""
     ahead_y: Float[Array, "point *batch"]
 
 

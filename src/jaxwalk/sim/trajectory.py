@@ -6,9 +6,6 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-NO_CROSSING, CROSSWALK, JAYWALK = 0, 1, 2
-"""How a pedestrian has decided to make its next (or current) crossing; NO_CROSSING: not decided yet."""
-
 
 class Trajectory(eqx.Module):
     """Recorded episodes. Frame 0 is the start, frame k the world after k steps; frames after ``length`` are padding."""

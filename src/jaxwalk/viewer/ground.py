@@ -1,4 +1,4 @@
-"""The map, drawn: what stays the same in every frame."""
+"""Drawing of the map, which is the same in every frame."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from matplotlib.patches import Rectangle
 from jaxwalk.maps import RoadMap
 
 BLOCK, ROAD, SIDEWALK, PAINT = "#f3f1ea", "#9a9ea5", "#b5d3a2", "#f7f7f4"
-"""Colours of what lies between the roads, of roads, sidewalks and road markings."""
+"""Colours of blocks between the roads, of roads, sidewalks and road markings."""
 STRIPE = 0.5
 """Width of a crosswalk's stripes and of the gaps between them [m]."""
 CLEAR = 2.5
-"""Centre lines end this far from junctions and crosswalks [m]."""
+"""Gap between a centre line and a junction or crosswalk [m]."""
 
 Box = tuple[float, float, float, float]
 
@@ -36,7 +36,7 @@ def draw_ground(axes: Axes, road_map: RoadMap) -> None:
 
 
 def _boxes(rectangles) -> Iterator[Box]:
-    """The rectangles that are not padding."""
+    """Yield the rectangles that aren't padding."""
     for x0, y0, x1, y1 in np.asarray(rectangles).tolist():
         if x0 < x1 and y0 < y1:
             yield x0, y0, x1, y1
@@ -48,7 +48,7 @@ def _fill(axes: Axes, boxes: list[Box], colour: str, order: int) -> None:
 
 
 def _centre_line(axes: Axes, road: Box, interrupting: list[Box]) -> None:
-    """A dashed line along the middle of a road, except on and close to other roads and crosswalks."""
+    """Draw a dashed line along the middle of a road, except on and close to other roads and crosswalks."""
     x0, y0, x1, y1 = road
     axis = int(y1 - y0 > x1 - x0)
     middle = (x0 + x1) / 2 if axis else (y0 + y1) / 2
@@ -64,7 +64,7 @@ def _centre_line(axes: Axes, road: Box, interrupting: list[Box]) -> None:
 
 
 def _stripes(crosswalk: Box, roads: list[Box]) -> Iterator[Box]:
-    """Stripes along the traffic, side by side from kerb to kerb."""
+    """Yield a crosswalk's stripes: along the direction of traffic, side by side from kerb to kerb."""
     x0, y0, x1, y1 = crosswalk
     under = [r for r in roads if r[0] < x1 and r[2] > x0 and r[1] < y1 and r[3] > y0]
     vertical = any(r[3] - r[1] > r[2] - r[0] for r in under)  # the road runs south-north

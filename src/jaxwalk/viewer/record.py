@@ -1,5 +1,7 @@
-"""Episodes as records that a page can replay: whole numbers, each as its difference from the one before, so that they
-pack well. ``page/record.js`` reads them."""
+"""Episodes as records that a page can replay. Numbers are integers, stored as differences, which compress well.
+
+``page/record.js`` reads the records.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +15,16 @@ import numpy as np
 from jaxwalk.metrics.braking import ONSET
 from jaxwalk.metrics.crossings import Crossings, find_crossings
 from jaxwalk.metrics.encounters import Encounters, find_encounters
-from jaxwalk.sim.paths import Paths
-from jaxwalk.sim.trajectory import JAYWALK, Trajectory
+from jaxwalk.sim.crossing_kind import JAYWALK
+from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.sim.walking_paths import Paths
 
 PER_METRE, PER_RADIAN = 100, 1000
-"""Places are kept in centimetres, speeds in centimetres a second, headings in thousandths of a radian."""
+"""Units of a record: positions in cm, speeds in cm/s, accelerations in cm/s2, headings in mrad."""
 GOING, ON_ROADWAY, JAYWALKS = 1, 2, 4
-"""Bits of a pedestrian's state: it walks, is between the kerbs, has decided to jaywalk."""
+"""Bits of a pedestrian's state: it walks, it is between the kerbs, it has decided to jaywalk."""
 KINDS = {1: "crosswalk", 2: "jaywalk"}
-"""Names of the types of a crossing."""
+"""Names of the kinds of crossing."""
 
 Record = dict[str, Any]
 
@@ -29,12 +32,12 @@ Record = dict[str, Any]
 def make_records(
     trajectory: Trajectory, paths: Paths | None = None, routes: list[np.ndarray] | None = None
 ) -> list[str]:
-    """Every episode as text: a JSON record (`docs/replay.md`), deflated, in base64.
+    """Return every episode as text: a JSON record, deflated, in base64 (``docs/watching.md``).
 
     Args:
         trajectory: recorded episodes.
-        paths: where people were going to walk, ``(..., ped, episode)``; left out, no plans are shown.
-        routes: of each episode the lane route of the car, ``(point, 2)`` [m]; left out, none is shown.
+        paths: each pedestrian's planned path, ``(..., ped, episode)``; None shows no plans.
+        routes: the car's lane route in each episode, ``(point, 2)`` [m]; None shows no routes.
     """
     crossings, steps = find_crossings(trajectory)
     encounters = find_encounters(trajectory, crossings, steps)
@@ -55,18 +58,18 @@ def _pack(record: Record) -> str:
 
 
 def _differences(values: np.ndarray, per_unit: int) -> list[int]:
-    """Whole numbers: the first one, then the change to each next one."""
+    """Return values as integers: the first one, then the change to each next one."""
     whole = np.round(np.asarray(values, np.float64) * per_unit).astype(np.int64)
     return np.diff(whole, prepend=0).tolist()
 
 
 def _line(points: np.ndarray) -> Record:
-    """A polyline ``(point, 2)`` [m]."""
+    """Return a polyline ``(point, 2)`` [m] as a record."""
     return {"x": _differences(points[:, 0], PER_METRE), "y": _differences(points[:, 1], PER_METRE)}
 
 
 def _episode(t: Trajectory, e: int) -> Record:
-    """What moves."""
+    """Return the episode's goal and everything that moves."""
     frames = slice(int(t.length[e]) + 1)
     heading = np.unwrap(np.arctan2(t.car_sin[frames, e], t.car_cos[frames, e]))
     state = t.going[frames, e] * GOING + t.on_roadway[frames, e] * ON_ROADWAY
@@ -94,7 +97,7 @@ def _episode(t: Trajectory, e: int) -> Record:
 
 
 def _events(t: Trajectory, e: int, crossings: Crossings, encounters: Encounters) -> list[Record]:
-    """What is marked on the time line, in the order of time; pedestrians count from 0."""
+    """Return the events for the timeline, in order of time; pedestrians count from 0."""
     found: list[Record] = []
     for row in np.flatnonzero(crossings.episode == e):
         ped, kind = int(crossings.ped[row]), KINDS[int(crossings.type[row])]
@@ -110,14 +113,14 @@ def _events(t: Trajectory, e: int, crossings: Crossings, encounters: Encounters)
 
 
 def _plans(t: Trajectory, e: int, paths: Paths) -> list[Record]:
-    """Everybody's path as far as the goal they are walking to at the end of the episode."""
+    """Return each pedestrian's path, up to the goal that it is walking to at the end of the episode."""
     last = int(t.length[e])
     strides = np.hypot(np.diff(t.ped_x[: last + 1, e], axis=0), np.diff(t.ped_y[: last + 1, e], axis=0))
     return [_plan(paths, e, ped, float(walked)) for ped, walked in enumerate(strides.sum(axis=0))]
 
 
 def _plan(paths: Paths, e: int, ped: int, walked: float) -> Record:
-    """One path; ``jaywalks``: the legs that are, ``goals``: the points that are goals."""
+    """Return one path, with the legs that are ``jaywalks`` and the points that are ``goals``."""
     x, y = paths.x[:, ped, e], paths.y[:, ped, e]
     arrivals = paths.arrivals[:, ped, e]
     along = np.cumsum(np.hypot(np.diff(x), np.diff(y)))

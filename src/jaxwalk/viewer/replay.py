@@ -1,4 +1,4 @@
-"""Episodes as an interactive page: one file that needs no network."""
+"""Episodes as an interactive page: one file that works without a network."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.writing import write_whole
 
 SCRIPTS = ("record.js", "drawing.js", "strips.js", "touch.js", "player.js")
-"""Parts of the player, in the order in which they use each other."""
+"""Scripts of the player; each one uses only those before it."""
 
 
 def document(episodes: Sequence[dict[str, Any]], road_maps: Sequence[RoadMap], *, dt: float) -> dict[str, Any]:
-    """What the page's script reads: maps, and `entries` of episodes."""
+    """Return the data of a page: maps, and `entries` of episodes. ``dt`` is the length of a step [s]."""
     return {"dt": dt, "maps": [_map(road_map) for road_map in road_maps], "episodes": list(episodes)}
 
 
 def entries(trajectory: Trajectory, records: Sequence[str], maps: Sequence[int], **about: Any) -> list[dict[str, Any]]:
-    """A page's entries of recorded episodes.
+    """Return a page's entries of recorded episodes.
 
     Args:
         trajectory: the episodes.
-        records: of every episode, from `make_records`.
-        maps: of every episode, which map of the page it is played on.
-        about: what is the same for all: ``driver`` and ``pedestrians`` by name, jaywalk ``multiplier``.
+        records: each episode's record, from `make_records`.
+        maps: each episode's map, as an index into the page's maps.
+        about: fields that are the same for all: ``driver`` and ``pedestrians`` by name, jaywalk ``multiplier``.
     """
     t = trajectory
     endings = np.where(t.goal, "goal", np.where(t.collision, "collision", "timeout"))
@@ -54,12 +54,12 @@ def _map(road_map: RoadMap) -> dict[str, Any]:
 
 
 def as_script(document: Any) -> str:
-    """JSON that may stand inside a page's ``script``: no name in it can end that."""
+    """Return JSON that is safe inside a page's ``script`` element: no text in it can end the element."""
     return json.dumps(document, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
 def part(name: str) -> str:
-    """A file of the page."""
+    """Return the text of one of the page's files."""
     return resources.files("jaxwalk.viewer").joinpath("page", name).read_text(encoding="utf-8")
 
 
@@ -68,22 +68,22 @@ def _joined(*names: str) -> str:
 
 
 def gallery_html() -> str:
-    """The gallery of failures, with a player in a dialog, for another page; it needs the three parts that follow."""
+    """Return the gallery of failures, with a player in a dialog. Its page also needs the style and the script."""
     return part("gallery.html").replace("{{ player }}", part("player.html"))
 
 
 def gallery_style() -> str:
-    """Its style sheet; the page gives the colours ``--ink``, ``--soft``, ``--page``, ``--line`` and ``--tint``."""
+    """Return the gallery's style sheet. Its page sets ``--ink``, ``--soft``, ``--page``, ``--line``, ``--tint``."""
     return _joined("player.css", "gallery.css")
 
 
 def gallery_script() -> str:
-    """Its script, a module: the class ``Gallery(element, data)``."""
+    """Return the gallery's script, a module with the class ``Gallery(element, data)``."""
     return _joined(*SCRIPTS, "gallery.js")
 
 
 def replay_page(document: dict[str, Any], path: Path, *, title: str) -> None:
-    """Write a page on which the episodes of a `document` can be played."""
+    """Write a page that plays the episodes of a `document`."""
     import jinja2
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)

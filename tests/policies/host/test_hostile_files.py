@@ -234,7 +234,7 @@ def test_weights_that_would_make_something_large(tmp_path, called):
     with zipfile.ZipFile(inner) as old, zipfile.ZipFile(weights, "w") as new:
         for name in old.namelist():
             new.writestr(name, pickled if name.endswith("data.pkl") else old.read(name))
-    with pytest.raises(DriverError, match=f"its weights call {' '.join(called.split())}, so it can't be put together"):
+    with pytest.raises(DriverError, match=f"its weights call {' '.join(called.split())}, so it can't be loaded"):
         load_host_driver(_agent(tmp_path / "agent.zip", json.dumps(SPACE), weights.getvalue()))
 
 

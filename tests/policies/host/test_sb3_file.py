@@ -65,7 +65,7 @@ def test_an_unusual_agent_needs_trust(tmp_path, unusual):
     options = {"activation": {"activation_fn": nn.ELU}, "network": {"squash_output": True}}.get(unusual)
     more = {"use_sde": True} if unusual == "network" else {}
     agent = _agent(tmp_path / "agent.zip", kind, **({"policy_kwargs": options} if options else {}), **more)
-    with pytest.raises(DriverError, match=r"so it can't be put together without unpickling.*--trust"):
+    with pytest.raises(DriverError, match=r"so it can't be loaded without unpickling.*--trust"):
         load_host_driver(str(tmp_path / "agent.zip"))
     _check(load_host_driver(str(tmp_path / "agent.zip"), trust=True), agent)
 

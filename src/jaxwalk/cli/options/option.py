@@ -6,7 +6,7 @@ from typing import Any
 
 import tyro
 
-from jaxwalk.experiments.recipes import RECIPES
+from jaxwalk.runs.recipes import RECIPES
 
 Flag = tyro.conf.FlagCreatePairsOff[bool]
 """An option without a value."""

@@ -1,16 +1,16 @@
 """A driver that is not written in JAX, behind one protocol: NumPy in, NumPy out, a whole batch at once.
 
     class MyDriver:
-        observes = "route"              # the observation set it reads; "paper" if it says nothing
+        observes = "route"              # the observation set it reads; "paper" if there is none
 
-        def reset(self, episodes):      # optional: a new batch of so many episodes begins
+        def reset(self, episodes):      # optional: a new batch of this many episodes begins
             ...
 
         def act(self, observation):     # float32 (episodes, features) -> (episodes, 2), all in [-1, 1]
             ...
 
-What it answers is acceleration and steering as shares of their limits. It must depend on nothing but what the driver
-has observed since the last ``reset``.
+An action is acceleration and steering, as shares of their limits. It may depend only on what the driver has observed
+since the last ``reset``.
 """
 
 from __future__ import annotations
@@ -29,28 +29,28 @@ import numpy as np
 from jaxtyping import Array, Float, Key
 
 SECONDS = 10.0
-"""A driver may think so long about one step of its batch, unless told otherwise."""
+"""Default time limit of a driver for one step of its batch [s]."""
 NUMBERS = "fiu"
 """Kinds of NumPy types that are real numbers."""
 MESSAGE = 300
-"""Characters that are repeated of the message of a driver's own error."""
+"""Longest quotation of an error message from a driver [characters]."""
 BEYOND = 1e-4
-"""An action may exceed [-1, 1] by this much, by rounding; the simulator clips it."""
+"""Rounding may take an action beyond [-1, 1] by this much; the simulator clips it."""
 
 
 class DriverError(ValueError):
-    """A driver that can't be used; one line names it, says what is wrong and what to do."""
+    """A driver can't be used. The message names the driver, says what is wrong and what to do, in one line."""
 
 
 class HostDriver:
-    """A driver of the protocol above, as a `Policy` that can't be compiled: its ``act`` takes real arrays only.
+    """A driver with the protocol above, as a `Policy` that can't be compiled: its ``act`` takes concrete arrays only.
 
-    It remembers by itself, so it plays one batch at a time: whoever plays takes its `turn`. After its first failure it
-    is asked no more.
+    The driver keeps its own memory, so it plays one batch at a time: a caller holds the lock `turn` meanwhile. After
+    the first failure, every call raises the same error.
     """
 
     def __init__(self, name: str, driver: Any, *, observes: str, seconds: float = SECONDS) -> None:
-        """``name``: what people call it; ``driver``: follows the protocol; ``seconds``: its limit for one step."""
+        """Wrap ``driver``, which follows the protocol; messages call it ``name``; one step may take ``seconds``."""
         self.name, self.observes = name, observes
         self.turn = threading.Lock()
         self.seconds_spent, self.steps_made = 0.0, 0
@@ -59,7 +59,7 @@ class HostDriver:
         self._thread = _Thread()
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """A new batch begins. It remembers by itself."""
+        """Tell the driver that a new batch begins. Raises DriverError if the driver has failed before or fails now."""
         if self.failure:
             raise DriverError(self.failure)
         if hasattr(self._driver, "reset"):
@@ -68,11 +68,11 @@ class HostDriver:
     def act(
         self, key: Key[Array, "episode"] | None, memory: None, observation: Float[Array, "feature episode"]
     ) -> tuple[Float[Array, "2 episode"], None]:
-        """Its actions, of the right shape and type; their values are as the driver gave them.
+        """Return the driver's actions. Their shape and type are checked, their values are as the driver gave them.
 
-        Raises DriverError if it raises, takes too long or answers anything but two numbers for each episode.
+        Raises DriverError if the driver raises, takes too long or returns anything but two numbers for each episode.
         """
-        rows = np.array(np.asarray(observation).T, np.float32, order="C")  # its own copy: it may write into it
+        rows = np.array(np.asarray(observation).T, np.float32, order="C")  # a copy, because the driver may write to it
         begun = time.perf_counter()
         answer = self._ask("act", rows)
         self.seconds_spent += time.perf_counter() - begun
@@ -80,12 +80,12 @@ class HostDriver:
         return jnp.asarray(self._checked(answer, len(rows)).T), memory
 
     def fail(self, what: str) -> DriverError:
-        """The error to raise about it; ``what`` begins with what it did."""
+        """Record a failure and return the error to raise. ``what`` says what the driver did wrong."""
         self.failure = what if what.startswith(f"{self.name}: ") else f"{self.name}: {what}"
         return DriverError(self.failure)
 
     def _ask(self, method: str, *arguments: Any) -> Any:
-        """What a method of the driver returns."""
+        """Call a method of the driver and return its result. Raises DriverError if it raises or takes too long."""
         try:
             return self._thread.call(getattr(self._driver, method), arguments, self._seconds)
         except TimeoutError as error:
@@ -97,7 +97,7 @@ class HostDriver:
             raise self.fail(f"{method} raised {_described(cause)}") from cause
 
     def _checked(self, answer: Any, episodes: int) -> np.ndarray:
-        """The answer as float32, ``(episodes, 2)``."""
+        """Return the answer as float32 ``(episodes, 2)``. Raises DriverError if it is something else."""
         wanted = f"an array of shape ({episodes}, 2): acceleration and steering in [-1, 1] for each episode"
         try:
             actions = np.asarray(answer)
@@ -111,34 +111,34 @@ class HostDriver:
 
 
 def wrong_action(actions: Float[np.ndarray, "2 episode"], playing: np.ndarray) -> tuple[int, str] | None:
-    """The first episode of those ``playing`` with an impossible action, and what is wrong; None if there is none."""
-    possible = (np.abs(actions) <= 1 + BEYOND).all(axis=0)  # (not so for NaN)
+    """Return the first ``playing`` episode with an impossible action, and what is wrong; None if all are possible."""
+    possible = (np.abs(actions) <= 1 + BEYOND).all(axis=0)  # False for NaN
     for episode in np.flatnonzero(playing & ~possible)[:1]:
         acceleration, steering = actions[:, episode]
         finite = np.isfinite(acceleration + steering)
-        hint = "clip it if that is meant" if finite else "find out what it divides by, or where a value is missing"
+        hint = "clip it if that is intended" if finite else "check for a division by zero or a missing value"
         return int(episode), f"act returned [{acceleration:g} {steering:g}], not two numbers in [-1, 1]; {hint}"
     return None
 
 
 class _RaisedError(Exception):
-    """Somebody's function raised ``cause``."""
+    """A function of the driver raised ``cause``."""
 
     def __init__(self, cause: BaseException) -> None:
         self.cause = cause
 
 
 class _Thread:
-    """Calls functions in one thread of its own; a call that takes too long is given up, and its thread with it."""
+    """Calls functions in a thread of its own. After a call that takes too long, it abandons the thread."""
 
     def __init__(self) -> None:
         self._queues: tuple[SimpleQueue[Any], SimpleQueue[Any]] | None = None
 
     def call(self, function: Callable[..., Any], arguments: tuple[Any, ...], seconds: float) -> Any:
-        """What the function returns. Raises _RaisedError if it raises, TimeoutError if it takes longer."""
+        """Return the function's result. Raises _RaisedError if it raises, TimeoutError if it takes too long."""
         if self._queues is None:
             self._queues = SimpleQueue(), SimpleQueue()
-            threading.Thread(target=_serve, args=self._queues, daemon=True).start()  # (a daemon doesn't keep us)
+            threading.Thread(target=_serve, args=self._queues, daemon=True).start()  # a daemon doesn't delay the exit
         calls, results = self._queues
         calls.put((function, arguments))
         try:
@@ -146,7 +146,7 @@ class _Thread:
         except Empty:
             self._queues = None
             raise TimeoutError from None
-        except BaseException:  # Ctrl-C: what comes later must not be taken for another answer
+        except BaseException:  # Ctrl-C: a late result must not be taken for the answer to the next call
             self._queues = None
             raise
         if error is not None:
@@ -155,17 +155,17 @@ class _Thread:
 
 
 def _serve(calls: SimpleQueue[Any], results: SimpleQueue[Any]) -> None:
-    """Call what comes, one after the other: results are (value, None) or (None, what was raised)."""
+    """Make each call that arrives. Its result is (value, None) or (None, error)."""
     while True:
         function, arguments = calls.get()
         try:
             results.put((function(*arguments), None))
-        except BaseException as error:  # (SystemExit, too, would end the thread and leave the caller waiting)
+        except BaseException as error:  # SystemExit would also end the thread and leave the caller waiting
             results.put((None, error))
 
 
 def _described(error: BaseException) -> str:
-    """As in ``ZeroDivisionError: division by zero (mine.py, line 12)``."""
+    """Describe an error, for example ``ZeroDivisionError: division by zero (mine.py, line 12)``."""
     last = traceback.extract_tb(error.__traceback__)[-1:]
     where = "".join(f" ({Path(frame.filename).name}, line {frame.lineno})" for frame in last)
     return shorten(f"{type(error).__name__}: {error}", MESSAGE) + where

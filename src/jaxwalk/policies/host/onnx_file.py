@@ -1,6 +1,6 @@
-"""A driver in an ONNX file: one input ``(episodes, features)``, whose first output is the action ``(episodes, 2)``.
+"""A driver in an ONNX file: its one input is ``(episodes, features)``, its first output the action ``(episodes, 2)``.
 
-The entry ``jaxwalk.observes`` of its metadata names the observation set. ONNX is a list of operations: no Python code.
+The metadata's entry ``jaxwalk.observes`` names the observation set. ONNX is a list of operations, without Python code.
 """
 
 from __future__ import annotations
@@ -11,31 +11,31 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.policies.host.driver import DriverError
-from jaxwalk.policies.host.load import set_of_size
+from jaxwalk.policies.host.loaders import set_of_size
 
 OBSERVES, ROLE = "jaxwalk.observes", "jaxwalk.role"
 """Entries of an ONNX file's metadata."""
 OLDEST = (1, 24)
-"""Versions of ONNX Runtime before this read weights outside the file's folder."""
+"""The oldest safe version of ONNX Runtime: older ones read weights from outside the file's folder."""
 
 
 class OnnxDriver:
-    """Runs the network with ONNX Runtime on the processor."""
+    """Runs the network with ONNX Runtime on the CPU."""
 
     def __init__(self, session: Any) -> None:
         self._session, self._input = session, session.get_inputs()[0].name
         self._output = session.get_outputs()[0].name
 
     def act(self, observation: np.ndarray) -> np.ndarray:
-        """The network's first output."""
+        """Return the network's first output."""
         (action,) = self._session.run([self._output], {self._input: observation})
         return action
 
 
 def load(path: Path, *, trust: bool) -> tuple[OnnxDriver, str]:
-    """The driver and its observation set. It needs no ``trust``.
+    """Return the driver and its observation set; ``trust`` makes no difference, because ONNX holds no Python code.
 
-    Raises DriverError for a file that is no network of this form.
+    Raises DriverError if the file isn't a network of this form.
     """
     try:
         import onnxruntime
@@ -46,14 +46,14 @@ def load(path: Path, *, trust: bool) -> tuple[OnnxDriver, str]:
         raise DriverError(
             f"{path}: ONNX Runtime {version} lets a file read others; update it: pip install -U 'jaxwalk[onnx]'"
         )
-    try:  # (without folding constants, which may be of any size, while it is loaded)
+    try:  # constants may be of any size when they are folded during loading, so they are not folded
         session = onnxruntime.InferenceSession(
             str(path),
             providers=["CPUExecutionProvider"],
             disabled_optimizers=["ConstantFolding"],
-            enable_fallback=0,  # (which prints, and tries the same again)
+            enable_fallback=0,  # the fallback prints and tries the same again
         )
-    except Exception as error:  # (ONNX Runtime's own errors have no common class but this)
+    except Exception as error:  # ONNX Runtime's errors have no other common class
         raise DriverError(f"{path}: damaged or no ONNX file ({error}); export it again") from error
     metadata = session.get_modelmeta().custom_metadata_map
     if metadata.get(ROLE, "driver") != "driver":

@@ -1,4 +1,4 @@
-"""Drivers in plain Python: ``module:Class`` or ``path/to/file.py:Class``. Naming one is trusting it: its code runs."""
+"""Drivers in plain Python: ``module:Class`` or ``path/to/file.py:Class``. Naming one runs its code."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ from typing import Any
 from jaxwalk.policies.host.driver import DriverError
 
 OBSERVES = "paper"
-"""The observation set of a driver that names none."""
+"""Observation set of a driver that names none."""
 
 
 def load_class(name: str) -> tuple[Any, str]:
-    """One driver of the class (or of a function that makes one), and the observation set it reads."""
+    """Return a driver made by the class (or function) with this name, and the observation set that it reads.
+
+    Raises DriverError if the class can't be imported or called, or has no method ``act``.
+    """
     home, _, attribute = name.rpartition(":")
     with _failures(name, f"importing {home}"):
         module = _file_module(Path(home)) if home.endswith(".py") else _module(home)
@@ -34,18 +37,18 @@ def load_class(name: str) -> tuple[Any, str]:
 
 
 def _module(name: str) -> ModuleType:
-    """A module, looked for in the working folder first."""
+    """Import a module; the working folder is searched first."""
     with _importable(Path.cwd()):
         return import_module(name)
 
 
 def _file_module(path: Path) -> ModuleType:
-    """A file as a module, which may import its neighbours."""
-    spec = spec_from_file_location(f"jaxwalk_driver_{path.stem}", path)  # (a file may be called torch.py)
+    """Import a file as a module. It may import other files of its folder."""
+    spec = spec_from_file_location(f"jaxwalk_driver_{path.stem}", path)  # the prefix, because a file may be torch.py
     if not path.is_file() or spec is None or spec.loader is None:
         raise FileNotFoundError(f"no file {path}")
     module = module_from_spec(spec)
-    sys.modules[spec.name] = module  # as an import would: dataclasses look for their module there
+    sys.modules[spec.name] = module  # as an import does: dataclasses need their module there
     with _importable(path.parent.absolute()):
         spec.loader.exec_module(module)
     return module
@@ -62,10 +65,10 @@ def _importable(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def _failures(name: str, doing: str) -> Iterator[None]:
-    """Whatever is raised meanwhile is somebody else's mistake: say whose."""
+    """Turn any error of the driver's own code into a DriverError that says what the code was doing."""
     try:
         yield
     except Exception as error:
         raise DriverError(
-            f"{name}: {doing} raised {type(error).__name__}: {error}; mend it or check the name"
+            f"{name}: {doing} raised {type(error).__name__}: {error}; fix it or check the name"
         ) from error

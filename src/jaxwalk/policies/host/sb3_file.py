@@ -1,8 +1,8 @@
-"""A Stable-Baselines3 agent, as ``model.save("ppo.zip")`` writes it; deterministic, clipped to [-1, 1].
+"""A Stable-Baselines3 agent, as ``model.save("ppo.zip")`` writes it. Its actions are deterministic and clipped.
 
-The usual agents (PPO and A2C with an ``MlpPolicy``) are put together from their weights alone: nothing is unpickled.
-All other agents are pickled objects and take ``trust``. Observations must be a flat named set, as the Gymnasium
-adapter gives them; which set, their size says.
+PPO and A2C agents with an ``MlpPolicy`` are rebuilt from their weights alone: nothing is unpickled. All other agents
+are pickled objects and need ``trust``. Observations must be a flat set, as the Gymnasium adapter returns them; the
+network's input size tells the set.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.policies.host.driver import DriverError
-from jaxwalk.policies.host.load import set_of_size
+from jaxwalk.policies.host.loaders import set_of_size
 from jaxwalk.policies.host.torch_file import DAMAGED, check_unpacked, import_torch
 
 ACTIVATIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "torch.nn.modules.activation.Tanh": np.tanh,
     "torch.nn.modules.activation.ReLU": lambda x: np.maximum(x, 0),
 }
-"""Between layers, by the class that the agent's file names."""
+"""Activation functions between layers, by the class that the agent's file names."""
 TANH = "torch.nn.modules.activation.Tanh"
-"""Stable-Baselines3's default for PPO and A2C."""
+"""Default activation function of Stable-Baselines3 for PPO and A2C."""
 HARMLESS = {"activation_fn", "net_arch", "log_std_init", "ortho_init", "optimizer_class", "optimizer_kwargs"}
-"""``policy_kwargs`` that change nothing about the action, or that the weights tell."""
+"""Supported ``policy_kwargs``: they don't change the action, or the weights show their value."""
 LAYER = re.compile(r"mlp_extractor\.policy_net\.(\d{1,3})\.weight")
 NOT_THE_ACTOR = ("mlp_extractor.value_net.", "value_net.", "log_std")
 
@@ -39,25 +39,25 @@ CONSTRUCTORS = {
     "collections OrderedDict", "torch FloatStorage", "torch._utils _rebuild_tensor_v2",
     "torch._utils _rebuild_parameter",
 }  # fmt: skip
-"""All that weights may call while PyTorch reads them."""
+"""The only functions that weights may call while PyTorch reads them."""
 ARCHIVE = b"PK\x03\x04"
-"""How PyTorch's archives begin; what doesn't is read in an older way, as a stream of pickles."""
+"""First bytes of PyTorch's archives. PyTorch reads other files as a stream of pickles, an older format."""
 
 Layers = list[tuple[np.ndarray, np.ndarray]]
 
 
 class _OtherAgentError(Exception):
-    """It can't be put together from its weights, because of what the message says."""
+    """An agent can't be rebuilt from its weights; the message is the reason."""
 
 
 class MlpDriver:
-    """Fully connected layers; what they return is clipped, as Stable-Baselines3 does."""
+    """Fully connected layers, with outputs clipped as Stable-Baselines3 clips them."""
 
     def __init__(self, layers: Layers, activation: Callable[[np.ndarray], np.ndarray]) -> None:
         self._layers, self._activation = layers, activation
 
     def act(self, observation: np.ndarray) -> np.ndarray:
-        """The mean of the action, clipped."""
+        """Return the mean action, clipped to [-1, 1]."""
         *hidden, (weight, bias) = self._layers
         for hidden_weight, hidden_bias in hidden:
             observation = self._activation(observation @ hidden_weight.T + hidden_bias)
@@ -65,21 +65,21 @@ class MlpDriver:
 
 
 class Sb3Driver:
-    """Asks Stable-Baselines3's own policy object."""
+    """A policy object of Stable-Baselines3."""
 
     def __init__(self, policy: Any) -> None:
         self._policy = policy
 
     def act(self, observation: np.ndarray) -> np.ndarray:
-        """Its deterministic action, clipped."""
+        """Return the deterministic action, clipped to [-1, 1]."""
         action, _ = self._policy.predict(observation, deterministic=True)
         return np.clip(action, -1, 1)
 
 
 def load(path: Path, *, trust: bool) -> tuple[MlpDriver | Sb3Driver, str]:
-    """The driver and its observation set.
+    """Return the driver and its observation set.
 
-    Raises DriverError for a file that is no such agent, or that needs ``trust`` and has it not.
+    Raises DriverError if the file isn't such an agent, or needs ``trust`` and doesn't have it.
     """
     data = _data(path)
     _check_actions(path, data)
@@ -90,20 +90,16 @@ def load(path: Path, *, trust: bool) -> tuple[MlpDriver | Sb3Driver, str]:
         if trust:
             return _unpickled(path)
         raise DriverError(
-            f"{path}: {reason}, so it can't be put together without unpickling, which can run any code; export it to "
+            f"{path}: {reason}, so it can't be loaded without unpickling, which can run any code; export it to "
             "ONNX, or say --trust if you know where it comes from"
         ) from reason
     return MlpDriver(layers, activation), set_of_size(path, layers[0][0].shape[1])
 
 
 def _data(path: Path) -> dict[str, Any]:
-    """The agent's description: JSON, in which pickled objects are text that nobody touches."""
+    """Return the agent's description: JSON, in which pickled objects are text that is never unpickled."""
     try:
-        with zipfile.ZipFile(path) as archive:
-            check_unpacked(path, archive)
-            data = json.loads(archive.read("data"))
-            with archive.open("policy.pth") as file, zipfile.ZipFile(file) as weights:
-                check_unpacked(path, weights)
+        data = _checked_data(path)
     except DriverError:
         raise
     except DAMAGED as error:
@@ -113,14 +109,24 @@ def _data(path: Path) -> dict[str, Any]:
     return data
 
 
+def _checked_data(path: Path) -> Any:
+    """Return the entry ``data`` as JSON, after checking the sizes of the archive and of the weights inside it."""
+    with zipfile.ZipFile(path) as archive:
+        check_unpacked(path, archive)
+        data = json.loads(archive.read("data"))
+        with archive.open("policy.pth") as file, zipfile.ZipFile(file) as weights:
+            check_unpacked(path, weights)
+    return data
+
+
 def _part(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    """An object inside the description; empty if there is none of that name."""
+    """Return an object inside the description, or an empty one if the name is missing."""
     found = data.get(name)
     return found if isinstance(found, dict) else {}
 
 
 def _activation(data: Mapping[str, Any]) -> str:
-    """The class between layers, from the text that stands beside the pickled one."""
+    """Return the name of the activation class, from the text beside the pickled class."""
     options = {name: x for name, x in _part(data, "policy_kwargs").items() if not name.startswith(":")}
     unknown = ", ".join(sorted(options.keys() - HARMLESS))
     if unknown:
@@ -132,7 +138,7 @@ def _activation(data: Mapping[str, Any]) -> str:
 
 
 def _layers(torch: Any, path: Path) -> Layers:
-    """The actor's layers, first to last."""
+    """Return the actor's layers, first to last. Raises _OtherAgentError if it has others."""
     with zipfile.ZipFile(path) as archive:
         content = archive.read("policy.pth")
     try:
@@ -140,7 +146,7 @@ def _layers(torch: Any, path: Path) -> Layers:
         weights = torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
     except _OtherAgentError:
         raise
-    except Exception as error:  # (pickle.UnpicklingError for what is no tensor, others for a damaged file)
+    except Exception as error:  # pickle.UnpicklingError for other objects than tensors, others for a damaged file
         raise _OtherAgentError("its weights hold more than tensors, or are damaged") from error
     if not isinstance(weights, dict) or not all(_is_matrix(torch, name, x) for name, x in weights.items()):
         raise _OtherAgentError("its weights hold more than matrices and vectors by name")
@@ -155,7 +161,7 @@ def _layers(torch: Any, path: Path) -> Layers:
 
 
 def _check_constructors(torch: Any, content: bytes) -> None:
-    """Raise for weights that call anything but CONSTRUCTORS: PyTorch would make them a bytearray of any size."""
+    """Raise _OtherAgentError if weights call anything but CONSTRUCTORS: PyTorch would allow a bytearray of any size."""
     if not content.startswith(ARCHIVE):
         raise _OtherAgentError("its weights are in an old format")
     pickled = torch._C.PyTorchFileReader(io.BytesIO(content)).get_record("data.pkl")
@@ -165,13 +171,13 @@ def _check_constructors(torch: Any, content: bytes) -> None:
 
 
 def _is_matrix(torch: Any, name: Any, x: Any) -> bool:
-    """Whether that is a matrix or vector with a name. (It takes memory in the file: no view that repeats numbers.)"""
+    """Return whether x is a named float32 matrix or vector, stored in full: a view could repeat numbers without end."""
     plain = isinstance(name, str) and isinstance(x, torch.Tensor) and x.dtype == torch.float32
     return plain and x.is_contiguous() and x.ndim == (2 if name.endswith("weight") else 1)
 
 
 def _unpickled(path: Path) -> tuple[Sb3Driver, str]:
-    """Any agent, by Stable-Baselines3 itself."""
+    """Load any agent by Stable-Baselines3, which runs pickled code. Raises DriverError if that fails."""
     try:
         policies = import_module("stable_baselines3.common.policies")
         saving = import_module("stable_baselines3.common.save_util")
@@ -186,7 +192,7 @@ def _unpickled(path: Path) -> tuple[Sb3Driver, str]:
         spaces = data["observation_space"], data["action_space"]
         policy = data["policy_class"](*spaces, lambda _: 0.0, **options)
         policy.load_state_dict(weights["policy"])
-    except Exception as error:  # (whatever somebody's classes raise)
+    except Exception as error:  # the agent's own classes may raise anything
         raise DriverError(f"{path}: Stable-Baselines3 can't load it ({error}); save it with this version") from error
     if len(spaces[0].shape or ()) != 1:
         raise DriverError(f"{path}: observes {spaces[0]}, not one flat box; train it on the Gymnasium adapter")
@@ -194,7 +200,7 @@ def _unpickled(path: Path) -> tuple[Sb3Driver, str]:
 
 
 def _check_actions(path: Path, data: Mapping[str, Any]) -> None:
-    """Raise unless actions are two numbers in [-1, 1], by the text that stands beside the pickled space."""
+    """Raise DriverError unless actions are two numbers in [-1, 1], by the text beside the pickled space."""
     space = _part(data, "action_space")
     bounds = str(space.get("low")), str(space.get("high"))
     if bounds != ("[-1. -1.]", "[1. 1.]"):

@@ -1,10 +1,10 @@
 """A driver in a PyTorch file: a module that takes ``(episodes, features)`` and returns the action ``(episodes, 2)``.
 
-TorchScript is loaded by PyTorch's own reader, which knows tensors and TorchScript operations only and unpickles no
-Python objects. Some operations reach beyond the network, such as ``torch.save``, and loading already runs some code
-(defaults of arguments), so the code is read before: whatever isn't plainly of a network takes ``trust``. Everything
-else (`torch.export`, whole modules by `torch.save`) may run any Python code while it is
-loaded: `torch.export.load` unpickles some weights, and evaluates expressions for the shapes. That takes ``trust``.
+PyTorch's own reader loads TorchScript. It knows only tensors and TorchScript operations, and unpickles no Python
+objects. But some operations reach beyond the network, such as ``torch.save``, and loading already runs some code
+(defaults of arguments). So the code is checked before it is loaded: anything but a network's operations needs
+``trust``. Everything else (`torch.export`, whole modules by `torch.save`) can run any Python code while it is loaded
+and needs ``trust``: `torch.export.load` unpickles some weights, and evaluates expressions for the shapes.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.policies.host.driver import DriverError
-from jaxwalk.policies.host.load import set_of_size
+from jaxwalk.policies.host.loaders import set_of_size
 
 OBSERVES = "observes"
 """The extra file of an archive that names the observation set (``_extra_files``, ``extra_files``)."""
 WAY_OUT = "give it as ONNX or plain TorchScript instead, or say --trust if you know where it comes from"
 
 MOST_BYTES = 2**30
-"""An archive holds no more when it is unpacked."""
+"""Largest size of an unpacked archive [bytes]."""
 DAMAGED = (
     zipfile.BadZipFile, zlib.error, EOFError, KeyError, NotImplementedError, OSError, RuntimeError, ValueError,
 )  # fmt: skip
-"""What a damaged archive, or JSON in one, makes Python raise."""
+"""Errors that Python raises for a damaged archive, or for damaged JSON in one."""
 NAMES = """
     NumToTensor RaiseException __and__ __contains__ __getitem__ __is__ __isnot__ __not__ __or__ _convolution abs
     adaptive_avg_pool1d add add_ addmm all annotate any append arange argmax atan atan2 avg_pool1d baddbmm
@@ -47,28 +47,28 @@ NAMES = """
     transpose type unchecked_cast unflatten unsqueeze var view view_as warn where zeros zeros_like
 """
 PLAIN = frozenset(re.findall(r"\w+", NAMES))
-"""Operations of TorchScript that networks are made of. They only compute."""
+"""Operations of TorchScript that networks consist of. They only compute."""
 SPELLED = re.compile(rb'\\|\bgetattr\b(?!\(\w+, "\w+"\))|\bclasses\b|\bops\b(?!\.(?:aten|prim)\.)')
-"""What could reach further: escapes, ``getattr`` of anything but a name, classes and operations of C++ libraries."""
+"""Text that could do more: escapes, ``getattr`` of anything but a name, classes and operations of C++ libraries."""
 
 
 class TorchDriver:
-    """Runs the module on the processor."""
+    """Runs the module on the CPU."""
 
     def __init__(self, module: Any) -> None:
         self._module = module
 
     def act(self, observation: np.ndarray) -> np.ndarray:
-        """What the module returns."""
+        """Return the module's output."""
         torch = import_module("torch")
         with torch.inference_mode():
             return self._module(torch.from_numpy(observation)).numpy()
 
 
 def load(path: Path, *, trust: bool) -> tuple[TorchDriver, str]:
-    """The driver and its observation set.
+    """Return the driver and its observation set.
 
-    Raises DriverError for a file that is no such module, or that needs ``trust`` and has it not.
+    Raises DriverError if the file isn't such a module, or needs ``trust`` and doesn't have it.
     """
     kind = _kind(path)
     if kind != "TorchScript" and not trust:
@@ -79,11 +79,11 @@ def load(path: Path, *, trust: bool) -> tuple[TorchDriver, str]:
     extra: dict[str, Any] = {OBSERVES: ""}
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # of torch.jit.load: people have such files
+            warnings.simplefilter("ignore", DeprecationWarning)  # torch.jit.load warns, but such files exist
             module = _module(torch, path, kind, extra)
     except DriverError:
         raise
-    except Exception as error:  # (whatever a damaged archive makes PyTorch raise)
+    except Exception as error:  # PyTorch raises anything for a damaged archive
         what = str(error).strip().split("\n")[0]
         raise DriverError(f"{path}: can't be loaded as {kind} ({what}); save it again") from error
     named = extra[OBSERVES]
@@ -95,7 +95,7 @@ def load(path: Path, *, trust: bool) -> tuple[TorchDriver, str]:
 
 
 def import_torch(path: Path) -> Any:
-    """PyTorch; raises DriverError if it isn't installed."""
+    """Import PyTorch. Raises DriverError if it isn't installed."""
     try:
         return import_module("torch")
     except ImportError as error:
@@ -103,22 +103,22 @@ def import_torch(path: Path) -> Any:
 
 
 def check_unpacked(path: Path, archive: zipfile.ZipFile) -> None:
-    """Raise DriverError for an archive that would fill memory."""
+    """Raise DriverError if an archive is too large to unpack into memory."""
     size = sum(entry.file_size for entry in archive.infolist())
     if size > MOST_BYTES:
         raise DriverError(f"{path}: unpacked it has {size:,} bytes; a driver has at most {MOST_BYTES:,}")
 
 
 def _check_operations(torch: Any, path: Path) -> None:
-    """Raise DriverError for TorchScript that does more than compute; read as PyTorch reads it, before it is loaded.
+    """Raise DriverError if TorchScript does more than compute. Reads it as PyTorch does, but without loading it.
 
-    An operation can be called by its name only, so every word that is the name of one must be PLAIN. PyTorch finds
-    records whatever the case of their names.
+    Code can call an operation only by its name, so every word that is an operation's name must be PLAIN. PyTorch
+    ignores the case of the records' names.
     """
     try:
         reader = torch._C.PyTorchFileReader(str(path))
         records = [(name.lower(), reader.get_record(name)) for name in reader.get_all_records()]
-    except (RuntimeError, UnicodeDecodeError) as error:  # (the latter for names of records)
+    except (RuntimeError, UnicodeDecodeError) as error:  # the latter for names of records
         what = str(error).strip().split("\n")[0]
         raise DriverError(f"{path}: can't be loaded as TorchScript ({what}); save it again") from error
     if any(name == "model.json" for name, _ in records):  # the first versions', which could keep code anywhere
@@ -134,14 +134,14 @@ def _check_operations(torch: Any, path: Path) -> None:
 
 
 def _beyond_computing(script: bytes, operations: set[str]) -> str:
-    """Something in a script that isn't plainly of a network; empty if there is nothing."""
+    """Return a word of a script that may do more than compute, or an empty string if there is none."""
     spelled = SPELLED.search(script)
     words = {word.decode() for word in re.findall(rb"\w+", script)}
     return spelled[0].decode() if spelled else min(words & operations - PLAIN, default="")
 
 
 def _kind(path: Path) -> str:
-    """What the archive is, by the names in it, without loading any of it."""
+    """Return what an archive is, by the names inside, without loading any of it."""
     if not zipfile.is_zipfile(path):
         return "an old PyTorch file of pickled objects"
     try:
@@ -158,7 +158,7 @@ def _kind(path: Path) -> str:
 
 
 def _module(torch: Any, path: Path, kind: str, extra: dict[str, Any]) -> Any:
-    """The module, ready to be called; ``extra`` gets the texts that were saved with it."""
+    """Return the module, ready to be called. Fills ``extra`` with the texts that were saved with it."""
     if kind == "TorchScript":
         return torch.jit.load(str(path), map_location="cpu", _extra_files=extra).eval()
     if kind == "a torch.export archive":
@@ -170,5 +170,5 @@ def _module(torch: Any, path: Path, kind: str, extra: dict[str, Any]) -> Any:
 
 
 def _features(module: Any) -> int | None:
-    """How many numbers it takes: the width of its first weight matrix; None if it has none."""
+    """Return the number of inputs: the width of the first weight matrix, or None if there is none."""
     return next((int(x.shape[1]) for x in module.parameters() if x.ndim == 2), None)

@@ -13,7 +13,7 @@ from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CRITICAL, TTC_CRITICAL
 from jaxwalk.report.figures.marks import TYPES
 from jaxwalk.report.material import Material
 from jaxwalk.report.style import INK, panels
-from jaxwalk.sim.config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 MEASURES = {
     "ttc": ("time to collision below [s]", TTC_CRITICAL, "critical"),

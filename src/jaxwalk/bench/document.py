@@ -1,0 +1,86 @@
+"""Everything that was measured, as one document: options, hardware, provenance, figures, rows."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from jaxwalk.bench.benchmark_settings import PARTS, Settings
+from jaxwalk.bench.drawing import draw
+from jaxwalk.bench.processes import measure_apart
+from jaxwalk.bench.quantities import figures
+from jaxwalk.bench.showing import markdown
+from jaxwalk.bench.starting import starts
+from jaxwalk.writing import write_whole
+
+SCHEMA = 1
+"""Version of the document; it changes when a name in it changes its meaning."""
+TITLES = {
+    "env": "the simulator alone",
+    "train": "training, and the machine's peak",
+    "compile": "the first minute",
+    "pedestrians": "the cost of a crowd",
+}
+"""What is said of each part."""
+
+
+def benchmark(settings: Settings, console: Console | None = None) -> dict[str, Any]:
+    """Measure what the settings ask for, telling on standard error how it goes."""
+    console, begun = console or Console(stderr=True), time.monotonic()
+    rows: dict[str, list[Any]] = {}
+    chosen = [part for part in PARTS if part in settings.only]
+    machine = measure_apart("machine", settings)
+    devices = f"{machine['hardware']['devices']} devices of JAX"
+    console.print(f"measuring on {machine['provenance']['hardware']}, {devices}", soft_wrap=True, highlight=False)
+    for number, part in enumerate(chosen, 1):
+        console.print(f"{number}/{len(chosen)} {TITLES[part]}", soft_wrap=True, highlight=False)
+        rows |= MEASURES[part](settings)
+    return {
+        "schema": SCHEMA,
+        "options": asdict(settings),
+        **machine,
+        "seconds": round(time.monotonic() - begun, 1),
+        "figures": figures(rows),
+        "rows": rows,
+    }
+
+
+def write(folder: Path, document: dict[str, Any]) -> None:
+    """Write bench.json, bench.md and, where rates or a crowd were measured, scaling.svg and .png."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / "bench.json", as_text(document))
+    write_whole(folder / "bench.md", markdown(document))
+    draw(document["rows"], folder)
+
+
+def as_text(document: dict[str, Any]) -> str:
+    """The document as JSON."""
+    return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+
+def _train(settings: Settings) -> dict[str, list[Any]]:
+    """Both recipes, each in a process of its own."""
+    found = [measure_apart(f"train-{recipe}", settings) for recipe in ("fast", "paper")]
+    return {
+        "training": [row for part in found for row in part["rows"]],
+        "products": [row for part in found for row in part["products"]],
+    }
+
+
+def _starts(_: Settings) -> dict[str, list[Any]]:
+    return {"starts": [{"name": name, "seconds": seconds} for name, seconds in starts().items()]}
+
+
+MEASURES: dict[str, Callable[[Settings], dict[str, list[Any]]]] = {
+    "env": lambda settings: {"env": measure_apart("env", settings)},
+    "train": _train,
+    "compile": _starts,
+    "pedestrians": lambda settings: {"pedestrians": measure_apart("pedestrians", settings)},
+}
+"""What each part measures: rows, by name."""

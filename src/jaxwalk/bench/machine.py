@@ -1,0 +1,54 @@
+"""The machine: what computes, and how much memory this process took at most."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any
+
+import jax
+
+from jaxwalk.bench.benchmark_settings import Settings
+from jaxwalk.runs.provenance import cores, processor, provenance
+
+
+def describe(settings: Settings) -> dict[str, Any]:
+    """Hardware and provenance."""
+    device = jax.devices()[0]
+    limit = (device.memory_stats() or {}).get("bytes_limit") if accelerated() else None
+    hardware = {
+        "processor": processor(),
+        "cores": cores(),
+        "memory_bytes": _memory(),
+        "accelerator": device.device_kind if accelerated() else None,
+        "accelerators": len(jax.devices()) if accelerated() else 0,
+        "accelerator_memory_bytes": limit,
+        "platform": device.platform,
+        "devices": len(jax.devices()),
+        "xla_flags": os.environ.get("XLA_FLAGS", ""),
+    }
+    return {"hardware": hardware, "provenance": provenance()}
+
+
+def accelerated() -> bool:
+    """Whether something else than the processor computes."""
+    return jax.devices()[0].platform != "cpu"
+
+
+def peak_memory() -> int | None:
+    """The most that this process has held so far [B]: of the accelerator's memory, else of the machine's."""
+    if accelerated():
+        return (jax.devices()[0].memory_stats() or {}).get("peak_bytes_in_use")
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak
+
+
+def _memory() -> int | None:
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None

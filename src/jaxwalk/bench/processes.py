@@ -1,0 +1,32 @@
+"""Each part in a process of its own: JAX reads flags once, and memory's peak is a process's."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import asdict
+from typing import Any
+
+from jaxwalk.bench.benchmark_settings import Settings
+
+
+class BenchmarkError(ValueError):
+    """A part that could not be measured; one line says which."""
+
+
+def measure_apart(part: str, settings: Settings) -> Any:
+    """What a part found; how it goes is told on standard error."""
+    command = [sys.executable, "-m", __package__ or "", part, json.dumps(asdict(settings))]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, check=False)
+    if done.returncode:
+        raise BenchmarkError(f"the part {part} could not be measured (exit code {done.returncode}); see above")
+    try:
+        return json.loads(done.stdout.splitlines()[-1])  # a library may have printed something before
+    except (IndexError, ValueError) as error:
+        raise BenchmarkError(f"the part {part} gave no document; see above") from error
+
+
+def tell(text: str) -> None:
+    """A line on standard error."""
+    print(f"    {text}", file=sys.stderr, flush=True)

@@ -1,0 +1,177 @@
+"""From measured rows to figures: each has a name, a unit and one sentence. What was not measured has no figure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+Rows = Mapping[str, Sequence[Mapping[str, Any]]]
+"""Measured rows, by name: see `jaxwalk.bench.document`."""
+LARGE = 16384
+"""So many environments are many: what is in cache elsewhere is in memory there."""
+Value = float | int | None
+"""None: can't be told from what was measured."""
+
+FIGURES: dict[str, tuple[str, str]] = {
+    "env_steps_per_s": ("steps/s", "The simulator alone, all observations and rewards computed, at its best size."),
+    "env_steps_per_s_paper_observations": ("steps/s", "The same with the paper's two observation sets alone."),
+    "env_steps_per_s_at_16384": ("steps/s", "All observations again, with 16,384 environments."),
+    "env_share_at_16384": ("share", "That as a share of the best size's."),
+    "env_temporary_memory_ratio": ("ratio", "Temporary memory over state and what the rollout keeps; the worst size."),
+    "memory_environments_nonlinearity": ("share", "Farthest that any size's memory lies from a straight line."),
+    "train_steps_per_s_fast": ("steps/s", "Steps of all environments in training, recipe fast at its own size."),
+    "train_steps_per_s_fast_best": ("steps/s", "The same at its best number of environments."),
+    "train_steps_per_s_fast_single_agent": ("steps/s", "Recipe fast, the car alone."),
+    "train_steps_per_s_paper": ("steps/s", "Recipe paper at its own size."),
+    "train_steps_per_s_paper_best": ("steps/s", "The same at its best number of environments."),
+    "agent_transitions_per_s_fast": ("transitions/s", "Steps of every learning agent, recipe fast."),
+    "agent_transitions_per_s_paper": ("transitions/s", "Steps of every learning agent, recipe paper."),
+    "flop_per_step_fast": ("FLOP", "What the networks cost for each environment step, by formula, recipe fast."),
+    "flop_per_step_paper": ("FLOP", "The same, recipe paper."),
+    "matmul_peak_flops": ("FLOP/s", "The best square matrix product, between and after the trainings."),
+    "matmul_peak_flops_highest": ("FLOP/s", "The same with all bits of 32-bit numbers; accelerators only."),
+    "share_of_peak_fast": ("share", "The networks' operations per second over that peak, recipe fast."),
+    "share_of_peak_paper": ("share", "The same, recipe paper."),
+    "best_share_of_peak_fast": (
+        "share",
+        "The same of the quickest update, recipe fast: the peak is the quickest, too.",
+    ),
+    "best_share_of_peak_paper": ("share", "The same of the quickest update, recipe paper."),
+    "peak_memory_train_fast": ("B", "The most memory that training took, recipe fast at its own size."),
+    "peak_memory_train_paper": ("B", "The same, recipe paper."),
+    "import_s": ("s", "python -c 'import jaxwalk'."),
+    "help_s": ("s", "jaxwalk --help."),
+    "first_update_cold_s": ("s", "From jaxwalk train to the end of its first update, nothing compiled before."),
+    "first_update_warm_s": ("s", "The same with the first one's compiled code, the median of three."),
+    "best_first_update_warm_s": ("s", "The quickest of the three."),
+    "train_command_cold_s": ("s", "The whole command with that one update: checkpoint and policy written."),
+    "train_command_warm_s": ("s", "The same with the first one's compiled code, the median of three."),
+    "pedestrian_time_exponent": ("exponent", "A step's time grows with pedestrians to this power."),
+    "pedestrian_memory_exponent": (
+        "exponent",
+        "An environment's temporary memory grows with pedestrians to this power.",
+    ),
+}
+"""Unit and meaning of every figure, in the order in which they are shown."""
+
+
+def figures(rows: Rows) -> dict[str, dict[str, Any]]:
+    """All that the rows tell."""
+    values: dict[str, Value] = {}
+    for name, compute in PARTS.items():
+        if rows.get(name):
+            values |= compute(rows[name])
+    values |= _shares(values)
+    found = ((name, values.get(name), unit, what) for name, (unit, what) in FIGURES.items())
+    return {
+        name: {"value": value, "unit": unit, "what": what} for name, value, unit, what in found if value is not None
+    }
+
+
+def exponent(x: Sequence[float | int], y: Sequence[float | int]) -> float | None:
+    """The slope of log y over log x by least squares; None without two different x."""
+    if len(set(x)) < 2:
+        return None
+    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+def nonlinearity(x: Sequence[float | int], y: Sequence[float | int]) -> float | None:
+    """The largest relative distance of y from a + b x, fitted so that relative distances are small; None below 3 x."""
+    if len(set(x)) < 3:
+        return None
+    y_, columns = np.asarray(y, float), np.stack([np.ones(len(x)), np.asarray(x, float)], axis=1)
+    fitted, *_ = np.linalg.lstsq(columns / y_[:, None], np.ones(len(x)), rcond=None)
+    return float(np.max(np.abs(columns @ fitted / y_ - 1)))
+
+
+def memory(row: Mapping[str, Any]) -> int:
+    """What a rollout of the simulator alone takes: what goes in, and what it holds meanwhile [B]."""
+    return row["state_bytes"] + row["temporary_bytes"]
+
+
+def microseconds(row: Mapping[str, Any]) -> float:
+    """Time of one step of one environment [us], in the quickest call: a slope suffers from a disturbed one."""
+    return 1e6 / row["best_env_steps_per_s"]
+
+
+def _simulator(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
+    papers = [row["env_steps_per_s"] for row in rows if row["observations"] == "paper"]
+    rows = [row for row in rows if row["observations"] == "every"]
+    best = max(row["env_steps_per_s"] for row in rows)
+    large = next((row["env_steps_per_s"] for row in rows if row["environments"] == LARGE), None)
+    return {
+        "env_steps_per_s": best,
+        "env_steps_per_s_paper_observations": max(papers, default=None),
+        f"env_steps_per_s_at_{LARGE}": large,
+        f"env_share_at_{LARGE}": None if large is None else large / best,
+        "env_temporary_memory_ratio": max(
+            row["temporary_bytes"] / (row["state_bytes"] + row["kept_bytes"]) for row in rows
+        ),
+        "memory_environments_nonlinearity": nonlinearity(
+            [row["environments"] for row in rows], [memory(row) for row in rows]
+        ),
+    }
+
+
+def _training(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
+    """The first row of a recipe is the one at its own size."""
+    values: dict[str, Value] = {}
+    for recipe in ("fast", "paper"):
+        together = [row for row in rows if row["recipe"] == recipe and not row["single_agent"]]
+        if not together:
+            continue
+        own = together[0]
+        values[f"train_steps_per_s_{recipe}"] = own["train_steps_per_s"]
+        values[f"best_train_steps_per_s_{recipe}"] = own["best_train_steps_per_s"]
+        values[f"agent_transitions_per_s_{recipe}"] = own["agent_transitions_per_s"]
+        values[f"flop_per_step_{recipe}"] = own["flop_per_step"]
+        values[f"peak_memory_train_{recipe}"] = own.get("peak_memory_bytes")
+        if len(together) > 1:
+            values[f"train_steps_per_s_{recipe}_best"] = max(row["train_steps_per_s"] for row in together)
+    alone = [row["train_steps_per_s"] for row in rows if row["single_agent"]]
+    return values | {"train_steps_per_s_fast_single_agent": alone[0] if alone else None}
+
+
+def _products(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
+    """With TF32 products, an accelerator's peak is that of those."""
+    best = {
+        precision: max((row["flops"] for row in rows if row["precision"] == precision), default=None)
+        for precision in ("default", "highest")
+    }
+    return {"matmul_peak_flops": best["default"], "matmul_peak_flops_highest": best["highest"]}
+
+
+def _starts(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
+    return {row["name"]: row["seconds"] for row in rows}
+
+
+def _crowd(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
+    people = [row["pedestrians"] for row in rows]
+    return {
+        "pedestrian_time_exponent": exponent(people, [microseconds(row) for row in rows]),
+        "pedestrian_memory_exponent": exponent(people, [row["temporary_bytes"] for row in rows]),
+    }
+
+
+def _shares(values: Mapping[str, Value]) -> dict[str, float]:
+    """Shares of the peak."""
+    peak, shares = values.get("matmul_peak_flops"), {}
+    for recipe in ("fast", "paper"):
+        cost = values.get(f"flop_per_step_{recipe}")
+        for share, name in (("share_of_peak", "train_steps_per_s"), ("best_share_of_peak", "best_train_steps_per_s")):
+            rate = values.get(f"{name}_{recipe}")
+            if peak and rate and cost:
+                shares[f"{share}_{recipe}"] = rate * cost / peak
+    return shares
+
+
+PARTS: dict[str, Callable[[Sequence[Mapping[str, Any]]], dict[str, Value]]] = {
+    "env": _simulator,
+    "training": _training,
+    "products": _products,
+    "starts": _starts,
+    "pedestrians": _crowd,
+}
+"""What each list of rows gives."""

@@ -1,0 +1,211 @@
+"""The simulator alone: fresh actions every step, restarts on, what a car or people could see or be paid is computed.
+
+Every observation set but those of what is hidden from a real car or inferred, and every reward term of both roles, is
+reduced into the result, so that nothing can be left out. No learning. The processor's cores each play a share of the
+environments, as devices of one `shard_map`, and of a large share one part after the other.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.sharding import PartitionSpec
+
+from jaxwalk.bench.benchmark_settings import Settings
+from jaxwalk.bench.processes import tell
+from jaxwalk.interfaces import ByRole
+from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
+from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
+from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
+from jaxwalk.sim.sim_config import SimConfig
+
+Sets = tuple[tuple[str, str], ...]
+"""Observation sets, each with its role."""
+EVERY: Sets = tuple(
+    (role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in {*HIDDEN, BELIEF}
+)
+"""All but what is hidden from a real car, and what it could only infer."""
+PAPER: Sets = tuple((role, "paper") for role in OBSERVATIONS)
+"""What the published environment computes."""
+PART = 2048
+"""A core of a processor plays at most so many environments at a time: what they need stays in its cache."""
+WARM_STEPS = 64
+"""Steps before the clock starts: away from the beginning, where all episodes are in step."""
+
+
+def over_environments(settings: Settings) -> list[dict[str, Any]]:
+    """A row for each number of environments; one more for the best of them, with the paper's observations alone."""
+    street = paid_street(SimConfig())
+    rows = [measure(street, count, settings) for count in settings.environments]
+    best = max(rows, key=lambda row: row["env_steps_per_s"])
+    return [*rows, measure(street, best["environments"], settings, sets=PAPER)]
+
+
+def over_pedestrians(settings: Settings) -> list[dict[str, Any]]:
+    """A row for each number of pedestrians."""
+    return [
+        measure(paid_street(SimConfig(pedestrians=count)), settings.crowd_environments, settings)
+        for count in settings.pedestrians
+    ]
+
+
+def paid_street(config: SimConfig) -> Street:
+    """The paper's map, with every reward term."""
+    return Street.create(
+        config=config,
+        driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0),
+        pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0),
+    )
+
+
+def measure(street: Street, count: int, settings: Settings, sets: Sets = EVERY) -> dict[str, Any]:
+    """One row: rate, memory and how it came about."""
+    program = build(street, count, settings.steps, settings.seed, sets)
+    timing = play(program, street, settings)
+    row = {
+        "environments": count,
+        "observations": "paper" if sets == PAPER else "every",
+        "pedestrians": street.world.rules.pedestrians,
+        "shards": program.shards,
+        "steps": settings.steps,
+        **timing,
+        "compile_s": round(program.compile_s, 2),
+        "temporary_bytes": program.temporary_bytes,
+        "state_bytes": program.state_bytes,
+        "kept_bytes": program.kept_bytes,
+    }
+    size = f"{count:>6,} environments, {street.world.rules.pedestrians:>2} pedestrians"
+    tell(
+        f"{size}, observations: {row['observations']:<5} {row['env_steps_per_s']:>10,} steps/s, "
+        f"{program.temporary_bytes / 1e6:,.1f} MB, compiled in {program.compile_s:.1f} s"
+    )
+    return row
+
+
+@dataclass
+class Program:
+    """A compiled rollout, and the memory that it takes."""
+
+    call: Callable[[Street, Stream], tuple[Stream, Any]]
+    stream: Stream
+    shards: int
+    compile_s: float
+    """It took so long, unless it was found in the cache of compiled code [s]."""
+    temporary_bytes: int
+    """What all shards together hold while it runs, besides what goes in and comes out [B]."""
+    state_bytes: int
+    """What goes in: scenarios, states and keys [B]."""
+    kept_bytes: int
+    """What the rollout keeps of every step [B]."""
+
+
+def build(street: Street, count: int, steps: int, seed: int, sets: Sets = EVERY) -> Program:
+    """Compile a rollout of so many environments, shared out among as many devices as divide them evenly."""
+    shards = max(n for n in range(1, len(jax.devices()) + 1) if count % n == 0)
+    mesh = mesh_of(shards)
+    act = look_and_act(street, sets)
+    share = count // shards
+    least = -(-share // PART) if jax.devices()[0].platform == "cpu" else 1
+    parts = next((n for n in range(least, 2 * least) if share % n == 0), 1)
+
+    def play(street: Street, stream: Stream) -> tuple[Stream, Any]:
+        def play_part(stream: Stream) -> tuple[Stream, Any]:
+            stream, kept = rollout(street, act, stream, steps, keep=keep)
+            return stream, tuple(x.sum(axis=0) for x in kept)
+
+        return in_parts(play_part, stream, parts)
+
+    stream = jax.jit(start)(street, environment_keys(seed_key(seed, TRAINING), 0, count))
+    where = by_environment(stream)
+    stream = place(stream, where, mesh)
+    shared = jax.shard_map(
+        play, mesh=mesh, in_specs=(EVERYWHERE, where), out_specs=(where, PartitionSpec(SHARDS)), check_vma=False
+    )
+    begun = time.perf_counter()
+    call = jax.jit(shared, donate_argnums=1).lower(street, stream).compile()
+    compile_s = time.perf_counter() - begun
+    kept = jax.eval_shape(lambda stream: rollout(street, act, stream, steps, keep=keep)[1], stream)
+    used: Any = call.memory_analysis()
+    return Program(
+        call, stream, shards, compile_s, shards * used.temp_size_in_bytes, _bytes(stream), _bytes(kept)
+    )  # fmt: skip
+
+
+def in_parts(play: Callable[[Stream], tuple[Stream, Any]], stream: Stream, parts: int) -> tuple[Stream, Any]:
+    """``play`` for so many equal parts of the environments, one after the other."""
+
+    def split(x: jax.Array) -> jax.Array:
+        if x.ndim == 0:  # the step, which all of them share
+            return jnp.broadcast_to(x, parts)
+        return jnp.moveaxis(x.reshape(*x.shape[:-1], parts, -1), -2, 0)
+
+    def join(x: jax.Array) -> jax.Array:
+        return x[0] if x.ndim == 1 else jnp.moveaxis(x, 0, -2).reshape(*x.shape[1:-1], -1)
+
+    return jax.tree.map(join, jax.lax.map(play, jax.tree.map(split, stream))) if parts > 1 else play(stream)
+
+
+def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]:
+    """The median rate; steps in which an ended episode idles until its restart don't count."""
+    stream = program.stream
+    for _ in range(max(1, WARM_STEPS // settings.steps)):
+        stream, result = program.call(street, stream)
+    jax.block_until_ready(stream)
+    times: list[float] = []
+    ended = valid = steps = 0
+    while sum(times) < settings.seconds or len(times) < 3:
+        begun = time.perf_counter()
+        stream, result = jax.block_until_ready(program.call(street, stream))
+        times.append(time.perf_counter() - begun)
+        if not all(np.isfinite(np.asarray(x)).all() for x in result):
+            raise FloatingPointError("the simulator gave numbers that are not finite")
+        steps += result[3].size * settings.steps
+        ended += int(result[2].sum())
+        valid += int(result[3].sum())
+    played = valid / len(times)
+    return {
+        "env_steps_per_s": round(played / statistics.median(times)),
+        "best_env_steps_per_s": round(played / min(times)),
+        "valid_share": round(valid / steps, 4),
+        "episodes": ended,
+    }
+
+
+def look_and_act(street: Street, sets: Sets = EVERY) -> Act:
+    """A policy that acts at random and looks at all of those sets; it records one number for each street."""
+    people = jnp.arange(street.world.rules.pedestrians, dtype=jnp.uint32)
+
+    def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[ByRole, Any, jax.Array]:
+        seen = [street.observe(scenario, state, role, name) for role, name in sets]
+        seen.append(street.global_state(scenario, state))
+        words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random numbers: 64 fresh bits are enough
+        action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1
+        go = words[1][None] >> people[:, None] % 32 & 1
+        looked = sum(jnp.ones(x[..., 0].size) @ x.reshape(-1, x.shape[-1]) for x in seen)  # a sum, as a product
+        return ByRole(action, go.astype(jnp.int32)), memory, jnp.asarray(looked)
+
+    return act
+
+
+def keep(step: Step) -> tuple[jax.Array, ...]:
+    """Of a step, for each street: all that was paid, all that was seen, whether an episode ended, whether it counts."""
+    terms = [*step.outcome.rewards.driver.values(), *step.outcome.rewards.pedestrian.values()]
+    paid = sum(term.astype(jnp.float32).sum(axis=tuple(range(term.ndim - 1))) for term in terms)
+    return jnp.asarray(paid * step.valid), step.record, step.outcome.ended, step.valid
+
+
+def _bytes(tree: Any) -> int:
+    """Size of all arrays; keys are two 32-bit words."""
+    return sum(
+        x.size * (8 if jnp.issubdtype(x.dtype, jax.dtypes.prng_key) else x.dtype.itemsize)
+        for x in jax.tree.leaves(tree)
+    )

@@ -1,9 +1,0 @@
-"""How fast jaxwalk is on this machine: `jaxwalk bench`. ``docs/benchmark.md`` says how each figure is measured.
-
-settings.py      what to measure
-processes.py     each part runs in a process of its own; __main__.py is what such a process does
-machine.py  simulation.py  training.py  products.py  starting.py     the parts
-figures.py       from measured rows to figures with names
-document.py      everything as one document
-showing.py  drawing.py     the document as a table, as Markdown, as plots
-"""

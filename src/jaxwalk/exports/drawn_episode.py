@@ -1,0 +1,51 @@
+"""One episode of an evaluation, drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jaxwalk.evaluation import draw_scenarios, replay
+from jaxwalk.interfaces import Policy
+from jaxwalk.maps import RoadMap
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
+
+MOVING = (".gif", ".mp4")
+"""Files that show the whole episode; others show its last frame."""
+
+
+def draw_episode(
+    street: Street,
+    driver: Policy,
+    pedestrians: Policy,
+    path: Path,
+    *,
+    scenario: int,
+    seed: int,
+    time: float | None = None,
+) -> Trajectory:
+    """Play a scenario as an evaluation does, and write a picture or an animation of it.
+
+    ``time`` [s]: the moment that a picture shows; its end if left out. Raises ViewerError if it had ended before.
+    """
+    trajectory = replay(street, driver, pedestrians, scenarios=[scenario], seed=seed)
+    ground = map_of(street, scenario=scenario, seed=seed)
+    if path.suffix.lower() in MOVING:
+        animation(EpisodeFigure(trajectory, 0, ground, width=640), path)
+    else:
+        end = float(trajectory.length[0]) * trajectory.dt
+        if time is not None and time > end:
+            raise ViewerError(f"at {time:g} s the episode is over: it takes {end:.1f} s")
+        frame = None if time is None else round(time / trajectory.dt)
+        picture(EpisodeFigure(trajectory, 0, ground), path, frame=frame)
+    return trajectory
+
+
+def map_of(street: Street, *, scenario: int, seed: int) -> RoadMap:
+    """The map on which a scenario takes place, on its own."""
+    import jax
+
+    drawn, _ = draw_scenarios(street, seed=seed, first=scenario, count=1)
+    index = int(drawn.map[0])
+    return jax.device_get(jax.tree.map(lambda x: x[index], street.world.maps))

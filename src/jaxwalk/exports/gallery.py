@@ -1,0 +1,99 @@
+"""The gallery of failures: the worst collisions and the nearest misses of an evaluation, ready to be watched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import chain
+from typing import Any
+
+from jaxwalk.evaluation import Incidents, ReplayError, counterfactuals, describe, find_incidents, replay
+from jaxwalk.evaluation.results import CONTACT_NAMES
+from jaxwalk.evaluation.scenarios import AT_ONCE
+from jaxwalk.exports.replays import recording
+from jaxwalk.interfaces import Policy
+from jaxwalk.metrics import OUTCOMES, Rows
+from jaxwalk.sim.environment import Street
+
+LEAD = 3.0
+"""An incident is watched from this long before [s]."""
+
+
+@dataclass(frozen=True)
+class Cast:
+    """Who was evaluated where."""
+
+    street: Street
+    drivers: Mapping[str, Policy]
+    populations: Mapping[str, Policy]
+    seed: int
+    """Of the scenarios."""
+
+
+def gallery(
+    cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, say: Callable[[str], None]
+) -> dict[str, Any]:
+    """A page's document: ``incidents``, and the ``episodes`` to watch, which are every incident's, under every driver.
+
+    Args:
+        cast: who was evaluated.
+        played: what was measured of each driver among each population.
+        most: incidents of each kind (collisions, near misses) for each driver and population.
+        say: called with a line as the work goes on.
+
+    Raises:
+        ReplayError: a driver does not do the same again in the same scenario.
+    """
+    found = {pair: find_incidents(rows, most=most) for pair, rows in played.items()}
+    say("    recording episodes")
+    numbers = {
+        people: sorted({int(n) for (_, among), some in found.items() if among == people for n in some.scenario})
+        for people in cast.populations
+    }
+    document = recording(cast.street, cast.drivers, cast.populations, numbers, seed=cast.seed)
+    places = {(e["driver"], e["pedestrians"], e["scenario"]): k for k, e in enumerate(document["episodes"])}
+
+    def incidents_of(pair: tuple[str, str]) -> list[dict[str, Any]]:
+        say(f"    collisions of {pair[0]} among {pair[1]}: could they have been avoided?")
+        rows = _rows(cast, pair, played[pair], found[pair])
+        return [{"episode": places[*pair, row.pop("scenario")], **row} for row in rows]
+
+    with ThreadPoolExecutor(AT_ONCE) as pool:  # most of the time goes into compiling, each on one core
+        incidents = list(chain.from_iterable(pool.map(incidents_of, found)))
+    scenarios = max(rows.episodes for rows in played.values())
+    return {**document, "lead": LEAD, "most": most, "scenarios": scenarios, "incidents": incidents}
+
+
+def _rows(cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents) -> list[dict[str, Any]]:
+    """What is said of every incident of a driver among a population."""
+    if not len(some.scenario):
+        return []
+    street, driver, people = cast.street, cast.drivers[pair[0]], cast.populations[pair[1]]
+    hits = some.scenario[some.collision].tolist()
+    replayed = counterfactuals(street, driver, people, rows, seed=cast.seed, scenarios=hits)
+    labels = dict(zip(replayed.scenario.tolist(), replayed.label.tolist(), strict=True))
+    trajectory = replay(street, driver, people, scenarios=some.scenario.tolist(), seed=cast.seed)
+    if (trajectory.length != rows[OUTCOMES].steps[some.scenario]).any():
+        raise ReplayError(f"{pair[0]} among {pair[1]} does not do the same again in the same scenario")
+    how = describe(some, trajectory, moving_speed=street.config.moving_speed)
+    return [
+        {
+            "scenario": int(some.scenario[i]),
+            "kind": "collision" if some.collision[i] else "near miss",
+            "contact": CONTACT_NAMES[some.contact[i]],
+            "moving": bool(some.moving[i]),
+            "ped": int(some.ped[i]),
+            "t": round(int(how.frame[i]) * rows.dt, 2),
+            "car": str(how.car[i]),
+            "side": str(how.side[i]),
+            "avoidable": labels.get(int(some.scenario[i])) if some.collision[i] else None,
+            **{name: _number(getattr(some, name)[i]) for name in ("speed", "risk", "ttc", "nearest")},
+        }
+        for i in range(len(some.scenario))
+    ]
+
+
+def _number(value: float) -> float | None:
+    """For JSON: to three digits; None for NaN and infinity."""
+    return round(float(value), 3) if abs(value) < float("inf") else None

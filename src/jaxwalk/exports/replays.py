@@ -1,0 +1,70 @@
+"""Chosen scenarios of an evaluation, played again and recorded for a page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import jax
+import numpy as np
+
+from jaxwalk.evaluation import BATCH, choose_scenarios, jaywalk_multiplier, replay
+from jaxwalk.interfaces import Policy
+from jaxwalk.maps import RoadMap
+from jaxwalk.maps.road_map import ROUTE_SPACING
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.walking_paths import walking_paths
+from jaxwalk.viewer.record import make_records
+from jaxwalk.viewer.replay import document, entries
+
+
+def recording(
+    street: Street,
+    drivers: Mapping[str, Policy],
+    populations: Mapping[str, Policy],
+    numbers: Mapping[str, Sequence[int]],
+    *,
+    seed: int,
+) -> dict[str, Any]:
+    """A page's document: every driver in the scenarios of a seed whose numbers are given for each population."""
+    found = [
+        entry
+        for people, policy in populations.items()
+        for first in range(0, len(numbers[people]), BATCH)
+        for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + BATCH], seed)
+    ]
+    return document(found, maps_of(street), dt=street.world.rules.dt)
+
+
+def maps_of(street: Street) -> list[RoadMap]:
+    """The maps of a street, each on its own."""
+    maps = jax.device_get(street.world.maps)
+    return [jax.tree.map(lambda x, i=i: x[i], maps) for i in range(len(maps.roads))]
+
+
+def _entries(
+    street: Street, drivers: Mapping[str, Policy], people: tuple[str, Policy], numbers: Sequence[int], seed: int
+) -> list[dict[str, Any]]:
+    """Up to `BATCH` scenarios under every driver."""
+    scenarios, _ = choose_scenarios(street, seed=seed, numbers=np.asarray(numbers))
+    config = street.config
+    reach = config.horizon * config.dt * config.fastest_walk
+    paths = walking_paths(street.world, scenarios, reach=reach)
+    routes, maps = _routes(street, scenarios), np.asarray(scenarios.map).tolist()
+    found, multiplier = [], jaywalk_multiplier(street)
+    for driver, policy in drivers.items():
+        trajectory = replay(street, policy, people[1], scenarios=numbers, seed=seed)
+        records = make_records(trajectory, paths, routes)
+        found += entries(trajectory, records, maps, driver=driver, pedestrians=people[0], multiplier=multiplier)
+    return found
+
+
+def _routes(street: Street, scenarios: Scenario) -> list[np.ndarray]:
+    """Of every scenario the car's lane route, a point for each metre, ``(point, 2)`` [m]."""
+    maps, every = jax.device_get(street.world.maps), round(1 / ROUTE_SPACING)
+    chosen = list(zip(np.asarray(scenarios.map).tolist(), np.asarray(scenarios.route).tolist(), strict=True))
+    return [
+        np.stack([maps.route_x[at], maps.route_y[at]], axis=1)[: int(maps.route_length[at] / ROUTE_SPACING) + 1 : every]
+        for at in chosen
+    ]

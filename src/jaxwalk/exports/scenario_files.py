@@ -1,0 +1,55 @@
+"""One episode of an evaluation as files for other simulators."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jaxwalk.evaluation import replay
+from jaxwalk.exports.drawn_episode import map_of
+from jaxwalk.formats.commonroad import commonroad, read_commonroad
+from jaxwalk.formats.opendrive import opendrive
+from jaxwalk.formats.openscenario import openscenario, read_openscenario
+from jaxwalk.formats.paths import largest_error, paths
+from jaxwalk.formats.road_network import road_network
+from jaxwalk.formats.tracks import tracks_of
+from jaxwalk.interfaces import Policy
+from jaxwalk.sim.environment import Street
+from jaxwalk.writing import write_whole
+
+EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
+"""Files of the folder."""
+
+
+def export_scenario(
+    street: Street, driver: Policy, pedestrians: Policy, folder: Path, *, scenario: int, seed: int, name: str
+) -> float:
+    """Play a scenario as an evaluation does, and write it as OpenSCENARIO with OpenDRIVE and as CommonRoad.
+
+    Args:
+        street: the world.
+        driver: decides for the car.
+        pedestrians: decides for all people.
+        folder: where to write; files of the same names are replaced.
+        scenario: its number.
+        seed: which set of scenarios.
+        name: what the files say they are.
+
+    Returns:
+        The largest distance between anybody and its copy in either file, as read back, over all frames [m].
+
+    Raises:
+        TracksError: scenariogeneration is missing, or the map has no room for its junctions.
+    """
+    tracks = next(tracks_of(replay(street, driver, pedestrians, scenarios=[scenario], seed=seed)))
+    network = road_network(map_of(street, scenario=scenario, seed=seed))
+    documents = {
+        EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config),
+        MAP: opendrive(network, name),
+        COMMONROAD: commonroad(tracks, network, name=name, config=street.config),
+    }
+    original = paths(tracks)
+    copies = read_openscenario(documents[EPISODE]), read_commonroad(documents[COMMONROAD])
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, document in documents.items():
+        write_whole(folder / file, document)
+    return max(largest_error(original, copy) for copy in copies)

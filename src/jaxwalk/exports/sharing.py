@@ -1,0 +1,109 @@
+"""A policy to share: one safetensors file that knows its results, and a model card beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from jaxwalk.evaluation import compare
+from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
+from jaxwalk.report.table import shown
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.folder import Run
+from jaxwalk.writing import write_whole
+
+FIGURES = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
+"""Of each cell, what the file and its card tell."""
+Results = dict[str, Any]
+
+
+def share(
+    folder: Path, out: Path, populations: Sequence[str], *, episodes: int, seed: int,
+    progress: Callable[[str, str, int, int], None] | None = None,
+) -> Path:  # fmt: skip
+    """Write the policy file of a run folder with the driver's results among the populations; returns the card's path.
+
+    Raises RunError if the run has no policy yet, ContestantError for an unknown population.
+    """
+    run, here = Run.open(folder), str(folder.resolve())  # whole, so that it is no shipped policy's name
+    street = world_of([here], ())
+    driver = {"driver": contestant(street, "driver", here)}
+    people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
+    about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)
+    actors = {role: load_policy(run.policy, role).actor for role in about.pop("roles")}
+    found, _ = compare(street, driver, people, episodes=episodes, seed=seed, progress=progress)
+    document = found.as_dict()
+    about["results"] = {
+        "scenarios": document["scenarios"],
+        "jaywalk_multiplier": document["cells"][0]["jaywalk_multiplier"],
+        "among": {cell["pedestrians"]: {name: cell[name] for name in FIGURES} for cell in document["cells"]},
+    }
+    out.parent.mkdir(parents=True, exist_ok=True)
+    save_policy(out, actors, about)
+    card = out.with_suffix(".md")
+    write_whole(card, model_card(out))
+    return card
+
+
+def _label(population: str) -> str:
+    """What to call a population elsewhere: a run folder is somewhere else there."""
+    if population in (*POPULATIONS, *SHIPPED["pedestrian"]) or not Path(population).is_dir():
+        return Path(population).name
+    experiment = Run.open(population).experiment
+    return f"learned ({experiment.recipe}, training seed {experiment.seed})"
+
+
+def model_card(file: Path) -> str:
+    """What people want to know of a shared policy, as Markdown; all of it from the file itself."""
+    about = read_metadata(file)
+    who = "A car trained alone, among pedestrians who always go" if about["single_agent"] else "Car and pedestrians"
+    maps, versions = ", ".join(about["maps"]), ", ".join(f"{name} {x}" for name, x in about["versions"].items())
+    lines = [
+        f"# {file.stem}",
+        "",
+        f"{who}: recipe `{about['recipe']}`, training seed {about['seed']}, {about['updates']:,} updates, "
+        f"{about['steps']:,} environment steps, maps {maps}.",
+        "",
+        f"Made at commit {about['commit'] or 'unknown'} on {about['hardware']}, with {versions}.",
+        "",
+        "| role | reads | kind | layers | decision stands for |",
+        "| --- | --- | --- | --- | --- |",
+        *(_role_row(role, network) for role, network in about["roles"].items()),
+        "",
+        *_result_lines(about["results"]),
+        "",
+        "What it knows: one car, people who walk shortest ways and sometimes jaywalk. It has met no other cars, no",
+        "lights and no weather, and says nothing about any real vehicle.",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _role_row(role: str, network: dict[str, Any]) -> str:
+    layers = "-".join(map(str, network["sizes"]))
+    steps = network["hold"]
+    return (
+        f"| {role} | `{network['observes']}` | {network['kind']} | {layers} | {steps} step{'s' if steps > 1 else ''} |"
+    )
+
+
+def _result_lines(results: Results) -> list[str]:
+    chosen = results["scenarios"]
+    head = (
+        f"The driver by its mode, pedestrians sampling; {chosen['count']:,} scenarios of seed {chosen['seed']}, hash "
+    )
+    return [
+        f"{head}{chosen['hash']}; 95 % intervals over scenarios:",
+        "",
+        "| among | goal % | collision % | timeout % | time to goal [s] |",
+        "| --- | --- | --- | --- | --- |",
+        *(
+            f"| {name} | {' | '.join(shown(cell[x], _scale(x)) for x in FIGURES)} |"
+            for name, cell in results["among"].items()
+        ),
+    ]
+
+
+def _scale(figure: str) -> float:
+    return 100.0 if figure.endswith("_rate") else 1.0

@@ -1,0 +1,81 @@
+"""The names of drivers that are not written in JAX, and the loader for each kind of name."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Protocol
+
+from jaxwalk.policies.host.driver import SECONDS, DriverError, HostDriver
+from jaxwalk.sim.observation import LAYOUTS, size
+
+LOADERS = {".onnx": "onnx_file", ".pt": "torch_file", ".pt2": "torch_file", ".pth": "torch_file", ".zip": "sb3_file"}
+"""Kinds of files, and the modules of this package that load them."""
+GUESSES = ("route", "paper")
+"""Observation sets to try for a file that names none: the first with the size of the network's input is taken."""
+
+
+class Loader(Protocol):
+    """Loads a file; returns the driver and the name of the observation set that it reads."""
+
+    def __call__(self, path: Path, *, trust: bool) -> tuple[Any, str]: ...
+
+
+def is_host_driver(name: str) -> bool:
+    """Return whether a name means a driver not written in JAX: ``module:Class``, ``file.py:Class`` or a known file."""
+    return Path(name).suffix.lower() in LOADERS or _is_class(name)
+
+
+def load_host_driver(name: str, *, trust: bool = False, seconds: float = SECONDS) -> HostDriver:
+    """Return the driver with this name.
+
+    Args:
+        name: a name for which `is_host_driver` is true.
+        trust: also load files that can run hidden code while they are loaded.
+        seconds: time limit for one step [s].
+
+    Raises:
+        DriverError: there is no such driver, or it can't be used; the message says what to do.
+    """
+    if not seconds > 0:
+        raise DriverError(f"{name}: its limit for a step must be above 0 s, not {seconds:g}")
+    if _is_class(name):
+        from jaxwalk.policies.host.python_class import load_class
+
+        driver, observes = load_class(name)
+    else:
+        driver, observes = _load_file(Path(name), trust=trust)
+    sets = LAYOUTS["driver"]
+    if observes not in sets:
+        known = ", ".join(f"{x} ({size('driver', x)})" for x in sets)
+        raise DriverError(f"{name}: observes {observes!r}, but there is no such observation set; there are: {known}")
+    return HostDriver(name, driver, observes=observes, seconds=seconds)
+
+
+def set_of_size(path: Path, features: int, observes: str | None = None) -> str:
+    """Return the name of the observation set for a network with this many inputs.
+
+    Raises DriverError if no set has this size, or if ``observes`` names a set of another size.
+    """
+    fitting = [name for name in GUESSES if size("driver", name) == features]
+    if observes is None and fitting:
+        return fitting[0]
+    if observes in LAYOUTS["driver"] and size("driver", observes) == features:
+        return observes
+    sizes = ", ".join(f"{name} {size('driver', name)}" for name in LAYOUTS["driver"])
+    named = f" and names the observation set {observes!r}" if observes else ""
+    raise DriverError(
+        f"{path}: takes {features} numbers{named}; the sets' sizes are: {sizes}; see docs/drivers.md for naming one"
+    )
+
+
+def _is_class(name: str) -> bool:
+    home, _, attribute = name.rpartition(":")
+    return bool(home) and attribute.isidentifier() and not Path(name).exists()
+
+
+def _load_file(path: Path, *, trust: bool) -> tuple[Any, str]:
+    if not path.is_file():
+        raise DriverError(f"{path}: no such file; check the name")
+    load: Loader = import_module(f"jaxwalk.policies.host.{LOADERS[path.suffix.lower()]}").load
+    return load(path, trust=trust)

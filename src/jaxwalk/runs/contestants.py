@@ -1,0 +1,113 @@
+"""Drivers and populations by what people call them: a rule's or shipped policy's name, a run folder or policy file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax
+
+from jaxwalk.evaluation import SAMPLES, with_mode
+from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.interfaces import Box, Discrete, Policy
+from jaxwalk.learning.actor import DISCRETE, GATED, Actor
+from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
+from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import SimConfig
+
+RULES = {"driver": DRIVERS, "pedestrian": POPULATIONS}
+"""Rules of each role, by name."""
+
+
+class ContestantError(ValueError):
+    """A name that stands for no driver or population; one line says what to do."""
+
+
+def run_folders(names: Iterable[str]) -> list[str]:
+    """Those of the names that stand for run folders: names of rules and of shipped policies come first."""
+    known = {name for role, rules in RULES.items() for name in (*rules, *SHIPPED[role])}
+    return [name for name in names if name not in known and Path(name).is_dir()]
+
+
+def world_of(names: Sequence[str], maps: Sequence[str]) -> Street:
+    """The street to evaluate on: the given maps, else those that the run folders among the names were trained on."""
+    runs = [Run.open(name).experiment for name in run_folders(names)]
+    trained = list(dict.fromkeys(run.maps for run in runs))
+    if not maps and len(trained) > 1:
+        raise ContestantError(f"the run folders were trained on different maps ({trained}); choose some with --map")
+    worlds = list(dict.fromkeys(run.sim for run in runs))
+    if len(worlds) > 1:
+        raise ContestantError("the run folders were trained in worlds of different rules (sim in config.json)")
+    chosen = tuple(maps) or (trained[0] if trained else ("paper",))
+    return Street.create(chosen, worlds[0] if worlds else SimConfig())
+
+
+def contestant(
+    street: Street, role: str, name: str, *, sample: bool | None = None, trust: bool = False, seconds: float = SECONDS
+) -> Policy:
+    """The policy of that name for a role.
+
+    Args:
+        street: the world it is to act in.
+        role: ``driver`` or ``pedestrian``.
+        name: of a rule, a shipped policy, a run folder, a policy file or, for a driver, what `load_host_driver` takes.
+        sample: it draws its actions at random (default: as `SAMPLES` says).
+        trust: also load what can run code that is hidden in a file.
+        seconds: the limit of a driver that is not JAX for one step.
+    """
+    rules: dict[str, Any] = RULES[role]
+    if name in rules:
+        return rules[name]()
+    if role == "driver" and is_host_driver(name):
+        return load_host_driver(name, trust=trust, seconds=seconds)
+    file = policy_file(role, name)
+    observes = read_metadata(file)["roles"].get(role, {}).get("observes", "paper")
+    policy = load_policy(file, role, expect_size=_observation_size(street, role, observes, file))
+    _check_action(policy.actor, getattr(street.roles, role).action, f"{file}: the {role}")
+    return with_mode(policy, sample=getattr(SAMPLES, role) if sample is None else sample)
+
+
+def policy_file(role: str, name: str) -> Path:
+    """The file of a shipped policy, a run folder or itself; raises ContestantError or RunError if there is none."""
+    shipped = shipped_policy(role, name)
+    if shipped is not None:
+        return shipped
+    path = Path(name)
+    if path.is_dir():
+        file = Run.open(path).policy
+        if not file.is_file():
+            hint = f"go on with the training: jaxwalk train --resume {path}"
+            raise RunError(f"{path}: has no {file.name}: it stopped before its first checkpoint; {hint}")
+        return file
+    if path.is_file():
+        return path
+    known = ", ".join((*RULES[role], *SHIPPED[role]))
+    raise ContestantError(f"{name}: no {role} of that name ({known}), and no run folder or policy file; check the name")
+
+
+def _check_action(actor: Actor, action: Box | Discrete, who: str) -> None:
+    """Raise ContestantError unless the network's outputs mean an action of that kind."""
+    discrete, outputs = isinstance(action, Discrete), action.n if isinstance(action, Discrete) else action.size
+    if (actor.kind in (DISCRETE, GATED)) != discrete or actor.network.sizes[-1] != outputs:
+        wanted = f"chooses among {outputs}" if discrete else f"gives {outputs} numbers"
+        raise ContestantError(
+            f"{who} {wanted}, but the network has {actor.network.sizes[-1]} {actor.kind} outputs; train anew"
+        )
+
+
+def _observation_size(street: Street, role: str, observes: str, file: Path) -> int:
+    """How many numbers an observation set has."""
+
+    def look() -> jax.Array:
+        scenario = street.draw(jax.random.key(0))
+        return street.observe(scenario, street.reset(scenario), role, observes)
+
+    try:
+        return eqx.filter_eval_shape(look).shape[0]
+    except (KeyError, ValueError) as error:
+        raise ContestantError(
+            f"{file}: the {role} reads the observation set {observes!r}, which this jaxwalk has not; train anew"
+        ) from error

@@ -1,0 +1,189 @@
+"""The run folder: all that a training leaves behind, and all that evaluation needs.
+
+    config.json         the `Experiment`
+    metrics.jsonl       one line for each update
+    events.out.*        the same for TensorBoard
+    checkpoints/        to resume from
+    policy.safetensors  the trained actors, with where they come from
+    .lock               held by the process that trains
+
+Files are written under another name and renamed when whole.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from textwrap import shorten
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from jaxwalk.runs.board import Board
+from jaxwalk.runs.lock import LOCK, held
+from jaxwalk.runs.recipes import Experiment
+from jaxwalk.writing import is_unfinished, naming, write_whole
+
+CONFIG, METRICS, CHECKPOINTS, POLICY = "config.json", "metrics.jsonl", "checkpoints", "policy.safetensors"
+"""Names inside a run folder."""
+LARGEST = 1e39
+"""No metric is larger: it was a 32-bit float."""
+
+
+class RunError(ValueError):
+    """A run folder that can't be used; one line names it, says what is wrong and what to do."""
+
+
+def is_empty(folder: Path) -> bool:
+    """Whether nothing is in it but what a process that was killed at once may have left."""
+    return all(path.name == LOCK or is_unfinished(path) for path in folder.iterdir())
+
+
+def check_new(path: Path) -> None:
+    """Raise RunError unless a folder can be made (or filled, if empty) there. Writes nothing."""
+    if path.is_dir() and not is_empty(path):
+        hint = f"continue it with `jaxwalk train --resume {path}`, or " if (path / CONFIG).is_file() else ""
+        raise RunError(f"{path}: the folder is not empty; {hint}name another folder")
+    if path.exists() and not path.is_dir():
+        raise RunError(f"{path}: is a file, not a folder; name another folder")
+    check_writable(path)
+
+
+def check_writable(path: Path) -> None:
+    """Raise RunError unless this process may create or write the folder. Writes nothing."""
+    there = path.absolute()
+    while not there.exists():
+        there = there.parent
+    if not there.is_dir():
+        raise RunError(f"{path}: {there} is a file, so nothing can be put into it; name another folder")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise RunError(f"{path}: no permission to write to {there}; name another folder")
+
+
+class Run:
+    """One run folder."""
+
+    def __init__(self, path: str | Path, experiment: Experiment) -> None:
+        """Use `create` or `open` instead."""
+        self.path = Path(path)
+        self.experiment = experiment
+
+    @classmethod
+    def create(cls, path: str | Path, experiment: Experiment) -> Run:
+        """A new folder; an existing one must be empty."""
+        check_new(Path(path))
+        run = cls(path, experiment)
+        with held(run.path):
+            check_new(run.path)  # again: another process may have been quicker
+            run.describe(experiment)
+        return run
+
+    @classmethod
+    def open(cls, path: str | Path) -> Run:
+        """A folder that was written before."""
+        path = Path(path)
+        if not path.is_dir():
+            raise RunError(f"{path}: no such run folder; check the name, or train one: `jaxwalk train --run {path}`")
+        if not (path / CONFIG).is_file():
+            raise RunError(f"{path}: is no run folder, it has no {CONFIG}; name a folder that `jaxwalk train` wrote")
+        return cls(path, _read_experiment(path / CONFIG))
+
+    @property
+    def checkpoints(self) -> Path:
+        """Where checkpoints are."""
+        return self.path / CHECKPOINTS
+
+    @property
+    def policy(self) -> Path:
+        """The file of the trained actors."""
+        return self.path / POLICY
+
+    def describe(self, experiment: Experiment) -> None:
+        """Write the configuration."""
+        self.experiment = experiment
+        write_whole(self.path / CONFIG, _experiments().dump_json(experiment, indent=2) + b"\n")
+
+    def metrics(self) -> list[dict[str, Any]]:
+        """The lines of the metrics file; [] if there is none yet. A last line cut short is left out."""
+        path = self.path / METRICS
+        if not path.is_file():
+            return []
+        try:
+            lines = path.read_text(encoding="utf-8").split("\n")[:-1]
+            return [_metrics(line) for line in lines]
+        except (ValueError, RecursionError) as error:
+            raise RunError(f"{path}: damaged ({error}); restore it from a copy, or delete it") from error
+
+    def keep_metrics(self, updates: int) -> list[dict[str, Any]]:
+        """Drop the lines after so many updates, which will come again; returns those kept."""
+        lines = [line for line in self.metrics() if line["update"] <= updates]
+        write_whole(self.path / METRICS, "".join(map(_line, lines)))
+        return lines
+
+
+class MetricsLog:
+    """Appends to a run's metrics file and TensorBoard events. Use it in a ``with``."""
+
+    def __init__(self, run: Run, *, updates: int = 0) -> None:
+        """Go on after so many updates: later lines of an interrupted run are dropped."""
+        self.kept = run.keep_metrics(updates)
+        self._path = run.path / METRICS
+        self._board = Board(run.path, first=updates + 1)
+        self._file = self._path.open("a", encoding="utf-8")
+
+    def __enter__(self) -> MetricsLog:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        try:
+            with naming(self._path):
+                self._file.close()
+        finally:
+            self._board.close()
+
+    def write(self, line: Mapping[str, int | float]) -> None:
+        """One update's metrics, ``update`` among them."""
+        with naming(self._path):
+            self._file.write(_line(line))
+            self._file.flush()
+        self._board.write(line)
+
+    def to_disk(self) -> None:
+        """Wait until all lines are on the disk."""
+        with naming(self._path):
+            os.fsync(self._file.fileno())
+
+
+def _metrics(line: str) -> dict[str, int | float]:
+    """What a line of the metrics file says; ValueError unless it is numbers by name, also of `update` and `seconds`."""
+    found = json.loads(line)
+    if not isinstance(found, dict) or not isinstance(found.get("update"), int) or "seconds" not in found:
+        raise ValueError(f"a line has no number of the update, or of the seconds: {shorten(line, 40)}")
+    for name, value in found.items():
+        if type(value) not in (int, float) or not abs(value) <= LARGEST:
+            raise ValueError(f"{shorten(name, 40)} must be a number up to {LARGEST:g}, not {shorten(repr(value), 40)}")
+    return found
+
+
+def _line(metrics: Mapping[str, int | float]) -> str:
+    return json.dumps(metrics, allow_nan=False) + "\n"
+
+
+def _experiments() -> Any:
+    """A TypeAdapter[Experiment]."""
+    return TypeAdapter(Experiment)
+
+
+def _read_experiment(path: Path) -> Experiment:
+    mend = "mend it, or copy it again from where the run was made"
+    try:
+        return _experiments().validate_json(path.read_bytes())
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(str(part) for part in first["loc"] if part not in ("int", "float"))  # members of unions
+        what = f"{where}: {first['msg']}" if where else first["msg"]
+        raise RunError(f"{path}: {what}; {mend}") from error
+    except OSError as error:
+        raise RunError(f"{path}: can't be read ({error.strerror}); check its permissions") from error

@@ -1,0 +1,86 @@
+"""From a configuration to the environment and policies that it names."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+import jax
+
+from jaxwalk.runs.recipes import Experiment, with_training
+from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.learning.config import GLOBAL
+from jaxwalk.maps import MapError
+from jaxwalk.policies.drivers import Careless, RouteFollower
+from jaxwalk.policies.pedestrians import AlwaysGo
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.observation import LAYOUTS
+
+LEAST_SHARE = 64
+"""Environments that a core should have at least: fewer don't keep it busy."""
+
+
+class WorldError(ValueError):
+    """A configuration that no training can be made of; one line names the field and what it may be."""
+
+
+def make_street(experiment: Experiment) -> Street:
+    """The environment of an experiment.
+
+    Raises:
+        MapError: a map is wrong.
+        WorldError: what agents are paid for, or are shown, doesn't exist.
+    """
+    _check_sets(experiment)
+    try:
+        return _street(experiment)
+    except MapError:
+        raise
+    except ValueError as error:
+        raise WorldError(str(error)) from error
+
+
+def _street(experiment: Experiment) -> Street:
+    return Street.create(
+        experiment.maps,
+        experiment.sim,
+        jaywalk_multiplier=experiment.jaywalk_multiplier,
+        driver_weights=experiment.driver_weights,
+        pedestrian_weights=experiment.pedestrian_weights,
+    )
+
+
+def _check_sets(experiment: Experiment) -> None:
+    """Raise for observation sets that there are not, and for a driver that should choose."""
+    if experiment.train.driver.gated:
+        raise WorldError("train.driver.gated must be false: only pedestrians choose between 0 and 1")
+    for role, sets in LAYOUTS.items():
+        config = experiment.train.role(role)
+        _check_named(f"train.{role}.observes", [config.observes], sets)
+        _check_named(f"train.{role}.critic_observes", config.critic_observes, [*sets, GLOBAL])
+
+
+def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise WorldError(f"{field} must be one of {', '.join(known)}, not {name!r}")
+
+
+def shared_out(experiment: Experiment) -> Experiment:
+    """The same, its environments shared out among as many of the processor's cores as divide them evenly.
+
+    An accelerator wants all of them: nothing is changed there.
+    """
+    devices, count = jax.devices(), experiment.train.environments
+    most = len(devices) if devices[0].platform == "cpu" else 1
+    fitting = (n for n in range(most, 1, -1) if count % n == 0 and count >= n * LEAST_SHARE)
+    return with_training(experiment, shards=next(fitting, 1))
+
+
+def fixed_policies(experiment: Experiment) -> ByRole[Policy | None]:
+    """Who plays a role where its learner doesn't."""
+    train, sim = experiment.train, experiment.sim
+    follower = RouteFollower(wheelbase=sim.wheelbase, max_steering=sim.max_steering)
+    return ByRole(
+        driver=Careless(follower) if train.driver.fixed else None,
+        pedestrian=AlwaysGo() if train.pedestrian.fixed else None,
+    )

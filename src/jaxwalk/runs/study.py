@@ -1,0 +1,169 @@
+"""A folder that a command fills part by part, and goes on filling when it is run again.
+
+runs/NAME/seed-N       a training
+plan.json              what was asked for
+minutes.json           how long each part took
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, ClassVar, Generic, Self, TypeVar
+
+from rich.console import Console
+
+from jaxwalk.runs.lock import held
+from jaxwalk.runs.recipes import Experiment
+from jaxwalk.runs.folder import Run, RunError, check_writable, is_empty
+from jaxwalk.runs.training import is_finished, train
+from jaxwalk.runs.street import shared_out
+from jaxwalk.sim.environment import Street
+from jaxwalk.writing import remove_unfinished, write_whole
+
+
+class Interrupted(Exception):
+    """Ctrl-C: what is finished stays."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How thoroughly; what every plan says. Impossible values raise ValueError, naming the field."""
+
+    updates: int | None = None
+    """Updates of each training."""
+    episodes: int = 1000
+    """Scenarios in each cell."""
+    seed: int = 0
+    """Of the first trainings, and of the scenarios."""
+    seeds: int = 1
+    """Training seeds: ``seed``, ``seed`` + 1, ..."""
+
+    def __post_init__(self) -> None:
+        """Refuse what can't be done."""
+        if self.updates is not None and not 1 <= self.updates < 2**31:
+            raise ValueError(f"updates must lie in [1, 2^31), not {self.updates}")
+        if self.episodes < 1:
+            raise ValueError(f"episodes must be at least 1, not {self.episodes}")
+        if self.seeds < 1:
+            raise ValueError(f"seeds must be at least 1, not {self.seeds}")
+        if not 0 <= self.seed < 2**31:
+            raise ValueError(f"seed must lie in [0, 2^31), not {self.seed}")
+        if self.seed + self.seeds > 2**31:
+            raise ValueError(f"seed + seeds must be at most 2^31, not {self.seed} + {self.seeds}")
+
+    @property
+    def training_seeds(self) -> range:
+        """All of them."""
+        return range(self.seed, self.seed + self.seeds)
+
+
+P = TypeVar("P", bound=Effort)
+
+
+@dataclass(frozen=True)
+class Work(Generic[P]):
+    """A folder, a plan, and where to tell how it goes."""
+
+    command: ClassVar[str]
+    """Name of the command that fills the folder."""
+
+    folder: Path
+    plan: P
+    console: Console
+    base: Experiment
+    """What all trainings start from."""
+
+    def run(self, name: str, seed: int) -> Path:
+        """Folder of a training."""
+        return run_folder(self.folder, name, seed)
+
+    def json(self, name: str) -> Any:
+        """A part that is finished; None if it isn't."""
+        return read_json(self.folder / name, self.command)
+
+    def keep(self, name: str, document: Any) -> None:
+        """Write a finished part."""
+        write_whole(self.folder / name, json.dumps(document, indent=2, allow_nan=False) + "\n")
+
+    def say(self, text: str) -> None:
+        """Tell how it goes."""
+        self.console.print(text, soft_wrap=True, markup=False)
+
+    def street(self) -> Street:
+        """Where to evaluate."""
+        return Street.create(self.base.maps, self.base.sim, jaywalk_multiplier=self.base.jaywalk_multiplier)
+
+    def do(self, steps: Sequence[tuple[str, Callable[[Self], None]]]) -> None:
+        """Make the folder, or see that it was made for the same plan; then one step after the other, with its title.
+
+        Raises InUseError if another process fills the folder.
+        """
+        self._check()
+        with held(self.folder):
+            self._check()  # again: another process may have been quicker
+            remove_unfinished(self.folder)
+            self.keep("plan.json", asdict(self.plan))
+            self._do(steps)
+
+    def _do(self, steps: Sequence[tuple[str, Callable[[Self], None]]]) -> None:
+        for number, (name, step) in enumerate(steps, 1):
+            self.say(f"[{number}/{len(steps)}] {name}")
+            begun = time.monotonic()
+            try:
+                step(self)
+            except BaseException:
+                with suppress(OSError):  # the disk may be full, of which more is said already
+                    self._count_minutes(step, begun)
+                raise
+            self._count_minutes(step, begun)
+
+    def train(self, name: str, experiment: Experiment, seed: int) -> None:
+        """A training with that seed, unless it is there; begun, it is gone on with. Raises Interrupted on Ctrl-C."""
+        folder, said = self.run(name, seed), f"    {name}, seed {seed}"
+        begun = (folder / "config.json").is_file()
+        run = Run.open(folder) if begun else Run.create(folder, shared_out(replace(experiment, seed=seed)))
+        if is_finished(run):
+            steps = run.experiment.train.updates * run.experiment.steps_per_update
+            self.say(f"{said}: there already, {steps:,} steps")
+            return
+        trained = train(run, resume=begun, console=self.console, name=said)
+        if trained.interrupted:
+            raise Interrupted
+        self.say(f"{said}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")
+
+    def _check(self) -> None:
+        """Raise RunError unless the folder can be begun or gone on with. Writes nothing."""
+        asked, there = asdict(self.plan), self.json("plan.json")
+        folder, other = self.folder, "name another folder"
+        if there is None and folder.is_dir() and not is_empty(folder):
+            raise RunError(f"{folder}: the folder is not empty and no `jaxwalk {self.command}` made it; {other}")
+        if there is not None and there != asked:
+            name = next((n for n in asked if not isinstance(there, dict) or there.get(n) != asked[n]), "plan")
+            raise RunError(f"{folder}: was begun with another value of {name}; ask for the same again, or {other}")
+        check_writable(folder)
+
+    def _count_minutes(self, step: Callable[[Self], None], begun: float) -> None:
+        """Add to what each part took, over interruptions."""
+        name, document = step.__name__.strip("_"), self.json("minutes.json") or {}
+        document[name] = round(document.get(name, 0.0) + (time.monotonic() - begun) / 60, 3)
+        self.keep("minutes.json", document)
+
+
+def run_folder(folder: Path, name: str, seed: int) -> Path:
+    """Where a training is kept in such a folder."""
+    return folder / "runs" / name / f"seed-{seed}"
+
+
+def read_json(path: Path, command: str) -> Any:
+    """The document of a file that the command wrote; None if there is no file."""
+    if not path.is_file():
+        return None
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise RunError(f"{path}: damaged ({error}); delete it and run `jaxwalk {command}` again") from error

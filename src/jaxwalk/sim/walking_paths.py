@@ -1,0 +1,59 @@
+"""Where everybody is going to walk. A path depends on the scenario alone: waiting only delays it."""
+
+from __future__ import annotations
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.sim.crossing_kind import LegKind
+from jaxwalk.sim.pedestrian import next_leg, place
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.state import Leg
+from jaxwalk.sim.world import World
+
+LEGS = 16
+"""Legs computed at once; then follows a check whether the paths are long enough."""
+
+
+class Paths(eqx.Module):
+    """Everybody's path as a polyline: point 0 is the start, leg k leads from point k to point k + 1."""
+
+    x: Float[np.ndarray, "point ped *batch"]
+    """[m]"""
+    y: Float[np.ndarray, "point ped *batch"]
+    jaywalk: Bool[np.ndarray, "leg ped *batch"]
+    """The leg is a jaywalk across a roadway."""
+    arrivals: Int[np.ndarray, "leg ped *batch"]
+    """Goals reached before the leg."""
+
+
+def walking_paths(world: World, scenario: Scenario, *, reach: float) -> Paths:
+    """Return the paths of all people of a scenario (or a batch), each at least ``reach`` metres long."""
+    leg = place(world, scenario).leg
+    points, legs, shortest = [(leg.end_x[None], leg.end_y[None])], [], 0.0
+    while shortest < reach:
+        leg, found = _legs(world, scenario, leg)
+        points.append((found.end_x, found.end_y))
+        legs.append(found)
+        shortest += float(found.length.sum(axis=0).min())
+    return Paths(
+        x=np.concatenate([x for x, _ in points]),
+        y=np.concatenate([y for _, y in points]),
+        jaywalk=np.concatenate([found.kind == LegKind.ACROSS for found in legs]),
+        arrivals=np.concatenate([found.arrivals for found in legs]),
+    )
+
+
+@eqx.filter_jit
+def _legs(world: World, scenario: Scenario, leg: Leg) -> tuple[Leg, Leg]:
+    """Return the last of the next `LEGS` legs, and all of them along a leading axis."""
+
+    def follow(leg: Leg, _: None) -> tuple[Leg, Leg]:
+        after = next_leg(world, scenario, leg)
+        after = jax.tree.map(lambda new, old: new.astype(jnp.asarray(old).dtype), after, leg)
+        return after, after
+
+    return jax.lax.scan(follow, leg, None, length=LEGS)

@@ -1,0 +1,112 @@
+"""What stays the same from episode to episode: the maps, the rules, and how often people jaywalk."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax
+import numpy as np
+from jaxtyping import Array, Float
+
+from jaxwalk.maps import RoadMap, load_map, stack_maps
+from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
+from jaxwalk.sim.sim_config import SimConfig
+
+STATIC = ("dt", "horizon", "pedestrians")
+"""The rules that a compiled step contains as constants, because loops and shapes depend on them."""
+
+
+class Rules(eqx.Module):
+    """The numbers of a `SimConfig`, which documents them and their units. Another value of an array compiles nothing.
+
+    A change of ``fastest_walk`` or ``goal_spacing`` that changes the length of a scenario's tables is the exception.
+    """
+
+    dt: float = eqx.field(static=True)
+    horizon: int = eqx.field(static=True)
+    pedestrians: int = eqx.field(static=True)
+    slowest_walk: Float[Array, ""]
+    fastest_walk: Float[Array, ""]
+    wheelbase: Float[Array, ""]
+    max_speed: Float[Array, ""]
+    max_steering: Float[Array, ""]
+    max_acceleration: Float[Array, ""]
+    offroad_margin: Float[Array, ""]
+    offroad_speed: Float[Array, ""]
+    collision_distance: Float[Array, ""]
+    goal_distance: Float[Array, ""]
+    moving_speed: Float[Array, ""]
+    start_clearance: Float[Array, ""]
+    goal_spacing: Float[Array, ""]
+    kerb_distance: Float[Array, ""]
+
+    @property
+    def config(self) -> SimConfig:
+        """The plain numbers again. Only outside compiled code."""
+        numbers = {name: as_written(getattr(self, name)) for name in _names_of_arrays()}
+        return SimConfig(dt=self.dt, horizon=self.horizon, pedestrians=self.pedestrians, **numbers)
+
+
+class World(eqx.Module):
+    """All that an episode happens in. Functions of the simulator take it whole."""
+
+    maps: RoadMap
+    """Stacked maps; a scenario names one."""
+    tables: Tables
+    """The same maps, packed for a step."""
+    rules: Rules
+    jaywalk_multiplier: Float[Array, ""]
+    """P(jaywalk | decision) = jaywalking tendency x this (equation 1)."""
+    goals: int = eqx.field(static=True)
+    """How many goals a scenario holds for each pedestrian."""
+    crossings: int = eqx.field(static=True)
+    """How many crossings a scenario holds draws for, for each pedestrian."""
+
+    @classmethod
+    def create(cls, maps: Sequence[str | Path], config: SimConfig, *, jaywalk_multiplier: float) -> World:
+        """Return the world of some maps (bundled names or files).
+
+        Raise MapError for a wrong map, and ValueError for a negative or infinite multiplier.
+        """
+        check_multiplier(jaywalk_multiplier)
+        spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
+        stacked = stack_maps([load_map(name, **spacing) for name in maps])
+        packed = pack_tables(stacked)
+        goals, crossings = table_sizes(config, shortest_crossing=shortest_crossing(packed["side"]))
+        numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
+        on_host = (stacked, packed, numbers, np.float32(jaywalk_multiplier))
+        road_map, tables, arrays, multiplier = jax.device_put(on_host)  # `jnp.asarray` compiles one program per shape
+        static: dict[str, Any] = {name: getattr(config, name) for name in STATIC}
+        return cls(road_map, Tables(**tables), Rules(**static, **arrays), multiplier, goals, crossings)
+
+
+def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:
+    """Return how many goals and how many crossings the fastest pedestrian could need.
+
+    It walks at most horizon x dt x top speed. Between two decisions lies at least one crossing, ``shortest_crossing``
+    metres long. Goals are ``goal_spacing`` apart along the graph; a jaywalk is shorter, but no shorter than a crossing.
+    """
+    reach = config.horizon * config.dt * config.fastest_walk
+    apart = min(config.goal_spacing, shortest_crossing)
+    return 2 + math.floor(reach / apart), 2 + math.floor(reach / shortest_crossing)
+
+
+def check_multiplier(multiplier: float) -> None:
+    """Raise ValueError for a jaywalk multiplier that is negative or infinite."""
+    if not 0 <= multiplier < float("inf"):
+        raise ValueError(f"jaywalk_multiplier must be 0 or more, not {multiplier}")
+
+
+def as_written(number: Array) -> float:
+    """Return a single-precision number as somebody wrote it: 8.33, not 8.329999923706055."""
+    return float(str(np.float32(number)))
+
+
+def _names_of_arrays() -> list[str]:
+    """The fields of a `SimConfig` that `Rules` holds as arrays."""
+    return [field.name for field in fields(SimConfig) if field.name not in STATIC]

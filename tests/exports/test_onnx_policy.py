@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+import hashlib
+
+import equinox as eqx
+import jax
+import numpy as np
+import onnx
+import pytest
+
+from jaxwalk.exports import onnx_policy as exporting
+from jaxwalk.policies import PolicyError, shipped_policy
+from jaxwalk.policies.onnx_export import onnx_model
+
+
+@pytest.fixture(autouse=True)
+def briefly(monkeypatch):
+    monkeypatch.setattr(exporting, "ENVIRONMENTS", 4)
+    monkeypatch.setattr(exporting, "STEPS", 160)
+
+
+@pytest.mark.parametrize(("role", "name", "rows"), [("driver", "co-trained", 640), ("pedestrian", "learned", 640 * 12)])
+def test_a_shipped_policy_is_written_and_knows_where_it_comes_from(tmp_path, role, name, rows):
+    out = tmp_path / "there" / "policy.onnx"
+    parity = exporting.export(name, out, role=role)
+    assert (parity.rows, parity.other_choices) == (rows, 0)
+    assert 0 < parity.gap < 1e-5
+    told = {entry.key.removeprefix("jaxwalk."): entry.value for entry in onnx.load(out).metadata_props}
+    assert (told["role"], told["recipe"], told["seed"]) == (role, "fast", "0")
+    assert told["policy_sha256"] == hashlib.sha256(shipped_policy(role, name).read_bytes()).hexdigest()
+
+
+def seen_once(street, role, policy):
+    """Three made-up observations and what the policy does."""
+    seen = jax.random.normal(jax.random.key(0), (59, 3))
+    action, _ = policy.act(jax.random.split(jax.random.key(0), 3), None, seen)
+    return exporting.Met(np.asarray(seen), None, np.asarray(action), np.asarray(policy.actor.network(seen)))
+
+
+def test_what_acts_otherwise_is_not_written(tmp_path, monkeypatch):
+    def other(actor, **about):
+        bias = actor.network.biases[-1]
+        return onnx_model(eqx.tree_at(lambda a: a.network.biases[-1], actor, bias + 0.01), **about)
+
+    monkeypatch.setattr(exporting, "onnx_model", other)
+    monkeypatch.setattr(exporting, "met", seen_once)
+    with pytest.raises(PolicyError, match=r"co-trained: in ONNX it acts otherwise \(largest gap .*was not written"):
+        exporting.export("co-trained", tmp_path / "policy.onnx", role="driver")
+    assert list(tmp_path.iterdir()) == []

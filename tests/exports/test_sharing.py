@@ -1,0 +1,66 @@
+"""A policy made to share: its results are in it, and its card says the same."""
+
+import json
+
+import pytest
+
+from jaxwalk.evaluation import compare
+from jaxwalk.exports.sharing import share
+from jaxwalk.policies import SHIPPED, read_metadata, shipped_policy
+from jaxwalk.report.table import shown
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.folder import Run, RunError
+
+
+def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
+    out = tmp_path / "new" / "mine.safetensors"
+    card = share(whole.path, out, ("always-go", str(whole.path)), episodes=6, seed=3)
+    about = read_metadata(out)
+    assert (about["recipe"], about["seed"], about["maps"]) == ("fast", 0, ["paper"])
+    assert set(about["roles"]) == {"driver", "pedestrian"}
+
+    street = world_of([str(out)], ())
+    drivers, people = {"it": contestant(street, "driver", str(out))}, {"p": contestant(street, "pedestrian", str(out))}
+    found, _ = compare(street, drivers, people, episodes=6, seed=3)
+    told = about["results"]["among"]["learned (fast, training seed 0)"]
+    assert told["goal_rate"] == json.loads(found.to_json())["cells"][0]["goal_rate"]
+    assert about["results"]["scenarios"] == {"seed": 3, "count": 6, "hash": found.hash}
+    lines = card.read_text().splitlines()
+    assert lines[0] == "# mine"
+    assert any(
+        line.startswith(f"| learned (fast, training seed 0) | {100 * told['goal_rate']['value']:.1f} [")
+        for line in lines
+    )
+    assert any("10 steps" in line for line in lines)
+
+
+def test_a_run_without_a_policy_is_refused(tiny, tmp_path):
+    Run.create(tmp_path / "begun", tiny)
+    with pytest.raises(RunError, match="has no policy"):
+        share(tmp_path / "begun", tmp_path / "x.safetensors", ("always-go",), episodes=1, seed=0)
+    assert not (tmp_path / "x.safetensors").exists()
+
+
+@pytest.mark.parametrize(("role", "name"), [(role, name) for role, names in SHIPPED.items() for name in names])
+def test_what_is_shipped_loads_and_has_its_card(street, role, name):
+    file = shipped_policy(role, name)
+    policy = contestant(street, role, name)
+    assert policy.observes
+    about = read_metadata(file)
+    rates = about["results"]["among"]["always-go"]["goal_rate"]
+    assert f"| {shown(rates)} |" in file.with_suffix(".md").read_text()
+    assert about["recipe"] == file.stem.split("-")[0]
+
+
+def test_the_command_and_what_it_refuses(whole, tmp_path, capsys):
+    from jaxwalk.cli import main
+
+    out = tmp_path / "mine.safetensors"
+    options = ["share", str(whole.path), "--pedestrians", "always-go", str(whole.path), "--episodes", "3", "--out"]
+    assert main([*options, str(out)]) == 0
+    assert "learned (fast, training seed 0)" in out.with_suffix(".md").read_text()
+    (tmp_path / "notes.md").write_text("mine")
+    for name, said in (("notes.safetensors", "would replace"), ("mine.txt", "must end in"), ("", "must end in")):
+        assert main([*options, str(tmp_path / name)]) == 2
+        assert said in capsys.readouterr().err
+    assert (tmp_path / "notes.md").read_text() == "mine"
