@@ -9,7 +9,7 @@ INSTALLED := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null || echo $(BIN)/uv)
 
 .DEFAULT_GOAL := help
-.PHONY: help install check lint types contracts test coverage mutants reliability versions format reproduce evidence pictures bench \
+.PHONY: help install check lint types contracts test coverage mutants reliability speed versions format reproduce evidence pictures bench \
 	wheel lock clean
 
 help:  ## list the targets
@@ -52,10 +52,14 @@ mutants: install  ## small mistakes are put into the definitions: do the tests n
 	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt cosmic-ray==8.7.0
 	$(BIN)/python tests/reliability/mutation.py
 
-reliability: install  ## thousands of bad files, millions of random steps, trainings killed 50 times: a quarter of an hour
+reliability: install  ## thousands of bad files, millions of random steps, trainings killed 50 times, 0.1's behaviour again: half an hour
 	$(BIN)/python tests/reliability/fuzz_loaders.py
 	$(BIN)/python tests/reliability/random_steps.py
 	$(BIN)/python tests/reliability/kill_training.py --kills 50
+	$(BIN)/python tests/compat/compare.py
+
+speed: install  ## this checkout's speed against that of the checkout OLD (with its own .venv): half an hour on a quiet machine
+	$(BIN)/python tests/reliability/speed_against.py $(OLD)
 
 versions: | $(UV)  ## the tests with the oldest and the newest allowed releases, on Python 3.11 and 3.14: 40 minutes
 	UV=$(UV) .ci/versions -n $(JOBS)

@@ -11,6 +11,7 @@ from jaxwalk.evaluation import counterfactuals, evaluate, paired, summarise_coun
 from jaxwalk.metrics import SURROGATES, summarise
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.report.surprise import in_words
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.observation import SPEED, part
 
 EPISODES = 64  # use 2,000 or more for reliable numbers
@@ -32,7 +33,8 @@ class Cautious(eqx.Module):
 
 street = Street.create()
 fast, slow = (
-    evaluate(street, car, AlwaysGo(), episodes=EPISODES, seed=0, batch=64) for car in (RouteFollower(), Cautious())
+    evaluate(street, {"driver": car, "pedestrian": AlwaysGo()}, Drawn(street, 0, EPISODES), batch=64)
+    for car in (RouteFollower(), Cautious())
 )
 collision = paired(fast, slow).collision
 print("collisions at full speed {:.0%}, at 4 m/s {:.0%}; p = {:.3f}".format(*collision.rates, collision.p))

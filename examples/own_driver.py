@@ -12,11 +12,12 @@ import equinox as eqx
 import numpy as np
 
 from jaxwalk import Street
-from jaxwalk.evaluation import draw_scenarios, evaluate, play
+from jaxwalk.evaluation import evaluate, play
 from jaxwalk.exports.onnx_policy import export
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, load_policy, shipped_policy
 from jaxwalk.policies.host import HostDriver, load_host_driver
+from jaxwalk.scenarios import Drawn
 
 EPISODES = int(sys.argv[1]) if len(sys.argv) > 1 else 64
 BATCH = min(EPISODES, 512)
@@ -59,8 +60,13 @@ def trace(driver, scenario):
     """Print the first gap between the actions of an episode at the same observation, and return the largest one."""
     first, row = scenario - scenario % BATCH, scenario % BATCH
     beside = Beside(driver)
-    scenarios, keys = draw_scenarios(street, seed=0, first=first, count=BATCH)
-    played = play(street, HostDriver("beside", beside, observes=driver.observes), people, scenarios, keys)
+    scenarios, keys = Drawn(street, 0).take(first + np.arange(BATCH))
+    played = play(
+        street,
+        {"driver": HostDriver("beside", beside, observes=driver.observes), "pedestrian": people},
+        scenarios,
+        keys,
+    )
     gaps = np.array(beside.gaps)[: played.length[row], row]
     step = int(np.argmax(gaps > 0))
     print(
@@ -78,9 +84,9 @@ with tempfile.TemporaryDirectory() as folder:
     print(f"exported; largest gap {export('co-trained', file, role='driver').gap:.1e}")
     drivers = [load_host_driver(str(file)), HostDriver("NumPy", NumpyDriver(), observes=NumpyDriver.observes)]
 
-expected = ending(evaluate(street, native, people, episodes=EPISODES, seed=0, batch=BATCH))
+expected = ending(evaluate(street, {"driver": native, "pedestrian": people}, Drawn(street, 0, EPISODES), batch=BATCH))
 for driver in drivers:
-    found = ending(evaluate(street, driver, people, episodes=EPISODES, seed=0, batch=BATCH))
+    found = ending(evaluate(street, {"driver": driver, "pedestrian": people}, Drawn(street, 0, EPISODES), batch=BATCH))
     ms = 1000 * driver.seconds_spent / driver.steps_made
     other = np.flatnonzero(found != expected)
     name = Path(driver.name).name

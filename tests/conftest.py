@@ -18,15 +18,66 @@ SMALL = {"environments": 8, "steps": 8, "minibatches": 2, "updates": 6}
 """A training so small that its time is all compiling, which is done once."""
 
 
+def pytest_addoption(parser):
+    parser.addoption(
+        "--compile-report",
+        type=int,
+        nargs="?",
+        const=30,
+        default=0,
+        metavar="N",
+        help="list the N (30) files and tests that cost most",
+    )
+
+
 def pytest_configure(config):
     import jax
 
+    from compiling import Recorder, Relief
+
+    config.pluginmanager.register(Recorder(config.getoption("compile_report")), "compiling")
+    config.pluginmanager.register(Relief(), "relief")
+
     jax.config.update("jax_num_cpu_devices", 2)  # so that environments can be shared out, on any machine
+    # Most programs run a few times only, so that compiling them well takes longer than running them badly compiled.
+    # What runs often, or is compared with recorded numbers, asks for more: `sim.play.AS_SHIPPED`.
+    jax.config.update("jax_disable_most_optimizations", True)
     # Two workers may meet in the cache; a half-written entry is compiled anew.
     config.addinivalue_line("filterwarnings", "ignore:Error (reading|writing) persistent compilation:UserWarning")
     if getattr(config, "cache", None) is not None:
         jax.config.update("jax_compilation_cache_dir", str(config.cache.mkdir(f"jax-{_processor()}")))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.05)
+
+
+ROOMS = ("experiments", "sim", "learning", "runs", "cli", "evaluation", "adapters", "properties", "exports", "policies")
+"""Folders of tests that take long, the longest first; workers begin with them."""
+
+
+def pytest_collection_modifyitems(items):
+    """Long rooms first, so that no worker waits for another one in the end."""
+    rank = {room: number for number, room in enumerate(ROOMS)}
+    items.sort(key=lambda item: rank.get(_room(item.nodeid), len(rank)))
+
+
+def _room(nodeid):
+    return nodeid.partition("::")[0].split("/")[1]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """A room goes to one worker, so that its fixtures and programs are made once; to many workers, a file does."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    if config.getoption("dist") != "load":
+        return None
+    few = config.getoption("numprocesses") <= 4
+
+    class ByRoom(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return _room(nodeid) if few else nodeid.partition("::")[0]
+
+    config.option.loadscopereorder = False
+    return ByRoom(config, log)
 
 
 def _processor() -> str:
@@ -38,8 +89,9 @@ def _processor() -> str:
 
 @pytest.fixture(scope="session", autouse=True)
 def strict_processes():
-    """Warnings are errors in the processes that tests start, too."""
+    """Processes that tests start also turn warnings into errors, and compile quickly."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
         cache = [f"ignore:Error {doing} persistent compilation:UserWarning" for doing in ("reading", "writing")]
         patch.setenv("PYTHONWARNINGS", ",".join(["error", *cache]))
         yield

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.interfaces import Box, ByRole, Discrete, Environment, Outcome, RoleSpec
+from jaxwalk.interfaces import Box, Discrete, Environment, Outcome, RoleSpec
 from jaxwalk.rollout import (
     EVALUATION,
     RESTART_EVERY,
@@ -30,7 +30,7 @@ class Clock(eqx.Module):
 
     @property
     def roles(self):
-        return ByRole(RoleSpec((), Box(1)), RoleSpec((2,), Discrete(2)))
+        return {"driver": RoleSpec((), Box(1)), "pedestrian": RoleSpec((2,), Discrete(2))}
 
     def draw(self, key):
         length, word = jax.random.split(key)
@@ -49,15 +49,19 @@ class Clock(eqx.Module):
         state = state + 1
         over = state == scenario["length"]
         people = jnp.broadcast_to(over[None], (2, *over.shape))
-        rewards = ByRole({"action": actions.driver[0]}, {})
-        return state, Outcome(rewards, ByRole(over, people), ByRole(over & False, people & False), {"state": state})
+        rewards = {"driver": {"action": actions["driver"][0]}, "pedestrian": {}}
+        terminated, truncated = (
+            {"driver": over, "pedestrian": people},
+            {"driver": over & False, "pedestrian": people & False},
+        )
+        return state, Outcome(rewards, terminated, truncated, over, {"state": state})
 
 
 def act(key, scenario, state, memory):
     """Acts at random; remembers how often it acted in this episode; records everything."""
     drive = jax.vmap(lambda k: jax.random.uniform(k, (1,)), out_axes=-1)(key)
     record = {"word": scenario["word"], "state": state, "memory": memory, "action": drive[0]}
-    return ByRole(drive, jnp.ones((2, *state.shape), jnp.int32)), memory + 1, record
+    return {"driver": drive, "pedestrian": jnp.ones((2, *state.shape), jnp.int32)}, memory + 1, record
 
 
 @partial(jax.jit, static_argnums=(1, 2, 3))
@@ -183,7 +187,7 @@ def follow(street):
         drive = jnp.stack([jnp.where(car.speed < 4, 1.0, 0.0), steering / street.world.rules.max_steering])
         record = {"x": car.x, "y": car.y, "along": car.along, "speed": car.speed, "route": scenario.route,
                   "step": state.step, "tau": scenario.traits[0]}  # fmt: skip
-        return ByRole(drive, jnp.ones((12, *car.x.shape), jnp.int32)), memory, record
+        return {"driver": drive, "pedestrian": jnp.ones((12, *car.x.shape), jnp.int32)}, memory, record
 
     return act
 

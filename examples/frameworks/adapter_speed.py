@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import jaxwalk.adapters.gymnasium
-from jaxwalk import ByRole, Street
+from jaxwalk import Street
 from jaxwalk.rollout import RESTART_EVERY, TRAINING, advance, environment_keys, restart, rollout, seed_key, start
 from jaxwalk.sim.weights import DRIVER_WEIGHTS
 
@@ -32,8 +32,8 @@ def native(street, environments):
     def act(key, scenario, state, memory):
         words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random numbers already
         action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1
-        seen = street.observe(scenario, state, "driver", "route")
-        return ByRole(action, jnp.ones((12, environments), jnp.int32)), memory, seen
+        seen = street.observe(scenario, state, street.view("driver", "route"))
+        return {"driver": action, "pedestrian": jnp.ones((12, environments), jnp.int32)}, memory, seen
 
     def kept(step):
         return step.record, sum(step.outcome.rewards.driver.values()), step.outcome.ended, step.valid

@@ -21,6 +21,7 @@ import jaxwalk.adapters.gymnasium
 from jaxwalk import Street, evaluate, summarise
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.weights import DRIVER_WEIGHTS
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
@@ -130,7 +131,9 @@ if options.out:
     model.save(options.out)
 goals, collisions = outcomes(model, options.scenarios, seed=0)
 print(f"PPO:            goals {goals:.1%}, collisions {collisions:.1%}")
-rows = evaluate(Street.create(), RouteFollower(), AlwaysGo(), episodes=options.scenarios, seed=0)
+rows = evaluate(
+    Street.create(), {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(Street.create(), 0, options.scenarios)
+)
 rule = summarise(rows)[OUTCOMES]
 print(f"route-follower: goals {rule.goal.value:.1%}, collisions {rule.collision.value:.1%}")
 if not options.brief and not (goals > rule.goal.value and collisions < rule.collision.value):

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from jaxwalk.evaluation import evaluate as evaluate
     from jaxwalk.evaluation import play as play
-    from jaxwalk.interfaces import ByRole as ByRole
     from jaxwalk.maps import load_map as load_map
     from jaxwalk.metrics import measure as measure
     from jaxwalk.metrics import summarise as summarise
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from jaxwalk.policies import POPULATIONS as POPULATIONS
     from jaxwalk.policies import LearnedPolicy as LearnedPolicy
     from jaxwalk.policies import load_policy as load_policy
+    from jaxwalk.scenarios import Drawn as Drawn
     from jaxwalk.sim.environment import Street as Street
     from jaxwalk.sim.sim_config import SimConfig as SimConfig
     from jaxwalk.sim.trajectory import Trajectory as Trajectory
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 # Public name -> the module that holds it. A new name goes here and, for type checkers, in the imports above.
 _HOMES = {
-    "ByRole": "jaxwalk.interfaces",
     "DRIVERS": "jaxwalk.policies",
+    "Drawn": "jaxwalk.scenarios",
     "LearnedPolicy": "jaxwalk.policies",
     "POPULATIONS": "jaxwalk.policies",
     "SimConfig": "jaxwalk.sim.sim_config",

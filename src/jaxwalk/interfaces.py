@@ -1,27 +1,24 @@
-"""What every part of jaxwalk agrees on: roles, environments and policies. Read this first.
+"""What every part of jaxwalk agrees on: roles, environments, views and policies. Read this first.
 
 Arrays have their named axes first and batch axes last: an observation is ``(feature, *agents, *batch)``, where
-``agents`` is ``()`` for the one driver and ``(12,)`` for the pedestrians, so the same code runs on one episode and on
+``agents`` is ``()`` for the one driver and ``(12,)`` for the pedestrians. So the same code runs on one episode and on
 thousands, with the episodes innermost, where the processor's vectors are.
 """
 
 from __future__ import annotations
 
-from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import equinox as eqx
 from jaxtyping import Array, Bool, Float, Key
 
 T = TypeVar("T")
+ScenarioT = TypeVar("ScenarioT")
+StateT = TypeVar("StateT")
 
-
-class ByRole(eqx.Module, Generic[T]):
-    """One value for each role: a pytree, so that code for all roles is a ``jax.tree.map``."""
-
-    driver: T
-    """The self-driving car."""
-    pedestrian: T
-    """The people, who share one policy."""
+Roles = dict[str, T]
+"""One value for each role, by the role's name. Code for all roles is a loop over it; no code names a role it doesn't
+have to."""
 
 
 class Box(eqx.Module):
@@ -44,49 +41,80 @@ class RoleSpec(eqx.Module):
     action: Box | Discrete
 
 
-class Outcome(eqx.Module):
-    """What one step brought each agent."""
+class Moment(eqx.Module):
+    """One moment of a batch of episodes: all that a view may be a function of."""
 
-    rewards: ByRole[dict[str, Float[Array, "..."]]]
-    """Named reward terms, weighted; an agent's reward is their sum. Each ``(*agents, *batch)``."""
-    terminated: ByRole[Bool[Array, "..."]]
-    """The agent's future is worth nothing: it arrived or collided. ``(*agents, *batch)``."""
-    truncated: ByRole[Bool[Array, "..."]]
-    """The episode ended, but not because of this agent: its value bootstraps. ``(*agents, *batch)``."""
-    events: Any
-    """What happened, as the environment's own pytree of arrays."""
-
-    @property
-    def ended(self) -> Bool[Array, "*batch"]:
-        """Whether the episode is over: an episode ends for everybody at once."""
-        return self.terminated.driver | self.truncated.driver
+    world: Any
+    """What stays the same from episode to episode, as the environment has it."""
+    scenario: Any
+    """What is played; arrays ``(..., *batch)``."""
+    state: Any
+    """Where it stands; arrays ``(..., *batch)``."""
 
 
 @runtime_checkable
-class Environment(Protocol):
+class View(Protocol):
+    """What a policy sees of a moment. Hashable, and equal to another view that shows the same.
+
+    A flat observation, ``(feature, *agents, *batch)``, is the usual kind; any pytree will do.
+    """
+
+    @property
+    def name(self) -> str:
+        """What results call it."""
+        ...
+
+    def __call__(self, moment: Moment) -> Any:
+        """Return what is seen: a pytree with arrays ``(..., *agents, *batch)``."""
+        ...
+
+
+class Outcome(eqx.Module):
+    """What one step brought each agent."""
+
+    rewards: Roles[dict[str, Float[Array, "..."]]]
+    """Named reward terms, weighted; an agent's reward is their sum. Each ``(*agents, *batch)``."""
+    terminated: Roles[Bool[Array, "..."]]
+    """The agent's future is worth nothing: it arrived or collided. ``(*agents, *batch)``."""
+    truncated: Roles[Bool[Array, "..."]]
+    """The episode ended, but not because of this agent: its value bootstraps. ``(*agents, *batch)``."""
+    ended: Bool[Array, "*batch"]
+    """The episode is over. It ends for everybody at once."""
+    events: Any
+    """What happened, as the environment's own pytree of arrays."""
+
+
+@runtime_checkable
+class Environment(Protocol[ScenarioT, StateT]):
     """A multi-agent world. All chance is in the scenario: ``reset`` and ``step`` are deterministic."""
 
     @property
-    def roles(self) -> ByRole[RoleSpec]: ...
-
-    def draw(self, key: Key[Array, ""]) -> Any:
-        """One scenario (no batch axes); batches come from ``vmap(draw, out_axes=-1)``."""
+    def roles(self) -> Roles[RoleSpec]:
+        """Every role, always in the same order."""
         ...
 
-    def reset(self, scenario: Any) -> Any:
-        """The state in which the scenario begins."""
+    def draw(self, key: Key[Array, ""]) -> ScenarioT:
+        """Return one scenario (no batch axes); batches come from ``vmap(draw, out_axes=-1)``."""
         ...
 
-    def observe(self, scenario: Any, state: Any, role: str, name: str) -> Float[Array, "feature ..."]:
-        """The named observation set of a role: ``(feature, *agents, *batch)``."""
+    def reset(self, scenario: ScenarioT) -> StateT:
+        """Return the state in which the scenario begins."""
         ...
 
-    def global_state(self, scenario: Any, state: Any) -> Float[Array, "feature *batch"]:
-        """What a centralised critic sees."""
+    def view(self, role: str, name: str) -> View:
+        """Return a flat view of a role by its name. Raise ValueError if there is none of that name."""
         ...
 
-    def step(self, scenario: Any, state: Any, actions: ByRole[Array]) -> tuple[Any, Outcome]:
-        """One step; never resets by itself."""
+    def observe(self, scenario: ScenarioT, state: StateT, view: View) -> Any:
+        """Return what the view shows."""
+        ...
+
+    def global_state(self, scenario: ScenarioT, state: StateT) -> Float[Array, "feature *batch"]:
+        """Return what a centralised critic sees."""
+        ...
+
+    def step(self, scenario: ScenarioT, state: StateT, actions: Roles[Array]) -> tuple[StateT, Outcome]:
+        """Make one step; it never resets."""
         ...
 
 
@@ -95,16 +123,14 @@ class Policy(Protocol):
     """Decides for all agents of one role. Deterministic given its key."""
 
     @property
-    def observes(self) -> str:
-        """Name of the observation set it reads."""
+    def view(self) -> View:
+        """What it sees."""
         ...
 
-    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Any:
-        """The memory at the start of an episode: a pytree with arrays ``(..., *agents, *batch)``, or None."""
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...], /) -> Any:
+        """Return the memory at the start of an episode: a pytree with arrays ``(..., *agents, *batch)``, or None."""
         ...
 
-    def act(
-        self, key: Key[Array, "*batch"], memory: Any, observation: Float[Array, "feature ..."]
-    ) -> tuple[Array, Any]:
-        """Action and next memory. ``key`` holds one key for each episode of the batch."""
+    def act(self, key: Key[Array, "*batch"], memory: Any, seen: Any, /) -> tuple[Array, Any]:
+        """Return action and next memory. ``key`` holds one key for each episode, ``seen`` is what its view shows."""
         ...

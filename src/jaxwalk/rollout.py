@@ -16,10 +16,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Int, Key
 
-from jaxwalk.interfaces import ByRole, Environment, Outcome
+from jaxwalk.acting import SCENARIO_KEYS, step_key
+from jaxwalk.interfaces import Environment, Outcome, Roles
 
-SCENARIO_KEYS, FIRST_ACTION_KEY = 0, 1
-"""What is folded into an environment's key: 0 for its scenarios, 1 + step for its actions, so the two never meet."""
 RESTART_EVERY = 8
 """Steps between restarts; an ended episode idles for 1 to 8 of them, 4.5 in the mean."""
 RESTARTS_AT_ONCE = 16
@@ -32,7 +31,9 @@ TRAINING, EVALUATION = 0, 1
 class Act(Protocol):
     """Chooses all actions of a step; may return a record of how (log-probabilities, observations, ...)."""
 
-    def __call__(self, key: Key[Array, "*batch"], scenario: Any, state: Any, memory: Any) -> tuple[ByRole, Any, Any]:
+    def __call__(
+        self, key: Key[Array, "*batch"], scenario: Any, state: Any, memory: Any
+    ) -> tuple[Roles[Array], Any, Any]:
         """Return actions, next memory and the record."""
         ...
 
@@ -89,7 +90,7 @@ def draw_batch(environment: Environment, keys: Key[Array, "*batch"]) -> Any:
 
 def start(environment: Environment, keys: Key[Array, "env"], memory: Any = None) -> Stream:
     """Begin the first episode in every environment."""
-    scenario = draw_batch(environment, _scenario_key(keys, jnp.zeros(keys.shape, jnp.int32)))
+    scenario = draw_batch(environment, scenario_key(keys, jnp.zeros(keys.shape, jnp.int32)))
     return Stream(
         key=keys,
         episode=jnp.zeros(keys.shape, jnp.int32),
@@ -157,7 +158,7 @@ def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) 
         begins = jnp.zeros(count, bool).at[chosen].set(True, mode="drop")
         episode = stream.episode + begins
         some_or_last = jnp.minimum(chosen, count - 1)
-        drawn = draw_batch(environment, _scenario_key(stream.key[some_or_last], episode[some_or_last]))
+        drawn = draw_batch(environment, scenario_key(stream.key[some_or_last], episode[some_or_last]))
         scenario, state = jax.lax.optimization_barrier((drawn, environment.reset(drawn)))  # once, not per environment
 
         def put(old: Array, new: Array) -> Array:
@@ -194,8 +195,7 @@ def rollout(
 
     def play_block(stream: Stream, _: None) -> tuple[Stream, Any]:
         stream = restart(environment, stream, fresh_memory)
-        times = FIRST_ACTION_KEY + stream.step + jnp.arange(block)
-        keys = jax.vmap(jax.vmap(jax.random.fold_in, (0, None)), (None, 0))(stream.key, times)
+        keys = jax.vmap(step_key, (None, 0))(stream.key, stream.step + jnp.arange(block))
         return jax.lax.scan(play_step, stream, keys)
 
     def play_step(stream: Stream, key: Key[Array, "env"]) -> tuple[Stream, Any]:
@@ -206,5 +206,6 @@ def rollout(
     return stream, jax.tree.map(lambda x: x.reshape(steps, *x.shape[2:]), kept)
 
 
-def _scenario_key(keys: Key[Array, "env"], episode: Int[Array, "env"]) -> Key[Array, "env"]:
+def scenario_key(keys: Key[Array, "env"], episode: Int[Array, "env"]) -> Key[Array, "env"]:
+    """Return the key from which each environment's episode of that number is drawn."""
     return jax.vmap(lambda key, n: jax.random.fold_in(jax.random.fold_in(key, SCENARIO_KEYS), n))(keys, episode)

@@ -8,12 +8,13 @@ from gymnasium.utils.env_checker import check_env, data_equivalence
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import jaxwalk.adapters.gymnasium
-from jaxwalk import ByRole, Street
+from jaxwalk import Street
 from jaxwalk.adapters import seat
 from jaxwalk.adapters.gymnasium import StreetEnv
 from jaxwalk.adapters.players import AdapterError, player
-from jaxwalk.evaluation import draw_scenarios, play
+from jaxwalk.evaluation import play
 from jaxwalk.policies import ConstantSpeed
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
@@ -93,8 +94,10 @@ def test_pictures_show_the_episode_as_it_goes(env):
 def test_scenarios_are_those_of_an_evaluation(three):
     """With the same chances for people who decide at random: outcomes and their times are the same."""
     street, count = Street.create(config=RULES), 24
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=count)
-    native = play(street, ConstantSpeed(throttle=1.0), player("pedestrian", "learned"), scenarios, keys)
+    scenarios, keys = Drawn(street, 7).take(np.arange(count))
+    native = play(
+        street, {"driver": ConstantSpeed(throttle=1.0), "pedestrian": player("pedestrian", "learned")}, scenarios, keys
+    )
     steps, collided = np.zeros(count, int), np.zeros(count, bool)
     for first in range(0, count, 3):
         part = slice(first, first + 3)

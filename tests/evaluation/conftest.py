@@ -7,6 +7,7 @@ import pytest
 
 from jaxwalk.evaluation import compare, evaluate
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower
+from jaxwalk.scenarios import Drawn
 
 BATCH = 16  # everywhere, so that little is compiled
 
@@ -41,7 +42,7 @@ def undecided():
 @pytest.fixture(scope="session")
 def rows(street, driver, undecided):
     """40 episodes in batches of 16."""
-    return evaluate(street, driver, undecided, episodes=40, seed=7, batch=BATCH)
+    return evaluate(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 7, 40), batch=BATCH)
 
 
 @pytest.fixture(scope="session")
@@ -49,4 +50,4 @@ def compared(street, driver, undecided):
     """Two drivers among two populations: results and rows."""
     drivers = {"route-follower": driver, "random": Random()}
     populations = {"undecided": undecided, "always-go": AlwaysGo()}
-    return compare(street, drivers, populations, episodes=24, seed=7, batch=BATCH)
+    return compare(street, drivers, populations, Drawn(street, 7, 24), batch=BATCH)

@@ -14,9 +14,7 @@ import pytest
 from jaxwalk.evaluation import (
     Counterfactuals,
     ReplayError,
-    choose_scenarios,
     counterfactuals,
-    draw_scenarios,
     evaluate,
     play,
     summarise_counterfactuals,
@@ -26,6 +24,7 @@ from jaxwalk.evaluation.counterfactual import find_hits
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.metrics import OUTCOMES, measure
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.observation import part
 from metrics.scenes import Scene, Walk, trajectory
@@ -61,6 +60,7 @@ class People(AlwaysGo):
 # the same kinds of policies everywhere: numbers in them compile nothing anew
 BLIND, STANDING = Car(throttle=jnp.float32(1)), Car(throttle=jnp.float32(-1))
 WALKERS, LURKERS = People(lurk=jnp.array(False)), People(lurk=jnp.array(True))
+BLIND_ONE = {"driver": BLIND, "pedestrian": WALKERS}
 
 
 @pytest.fixture(scope="module")
@@ -72,22 +72,22 @@ def often(street):
 @pytest.fixture(scope="module")
 def hits(often):
     """The blind driver among always-go, 64 episodes."""
-    return evaluate(often, BLIND, WALKERS, episodes=64, seed=7, batch=BATCH)
+    return evaluate(often, {"driver": BLIND, "pedestrian": WALKERS}, Drawn(often, 7, 64), batch=BATCH)
 
 
 @pytest.fixture(scope="module")
 def table(often, hits):
-    return counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH)
+    return counterfactuals(often, BLIND_ONE, Drawn(often, 7), find_hits(hits), batch=BATCH)
 
 
 @pytest.fixture(scope="module")
 def batch(often):
-    return draw_scenarios(often, seed=7, first=0, count=BATCH)
+    return Drawn(often, 7).take(np.arange(BATCH))
 
 
 @pytest.fixture(scope="module")
 def played(often, batch):
-    return play(often, BLIND, WALKERS, *batch)
+    return play(often, {"driver": BLIND, "pedestrian": WALKERS}, *batch)
 
 
 def frames_before(trajectory, last):
@@ -105,7 +105,7 @@ def assert_same_until(last, one, other):
 
 def test_scenarios_are_chosen_by_number(street, batch):
     numbers = np.array([9, 3, 3, 15])
-    chosen, keys = choose_scenarios(street, seed=7, numbers=numbers)
+    chosen, keys = Drawn(street, 7).take(numbers)
     for name in vars(chosen):
         np.testing.assert_array_equal(getattr(chosen, name), getattr(batch[0], name)[..., numbers])
     assert (keys == batch[1][numbers]).all()
@@ -113,7 +113,7 @@ def test_scenarios_are_chosen_by_number(street, batch):
 
 def test_a_place_in_the_batch_changes_nothing_to_the_last_bit(often, played):
     numbers = np.arange(BATCH)[::-1]
-    again = play(often, BLIND, WALKERS, *choose_scenarios(often, seed=7, numbers=numbers))
+    again = play(often, {"driver": BLIND, "pedestrian": WALKERS}, *Drawn(often, 7).take(numbers))
     for name, x in vars(played).items():
         if np.ndim(x) and name != "scenario":
             episode = 0 if len(x) == BATCH else 1
@@ -122,14 +122,14 @@ def test_a_place_in_the_batch_changes_nothing_to_the_last_bit(often, played):
 
 def test_people_who_toss_coins_toss_the_same_ones_again(street, driver, undecided, rows):
     chosen = np.resize(np.flatnonzero(rows[OUTCOMES].collision), BATCH)
-    again = play(street, driver, undecided, *choose_scenarios(street, seed=7, numbers=chosen))
+    again = play(street, {"driver": driver, "pedestrian": undecided}, *Drawn(street, 7).take(chosen))
     assert again.collision.all()
     np.testing.assert_array_equal(again.length, rows[OUTCOMES].steps[chosen])
 
 
 def test_an_episode_can_be_stopped(often, batch, played):
     until = np.arange(20, 20 + 5 * BATCH, 5)
-    stopped = play(often, BLIND, WALKERS, *batch, until=until)
+    stopped = play(often, {"driver": BLIND, "pedestrian": WALKERS}, *batch, until=until)
     np.testing.assert_array_equal(stopped.length, np.minimum(played.length, until))
     np.testing.assert_array_equal(stopped.collision, played.collision & (played.length <= until))
     np.testing.assert_array_equal(stopped.goal, played.goal & (played.length <= until))
@@ -139,8 +139,8 @@ def test_an_episode_can_be_stopped(often, batch, played):
 def test_who_is_to_wait_waits_and_nobody_else(often, batch, played):
     ped, begin = np.arange(BATCH) % 12, 10 + np.arange(BATCH)
     until = begin + 20
-    waiting = Wait(jnp.asarray(ped), jnp.asarray(begin))
-    changed = play(often, BLIND, WALKERS, *batch, intervention=waiting, until=until)
+    waiting = Wait(WALKERS, jnp.asarray(ped), jnp.asarray(begin))
+    changed = play(often, {"driver": BLIND, "pedestrian": waiting}, *batch, until=until)
     assert_same_until(begin, changed, played)
     for episode, last in enumerate(changed.length):
         going = changed.going[: last + 1, episode]
@@ -151,7 +151,8 @@ def test_who_is_to_wait_waits_and_nobody_else(often, batch, played):
 
 def test_the_car_brakes_and_steers_on(often, batch, played):
     begin = 20 + np.arange(BATCH)
-    changed = play(often, BLIND, WALKERS, *batch, intervention=Brake(jnp.asarray(begin)), until=begin + 60)
+    brakes = {"driver": Brake(BLIND, jnp.asarray(begin)), "pedestrian": WALKERS}
+    changed = play(often, brakes, *batch, until=begin + 60)
     assert_same_until(begin, changed, played)
     under_way = changed.length > begin
     assert under_way.sum() > 10
@@ -163,11 +164,11 @@ def test_the_car_brakes_and_steers_on(often, batch, played):
 
 def test_a_driver_takes_over(often, batch, played):
     begin = jnp.zeros(BATCH, jnp.int32)
-    other = play(often, STANDING, WALKERS, *batch)
-    at_once = play(often, STANDING, WALKERS, *batch, intervention=TakeOver(BLIND, begin))
+    other = play(often, {"driver": STANDING, "pedestrian": WALKERS}, *batch)
+    at_once = play(often, {"driver": TakeOver(STANDING, BLIND, begin), "pedestrian": WALKERS}, *batch)
     np.testing.assert_array_equal(at_once.length, played.length)
     assert_same_until(played.length, at_once, played)
-    later = play(often, STANDING, WALKERS, *batch, intervention=TakeOver(BLIND, begin + 30))
+    later = play(often, {"driver": TakeOver(STANDING, BLIND, begin + 30), "pedestrian": WALKERS}, *batch)
     before = np.minimum(other.length, 30)
     assert_same_until(before, later, other)
     assert (later.car_acceleration[31:40, later.length > 40] == 3).all()
@@ -175,13 +176,13 @@ def test_a_driver_takes_over(often, batch, played):
 
 def test_one_crossing_is_made_on_the_crosswalk(often, batch):
     scenarios, keys = batch
-    before = play(often, STANDING, WALKERS, scenarios, keys)
+    before = play(often, {"driver": STANDING, "pedestrian": WALKERS}, scenarios, keys)
     jaywalks = (before.crossing == JAYWALK).any(axis=0)
     ped = jaywalks.argmax(axis=1)
     episode = np.flatnonzero(jaywalks.any(axis=1))
     when = (before.crossing[:, np.arange(BATCH), ped] == JAYWALK).argmax(axis=0)
     number = before.decisions[when, np.arange(BATCH), ped]
-    after = play(often, STANDING, WALKERS, on_the_crosswalk(scenarios, ped, number - 1), keys)
+    after = play(often, {"driver": STANDING, "pedestrian": WALKERS}, on_the_crosswalk(scenarios, ped, number - 1), keys)
     assert len(episode) == BATCH
     for i in episode[after.length == 500]:
         mine = after.decisions[:, i, ped[i]] == number[i]
@@ -237,16 +238,19 @@ def assert_same_rows(a, b, order=slice(None)):
 
 def test_how_many_are_replayed_changes_no_row(often, hits, table):
     told = []
-    fewer = counterfactuals(
-        often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=5, progress=lambda *n: told.append(n)
-    )
+    some = find_hits(hits).first(5)
+    fewer = counterfactuals(often, BLIND_ONE, Drawn(often, 7), some, batch=BATCH, progress=lambda *n: told.append(n))
     assert fewer.collisions == table.collisions
     assert told == [(5, 5)]
     assert_same_rows(fewer, table, slice(5))
-    none = counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=0)
+    none = counterfactuals(often, BLIND_ONE, Drawn(often, 7), find_hits(hits).first(0), batch=BATCH)
     assert len(none.label) == 0
-    with pytest.raises(ValueError, match="at_most"):
-        counterfactuals(often, BLIND, WALKERS, hits, seed=7, batch=BATCH, at_most=-1)
+    chosen = find_hits(hits).among(some.scenario[1:3].tolist())
+    assert chosen.scenario.tolist() == some.scenario[1:3].tolist()
+    with pytest.raises(ValueError, match="must be 0 or more, not -1"):
+        find_hits(hits).first(-1)
+    with pytest.raises(ValueError, match="batch must be at least 1"):
+        counterfactuals(often, BLIND_ONE, Drawn(often, 7), some, batch=0)
 
 
 def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
@@ -254,18 +258,19 @@ def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
     columns = {name: x[order] for name, x in vars(hits.episodes).items()}
     crossings = dataclasses.replace(hits.crossings, episode=np.argsort(order)[hits.crossings.episode])
     shuffled = dataclasses.replace(hits, episodes=type(hits.episodes)(**columns), crossings=crossings)
-    found = counterfactuals(often, BLIND, WALKERS, shuffled, seed=7, batch=BATCH)
+    found = counterfactuals(often, BLIND_ONE, Drawn(often, 7), find_hits(shuffled), batch=BATCH)
     assert_same_rows(table, found, np.argsort(found.scenario))
 
 
 def test_another_evaluation_is_refused(often, hits):
     with pytest.raises(ReplayError, match="a replay without any change is at step"):
-        counterfactuals(often, BLIND, WALKERS, hits, seed=8, batch=BATCH)
+        counterfactuals(often, BLIND_ONE, Drawn(often, 8), find_hits(hits), batch=BATCH)
 
 
 def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
-    rows = evaluate(often, BLIND, LURKERS, episodes=32, seed=7, batch=BATCH)
-    found = counterfactuals(often, BLIND, LURKERS, rows, seed=7, batch=BATCH, at_most=BATCH)
+    rows = evaluate(often, {"driver": BLIND, "pedestrian": LURKERS}, Drawn(often, 7, 32), batch=BATCH)
+    cast = {"driver": BLIND, "pedestrian": LURKERS}
+    found = counterfactuals(often, cast, Drawn(often, 7), find_hits(rows).first(BATCH), batch=BATCH)
     assert len(found.label) > 5
     assert not (found.brake | found.planner).any()
     assert found.wait.mean() > 0.7
@@ -273,8 +278,9 @@ def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
 
 
 def test_a_standing_car_cannot_brake(often):
-    rows = evaluate(often, STANDING, WALKERS, episodes=128, seed=7, batch=BATCH)
-    found = counterfactuals(often, STANDING, WALKERS, rows, seed=7, batch=BATCH, at_most=BATCH)
+    rows = evaluate(often, {"driver": STANDING, "pedestrian": WALKERS}, Drawn(often, 7, 128), batch=BATCH)
+    cast = {"driver": STANDING, "pedestrian": WALKERS}
+    found = counterfactuals(often, cast, Drawn(often, 7), find_hits(rows).first(BATCH), batch=BATCH)
     assert len(found.label) > 3
     assert not found.moving.any()
     assert not found.brake.any()

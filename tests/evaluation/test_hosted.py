@@ -8,11 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation import Stopped, compare, draw_scenarios, evaluate, play
+from jaxwalk.evaluation import Stopped, compare, evaluate, play
 from jaxwalk.evaluation.interventions import Brake
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.host import DriverError, HostDriver
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.observation import part
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -45,9 +46,9 @@ def hosted(fails=None):
 
 
 def test_it_plays_as_the_same_driver_in_jax_does(street, driver, undecided):
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=BATCH)
-    native = play(street, driver, undecided, scenarios, keys)
-    asked = play(street, hosted(), undecided, scenarios, keys)
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
+    native = play(street, {"driver": driver, "pedestrian": undecided}, scenarios, keys)
+    asked = play(street, {"driver": hosted(), "pedestrian": undecided}, scenarios, keys)
     for name in ("length", "goal", "collision", "scenario", "decisions"):
         np.testing.assert_array_equal(getattr(asked, name), getattr(native, name), err_msg=name)
     for name in ("car_x", "car_speed", "car_acceleration", "ped_x"):
@@ -63,7 +64,7 @@ def test_every_batch_is_its_own_although_two_are_under_way(street, rows, undecid
         return action
 
     mine = hosted(note)
-    found = evaluate(street, mine, undecided, episodes=40, seed=7, batch=BATCH)
+    found = evaluate(street, {"driver": mine, "pedestrian": undecided}, Drawn(street, 7, 40), batch=BATCH)
     begins = np.flatnonzero(np.array(steps) == 1)
     assert len(begins) == 3  # batches
     assert all(later in (1, now + 1) for now, later in pairwise(steps))
@@ -74,7 +75,7 @@ def test_every_batch_is_its_own_although_two_are_under_way(street, rows, undecid
 
 def test_its_cost_is_in_its_cell_and_in_no_other(street, driver, undecided):
     results, _ = compare(
-        street, {"mine": hosted(), "jax": driver}, {"undecided": undecided}, episodes=BATCH, seed=7, batch=BATCH
+        street, {"mine": hosted(), "jax": driver}, {"undecided": undecided}, Drawn(street, 7, BATCH), batch=BATCH
     )
     assert results.cell("mine", "undecided").as_dict()["driver_ms_per_step"] > 0
     assert "driver_ms_per_step" not in results.cell("jax", "undecided").as_dict()
@@ -89,7 +90,7 @@ def test_a_failure_names_scenario_and_step_and_keeps_whole_batches(street, drive
     with pytest.raises(Stopped, match=r"mine: act returned \[1 nan\].*\(scenario (19|35), step 5\)") as stopped:
         compare(
             street, {"jax": driver, "mine": hosted(fails)}, {"undecided": undecided},
-            episodes=40, seed=7, batch=BATCH,
+            Drawn(street, 7, 40), batch=BATCH,
         )  # fmt: skip
     kept = {pair: rows.episodes for pair, rows in stopped.value.rows.items()}
     # of two batches that wait, either's turn may come; after a failure the other is refused
@@ -100,28 +101,30 @@ def test_a_failure_of_a_whole_batch_names_its_first_scenario(street):
     def fails(mine, action):
         raise RuntimeError("no fuel")
 
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=BATCH)
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
     message = r"mine: act raised RuntimeError: no fuel \(test_hosted.py, line \d+\) \(scenario 100 and 15 others"
     with pytest.raises(DriverError, match=message + r", played together, step 0\)"):
-        play(street, hosted(fails), AlwaysGo(), scenarios, keys, numbers=100 + np.arange(BATCH))
+        play(
+            street, {"driver": hosted(fails), "pedestrian": AlwaysGo()}, scenarios, keys, numbers=100 + np.arange(BATCH)
+        )
 
 
 def test_what_it_answers_for_an_episode_that_has_ended_does_not_matter(street, undecided):
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=BATCH)
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
     until = np.where(np.arange(BATCH) == 2, 10, 20)
 
     def fails(mine, action):
         action[2] = np.nan if mine.step > 10 else action[2]
         return action
 
-    played = play(street, hosted(fails), undecided, scenarios, keys, until=until)
+    played = play(street, {"driver": hosted(fails), "pedestrian": undecided}, scenarios, keys, until=until)
     np.testing.assert_array_equal(played.length, until)
 
 
 def test_an_intervention_changes_its_actions(street, undecided):
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=BATCH)
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
     until = np.full(BATCH, 20)
-    brake = Brake(jnp.full(BATCH, 10))
-    played = play(street, hosted(), undecided, scenarios, keys, intervention=brake, until=until)
+    brake = Brake(hosted(), jnp.full(BATCH, 10))
+    played = play(street, {"driver": brake, "pedestrian": undecided}, scenarios, keys, until=until)
     assert (played.car_acceleration[1:11] > 0).all()
     assert (played.car_acceleration[11:] < 0).all()

@@ -13,6 +13,7 @@ from jaxwalk.evaluation import evaluate
 from jaxwalk.metrics import SPEED_DIFFERENTIAL, summarise
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.pursuit import pursue
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import observation
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.geometry import inside
@@ -57,7 +58,9 @@ def found():
     observation.OBSERVATIONS["driver"]["known"] = known
     try:
         return {
-            what: summarise(evaluate(street, Known(what), AlwaysGo(), episodes=EPISODES, seed=2))[SPEED_DIFFERENTIAL]
+            what: summarise(
+                evaluate(street, {"driver": Known(what), "pedestrian": AlwaysGo()}, Drawn(street, 2, EPISODES))
+            )[SPEED_DIFFERENTIAL]
             for what in (BLIND, CROSSWALKS, CROSSWALK_USERS)
         }
     finally:

@@ -7,8 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-
 from jaxwalk.evaluation.game import play
+
 from jaxwalk.learning import mappo
 from jaxwalk.metrics.outcomes import measure_outcomes
 from jaxwalk.policies import AlwaysGo, load_policy
@@ -50,7 +50,7 @@ def test_the_rates_of_training_are_those_of_evaluation(trained):
     street, driver, stream, metrics = trained
     keys = _ended(stream)
     assert len(keys) == metrics["episodes"] > ENVIRONMENTS
-    trajectory = play(street, driver, AlwaysGo(), draw_batch(street, keys), keys)
+    trajectory = play(street, {"driver": driver, "pedestrian": AlwaysGo()}, draw_batch(street, keys), keys)
     found = measure_outcomes(trajectory, moving_speed=0.5)
     counts = {"goal": found.goal.sum(), "collision": found.collision.sum()}
     counts["timeout"] = (~found.goal & ~found.collision).sum()

@@ -14,6 +14,7 @@ from jaxwalk.evaluation.settings import jaywalk_multiplier
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, LearnedPolicy, Random, RouteFollower
+from jaxwalk.scenarios import Drawn
 
 
 def test_the_document_is_as_promised(compared):
@@ -47,13 +48,13 @@ from jaxwalk import Street
 from jaxwalk.evaluation import compare
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower
 drivers = {"route-follower": RouteFollower(), "random": Random()}
-print(compare(Street.create(), drivers, {"always-go": AlwaysGo()}, episodes=24, seed=7, batch=16)[0].to_json())
+print(compare(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7, 24), batch=16)[0].to_json())
 """
 
 
 def test_the_same_call_gives_the_same_document_here_and_in_another_process(street, compared):
     drivers = {"route-follower": RouteFollower(), "random": Random()}
-    again, _ = compare(street, drivers, {"always-go": AlwaysGo()}, episodes=24, seed=7, batch=16)
+    again, _ = compare(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7, 24), batch=16)
     assert [again.cell(name, "always-go").as_dict() for name in drivers] == [
         compared[0].cell(name, "always-go").as_dict() for name in drivers
     ]
@@ -103,7 +104,7 @@ def test_pairs_of_the_same_scenarios(compared, rows):
 
 def test_modes_are_set_and_told(street):
     actor = make_actor(jax.random.key(0), 20, street.roles.pedestrian.action, RoleConfig())
-    policy = LearnedPolicy(actor)
+    policy = LearnedPolicy(actor, "driver")
     assert (mode(policy), mode(with_mode(policy, sample=True))) == ("mode", "sample")
     assert with_mode(ConstantSpeed(), sample=True) == ConstantSpeed()
     assert mode(with_mode(Random(), sample=False)) == "sample"

@@ -7,21 +7,22 @@ import numpy as np
 import pytest
 
 from jaxwalk import rollout
-from jaxwalk.evaluation import draw_scenarios, evaluate, replay, scenario_hash, with_jaywalk_multiplier
+from jaxwalk.evaluation import evaluate, replay, with_jaywalk_multiplier
 from jaxwalk.metrics import OUTCOMES
+from jaxwalk.scenarios import Drawn
 
 
 def test_how_many_are_asked_for_changes_no_row(street, driver, undecided, rows):
     assert rows[OUTCOMES].scenario.tolist() == list(range(40))
     for count in (3, 17):
-        fewer = evaluate(street, driver, undecided, episodes=count, seed=7, batch=16)
+        fewer = evaluate(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 7, count), batch=16)
         for field in dataclasses.fields(rows[OUTCOMES]):
             a, b = getattr(fewer[OUTCOMES], field.name), getattr(rows[OUTCOMES], field.name)[:count]
             np.testing.assert_array_equal(a, b, err_msg=field.name)
 
 
 def test_the_batch_size_changes_roundings_at_most(street, driver, undecided, rows):
-    other = evaluate(street, driver, undecided, episodes=40, seed=7, batch=25)
+    other = evaluate(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 7, 40), batch=25)
     for field in dataclasses.fields(rows[OUTCOMES]):
         a, b = getattr(other[OUTCOMES], field.name), getattr(rows[OUTCOMES], field.name)
         np.testing.assert_allclose(a, b, rtol=1e-5, err_msg=field.name)
@@ -29,7 +30,7 @@ def test_the_batch_size_changes_roundings_at_most(street, driver, undecided, row
 
 def test_an_evaluation_can_be_replayed(street, driver, undecided, rows):
     for scenario in (0, 18, 39):
-        episode = replay(street, driver, undecided, scenarios=[scenario], seed=7, batch=16)
+        episode = replay(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 7), [scenario], batch=16)
         assert episode.scenario.tolist() == [scenario]
         assert episode.length[0] == rows[OUTCOMES].steps[scenario]
         assert episode.goal[0] == rows[OUTCOMES].goal[scenario]
@@ -39,7 +40,13 @@ def test_an_evaluation_can_be_replayed(street, driver, undecided, rows):
 
 def test_progress_is_told_after_every_batch(street, driver, undecided):
     told = []
-    evaluate(street, driver, undecided, episodes=20, seed=8, batch=16, progress=lambda *n: told.append(n))
+    evaluate(
+        street,
+        {"driver": driver, "pedestrian": undecided},
+        Drawn(street, 8, 20),
+        batch=16,
+        progress=lambda *n: told.append(n),
+    )
     assert told == [(16, 20), (20, 20)]
 
 
@@ -53,23 +60,23 @@ def test_impossible_numbers_are_refused(street, driver, undecided, wrong, value)
 
 def test_there_is_no_scenario_below_0(street, driver, undecided):
     with pytest.raises(ValueError, match="scenario must lie in"):
-        replay(street, driver, undecided, scenarios=[-1], seed=1)
+        replay(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 1), [-1])
     with pytest.raises(ValueError, match="replay takes 1 to 16 scenarios at once, not 17"):
-        replay(street, driver, undecided, scenarios=range(17), seed=1, batch=16)
+        replay(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 1), range(17), batch=16)
 
 
 def test_the_hash_stands_for_the_scenarios(street):
-    digest = scenario_hash(street, seed=7, episodes=20, batch=16)
+    digest = Drawn(street, 7, 20).hash()
     assert len(digest) == 16
     assert int(digest, 16) >= 0
-    assert scenario_hash(street, seed=7, episodes=20) == digest
+    assert Drawn(street, 7, 20).hash() == digest
     assert scenario_hash(with_jaywalk_multiplier(street, 1.0), seed=7, episodes=20) == digest
-    assert len({digest, *(scenario_hash(street, seed=s, episodes=n) for s, n in [(7, 21), (8, 20)])}) == 3
+    assert len({digest, *(Drawn(street, s, n).hash() for s, n in [(7, 21), (8, 20)])}) == 3
 
 
 def test_scenarios_are_numbered_and_never_those_of_a_training(street):
-    many, keys = draw_scenarios(street, seed=7, first=0, count=16)
-    two, two_keys = draw_scenarios(street, seed=7, first=5, count=2)
+    many, keys = Drawn(street, 7).take(np.arange(16))
+    two, two_keys = Drawn(street, 7).take(5 + np.arange(2))
     jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[..., 5:7], b), many, two)
     np.testing.assert_array_equal(jax.random.key_data(keys[5:7]), jax.random.key_data(two_keys))
     training = rollout.environment_keys(rollout.seed_key(7, rollout.TRAINING), 0, 16)
@@ -79,6 +86,6 @@ def test_scenarios_are_numbered_and_never_those_of_a_training(street):
 
 
 def test_a_rollout_with_the_same_keys_begins_with_the_same_scenarios(street):
-    scenarios, keys = draw_scenarios(street, seed=7, first=0, count=16)
+    scenarios, keys = Drawn(street, 7).take(np.arange(16))
     begun = rollout.start(street, keys).scenario
     jax.tree.map(np.testing.assert_array_equal, scenarios, begun)

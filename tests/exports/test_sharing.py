@@ -10,6 +10,7 @@ from jaxwalk.policies import SHIPPED, read_metadata, shipped_policy
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.scenarios import Drawn
 
 
 def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
@@ -21,7 +22,7 @@ def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
 
     street = world_of([str(out)], ())
     drivers, people = {"it": contestant(street, "driver", str(out))}, {"p": contestant(street, "pedestrian", str(out))}
-    found, _ = compare(street, drivers, people, episodes=6, seed=3)
+    found, _ = compare(street, drivers, people, Drawn(street, 3, 6))
     told = about["results"]["among"]["learned (fast, training seed 0)"]
     assert told["goal_rate"] == json.loads(found.to_json())["cells"][0]["goal_rate"]
     assert about["results"]["scenarios"] == {"seed": 3, "count": 6, "hash": found.hash}
@@ -45,7 +46,7 @@ def test_a_run_without_a_policy_is_refused(tiny, tmp_path):
 def test_what_is_shipped_loads_and_has_its_card(street, role, name):
     file = shipped_policy(role, name)
     policy = contestant(street, role, name)
-    assert policy.observes
+    assert policy.view.name
     about = read_metadata(file)
     rates = about["results"]["among"]["always-go"]["goal_rate"]
     assert f"| {shown(rates)} |" in file.with_suffix(".md").read_text()

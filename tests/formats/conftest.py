@@ -7,6 +7,7 @@ import pytest
 from jaxwalk.formats.areas import areas_of, parse_areas
 from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.maps import load_map
+from jaxwalk.scenarios import Drawn
 
 EPISODES = 48
 
@@ -24,11 +25,13 @@ def areas(road_map):
 @pytest.fixture(scope="session")
 def recorded(street):
     """The route follower among people who always go: goals, collisions and encounters of both types."""
-    from jaxwalk.evaluation import draw_scenarios, play
+    from jaxwalk.evaluation import play
     from jaxwalk.policies import DRIVERS, POPULATIONS
 
-    scenarios, keys = draw_scenarios(street, seed=0, first=0, count=EPISODES)
-    return play(street, DRIVERS["route-follower"](), POPULATIONS["always-go"](), scenarios, keys)
+    scenarios, keys = Drawn(street, 0).take(np.arange(EPISODES))
+    return play(
+        street, {"driver": DRIVERS["route-follower"](), "pedestrian": POPULATIONS["always-go"]()}, scenarios, keys
+    )
 
 
 @pytest.fixture(scope="session")

@@ -27,14 +27,6 @@ CONFIG = TrainConfig(
 )  # fmt: skip
 
 
-@pytest.fixture(autouse=True, scope="module")
-def quick_to_compile():
-    """These games are tiny: compiling them well takes longer than playing them badly compiled."""
-    jax.config.update("jax_disable_most_optimizations", True)
-    yield
-    jax.config.update("jax_disable_most_optimizations", False)
-
-
 def both(config, **changes):
     """The configuration with the same changes in both roles."""
     driver, pedestrian = (dataclasses.replace(config.role(role), **changes) for role in ("driver", "pedestrian"))

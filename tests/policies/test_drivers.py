@@ -6,10 +6,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation import draw_scenarios
-from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS, POPULATIONS, RouteFollower, RuleBased, RuleBasedBraking
 from jaxwalk.policies.drivers import Careless
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.observation import ABSENT, LAYOUTS, NEIGHBOURS, SPEED, part
 from jaxwalk.sim.prediction import POINT_SPACING, POINTS
@@ -22,7 +22,7 @@ SIZES = {name: sum(layout.values()) for name, layout in LAYOUTS["driver"].items(
 def test_every_driver_keeps_the_contract(name):
     driver = DRIVERS[name]()
     assert isinstance(driver, Policy)
-    seen = jax.random.normal(jax.random.key(1), (SIZES[driver.observes], 7))
+    seen = jax.random.normal(jax.random.key(1), (SIZES[driver.view.name], 7))
     memory = driver.init((), (7,))
     action, after = driver.act(KEYS, memory, seen)
     assert action.shape == (2, 7)
@@ -92,15 +92,15 @@ def test_route_follower_steers_along_the_circle_to_the_point_ahead(radius):
 
 
 def test_route_follower_keeps_every_route_s_lane_and_arrives(street):
-    scenarios, keys = draw_scenarios(street, seed=1, first=0, count=256)
+    scenarios, keys = Drawn(street, 1).take(np.arange(256))
     driver = RouteFollower()
 
     @eqx.filter_jit
     def drive(street, scenarios):
         def body(state, _):
-            action, _ = driver.act(keys, None, street.observe(scenarios, state, "driver", "route"))
+            action, _ = driver.act(keys, None, street.observe(scenarios, state, street.view("driver", "route")))
             standing = jnp.zeros(scenarios.start.shape, jnp.int32)
-            state, outcome = street.step(scenarios, state, ByRole(action, standing))
+            state, outcome = street.step(scenarios, state, {"driver": action, "pedestrian": standing})
             return state, (vehicle.route_frame(state.vehicle)[0], outcome.events.goal)
 
         return jax.lax.scan(body, street.reset(scenarios), None, length=180)[1]
@@ -114,7 +114,7 @@ def test_route_follower_keeps_every_route_s_lane_and_arrives(street):
 
 @pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in LAYOUTS.items() for name in sets])
 def test_layouts_say_where_things_are(street, role, name):
-    scenarios, _ = draw_scenarios(street, seed=0, first=0, count=3)
+    scenarios, _ = Drawn(street, 0).take(np.arange(3))
     state = street.reset(scenarios)
     state = eqx.tree_at(lambda s: s.vehicle.speed, state, jnp.full(3, 4.0))
     seen = eqx.filter_jit(lambda street: street.observe(scenarios, state, role, name))(street)

@@ -35,16 +35,19 @@ def file(tmp_path, actors):
 @pytest.mark.parametrize(("role", "shape"), [("driver", (4, 7)), ("pedestrian", (3, 12, 7))])
 def test_loaded_acts_like_saved(file, actors, role, shape, sample):
     seen = jax.random.normal(jax.random.key(2), shape)
-    saved, loaded = LearnedPolicy(actors[role], sample), load_policy(file, role, sample=sample, expect_size=shape[0])
+    saved, loaded = (
+        LearnedPolicy(actors[role], role, sample),
+        load_policy(file, role, sample=sample, expect_size=shape[0]),
+    )
     memory = loaded.init(shape[1:-1], shape[-1:])
     np.testing.assert_array_equal(loaded.act(KEYS, memory, seen)[0], saved.act(KEYS, memory, seen)[0])
-    assert loaded.observes == ("route" if role == "driver" else "paper")
+    assert loaded.view.name == ("route" if role == "driver" else "paper")
 
 
 def test_sampling_differs_from_the_mode_and_stays_in_the_box(actors):
     seen = 3.0 * jax.random.normal(jax.random.key(2), (4, 7))
-    drawn, _ = LearnedPolicy(actors["driver"], True).act(KEYS, None, seen)
-    mode, _ = LearnedPolicy(actors["driver"], False).act(KEYS, None, seen)
+    drawn, _ = LearnedPolicy(actors["driver"], "driver", True).act(KEYS, None, seen)
+    mode, _ = LearnedPolicy(actors["driver"], "driver", False).act(KEYS, None, seen)
     assert not np.allclose(drawn, mode)
     assert np.abs(drawn).max() <= 1
 

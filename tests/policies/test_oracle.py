@@ -14,6 +14,7 @@ from jaxwalk.cli import main
 from jaxwalk.evaluation import compare, evaluate
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.observation import ABSENT, LAYOUTS, PRIVILEGED, SPEED, part
 from jaxwalk.sim.prediction import FAR
@@ -109,11 +110,13 @@ def test_it_stops_before_who_stays():
 @pytest.fixture(scope="module")
 def played(street):
     """Rows of 64 scenarios among always-go."""
-    return evaluate(street, Oracle(), AlwaysGo(), episodes=64, seed=3, batch=64)[OUTCOMES]
+    return evaluate(street, {"driver": Oracle(), "pedestrian": AlwaysGo()}, Drawn(street, 3, 64), batch=64)[OUTCOMES]
 
 
 def test_among_always_go_it_always_arrives(street, played):
-    blind = evaluate(street, RouteFollower(), AlwaysGo(), episodes=64, seed=3, batch=64)[OUTCOMES]
+    blind = evaluate(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(street, 3, 64), batch=64)[
+        OUTCOMES
+    ]
     assert blind.collision.sum() > 10
     assert played.goal.all()
     both = blind.goal

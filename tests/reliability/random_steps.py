@@ -20,7 +20,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxwalk import Street
-from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 from jaxwalk.sim.bounds import bounds
 from jaxwalk.sim.observation import LAYOUTS, PRIVILEGED
@@ -50,7 +49,7 @@ def act(key, scenario, state, held):
 
     renew, drive, go = jax.vmap(draw, out_axes=-1)(key)
     held_for, push, eagerness = (jnp.resize(jnp.array(x), key.shape) for x in (HELD, PUSH, EAGERNESS))
-    new = ByRole(jnp.clip(drive.at[0].add(push), -1, 1), (go < eagerness).astype(jnp.int32))
+    new = {"driver": jnp.clip(drive.at[0].add(push), -1, 1), "pedestrian": (go < eagerness).astype(jnp.int32)}
     actions = jax.tree.map(lambda x, old: jnp.where(renew * held_for < 1, x, old), new, held)
     return actions, actions, (scenario, state)
 
@@ -88,12 +87,15 @@ def _limits(x):
 @jax.jit
 def play(street, stream):
     """Some steps of all environments: the stream, the limits of everything, the counts."""
-    idle = ByRole(jnp.zeros((2, ENVIRONMENTS)), jnp.zeros((street.world.rules.pedestrians, ENVIRONMENTS), jnp.int32))
+    people = (street.world.rules.pedestrians, ENVIRONMENTS)
+    idle = {"driver": jnp.zeros((2, ENVIRONMENTS)), "pedestrian": jnp.zeros(people, jnp.int32)}
     stream, (limits, counts) = rollout(
         street, act, stream, STEPS, fresh_memory=idle, keep=lambda step: look(street, step)
     )
     limits = jax.tree.map(_widest, limits)
-    limits[f"driver {PRIVILEGED}"] = _limits(street.observe(stream.scenario, stream.state, "driver", PRIVILEGED))
+    limits[f"driver {PRIVILEGED}"] = _limits(
+        street.observe(stream.scenario, stream.state, street.view("driver", PRIVILEGED))
+    )
     return stream, limits, jax.tree.map(jnp.sum, counts)
 
 
@@ -107,7 +109,8 @@ def run(steps, *, seed=0, told=print):
     street = Street.create(
         driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0), pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0)
     )
-    idle = ByRole(jnp.zeros((2, ENVIRONMENTS)), jnp.zeros((street.world.rules.pedestrians, ENVIRONMENTS), jnp.int32))
+    people = (street.world.rules.pedestrians, ENVIRONMENTS)
+    idle = {"driver": jnp.zeros((2, ENVIRONMENTS)), "pedestrian": jnp.zeros(people, jnp.int32)}
     stream = jax.jit(start)(street, environment_keys(seed_key(seed, TRAINING), 0, ENVIRONMENTS), idle)
     seen, counts, begun, turn = {}, Counter(), time.monotonic(), 0
     while counts["steps"] < steps:

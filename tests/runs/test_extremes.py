@@ -12,11 +12,12 @@ from rich.console import Console
 
 from jaxwalk import Street
 from jaxwalk.evaluation import evaluate, with_jaywalk_multiplier, write_rows
-from jaxwalk.runs.recipes import with_training
-from jaxwalk.runs.folder import Run
-from jaxwalk.runs.training import train
-from jaxwalk.metrics import summarise
+from jaxwalk.metrics import JAYWALK_RATE, OUTCOMES, summarise
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.recipes import with_training
+from jaxwalk.runs.training import train
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
 
 LONELY = SimConfig(pedestrians=1, dt=0.02, horizon=600)
@@ -24,7 +25,12 @@ CROWDED = SimConfig(pedestrians=200, horizon=120)
 
 
 def _evaluated(street):
-    return evaluate(street, DRIVERS["constant-speed"](), POPULATIONS["always-go"](), episodes=4, seed=0, batch=4)
+    return evaluate(
+        street,
+        {"driver": DRIVERS["constant-speed"](), "pedestrian": POPULATIONS["always-go"]()},
+        Drawn(street, 0, 4),
+        batch=4,
+    )
 
 
 def test_a_crowd_that_never_and_one_that_nearly_always_jaywalks():
@@ -54,4 +60,4 @@ def test_one_environment_trains(tmp_path, tiny, sim, multiplier):
     assert (trained.updates, trained.steps) == (2, 16)
     for line in (run.path / "metrics.jsonl").read_text().splitlines():
         assert all(map(math.isfinite, json.loads(line).values())), line
-    assert load_policy(run.policy, "driver").observes == "route"
+    assert load_policy(run.policy, "driver").view.name == "route"

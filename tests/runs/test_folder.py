@@ -6,8 +6,8 @@ import re
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.runs.recipes import RECIPES, single_agent, with_training
 from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.runs.recipes import RECIPES, single_agent, with_training
 
 
 def _edited(tmp_path, where, value):
@@ -100,9 +100,17 @@ def test_damaged_metrics_are_named(tmp_path, line):
 @pytest.mark.parametrize(
     ("where", "value", "message"),
     [
-        (("train", "driver", "observes"), "maps", "train.driver.observes must be one of paper, route.*, not 'maps'"),
-        (("train", "pedestrian", "critic_observes"), ["kerb", "x"], "train.pedestrian.critic_observes must be one of"),
-        (("train", "driver"), {"gated": True}, "train.driver.gated must be false"),
+        (
+            ("train", "roles", "driver", "observes"),
+            "maps",
+            "train.roles.driver.observes must be one of paper, route.*, not 'maps'",
+        ),
+        (
+            ("train", "roles", "pedestrian", "critic_observes"),
+            ["kerb", "x"],
+            "train.roles.pedestrian.critic_observes must be one of",
+        ),
+        (("train", "roles", "driver"), {"gated": True}, "train.roles.driver.gated must be false"),
         (("driver_weights", "speed"), 1.0, "rewards.driver.speed is no reward term"),
         (("pedestrian_weights", "walked"), 1e300, "rewards.pedestrian.walked must be a number up to"),
         (("sim", "pedestrians"), 10**9, "pedestrians must be at most 1000"),

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from jaxwalk.runs.recipes import single_agent, with_training
-from jaxwalk.runs.folder import Run
-from jaxwalk.runs.training import DivergedError, Session, UnwrittenError, begin, is_finished, train
-from jaxwalk.runs.street import make_street, shared_out
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.policies import load_policy, read_metadata
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.recipes import single_agent, with_training
+from jaxwalk.runs.street import make_street, shared_out
+from jaxwalk.runs.training import DivergedError, Session, UnwrittenError, begin, is_finished, train
 from limits import files_at_most
 from reliability.kill_training import board
 
@@ -74,7 +74,7 @@ def test_the_policy_says_where_it_comes_from(whole):
     assert (metadata["recipe"], metadata["seed"], metadata["steps"]) == ("fast", 0, 384)
     assert {"commit", "hardware", "versions"} <= metadata.keys()
     for role in ("driver", "pedestrian"):
-        assert load_policy(whole.policy, role).observes == whole.experiment.train.role(role).observes
+        assert load_policy(whole.policy, role).view.name == whole.experiment.train.roles[role].observes
 
 
 def test_there_are_events_for_tensorboard(whole):

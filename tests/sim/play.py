@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from functools import partial
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxwalk.interfaces import ByRole
+from compiling import FORGOTTEN
 from jaxwalk.rollout import draw_batch, environment_keys, seed_key
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
@@ -19,6 +20,8 @@ SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if 
 """But for those that show the future (`test_future.py`), tendencies or a belief about them (`test_belief.py`)."""
 TRACES = Counter()
 """How often Python ran through each compiled function, by the shapes it was called with."""
+AS_SHIPPED = {"xla_backend_optimization_level": 3, "xla_llvm_disable_expensive_passes": False}
+"""How users' programs are compiled: for what is called often, and what is compared with recorded numbers."""
 
 
 def draw(street, seed, domain, first, count=ENVIRONMENTS):
@@ -36,7 +39,9 @@ def play(street, scenario, drive=None, go=None, state=None):
     if go is None:
         go = np.ones((STEPS, PEOPLE, ENVIRONMENTS), np.int32)
     state = reset(street, scenario) if state is None else state
-    return jax.tree.map(np.asarray, _play(street, scenario, state, ByRole(jnp.asarray(drive), jnp.asarray(go))))
+    return jax.tree.map(
+        np.asarray, _play(street, scenario, state, {"driver": jnp.asarray(drive), "pedestrian": jnp.asarray(go)})
+    )
 
 
 def random_actions(seed):
@@ -99,9 +104,9 @@ def _draw(street, keys):
     return draw_batch(street, keys)
 
 
-@jax.jit
+@partial(jax.jit, compiler_options=AS_SHIPPED)
 def _play(street, scenario, state, actions):
-    TRACES["play", state.step.shape, street.world.maps.roads.shape] += 1
+    TRACES["play", len(FORGOTTEN), state.step.shape, street.world.maps.roads.shape] += 1
 
     def body(state, action):
         after, _ = street.step(scenario, state, action)
@@ -113,7 +118,7 @@ def _play(street, scenario, state, actions):
 
 
 def _everything(street, scenario, state, actions):
-    TRACES["everything", state.step.shape, street.world.maps.roads.shape] += 1
+    TRACES["everything", len(FORGOTTEN), state.step.shape, street.world.maps.roads.shape] += 1
     state = street.refreshed(scenario, state)
     seen = {f"{role} {name}": street.observe(scenario, state, role, name) for role, name in SETS}
     seen["global"] = street.global_state(scenario, state)
@@ -121,13 +126,10 @@ def _everything(street, scenario, state, actions):
     return after, outcome, seen, view(street, scenario, after)
 
 
-everything = jax.jit(_everything, compiler_options={"xla_llvm_disable_expensive_passes": True})
+everything = jax.jit(_everything, compiler_options=AS_SHIPPED | {"xla_llvm_disable_expensive_passes": True})
 """Observations of a state by role and name, then one step: (state, outcome, observations, view of the state)."""
 
-QUICKLY = {"xla_backend_optimization_level": 0}
-"""How to compile what is called only a few times."""
-
-everything_once = jax.jit(_everything, compiler_options=QUICKLY)
+everything_once = jax.jit(_everything)  # called only a few times
 
 
 def actions(drive=(-1.0, 0.0), go=1, *, shape=(ENVIRONMENTS,), people=PEOPLE):
@@ -135,7 +137,8 @@ def actions(drive=(-1.0, 0.0), go=1, *, shape=(ENVIRONMENTS,), people=PEOPLE):
     drive = jnp.asarray(drive, jnp.float32)
     drive = jnp.broadcast_to(drive.reshape(drive.shape + (1,) * (1 + len(shape) - drive.ndim)), (2, *shape))
     go = jnp.asarray(go, jnp.int32)
-    return ByRole(drive, jnp.broadcast_to(go.reshape(go.shape + (1,) * (1 + len(shape) - go.ndim)), (people, *shape)))
+    go = go.reshape(go.shape + (1,) * (1 + len(shape) - go.ndim))
+    return {"driver": drive, "pedestrian": jnp.broadcast_to(go, (people, *shape))}
 
 
 def inside(rectangles, x, y, *, margin=0.0):

@@ -72,7 +72,7 @@ def _seen(street, scenario, state):
 
 @jax.jit
 def _look(street, scenario, state):
-    return [street.observe(scenario, state, "driver", name) for name in ("route", TOLD, BELIEF)]
+    return [street.observe(scenario, state, street.view("driver", name)) for name in ("route", TOLD, BELIEF)]
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,10 @@ import pytest
 
 from jaxwalk import SimConfig, Street
 from jaxwalk.evaluation import with_jaywalk_multiplier
-from jaxwalk.interfaces import ByRole, Environment
+from jaxwalk.interfaces import Environment
 from sim.maps import rearranged, turned, write
 from sim.play import (
     ENVIRONMENTS,
-    QUICKLY,
     TRACES,
     actions,
     columns,
@@ -179,13 +178,13 @@ def test_extreme_configurations(config):
 
         def body(state, _):
             go = jnp.ones((config.pedestrians,), jnp.int32)
-            after, _ = street.step(scenario, state, ByRole(jnp.array([1.0, 0.1]), go))
+            after, _ = street.step(scenario, state, {"driver": jnp.array([1.0, 0.1]), "pedestrian": go})
             seen = [street.observe(scenario, state, role, name) for role, name in looks]
             return after, ([*seen, street.global_state(scenario, state)], after.pedestrian.x, after.vehicle.speed)
 
         return scenario, *jax.lax.scan(body, street.reset(scenario), length=100)
 
-    scenario, state, (seen, x, speed) = jax.jit(episode, compiler_options=QUICKLY)(street, jax.random.key(0))
+    scenario, state, (seen, x, speed) = jax.jit(episode)(street, jax.random.key(0))
     assert [look.shape[1] for look in seen] == [34, len(seen[1][0]), 20, 10 + 4 * config.pedestrians]
     for look in seen:
         assert np.isfinite(look).all()

@@ -16,7 +16,7 @@ from sim.play import ENVIRONMENTS, actions, everything, with_car
 
 @jax.jit
 def _observe(street, scenario, state):
-    return street.observe(scenario, state, "driver", PRIVILEGED)
+    return street.observe(scenario, state, street.view("driver", PRIVILEGED))
 
 
 def clearances(street, scenario, state):

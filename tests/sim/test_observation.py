@@ -44,7 +44,7 @@ def test_sizes(seen):
 
 def test_an_unknown_set_is_refused(street, scenarios, midway):
     with pytest.raises(ValueError, match="no observation set 'papers' for the driver; there are: paper, route"):
-        street.observe(scenarios, midway, "driver", "papers")
+        street.observe(scenarios, midway, street.view("driver", "papers"))
 
 
 def test_the_papers_car(street, scenarios, moving, seen):
@@ -180,7 +180,7 @@ def test_who_decides_at_the_kerb(scenarios, midway):
     state = eqx.tree_at(lambda s: s.pedestrian, midway, walkers)
     street = Street.create()
     state = street.refreshed(scenarios, state)
-    decides = np.asarray(street.observe(scenarios, state, "pedestrian", "kerb")[0], bool)
+    decides = np.asarray(street.observe(scenarios, state, street.view("pedestrian", "kerb"))[0], bool)
     to_kerb = lead + np.asarray(walkers.remaining)
     dx, dy = (np.asarray(of_all) - np.asarray(of_car) for of_all, of_car in
               ((walkers.x, midway.vehicle.x), (walkers.y, midway.vehicle.y)))  # fmt: skip

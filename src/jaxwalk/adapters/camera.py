@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, UInt8
 
 from jaxwalk.adapters.game import EVENTS
-from jaxwalk.evaluation.game import frame
+from jaxwalk.evaluation.playing import frame
 from jaxwalk.rollout import Stream
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street

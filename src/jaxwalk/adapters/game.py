@@ -9,18 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Key
 
+from jaxwalk.acting import Given, act, cast_of, step_key
 from jaxwalk.adapters.players import AdapterError, Weights, player, weights_of
-from jaxwalk.interfaces import ByRole, Outcome, Policy
-from jaxwalk.rollout import FIRST_ACTION_KEY, Step, Stream, advance, environment_keys, restart, seed_key, start
+from jaxwalk.interfaces import Outcome, Policy, Roles
+from jaxwalk.rollout import Step, Stream, advance, environment_keys, restart, seed_key, start
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 SEEDS = 2**32
 """Seeds lie in [0, this)."""
@@ -28,16 +28,25 @@ SCENARIOS = 2**30
 """Numbers of scenarios lie in [0, this)."""
 EVENTS = ("goal", "collision", "timeout")
 """How an episode can end: the first two terminate it for the driver, the last truncates it."""
-ROLES = ("driver", "pedestrian")
-"""In the order of `ByRole`."""
+
+
+class WorldOptions(TypedDict, total=False):
+    """Options of every adapter about its street, as those of `Street.create`."""
+
+    maps: Sequence[str | Path]
+    """Bundled maps or map files; a scenario draws one (default: ``paper``)."""
+    jaywalk_multiplier: float
+    """P(jaywalk | decision) = jaywalking tendency x this (default: 0.25)."""
+    config: SimConfig | None
+    """The world's rules."""
 
 
 class Game(eqx.Module):
     """What stays the same: the street, and who plays there."""
 
     street: Street
-    policies: ByRole[Policy | None]
-    """Who plays a role; None: it is played from outside."""
+    policies: Roles[Policy | None]
+    """Who plays each role; None: it is played from outside."""
 
     @classmethod
     def create(
@@ -45,35 +54,31 @@ class Game(eqx.Module):
         *,
         driver: str | Path | Policy | None,
         pedestrians: str | Path | Policy | None,
-        maps: Sequence[str | Path] = ("paper",),
-        config: SimConfig | None = None,
-        jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
         driver_reward: Weights = "fast",
         pedestrian_reward: Weights = "fast",
+        **world: Unpack[WorldOptions],
     ) -> Game:
         """A game; ``driver`` and ``pedestrians`` as `player` takes them, or None for a role played from outside.
 
         Raises AdapterError for an unknown name, and what `Street.create` raises.
         """
-        if isinstance(maps, str | Path):
-            maps = (maps,)
+        maps = world.get("maps", ("paper",))
+        world["maps"] = (maps,) if isinstance(maps, str | Path) else tuple(maps)
         street = Street.create(
-            tuple(maps), config, jaywalk_multiplier=float(jaywalk_multiplier),
             driver_weights=weights_of("driver", driver_reward),
             pedestrian_weights=weights_of("pedestrian", pedestrian_reward),
-        )  # fmt: skip
+            **world,
+        )
         chosen = {"driver": driver, "pedestrian": pedestrians}
-        policies = [None if who is None else player(role, who) for role, who in chosen.items()]
-        return cls(street, ByRole(*policies))
+        return cls(street, {role: None if who is None else player(role, who) for role, who in chosen.items()})
 
-    def memory(self, count: int) -> ByRole[Any]:
-        """What policies remember at the start of so many episodes."""
-
-        def of(role: str) -> Any:
-            policy = getattr(self.policies, role)
-            return None if policy is None else policy.init(getattr(self.street.roles, role).agents, (count,))
-
-        return ByRole(*map(of, ROLES))
+    def memory(self, count: int) -> Roles[tuple[Any, ...]]:
+        """Return what policies remember at the start of ``count`` episodes."""
+        roles = self.street.roles
+        return {
+            role: (None if policy is None else policy.init(roles[role].agents, (count,)),)
+            for role, policy in self.policies.items()
+        }
 
 
 def keys_of(seed: int, domain: int, *, first: int = 0, count: int = 1) -> Key[Array, "env"]:
@@ -90,33 +95,19 @@ def begin(game: Game, keys: Key[Array, "env"]) -> Stream:
     return start(game.street, keys, game.memory(keys.size))
 
 
-def play(game: Game, stream: Stream, actions: ByRole[Array | None]) -> tuple[Stream, Step]:
-    """One step: the given actions of the roles played from outside, the policies' of the others.
+def play(game: Game, stream: Stream, actions: Roles[Array | None]) -> tuple[Stream, Step]:
+    """Make one step: the given actions of the roles played from outside, the policies' of the others.
 
     Every episode has its own random numbers for every step, whatever happened in the episodes before it.
     """
 
-    def act(key: Key[Array, "env"], scenario: Any, state: Any, memory: ByRole[Any]) -> tuple[ByRole, ByRole, None]:
-        return *decide(game, key, scenario, state, memory, actions), None
+    def act_or_obey(key: Key[Array, "env"], scenario: Any, state: Any, memory: Any) -> tuple[Any, Any, None]:
+        policies = {role: Given(actions[role]) if x is None else x for role, x in game.policies.items()}
+        acted = act(game.street, cast_of(policies), key, scenario, state, memory)
+        return acted.actions, acted.memory, None
 
     since = stream.episode * (game.street.world.rules.horizon + 1) + stream.state.step
-    now = jax.vmap(jax.random.fold_in)(stream.key, FIRST_ACTION_KEY + since)
-    return advance(game.street, act, stream, now)
-
-
-def decide(
-    game: Game, key: Key[Array, "env"], scenario: Any, state: Any, memory: ByRole[Any], actions: ByRole[Array | None]
-) -> tuple[ByRole[Array], ByRole[Any]]:
-    """Everybody's actions: those given, and for the other roles their policies'; also the policies' next memories."""
-    chosen, remembered = [], []
-    for role, own_key in zip(ROLES, jax.vmap(jax.random.split, out_axes=1)(key), strict=True):
-        policy, action, after = getattr(game.policies, role), getattr(actions, role), None
-        if policy is not None:
-            seen = game.street.observe(scenario, state, role, policy.observes)
-            action, after = policy.act(own_key, getattr(memory, role), seen)
-        chosen.append(action)
-        remembered.append(after)
-    return ByRole(*chosen), ByRole(*remembered)
+    return advance(game.street, act_or_obey, stream, step_key(stream.key, since))
 
 
 def renew(game: Game, stream: Stream, which: Bool[Array, "env"]) -> Stream:
@@ -125,10 +116,7 @@ def renew(game: Game, stream: Stream, which: Bool[Array, "env"]) -> Stream:
     return restart(game.street, stream, game.memory(which.size))
 
 
-def rewards_of(outcome: Outcome) -> ByRole[Array]:
-    """Each agent's reward, ``(*agents, *batch)``: the sum of its terms; 0 where nothing is paid."""
-    terms, agents = outcome.rewards, outcome.terminated
-    return ByRole(
-        sum(terms.driver.values(), jnp.zeros(agents.driver.shape)),
-        sum(terms.pedestrian.values(), jnp.zeros(agents.pedestrian.shape)),
-    )
+def rewards_of(outcome: Outcome) -> Roles[Array]:
+    """Return each agent's reward, ``(*agents, *batch)``: the sum of its terms; 0 where nothing is paid."""
+    agents = outcome.terminated
+    return {role: sum(terms.values(), jnp.zeros(agents[role].shape)) for role, terms in outcome.rewards.items()}

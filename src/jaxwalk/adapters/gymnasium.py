@@ -6,9 +6,9 @@ options of `StreetEnv` and `StreetVectorEnv`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -23,12 +23,12 @@ import jax
 import jax.numpy as jnp
 
 from jaxwalk.adapters.camera import Camera
-from jaxwalk.adapters.game import EVENTS, SEEDS, Game, keys_of
+from jaxwalk.adapters.game import EVENTS, SEEDS, Game, WorldOptions, keys_of
 from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.adapters.seat import NEVER, NEXT_STEP, SAME_STEP, Seat, Seen
 from jaxwalk.interfaces import Policy
 from jaxwalk.rollout import EVALUATION, TRAINING
-from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 ID = "jaxwalk/Street-v0"
 _MODES = {AutoresetMode.NEXT_STEP: NEXT_STEP, AutoresetMode.SAME_STEP: SAME_STEP}
@@ -52,10 +52,8 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         observation: str = "route",
         pedestrians: str | Path | Policy = "always-go",
         reward: Weights = "fast",
-        maps: Sequence[str | Path] = ("paper",),
-        jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
-        config: SimConfig | None = None,
         render_mode: str | None = None,
+        **world: Unpack[WorldOptions],
     ) -> None:
         """A street.
 
@@ -63,17 +61,15 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             observation: the driver's observation set (``docs/adapters.md``).
             pedestrians: who they are: a rule or shipped policy by name, a policy file or a `Policy`.
             reward: the recipe by which the car is paid, or a weight for each of some terms.
-            maps: bundled maps or map files; a scenario draws one.
-            jaywalk_multiplier: P(jaywalk | decision) = jaywalking tendency x this.
-            config: the world's rules.
             render_mode: ``rgb_array`` or None.
+            world: ``maps``, ``jaywalk_multiplier`` and ``config`` (`WorldOptions`).
 
         Raises:
             ValueError: one of these is impossible; the message names it.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise AdapterError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
-        game = _game(pedestrians, reward, maps, jaywalk_multiplier, config)
+        game = _game(pedestrians, reward, world)
         self.seat = Seat(game, 1, observation=observation, autoreset=NEVER)
         self.observation_space, self.action_space = _spaces(self.seat)
         self.render_mode = render_mode
@@ -128,10 +124,8 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         observation: str = "route",
         pedestrians: str | Path | Policy = "always-go",
         reward: Weights = "fast",
-        maps: Sequence[str | Path] = ("paper",),
-        jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
-        config: SimConfig | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **world: Unpack[WorldOptions],
     ) -> None:
         """As `StreetEnv`, ``num_envs`` of them.
 
@@ -143,7 +137,7 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             raise AdapterError(f"autoreset_mode must be NextStep or SameStep, not {mode.value}")
         self.metadata = {**self.metadata, "autoreset_mode": mode}
         self.num_envs = num_envs
-        game = _game(pedestrians, reward, maps, jaywalk_multiplier, config)
+        game = _game(pedestrians, reward, world)
         self.seat = Seat(game, num_envs, observation=observation, autoreset=_MODES[mode])
         self.single_observation_space, self.single_action_space = _spaces(self.seat)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -166,14 +160,8 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return seen.observation, seen.reward, seen.terminated, seen.truncated, infos
 
 
-def _game(
-    pedestrians: str | Path | Policy, reward: Weights, maps: Sequence[str | Path], multiplier: float,
-    config: SimConfig | None,
-) -> Game:  # fmt: skip
-    return Game.create(
-        driver=None, pedestrians=pedestrians, maps=maps, config=config, jaywalk_multiplier=multiplier,
-        driver_reward=reward, pedestrian_reward={},
-    )  # fmt: skip
+def _game(pedestrians: str | Path | Policy, reward: Weights, world: WorldOptions) -> Game:
+    return Game.create(driver=None, pedestrians=pedestrians, driver_reward=reward, pedestrian_reward={}, **world)
 
 
 def _spaces(seat: Seat) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:

@@ -6,9 +6,8 @@ JaxMARL's IPPO and MAPPO scripts want them; with ``pedestrians="always-go"``, th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import equinox as eqx
 import jax
@@ -16,18 +15,17 @@ import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Bool, Int
 
-from jaxwalk.adapters.game import EVENTS, ROLES, Game, begin, play, renew, rewards_of
+from jaxwalk.adapters.game import EVENTS, Game, WorldOptions, begin, play, renew, rewards_of
 from jaxwalk.adapters.players import AdapterError, Weights
-from jaxwalk.interfaces import ByRole, Outcome, Policy
+from jaxwalk.interfaces import Outcome, Policy, Roles
 from jaxwalk.rollout import Stream
 from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"
 """The car's name, and how those of the people begin."""
 
 
-class Discrete:
+class ChoiceSpace:
     """A choice among ``n``."""
 
     def __init__(self, n: int) -> None:
@@ -40,7 +38,7 @@ class Discrete:
         return (x >= 0) & (x < self.n)
 
 
-class Box:
+class BoxSpace:
     """Numbers between bounds."""
 
     def __init__(self, low: Any, high: Any, shape: tuple[int, ...]) -> None:
@@ -90,9 +88,7 @@ class StreetMARL:
         pedestrian_observation: str = "kerb",
         driver_reward: Weights = "fast",
         pedestrian_reward: Weights = "fast",
-        maps: Sequence[str | Path] = ("paper",),
-        jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
-        config: SimConfig | None = None,
+        **world: Unpack[WorldOptions],
     ) -> None:
         """A street; ``driver`` and ``pedestrians`` name who plays these roles, where that isn't left to the agents.
 
@@ -101,17 +97,21 @@ class StreetMARL:
         if driver is not None and pedestrians is not None:
             raise AdapterError("driver and pedestrians are both played by policies: leave one of them to the agents")
         self.game = Game.create(
-            driver=driver, pedestrians=pedestrians, maps=maps, config=config, jaywalk_multiplier=jaywalk_multiplier,
-            driver_reward=driver_reward, pedestrian_reward=pedestrian_reward,
-        )  # fmt: skip
+            driver=driver,
+            pedestrians=pedestrians,
+            driver_reward=driver_reward,
+            pedestrian_reward=pedestrian_reward,
+            **world,
+        )
         people = [] if pedestrians is not None else range(self.game.street.world.rules.pedestrians)
         by_role = {"driver": [DRIVER] if driver is None else [], "pedestrian": [f"{PEDESTRIAN}{i}" for i in people]}
         self.agent_classes = {role: names for role, names in by_role.items() if names}
         self.agents = [name for names in by_role.values() for name in names]
         self.num_agents = len(self.agents)
-        self.observes = {"driver": driver_observation, "pedestrian": pedestrian_observation}
-        seen = {role: self._seen_by(role) for role in self.agent_classes}
-        done = {"driver": Box(-1.0, 1.0, (2,)), "pedestrian": Discrete(2)}
+        self.observations = {"driver": driver_observation, "pedestrian": pedestrian_observation}
+        self.views = {role: self.game.street.view(role, name) for role, name in self.observations.items()}
+        seen = {role: self._space(role) for role in self.agent_classes}
+        done = {"driver": BoxSpace(-1.0, 1.0, (2,)), "pedestrian": ChoiceSpace(2)}
         self.observation_spaces = {name: seen[role] for role in self.agent_classes for name in by_role[role]}
         self.action_spaces = {name: done[role] for role in self.agent_classes for name in by_role[role]}
 
@@ -120,20 +120,20 @@ class StreetMARL:
         """What it is called."""
         return "jaxwalk_street"
 
-    def observation_space(self, agent: str) -> Box:
+    def observation_space(self, agent: str) -> BoxSpace:
         """What an agent sees."""
         return self.observation_spaces[agent]
 
-    def action_space(self, agent: str) -> Box | Discrete:
+    def action_space(self, agent: str) -> BoxSpace | ChoiceSpace:
         """The driver: acceleration and steering, shares of their limits. A pedestrian: wait (0) or go (1)."""
         return self.action_spaces[agent]
 
     def reset(self, key: Array) -> tuple[dict[str, Array], StreetState]:
         """The beginning of an environment's first episode. All chance in it, and in later ones, is in the key."""
 
-        def begins(keys: Array) -> tuple[ByRole[Array | None], StreetState]:
+        def begins(keys: Array) -> tuple[Roles[Array], StreetState]:
             began = begin(self.game, keys)
-            return self._look(began), _state(began)
+            return self._observe(began), _state(began)
 
         seen, began = _merged(begins)(_typed(key)[None])
         return self._by_name(seen), began
@@ -155,58 +155,54 @@ class StreetMARL:
 
     def get_obs(self, state: StreetState) -> dict[str, Array]:
         """What everybody sees."""
-        return self._by_name(_merged(lambda now: self._look(_stream(now)))(state))
+        return self._by_name(_merged(lambda now: self._observe(_stream(now)))(state))
 
     def get_avail_actions(self, state: StreetState) -> dict[str, Bool[Array, "2"]]:
         """Pedestrians can always wait and go. (A driver has no choices to be counted.)"""
         return {name: jnp.ones(2, bool) for name in self.agent_classes.get("pedestrian", ())}
 
-    def _seen_by(self, role: str) -> Box:
+    def _space(self, role: str) -> BoxSpace:
         street = self.game.street
-        low, high = bounds(street.world, role, self.observes[role])
-        return Box(low, high, low.shape)
+        low, high = bounds(street.world, role, self.observations[role])
+        return BoxSpace(low, high, low.shape)
 
     def _play(self, state: StreetState, actions: dict[str, Array], *, renews: bool) -> Brought:
         """One step, and then perhaps the next episode."""
 
-        def plays(now: StreetState, given: ByRole[Array | None]) -> tuple[Any, ...]:
+        def plays(now: StreetState, given: Roles[Array | None]) -> tuple[Any, ...]:
             after, step = play(self.game, _stream(now), given)
             after = renew(self.game, after, after.ended) if renews else after
-            return self._look(after), _state(after), rewards_of(step.outcome), step.outcome
+            return self._observe(after), _state(after), rewards_of(step.outcome), step.outcome
 
         seen, after, rewards, outcome = _merged(plays)(state, self._together(actions))
         ended: Array = outcome.ended[0]
         dones = {name: ended for name in (*self.agents, "__all__")}
         return self._by_name(seen), after, self._by_name(rewards), dones, self._infos(outcome)
 
-    def _look(self, now: Stream) -> ByRole[Array | None]:
-        """What those roles see that are left to agents."""
+    def _observe(self, now: Stream) -> Roles[Array]:
+        """Return what the roles see that are left to agents."""
+        return {
+            role: self.game.street.observe(now.scenario, now.state, self.views[role]) for role in self.agent_classes
+        }
 
-        def of(role: str) -> Array | None:
-            if role not in self.agent_classes:
-                return None
-            return self.game.street.observe(now.scenario, now.state, role, self.observes[role])
-
-        return ByRole(*map(of, ROLES))
-
-    def _by_name(self, each: ByRole[Array | None]) -> dict[str, Array]:
-        """Each agent's part of arrays ``(..., env)`` and ``(..., ped, env)`` of one environment."""
+    def _by_name(self, each: Roles[Array]) -> dict[str, Array]:
+        """Return each agent's part of arrays ``(..., env)`` and ``(..., ped, env)`` of one environment."""
         parts: dict[str, Array] = {}
-        if each.driver is not None and "driver" in self.agent_classes:
-            parts[DRIVER] = each.driver[..., 0]
-        if each.pedestrian is not None and "pedestrian" in self.agent_classes:
-            parts |= {name: each.pedestrian[..., i, 0] for i, name in enumerate(self.agent_classes["pedestrian"])}
+        if "driver" in self.agent_classes:
+            parts[DRIVER] = each["driver"][..., 0]
+        for i, name in enumerate(self.agent_classes.get("pedestrian", ())):
+            parts[name] = each["pedestrian"][..., i, 0]
         return parts
 
-    def _together(self, actions: dict[str, Array]) -> ByRole[Array | None]:
-        """Everybody's actions as arrays of one environment."""
+    def _together(self, actions: dict[str, Array]) -> Roles[Array | None]:
+        """Return everybody's actions as arrays of one environment; None for a role that a policy plays."""
         driver, people = None, None
         if "driver" in self.agent_classes:
             driver = jnp.asarray(actions[DRIVER], jnp.float32).reshape(2, 1)
         if "pedestrian" in self.agent_classes:
             names = self.agent_classes["pedestrian"]
             people = jnp.stack([jnp.asarray(actions[name], jnp.int32).reshape(1) for name in names])
-        return ByRole(driver, people)
+        return {"driver": driver, "pedestrian": people}
 
     def _infos(self, outcome: Outcome) -> dict[str, Array]:
         """How the episode ended, if it did, and the terms of the rewards: an array with a number for each agent."""
@@ -214,10 +210,10 @@ class StreetMARL:
         infos = {name: jnp.full((self.num_agents,), happened) for name, happened in events.items()}
         others = self.num_agents - 1
         if "driver" in self.agent_classes:
-            for term, paid in outcome.rewards.driver.items():
+            for term, paid in outcome.rewards["driver"].items():
                 infos[f"driver/{term}"] = jnp.concatenate([paid, jnp.zeros(others)])
         if "pedestrian" in self.agent_classes:
-            for term, paid in outcome.rewards.pedestrian.items():
+            for term, paid in outcome.rewards["pedestrian"].items():
                 infos[f"pedestrian/{term}"] = jnp.concatenate([jnp.zeros(self.num_agents - len(paid)), paid[:, 0]])
         return infos
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -20,12 +18,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Key
 
 from jaxwalk.adapters.camera import Camera
-from jaxwalk.adapters.game import EVENTS, ROLES, Game, begin, keys_of, play, renew, rewards_of
+from jaxwalk.adapters.game import EVENTS, Game, WorldOptions, begin, keys_of, play, renew, rewards_of
 from jaxwalk.adapters.players import AdapterError, Weights
-from jaxwalk.interfaces import ByRole, Outcome
+from jaxwalk.interfaces import Outcome, Roles, View
 from jaxwalk.rollout import EVALUATION, TRAINING, Stream
 from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"
 """The car's name, and how those of the people begin."""
@@ -51,10 +49,8 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         pedestrian_observation: str = "kerb",
         driver_reward: Weights = "fast",
         pedestrian_reward: Weights = "fast",
-        maps: Sequence[str | Path] = ("paper",),
-        jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
-        config: SimConfig | None = None,
         render_mode: str | None = None,
+        **world: Unpack[WorldOptions],
     ) -> None:
         """A street; options as those of `jaxwalk.adapters.gymnasium.StreetEnv`, for each role.
 
@@ -63,13 +59,14 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise AdapterError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
         self.game = Game.create(
-            driver=None, pedestrians=None, maps=maps, config=config, jaywalk_multiplier=jaywalk_multiplier,
-            driver_reward=driver_reward, pedestrian_reward=pedestrian_reward,
-        )  # fmt: skip
+            driver=None, pedestrians=None, driver_reward=driver_reward, pedestrian_reward=pedestrian_reward, **world
+        )
         self.people = self.game.street.world.rules.pedestrians
         self.possible_agents = [DRIVER, *(f"{PEDESTRIAN}{i}" for i in range(self.people))]
         self.agents: list[str] = []
-        self.observes = ByRole(driver_observation, pedestrian_observation)
+        street = self.game.street
+        observations = {"driver": driver_observation, "pedestrian": pedestrian_observation}
+        self.views = {role: street.view(role, name) for role, name in observations.items()}
         self._observation_spaces: dict[str, Space] = {
             name: _space(self.game, "driver", driver_observation)
             if name == DRIVER
@@ -102,9 +99,9 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
             self._seed = fresh if seed is None else seed
             domain = EVALUATION if "scenario" in (options or {}) else TRAINING
             keys = keys_of(self._seed, domain, first=(options or {}).get("scenario", 0))
-            self._stream, seen = _begin(self.game, self.observes, keys)
+            self._stream, seen = _begin(self.game, self.views, keys)
         else:
-            self._stream, seen = _next(self.game, self.observes, self._stream)
+            self._stream, seen = _next(self.game, self.views, self._stream)
         self.agents = list(self.possible_agents)
         if self.camera is not None:
             self.camera.begin(self._stream)
@@ -117,7 +114,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         if self._stream is None or not self.agents:
             raise AdapterError("the episode is over: call reset before the next step")
         together = self._together(actions)
-        stream, *brought = _step(self.game, self.observes, self._stream, together)
+        stream, *brought = _step(self.game, self.views, self._stream, together)
         self._stream, (seen, earned, outcome) = stream, jax.device_get(brought)
         if self.camera is not None:
             self.camera.add(stream, np.stack([getattr(outcome.events, name) for name in EVENTS]))
@@ -134,12 +131,12 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         """The street as it stands, with ``render_mode="rgb_array"``."""
         return None if self.camera is None else self.camera.picture()
 
-    def _by_name(self, each: ByRole[Any]) -> dict[str, np.ndarray]:
+    def _by_name(self, each: Roles[Any]) -> dict[str, np.ndarray]:
         """Each agent's part of arrays ``(..., env)`` and ``(..., ped, env)`` of one environment."""
-        people = {f"{PEDESTRIAN}{i}": each.pedestrian[..., i, 0] for i in range(self.people)}
-        return {name: np.array(x) for name, x in {DRIVER: each.driver[..., 0], **people}.items()}
+        people = {f"{PEDESTRIAN}{i}": each["pedestrian"][..., i, 0] for i in range(self.people)}
+        return {name: np.array(x) for name, x in {DRIVER: each["driver"][..., 0], **people}.items()}
 
-    def _together(self, actions: dict[str, Any]) -> ByRole[np.ndarray]:
+    def _together(self, actions: dict[str, Any]) -> Roles[np.ndarray]:
         """Everybody's actions as arrays of one environment."""
         missing = [name for name in self.agents if name not in actions]
         if missing:
@@ -151,15 +148,15 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         go = np.array([actions[name] for name in self.possible_agents[1:]], np.int32)
         if drive.shape != (2,) or go.shape != (self.people,):
             raise AdapterError(f"the driver gives 2 numbers, a pedestrian one, not {drive.shape} and {go.shape[1:]}")
-        return ByRole(drive[:, None], go[:, None])
+        return {"driver": drive[:, None], "pedestrian": go[:, None]}
 
     def _infos(self, outcome: Outcome) -> dict[str, dict[str, Any]]:
         """How the episode ended, if it did, and the terms of each agent's reward."""
         events = {name: bool(getattr(outcome.events, name)[0]) for name in EVENTS}
         infos = {name: {**events, "rewards": {}} for name in self.possible_agents}
-        for term, of_driver in outcome.rewards.driver.items():
+        for term, of_driver in outcome.rewards["driver"].items():
             infos[DRIVER]["rewards"][term] = float(of_driver[0])
-        for term, of_people in outcome.rewards.pedestrian.items():
+        for term, of_people in outcome.rewards["pedestrian"].items():
             for name, x in zip(self.possible_agents[1:], of_people[:, 0].tolist(), strict=True):
                 infos[name]["rewards"][term] = x
         return infos
@@ -171,26 +168,25 @@ def _space(game: Game, role: str, observation: str) -> Box:
 
 
 @eqx.filter_jit
-def _begin(game: Game, observes: ByRole[str], keys: Key[Array, "env"]) -> tuple[Stream, ByRole[Array]]:
+def _begin(game: Game, views: Roles[View], keys: Key[Array, "env"]) -> tuple[Stream, Roles[Array]]:
     stream = begin(game, keys)
-    return stream, _look(game, observes, stream)
+    return stream, _observe(game, views, stream)
 
 
 @eqx.filter_jit
-def _next(game: Game, observes: ByRole[str], stream: Stream) -> tuple[Stream, ByRole[Array]]:
+def _next(game: Game, views: Roles[View], stream: Stream) -> tuple[Stream, Roles[Array]]:
     stream = renew(game, stream, jnp.ones(stream.shown.shape, bool))
-    return stream, _look(game, observes, stream)
+    return stream, _observe(game, views, stream)
 
 
 @eqx.filter_jit
 def _step(
-    game: Game, observes: ByRole[str], stream: Stream, actions: ByRole[np.ndarray]
-) -> tuple[Stream, ByRole[Array], ByRole[Array], Outcome]:
+    game: Game, views: Roles[View], stream: Stream, actions: Roles[np.ndarray]
+) -> tuple[Stream, Roles[Array], Roles[Array], Outcome]:
     """The stream after a step, what everybody sees, each agent's reward, and all else that the step brought."""
     stream, step = play(game, stream, jax.tree.map(jnp.asarray, actions))
-    return stream, _look(game, observes, stream), rewards_of(step.outcome), step.outcome
+    return stream, _observe(game, views, stream), rewards_of(step.outcome), step.outcome
 
 
-def _look(game: Game, observes: ByRole[str], stream: Stream) -> ByRole[Array]:
-    seen = (game.street.observe(stream.scenario, stream.state, role, getattr(observes, role)) for role in ROLES)
-    return ByRole(*seen)
+def _observe(game: Game, views: Roles[View], stream: Stream) -> Roles[Array]:
+    return {role: game.street.observe(stream.scenario, stream.state, view) for role, view in views.items()}

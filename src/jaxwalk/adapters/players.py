@@ -35,7 +35,7 @@ def player(role: str, who: str | Path | Policy) -> Policy:
     if not file.is_file():
         known = ", ".join((*_RULES[role], *SHIPPED[role]))
         raise AdapterError(f"{who}: no {role} of that name ({known}) and no policy file; check the name")
-    return with_mode(load_policy(file, role), sample=getattr(SAMPLES, role))
+    return with_mode(load_policy(file, role), sample=SAMPLES[role])
 
 
 def weights_of(role: str, weights: Weights) -> Mapping[str, float]:

@@ -17,7 +17,6 @@ from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.adapters.game import EVENTS, Game, begin, play, renew
 from jaxwalk.adapters.players import AdapterError
-from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import Stream
 from jaxwalk.sim.bounds import bounds
 
@@ -65,7 +64,8 @@ class Rules:
     every call costs no time there. Equal rules share that code."""
 
     def __init__(self, game: Game, observation: str, autoreset: str) -> None:
-        self.game, self.observation, self.autoreset = game, observation, autoreset
+        self.game, self.autoreset = game, autoreset
+        self.view = game.street.view("driver", observation)
         arrays, rest = eqx.partition(game, eqx.is_array)
         leaves, structure = jax.tree.flatten(rest)
         content = tuple((x.shape, x.dtype, np.asarray(x).tobytes()) for x in jax.tree.leaves(arrays))
@@ -87,7 +87,7 @@ class Seat:
         if count < 1:
             raise AdapterError(f"the number of environments must be at least 1, not {count}")
         self.count, street = count, game.street
-        self.terms = tuple(street.weights.driver)
+        self.terms = tuple(street.weights["driver"])
         self.low, self.high = bounds(street.world, "driver", observation)
         self.rules = Rules(game, observation, autoreset)
         self.structure = jax.tree.structure(None)
@@ -143,13 +143,13 @@ class Seat:
 @partial(jax.jit, static_argnums=0)
 def _begin(rules: Rules, keys: Array) -> tuple[Stream, Array]:
     stream = begin(rules.game, jax.random.wrap_key_data(keys))
-    return _raw(stream), _look(rules, stream)
+    return _raw(stream), _observe(rules, stream)
 
 
 @partial(jax.jit, static_argnums=(0, 1))
 def _next(rules: Rules, structure: Any, leaves: list[Array], which: Array) -> tuple[list[Array], Array]:
     stream = renew(rules.game, _keyed(jax.tree.unflatten(structure, leaves)), which)
-    return jax.tree.leaves(_raw(stream)), _look(rules, stream)
+    return jax.tree.leaves(_raw(stream)), _observe(rules, stream)
 
 
 @partial(jax.jit, static_argnums=(0, 1), donate_argnums=2)
@@ -157,18 +157,20 @@ def _step(
     rules: Rules, structure: Any, leaves: list[Array], action: Array
 ) -> tuple[list[Array], Float[Array, "row env"]]:
     """The stream after a step, and what `Seat._unpacked` takes apart."""
-    stream, step = play(rules.game, _keyed(jax.tree.unflatten(structure, leaves)), ByRole(action, None))
-    final = [_look(rules, stream)] if rules.autoreset == SAME_STEP else []
+    stream, step = play(
+        rules.game, _keyed(jax.tree.unflatten(structure, leaves)), {"driver": action, "pedestrian": None}
+    )
+    final = [_observe(rules, stream)] if rules.autoreset == SAME_STEP else []
     if rules.autoreset != NEVER:
         stream = renew(rules.game, stream, stream.ended if final else stream.shown)
-    terms, events = step.outcome.rewards.driver, step.outcome.events
+    terms, events = step.outcome.rewards["driver"], step.outcome.events
     earned = [*terms.values(), *(getattr(events, name) for name in EVENTS), step.valid]
     rows = jnp.stack([row * step.valid for row in earned]).astype(jnp.float32)
-    return jax.tree.leaves(_raw(stream)), jnp.concatenate([_look(rules, stream), *final, rows])
+    return jax.tree.leaves(_raw(stream)), jnp.concatenate([_observe(rules, stream), *final, rows])
 
 
-def _look(rules: Rules, stream: Stream) -> Float[Array, "feature env"]:
-    return rules.game.street.observe(stream.scenario, stream.state, "driver", rules.observation)
+def _observe(rules: Rules, stream: Stream) -> Float[Array, "feature env"]:
+    return rules.game.street.observe(stream.scenario, stream.state, rules.view)
 
 
 def _raw(stream: Stream) -> Stream:

@@ -20,7 +20,6 @@ from jax.sharding import PartitionSpec
 
 from jaxwalk.bench.benchmark_settings import Settings
 from jaxwalk.bench.processes import tell
-from jaxwalk.interfaces import ByRole
 from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 from jaxwalk.sim.environment import Street
@@ -184,21 +183,21 @@ def look_and_act(street: Street, sets: Sets = EVERY) -> Act:
     """A policy that acts at random and looks at all of those sets; it records one number for each street."""
     people = jnp.arange(street.world.rules.pedestrians, dtype=jnp.uint32)
 
-    def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[ByRole, Any, jax.Array]:
-        seen = [street.observe(scenario, state, role, name) for role, name in sets]
+    def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[dict[str, jax.Array], Any, jax.Array]:
+        seen = [street.observe(scenario, state, street.view(role, name)) for role, name in sets]
         seen.append(street.global_state(scenario, state))
         words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random numbers: 64 fresh bits are enough
         action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1
         go = words[1][None] >> people[:, None] % 32 & 1
         looked = sum(jnp.ones(x[..., 0].size) @ x.reshape(-1, x.shape[-1]) for x in seen)  # a sum, as a product
-        return ByRole(action, go.astype(jnp.int32)), memory, jnp.asarray(looked)
+        return {"driver": action, "pedestrian": go.astype(jnp.int32)}, memory, jnp.asarray(looked)
 
     return act
 
 
 def keep(step: Step) -> tuple[jax.Array, ...]:
     """Of a step, for each street: all that was paid, all that was seen, whether an episode ended, whether it counts."""
-    terms = [*step.outcome.rewards.driver.values(), *step.outcome.rewards.pedestrian.values()]
+    terms = [term for terms in step.outcome.rewards.values() for term in terms.values()]
     paid = sum(term.astype(jnp.float32).sum(axis=tuple(range(term.ndim - 1))) for term in terms)
     return jnp.asarray(paid * step.valid), step.record, step.outcome.ended, step.valid
 

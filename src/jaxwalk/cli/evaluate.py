@@ -22,6 +22,7 @@ from jaxwalk.evaluation import (
     compare,
     compared,
     counterfactuals,
+    find_hits,
     jaywalk_multiplier,
     paired,
     summarise_counterfactuals,
@@ -37,6 +38,7 @@ from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.provenance import provenance
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.writing import write_whole
@@ -136,7 +138,7 @@ def _play(
         for street in streets:
             try:
                 found, played = compare(
-                    street, drivers, people, episodes=options.episodes, seed=options.seed, progress=tell
+                    street, drivers, people, Drawn(street, options.seed, options.episodes), progress=tell
                 )
             except Stopped as stopped:
                 kept = _keep_unfinished(options.out, streets, [*rows, stopped.rows])
@@ -164,7 +166,10 @@ def _replay_collisions(
         for cell, (street, driver, population, found) in zip(document["cells"], played, strict=True):
             bar.update(task, description=escape(f"replaying collisions of {driver} among {population}"))
             replayed = counterfactuals(
-                street, drivers[driver], people[population], found, seed=options.seed, at_most=options.counterfactuals
+                street,
+                {"driver": drivers[driver], "pedestrian": people[population]},
+                Drawn(street, options.seed, options.episodes),
+                find_hits(found).first(options.counterfactuals),
             )
             cell["counterfactuals"] = summarise_counterfactuals(replayed).as_dict()
             bar.advance(task)

@@ -6,14 +6,15 @@ from jaxwalk.evaluation.counterfactual import (
     CounterfactualSummary,
     ReplayError,
     counterfactuals,
+    find_hits,
     summarise_counterfactuals,
 )
 from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
-from jaxwalk.evaluation.game import play
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
+from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.results import Cell, Results, Stopped, compare, write_rows
-from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios, draw_scenarios, evaluate, replay, scenario_hash
+from jaxwalk.evaluation.scenarios import BATCH, evaluate, replay
 from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
 
@@ -31,13 +32,12 @@ __all__ = [
     "Results",
     "Stopped",
     "check_parquet",
-    "choose_scenarios",
     "compare",
     "compared",
     "counterfactuals",
     "describe",
-    "draw_scenarios",
     "evaluate",
+    "find_hits",
     "find_incidents",
     "jaywalk_multiplier",
     "mode",
@@ -46,7 +46,6 @@ __all__ = [
     "paired_over_seeds",
     "play",
     "replay",
-    "scenario_hash",
     "summarise_counterfactuals",
     "walk_ghosts",
     "with_jaywalk_multiplier",

@@ -6,8 +6,8 @@ none, so everything else is as it was until the change makes a difference.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -15,13 +15,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
-from jaxwalk.evaluation.game import play
-from jaxwalk.evaluation.interventions import Brake, Intervention, TakeOver, Wait, on_the_crosswalk
-from jaxwalk.evaluation.scenarios import BATCH, choose_scenarios
-from jaxwalk.interfaces import Policy
+from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
+from jaxwalk.evaluation.playing import play
+from jaxwalk.evaluation.scenarios import BATCH, Progress
+from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, wilson
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
 from jaxwalk.policies import Oracle
+from jaxwalk.scenarios import Source
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
@@ -78,41 +79,27 @@ class Counterfactuals:
 
 
 def counterfactuals(
-    street: Street,
-    driver: Policy,
-    pedestrians: Policy,
-    rows: Rows,
-    *,
-    seed: int,
-    batch: int | None = None,
-    at_most: int | None = None,
-    scenarios: Collection[int] | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> Counterfactuals:
-    """Replay the collisions of an evaluation, unchanged and with each of `CHANGES`.
+    street: Street, policies: Roles[Policy], source: Source, hits: Hits, *,
+    batch: int | None = None, progress: Progress | None = None,
+) -> Counterfactuals:  # fmt: skip
+    """Replay collisions of an evaluation, unchanged and with each of `CHANGES`.
 
     Args:
         street: the world; this and the following as they were for the evaluation.
-        driver: decides for the car.
-        pedestrians: decides for all people.
-        rows: what `evaluate` gave.
-        seed: of the scenarios.
+        policies: who plays each role.
+        source: the scenarios.
+        hits: the collisions, from `find_hits`.
         batch: episodes played at once. If left out, `SMALL_BATCH`, which is quicker for few collisions, or where these
             round differently, `BATCH`, with which `evaluate` plays.
-        at_most: replay only so many collisions, the first ones of ``rows``.
-        scenarios: replay only the collisions in the scenarios of these numbers.
         progress: called after every batch with the collisions replayed so far and those to replay.
 
     Raises:
         ReplayError: an unchanged replay ends otherwise than the row says.
-        ValueError: ``at_most`` is negative, or ``batch`` below 1.
+        ValueError: ``batch`` is below 1.
     """
-    if (at_most or 0) < 0 or (batch is not None and batch < 1):
-        raise ValueError(f"at_most must be 0 or more and batch at least 1, not {at_most} and {batch}")
-    found = find_hits(rows)
-    wanted = found.scenario if scenarios is None else list(scenarios)
-    hits = found.some(np.isin(found.scenario, wanted)).some(slice(at_most))
-    replayed = partial(_replay_all, street, driver, pedestrians, hits, seed, progress)
+    if batch is not None and batch < 1:
+        raise ValueError(f"batch must be at least 1, not {batch}")
+    replayed = partial(_replay_all, street, policies, source, hits, progress)
     try:
         avoided = replayed(batch or SMALL_BATCH)
     except ReplayError:
@@ -120,11 +107,11 @@ def counterfactuals(
             raise
         avoided = replayed(BATCH)
     return Counterfactuals(
-        collisions=len(found.scenario),
+        collisions=hits.collisions,
         scenario=hits.scenario,
         contact=hits.contact,
         moving=hits.moving,
-        notice=(hits.steps - hits.start) * rows.dt,
+        notice=(hits.steps - hits.start) * hits.dt,
         crosswalk_applies=hits.contact == JAYWALK,
         wait_applies=hits.entered,
         **avoided,
@@ -132,21 +119,15 @@ def counterfactuals(
 
 
 def _replay_all(
-    street: Street,
-    driver: Policy,
-    pedestrians: Policy,
-    hits: Hits,
-    seed: int,
-    progress: Callable[[int, int], None] | None,
-    batch: int,
+    street: Street, policies: Roles[Policy], source: Source, hits: Hits, progress: Progress | None, batch: int
 ) -> dict[str, Bool[np.ndarray, "collision"]]:
-    """Whether each change avoids each collision, ``batch`` of them at once."""
+    """Return whether each change avoids each collision; ``batch`` of them are replayed at once."""
     count = len(hits.scenario)
     avoided = {change: np.zeros(count, bool) for change in CHANGES}
     for first in range(0, count, batch):
         some = np.arange(first, min(first + batch, count))
         full = np.resize(some, batch)  # repeated to a full batch, so that nothing is compiled twice
-        for change, answer in _replay(street, driver, pedestrians, hits.some(full), seed).items():
+        for change, answer in _replay(street, policies, source, hits.some(full)).items():
             avoided[change][some] = answer[: len(some)]
         if progress is not None:
             progress(int(some[-1]) + 1, count)
@@ -155,8 +136,12 @@ def _replay_all(
 
 @dataclass(frozen=True)
 class Hits:
-    """The collisions of an evaluation, one row each."""
+    """Collisions of an evaluation, one row each."""
 
+    collisions: int
+    """All of the evaluation, chosen or not."""
+    dt: float
+    """Duration of a step [s]."""
     scenario: Int[np.ndarray, "collision"]
     steps: Int[np.ndarray, "collision"]
     """Frame of the contact."""
@@ -170,8 +155,19 @@ class Hits:
     """Frame of its road entry; of who was hit on a sidewalk, from when the driver does otherwise."""
 
     def some(self, rows: slice | Shaped[np.ndarray, "row"]) -> Hits:
-        """The rows chosen by a slice, indices or a mask."""
-        return Hits(**{name: column[rows] for name, column in vars(self).items()})
+        """Return the rows chosen by a slice, indices or a mask."""
+        columns = {name: x[rows] for name, x in vars(self).items() if isinstance(x, np.ndarray)}
+        return replace(self, **columns)
+
+    def first(self, count: int | None) -> Hits:
+        """Return the first ``count`` collisions; None: all. Raise ValueError if it is negative."""
+        if (count or 0) < 0:
+            raise ValueError(f"the number of collisions must be 0 or more, not {count}")
+        return self.some(slice(count))
+
+    def among(self, scenarios: Collection[int]) -> Hits:
+        """Return the collisions in the scenarios of these numbers."""
+        return self.some(np.isin(self.scenario, list(scenarios)))
 
 
 def find_hits(rows: Rows) -> Hits:
@@ -183,6 +179,8 @@ def find_hits(rows: Rows) -> Hits:
     enter[whose[hit]] = crossings.enter[hit]
     earlier = np.maximum(table.steps - round(LEAD / rows.dt), 0)
     every = Hits(
+        collisions=int(table.collision.sum()),
+        dt=rows.dt,
         scenario=table.scenario,
         steps=table.steps,
         ped=table.contact_ped,
@@ -195,25 +193,26 @@ def find_hits(rows: Rows) -> Hits:
 
 
 def _replay(
-    street: Street, driver: Policy, pedestrians: Policy, hits: Hits, seed: int
+    street: Street, policies: Roles[Policy], source: Source, hits: Hits
 ) -> dict[str, Bool[np.ndarray, "collision"]]:
-    """Whether each change avoids each collision of a batch (false where it does not apply)."""
-    scenarios, keys = choose_scenarios(street, seed=seed, numbers=hits.scenario)
-    unchanged = play(street, driver, pedestrians, scenarios, keys, until=hits.steps)
+    """Return whether each change avoids each collision of a batch (false where it does not apply)."""
+    scenarios, keys = source.take(hits.scenario)
+    unchanged = play(street, policies, scenarios, keys, until=hits.steps)
     _check_same(measure_outcomes(unchanged, moving_speed=street.config.moving_speed), hits)
     crossing = unchanged.decisions[hits.steps, np.arange(len(hits.ped)), hits.ped] - 1
     watched = hits.steps + round(WATCHED / street.world.rules.dt)
 
-    def avoids(change: Intervention | None, scenarios: Scenario = scenarios) -> Bool[np.ndarray, "collision"]:
-        return ~play(street, driver, pedestrians, scenarios, keys, intervention=change, until=watched).collision
+    def avoids(change: Roles[Policy], scenarios: Scenario = scenarios) -> Bool[np.ndarray, "collision"]:
+        return ~play(street, policies | change, scenarios, keys, until=watched).collision
 
+    driver, people = policies["driver"], policies["pedestrian"]
     ped, start = jnp.asarray(hits.ped, jnp.int32), jnp.asarray(hits.start, jnp.int32)
     return {
-        "crosswalk": avoids(None, on_the_crosswalk(scenarios, hits.ped, crossing)) & (hits.contact == JAYWALK),
-        "wait": avoids(Wait(ped, start - 1)) & hits.entered,
-        "brake": avoids(Brake(start)),
-        "planner": avoids(TakeOver(Oracle(), start)),
-        "planner_from_start": avoids(TakeOver(Oracle(), jnp.zeros_like(start))),
+        "crosswalk": avoids({}, on_the_crosswalk(scenarios, hits.ped, crossing)) & (hits.contact == JAYWALK),
+        "wait": avoids({"pedestrian": Wait(people, ped, start - 1)}) & hits.entered,
+        "brake": avoids({"driver": Brake(driver, start)}),
+        "planner": avoids({"driver": TakeOver(driver, Oracle(), start)}),
+        "planner_from_start": avoids({"driver": TakeOver(driver, Oracle(), jnp.zeros_like(start))}),
     }
 
 

@@ -11,8 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Key
 
-from jaxwalk.evaluation.game import BLOCK, Frame, frame_of_people
-from jaxwalk.rollout import SCENARIO_KEYS
+from jaxwalk.evaluation.playing import BLOCK, Frame, frame_of_people
+from jaxwalk.rollout import scenario_key
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
@@ -41,8 +41,8 @@ def walk_ghosts(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]
 @eqx.filter_jit
 def _begin(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]) -> tuple[Scenario, PedestrianState, Frame]:
     """The ghosts' scenarios, and where they start. Their keys are those of a second episode, which is never played."""
-    second_episode = jax.vmap(lambda key: jax.random.fold_in(jax.random.fold_in(key, SCENARIO_KEYS), 1))
-    others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(second_episode(keys), scenarios)
+    second_episode = scenario_key(keys, jnp.ones(keys.shape, jnp.int32))
+    others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(second_episode, scenarios)
     people = pedestrian.place(street.world, others)
     return others, people, frame_of_people(street, others, people)
 

@@ -2,41 +2,18 @@
 
 from __future__ import annotations
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int, Key
+from jaxtyping import Array, Bool, Float, Int
 
+from jaxwalk.acting import Given
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.policies.host.driver import wrong_action
-
-
-class Answered(eqx.Module):
-    """A driver's answer of this step, as a policy of the compiled program."""
-
-    action: Float[Array, "2 episode"]
-    observes: str = eqx.field(static=True)
-
-    @classmethod
-    def nothing(cls, observes: str, batch: tuple[int, ...]) -> Answered:
-        """Not asked yet."""
-        return cls(jnp.zeros((2, *batch), jnp.float32), observes)
-
-    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
-        return None
-
-    def act(
-        self, key: Key[Array, "episode"], memory: None, observation: Float[Array, "feature episode"]
-    ) -> tuple[Float[Array, "2 episode"], None]:
-        """What was answered, whatever is observed."""
-        return self.action, memory
 
 
 def ask(
     driver: HostDriver, seen: Float[Array, "feature episode"], *,
     playing: Bool[np.ndarray, "episode"], numbers: Int[np.ndarray, "episode"], step: int,
-) -> Answered:  # fmt: skip
+) -> Given:  # fmt: skip
     """The driver's answer to what it observes at a step.
 
     Raises DriverError, which names driver, scenario and step, for a driver that fails, or whose action in an episode
@@ -52,4 +29,4 @@ def ask(
     if wrong is not None:
         episode, what = wrong
         raise driver.fail(f"{what} (scenario {numbers[episode]}, step {step})")
-    return Answered(action, driver.observes)
+    return Given(action)

@@ -1,23 +1,22 @@
-"""One thing done otherwise in a replay, everything else as it was: `jaxwalk.evaluation.play` applies it at every step.
+"""One thing done otherwise in a replay, everything else as it was: a policy around the policy that plays a role.
 
 An intervention has a row for each episode of the batch. It acts from ``from_step`` on: the first action it changes is
-the one taken in view of that frame. Nothing changed is None.
+the one taken in view of that frame. It sees the whole `Moment`, and shows the policy inside it what that sees.
 """
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from dataclasses import dataclass
+from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Int, Key
+from jaxtyping import Array, Int, Key
 
-from jaxwalk.interfaces import ByRole, Policy
-from jaxwalk.sim.environment import Street
+from jaxwalk.interfaces import Moment, Policy, View
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.state import State
 
 FULL_BRAKING = -1.0
 """Acceleration as a share of its limit (3 m/s2)."""
@@ -25,93 +24,84 @@ WAIT = 0
 """The action of a pedestrian who stands."""
 
 
-class Now(eqx.Module):
-    """The moment in which everybody acts."""
+@dataclass(frozen=True)
+class WholeMoment:
+    """A view that shows everything: for a policy that chooses what the policies inside it see."""
 
-    street: Street
-    scenarios: Scenario
-    state: State
-    key: Key[Array, "episode"]
-    """The driver's, of this step."""
-    playing: Bool[Array, "episode"]
-    """Not ended yet."""
+    name: str = "moment"
 
-
-@runtime_checkable
-class Intervention(Protocol):
-    """Changes the actions of a step."""
-
-    def init(self, batch: tuple[int, ...]) -> Any:
-        """What it remembers at the start: a pytree with arrays ``(..., episode)``, or None."""
-        ...
-
-    def act(self, now: Now, memory: Any, actions: ByRole[Array]) -> tuple[ByRole[Array], Any]:
-        """The actions with its change, and its next memory."""
-        ...
+    def __call__(self, moment: Moment) -> Moment:
+        """Return the moment."""
+        return moment
 
 
 class Wait(eqx.Module):
     """One pedestrian of each episode stands still."""
 
+    pedestrians: Policy
+    """Decides for everybody else, and for that one before."""
     ped: Int[Array, "episode"]
-    """Who."""
+    """Who stands still."""
     from_step: Int[Array, "episode"]
+    view: View = eqx.field(static=True, default=WholeMoment())
 
-    def init(self, batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
-        return None
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Any:
+        """Return what the pedestrians remember at the start."""
+        return self.pedestrians.init(agents, batch)
 
-    def act(self, now: Now, memory: None, actions: ByRole[Array]) -> tuple[ByRole[Array], None]:
-        """That pedestrian waits, and nobody else's action changes."""
-        walk = actions.pedestrian
-        waits = (jnp.arange(len(walk))[:, None] == self.ped) & (now.state.step >= self.from_step)
-        return ByRole(actions.driver, jnp.where(waits, WAIT, walk)), memory
+    def act(self, key: Key[Array, "episode"], memory: Any, seen: Moment) -> tuple[Array, Any]:
+        """Return everybody's actions, that pedestrian's changed to waiting."""
+        walk, memory = self.pedestrians.act(key, memory, self.pedestrians.view(seen))
+        waits = (jnp.arange(len(walk))[:, None] == self.ped) & (seen.state.step >= self.from_step)
+        return jnp.where(waits, WAIT, walk), memory
 
 
 class Brake(eqx.Module):
     """The car brakes fully; its steering stays the driver's."""
 
+    driver: Policy
     from_step: Int[Array, "episode"]
+    view: View = eqx.field(static=True, default=WholeMoment())
 
-    def init(self, batch: tuple[int, ...]) -> None:
-        """It remembers nothing."""
-        return None
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Any:
+        """Return what the driver remembers at the start."""
+        return self.driver.init(agents, batch)
 
-    def act(self, now: Now, memory: None, actions: ByRole[Array]) -> tuple[ByRole[Array], None]:
-        """Full braking instead of the driver's acceleration."""
-        acceleration, steering = actions.driver
-        braking = jnp.where(now.state.step >= self.from_step, FULL_BRAKING, acceleration)
-        return ByRole(jnp.stack([braking, steering]), actions.pedestrian), memory
+    def act(self, key: Key[Array, "episode"], memory: Any, seen: Moment) -> tuple[Array, Any]:
+        """Return full braking instead of the driver's acceleration."""
+        (acceleration, steering), memory = self.driver.act(key, memory, self.driver.view(seen))
+        braking = jnp.where(seen.state.step >= self.from_step, FULL_BRAKING, acceleration)
+        return jnp.stack([braking, steering]), memory
 
 
 class TakeOver(eqx.Module):
-    """Another driver takes over. It is asked, and shown what it observes, only where and when it drives."""
+    """Another driver takes over. It acts, and its view is made, only when it drives in some episode."""
 
     driver: Policy
+    other: Policy
     from_step: Int[Array, "episode"]
+    view: View = eqx.field(static=True, default=WholeMoment())
 
-    def init(self, batch: tuple[int, ...]) -> Any:
-        """What the other driver remembers at the start."""
-        return self.driver.init((), batch)
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> tuple[Any, Any]:
+        """Return what both drivers remember at the start."""
+        return self.driver.init(agents, batch), self.other.init(agents, batch)
 
-    def act(self, now: Now, memory: Any, actions: ByRole[Array]) -> tuple[ByRole[Array], Any]:
-        """The other driver's action, and its memory, which begins when it takes over."""
-        drives = now.playing & (now.state.step >= self.from_step)
-
-        def ask() -> tuple[Array, Any]:
-            seen = now.street.observe(now.scenarios, now.state, "driver", self.driver.observes)
-            return self.driver.act(now.key, memory, seen)
-
-        answer = jax.lax.cond(drives.any(), ask, lambda: (actions.driver, memory))
-        before = (actions.driver, memory)
-        drive, memory = jax.tree.map(lambda new, old: jnp.where(drives, new, old), answer, before)
-        return ByRole(drive, actions.pedestrian), memory
+    def act(self, key: Key[Array, "episode"], memory: tuple[Any, Any], seen: Moment) -> tuple[Array, tuple[Any, Any]]:
+        """Return the other driver's action once it drives; its memory begins when it takes over."""
+        before, waiting = memory
+        action, after = self.driver.act(key, before, self.driver.view(seen))
+        drives = seen.state.step >= self.from_step
+        answer = jax.lax.cond(
+            drives.any(), lambda: self.other.act(key, waiting, self.other.view(seen)), lambda: (action, waiting)
+        )
+        action, waiting = jax.tree.map(lambda new, old: jnp.where(drives, new, old), answer, (action, waiting))
+        return action, (after, waiting)
 
 
 def on_the_crosswalk(
     scenarios: Scenario, ped: Int[np.ndarray, "episode"], crossing: Int[np.ndarray, "episode"]
 ) -> Scenario:
-    """The scenarios with one crossing (counted from 0) of one pedestrian each made on the crosswalk.
+    """Return the scenarios with one crossing (counted from 0) of one pedestrian each made on the crosswalk.
 
     It changes no action but the draw, which no probability is above any more: decisions are made before the road.
     """

@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches, scenario_hash
+from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Estimate, Rate, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
+from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
@@ -77,12 +78,8 @@ class Cell:
 class Results:
     """Drivers x populations on one set of scenarios."""
 
-    seed: int
-    """Of the scenarios."""
-    count: int
-    """Scenarios each cell was evaluated on."""
-    hash: str
-    """`scenario_hash` of the set."""
+    scenarios: dict[str, Any]
+    """What the source says about itself."""
     cells: tuple[Cell, ...]
 
     def cell(self, driver: str, pedestrians: str) -> Cell:
@@ -96,7 +93,7 @@ class Results:
         """The document: nothing in it but ``driver_ms_per_step`` depends on when or where it was made."""
         return {
             "schema": SCHEMA,
-            "scenarios": {"seed": self.seed, "count": self.count, "hash": self.hash},
+            "scenarios": self.scenarios,
             "cells": [cell.as_dict() for cell in self.cells],
         }
 
@@ -118,9 +115,8 @@ def compare(
     street: Street,
     drivers: Mapping[str, Policy],
     populations: Mapping[str, Policy],
+    source: Source,
     *,
-    episodes: int,
-    seed: int,
     batch: int = BATCH,
     progress: Callable[[str, str, int, int], None] | None = None,
 ) -> tuple[Results, dict[tuple[str, str], Rows]]:
@@ -130,25 +126,23 @@ def compare(
         street: the world.
         drivers: by name.
         populations: pedestrian policies by name.
-        episodes: scenarios a cell.
-        seed: which set of scenarios.
+        source: the scenarios.
         batch: episodes played at once.
-        progress: called with driver, population, episodes played of the cell, and ``episodes``.
+        progress: called with driver, population, episodes played of the cell, and all.
 
     Returns:
         The results, and the rows of each (driver, population).
 
     Raises:
-        ValueError: ``episodes``, ``batch`` or ``seed`` is impossible.
+        ValueError: ``batch`` is below 1.
         Stopped: a driver that is not JAX failed; the error has the rows so far.
     """
     cells, rows = [], {}
     for driver_name, driver in drivers.items():
         for name, pedestrians in populations.items():
             tell = partial(progress, driver_name, name) if progress is not None else None
-            batches = evaluate_batches(
-                street, driver, pedestrians, episodes=episodes, seed=seed, batch=batch, progress=tell
-            )
+            policies = {"driver": driver, "pedestrian": pedestrians}
+            batches = evaluate_batches(street, policies, source, batch=batch, progress=tell)
             before = _cost(driver)
             measured, failure = _joined(batches)
             if measured is not None:
@@ -157,8 +151,7 @@ def compare(
                 raise Stopped(str(failure), rows) from failure
             cost = _ms_per_step(_cost(driver) - before)
             cells.append(make_cell(street, driver_name, driver, name, pedestrians, measured, cost))
-    digest = scenario_hash(street, seed=seed, episodes=episodes, batch=batch)
-    return Results(seed, episodes, digest, tuple(cells)), rows
+    return Results(source.describe(), tuple(cells)), rows
 
 
 def _joined(batches: Iterable[Rows]) -> tuple[Rows | None, DriverError | None]:
@@ -200,8 +193,8 @@ def make_cell(
         pedestrian_mode=mode(pedestrians),
         jaywalk_multiplier=jaywalk_multiplier(street),
         summary=summarise(rows),
-        driver_observes=driver.observes,
-        pedestrian_observes=pedestrians.observes,
+        driver_observes=driver.view.name,
+        pedestrian_observes=pedestrians.view.name,
         driver_ms_per_step=driver_ms_per_step,
     )
 

@@ -8,11 +8,11 @@ from typing import Any, TypeVar
 import equinox as eqx
 import jax.numpy as jnp
 
-from jaxwalk.interfaces import ByRole
+from jaxwalk.interfaces import Roles
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.world import as_written, check_multiplier
 
-SAMPLES = ByRole(driver=False, pedestrian=True)
+SAMPLES: Roles[bool] = {"driver": False, "pedestrian": True}
 """Whether a role's policy samples its actions at evaluation, unless told otherwise; else it takes the likeliest."""
 
 P = TypeVar("P")

@@ -29,6 +29,7 @@ from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.study import Effort, Work
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, TOLD
 from jaxwalk.writing import write_whole
@@ -76,8 +77,9 @@ def hidden_intent(folder: Path, plan: Plan, *, console: Console | None = None, b
 def _train(work: HiddenIntent) -> None:
     for seed in work.plan.training_seeds:
         for name, observes in DRIVERS.items():
-            driver = replace(work.base.train.driver, observes=observes)
-            work.train(name, with_training(work.base, driver=driver, updates=work.plan.updates), seed)
+            roles = work.base.train.roles
+            roles = roles | {"driver": replace(roles["driver"], observes=observes)}
+            work.train(name, with_training(work.base, roles=roles, updates=work.plan.updates), seed)
 
 
 def _evaluate(work: HiddenIntent) -> None:
@@ -120,7 +122,8 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
     """
     people, seconds = street.world.rules.pedestrians, street.world.rules.horizon * street.world.rules.dt
     always_go = contestant(street, "pedestrian", ALWAYS_GO)
-    stands = evaluate(street, ConstantSpeed(throttle=0.0), always_go, episodes=scenarios.episodes, seed=scenarios.seed)
+    source = Drawn(street, scenarios.seed, scenarios.episodes)
+    stands = evaluate(street, {"driver": ConstantSpeed(throttle=0.0), "pedestrian": always_go}, source)
     whole = _crossings(stands, people)[stands[OUTCOMES].steps == street.world.rules.horizon]
     mean = blind[OUTCOMES].steps.mean() * blind.dt
     cases = [

@@ -31,6 +31,7 @@ from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.study import Effort, Work, read_json, run_folder
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
 
@@ -141,8 +142,9 @@ def _collect(work: Reproduction) -> None:
     blind = {ROUTE_FOLLOWER: contestant(street, "driver", ROUTE_FOLLOWER)}
     people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO), LEARNED: trained.learned}
     cast = Cast(street, {**trained.drivers, **blind}, people, seed)
+    source = Drawn(street, seed, min(WATCHED, work.plan.episodes))
     played = {
-        (driver, crowd): evaluate(street, policy, among, episodes=min(WATCHED, work.plan.episodes), seed=seed)
+        (driver, crowd): evaluate(street, {"driver": policy, "pedestrian": among}, source)
         for driver, policy in cast.drivers.items()
         for crowd, among in cast.populations.items()
     }
@@ -167,8 +169,8 @@ def _draw(work: Reproduction) -> None:
 
 def _interesting(work: Reproduction, street: Street, driver: Policy, people: Policy) -> tuple[int, int]:
     """The scenario with the encounter that came nearest without a touch to a jaywalker, and the frame it began in."""
-    episodes = min(INTERESTING, work.plan.episodes)
-    rows = evaluate(street, driver, people, episodes=episodes, seed=work.plan.seed)
+    source = Drawn(street, work.plan.seed, min(INTERESTING, work.plan.episodes))
+    rows = evaluate(street, {"driver": driver, "pedestrian": people}, source)
     found, reached = rows[ENCOUNTERS], rows[OUTCOMES].goal
     fit = [i for i in range(len(found.type)) if found.type[i] == JAYWALK and reached[found.episode[i]]]
     if not fit:

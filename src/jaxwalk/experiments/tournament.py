@@ -19,10 +19,11 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT
 from jaxwalk.runs.contestants import contestant
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
 
-COMPARED = [name for name, make in DRIVERS.items() if make().observes not in HIDDEN]
+COMPARED = [name for name, make in DRIVERS.items() if make().view.name not in HIDDEN]
 """Rules that are compared: the oracle, which knows the future, is in no table of the paper's and takes minutes."""
 MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
 """Jaywalk multipliers of the ablation (paper, section IV-D)."""
@@ -100,7 +101,7 @@ def play_rounds(
     for training_seed, drivers, people in rounds:
         told = partial(_tell, say, "" if training_seed is None else f", seed {training_seed}")
         results, rows = compare(
-            street, drivers, people, episodes=scenarios.episodes, seed=scenarios.seed, progress=told
+            street, drivers, people, Drawn(street, scenarios.seed, scenarios.episodes), progress=told
         )
         matches += [Match(cell, rows[cell.driver, cell.pedestrians], training_seed) for cell in results.cells]
         document = results.as_dict()

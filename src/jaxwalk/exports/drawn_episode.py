@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jaxwalk.evaluation import draw_scenarios, replay
+from jaxwalk.evaluation import replay
 from jaxwalk.interfaces import Policy
 from jaxwalk.maps import RoadMap
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
@@ -29,7 +30,7 @@ def draw_episode(
 
     ``time`` [s]: the moment that a picture shows; its end if left out. Raises ViewerError if it had ended before.
     """
-    trajectory = replay(street, driver, pedestrians, scenarios=[scenario], seed=seed)
+    trajectory = replay(street, {"driver": driver, "pedestrian": pedestrians}, Drawn(street, seed), [scenario])
     ground = map_of(street, scenario=scenario, seed=seed)
     if path.suffix.lower() in MOVING:
         animation(EpisodeFigure(trajectory, 0, ground, width=640), path)
@@ -45,7 +46,8 @@ def draw_episode(
 def map_of(street: Street, *, scenario: int, seed: int) -> RoadMap:
     """The map on which a scenario takes place, on its own."""
     import jax
+    import numpy as np
 
-    drawn, _ = draw_scenarios(street, seed=seed, first=scenario, count=1)
+    drawn, _ = Drawn(street, seed).take(np.array([scenario]))
     index = int(drawn.map[0])
     return jax.device_get(jax.tree.map(lambda x: x[index], street.world.maps))

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
-from jaxwalk.evaluation import Incidents, ReplayError, counterfactuals, describe, find_incidents, replay
+from jaxwalk.evaluation import Incidents, ReplayError, counterfactuals, describe, find_hits, find_incidents, replay
 from jaxwalk.evaluation.results import CONTACT_NAMES
 from jaxwalk.evaluation.scenarios import AT_ONCE
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Rows
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 
 LEAD = 3.0
@@ -71,9 +72,10 @@ def _rows(cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents) -> lis
         return []
     street, driver, people = cast.street, cast.drivers[pair[0]], cast.populations[pair[1]]
     hits = some.scenario[some.collision].tolist()
-    replayed = counterfactuals(street, driver, people, rows, seed=cast.seed, scenarios=hits)
+    policies, source = {"driver": driver, "pedestrian": people}, Drawn(street, cast.seed)
+    replayed = counterfactuals(street, policies, source, find_hits(rows).among(hits))
     labels = dict(zip(replayed.scenario.tolist(), replayed.label.tolist(), strict=True))
-    trajectory = replay(street, driver, people, scenarios=some.scenario.tolist(), seed=cast.seed)
+    trajectory = replay(street, policies, source, some.scenario.tolist())
     if (trajectory.length != rows[OUTCOMES].steps[some.scenario]).any():
         raise ReplayError(f"{pair[0]} among {pair[1]} does not do the same again in the same scenario")
     how = describe(some, trajectory, moving_speed=street.config.moving_speed)

@@ -15,7 +15,8 @@ import jax
 import numpy as np
 from jaxtyping import Array, Key
 
-from jaxwalk.interfaces import ByRole
+from jaxwalk.acting import Player, act, cast_of, fresh_memory
+from jaxwalk.interfaces import Policy
 from jaxwalk.learning.actor import Held
 from jaxwalk.policies import AlwaysGo, PolicyError, RouteFollower, read_metadata
 from jaxwalk.policies.learned import LearnedPolicy
@@ -95,34 +96,29 @@ def _origin(file: Path, street: Street) -> dict[str, str]:
 
 def met(street: Street, role: str, policy: LearnedPolicy) -> Met:
     """What the policy meets in scenarios of a training seed, beside people who always go or a route-follower."""
-    policies = ByRole(policy, AlwaysGo()) if role == "driver" else ByRole(RouteFollower(), policy)
+    policies: dict[str, Policy] = {"driver": RouteFollower(), "pedestrian": AlwaysGo()}
+    policies[role] = policy
+    cast = cast_of(policies) | {role: (Player(policy, policy.view, decide=_meet),)}
 
-    def act(key: Key[Array, "env"], scenario: Any, state: Any, memory: ByRole[Any]) -> tuple[ByRole, ByRole, Met]:
-        def decide(of: str) -> tuple[Array, Array, Any]:
-            seen = street.observe(scenario, state, of, getattr(policies, of).observes)
-            return seen, *getattr(policies, of).act(key, getattr(memory, of), seen)
-
-        decided = ByRole(decide("driver"), decide("pedestrian"))
-        seen, action, _ = getattr(decided, role)
-        record = Met(seen, getattr(memory, role), action, policy.actor.network(seen))
-        return (
-            ByRole(decided.driver[1], decided.pedestrian[1]),
-            ByRole(decided.driver[2], decided.pedestrian[2]),
-            record,
-        )
+    def act_and_record(key: Key[Array, "env"], scenario: Any, state: Any, memory: Any) -> tuple[Any, Any, Met]:
+        acted = act(street, cast, key, scenario, state, memory)
+        return acted.actions, acted.memory, acted.records[role][0]
 
     @eqx.filter_jit
     def played(street: Street) -> Met:
-        roles, batch = street.roles, (ENVIRONMENTS,)
-        memory = ByRole(
-            policies.driver.init(roles.driver.agents, batch), policies.pedestrian.init(roles.pedestrian.agents, batch)
-        )
+        memory = fresh_memory(street, cast, (ENVIRONMENTS,))
         stream = start(street, environment_keys(seed_key(0, TRAINING), 0, ENVIRONMENTS), memory)
-        return rollout(street, act, stream, STEPS, fresh_memory=memory, keep=lambda step: step.record)[1]
+        return rollout(street, act_and_record, stream, STEPS, fresh_memory=memory, keep=lambda step: step.record)[1]
 
     found = played(street)
-    agents = len(getattr(street.roles, role).agents)
+    agents = len(street.roles[role].agents)
     return jax.tree.map(lambda x: _rows(x, axes=agents + 1), found)
+
+
+def _meet(policy: LearnedPolicy, key: Key[Array, "env"], memory: Held | None, seen: Array) -> tuple[Array, Any, Met]:
+    """Let the policy act, and record everything about it."""
+    action, after = policy.act(key, memory, seen)
+    return action, after, Met(seen, memory, action, policy.actor.network(seen))
 
 
 def _rows(x: Array, *, axes: int) -> np.ndarray:

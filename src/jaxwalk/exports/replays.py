@@ -8,10 +8,11 @@ from typing import Any
 import jax
 import numpy as np
 
-from jaxwalk.evaluation import BATCH, choose_scenarios, jaywalk_multiplier, replay
+from jaxwalk.evaluation import BATCH, jaywalk_multiplier, replay
 from jaxwalk.interfaces import Policy
 from jaxwalk.maps import RoadMap
 from jaxwalk.maps.road_map import ROUTE_SPACING
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.walking_paths import walking_paths
@@ -47,14 +48,15 @@ def _entries(
     street: Street, drivers: Mapping[str, Policy], people: tuple[str, Policy], numbers: Sequence[int], seed: int
 ) -> list[dict[str, Any]]:
     """Up to `BATCH` scenarios under every driver."""
-    scenarios, _ = choose_scenarios(street, seed=seed, numbers=np.asarray(numbers))
+    source = Drawn(street, seed)
+    scenarios, _ = source.take(np.asarray(numbers))
     config = street.config
     reach = config.horizon * config.dt * config.fastest_walk
     paths = walking_paths(street.world, scenarios, reach=reach)
     routes, maps = _routes(street, scenarios), np.asarray(scenarios.map).tolist()
     found, multiplier = [], jaywalk_multiplier(street)
     for driver, policy in drivers.items():
-        trajectory = replay(street, policy, people[1], scenarios=numbers, seed=seed)
+        trajectory = replay(street, {"driver": policy, "pedestrian": people[1]}, source, numbers)
         records = make_records(trajectory, paths, routes)
         found += entries(trajectory, records, maps, driver=driver, pedestrians=people[0], multiplier=multiplier)
     return found

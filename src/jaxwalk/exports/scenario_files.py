@@ -13,6 +13,7 @@ from jaxwalk.formats.paths import largest_error, paths
 from jaxwalk.formats.road_network import road_network
 from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
@@ -40,7 +41,8 @@ def export_scenario(
     Raises:
         TracksError: scenariogeneration is missing, or the map has no room for its junctions.
     """
-    tracks = next(tracks_of(replay(street, driver, pedestrians, scenarios=[scenario], seed=seed)))
+    policies = {"driver": driver, "pedestrian": pedestrians}
+    tracks = next(tracks_of(replay(street, policies, Drawn(street, seed), [scenario])))
     network = road_network(map_of(street, scenario=scenario, seed=seed))
     documents = {
         EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config),

@@ -11,6 +11,7 @@ from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, s
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import Run
+from jaxwalk.scenarios import Drawn
 from jaxwalk.writing import write_whole
 
 FIGURES = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
@@ -32,7 +33,7 @@ def share(
     people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
     about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)
     actors = {role: load_policy(run.policy, role).actor for role in about.pop("roles")}
-    found, _ = compare(street, driver, people, episodes=episodes, seed=seed, progress=progress)
+    found, _ = compare(street, driver, people, Drawn(street, seed, episodes), progress=progress)
     document = found.as_dict()
     about["results"] = {
         "scenarios": document["scenarios"],

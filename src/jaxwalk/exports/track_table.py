@@ -10,12 +10,13 @@ from typing import Any
 import jax
 import numpy as np
 
-from jaxwalk.evaluation import BATCH, draw_scenarios, play
+from jaxwalk.evaluation import BATCH, play
 from jaxwalk.formats.areas import areas_of
 from jaxwalk.formats.layouts import RULES
 from jaxwalk.formats.track_file import write_tracks
 from jaxwalk.formats.tracks import Tracks, tracks_of
 from jaxwalk.interfaces import Policy
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 
 
@@ -66,9 +67,11 @@ def _recorded(
     progress: Callable[[int, int], None] | None,
 ) -> Iterator[Tracks]:
     """The episodes, one after the other; played a batch at a time."""
+    policies, source = {"driver": driver, "pedestrian": pedestrians}, Drawn(street, seed, episodes)
     for first in range(0, episodes, BATCH):
-        scenarios, keys = draw_scenarios(street, seed=seed, first=first, count=BATCH)
-        trajectory = play(street, driver, pedestrians, scenarios, keys, numbers=first + np.arange(BATCH))
+        numbers = (first + np.arange(BATCH)) % episodes
+        scenarios, keys = source.take(numbers)
+        trajectory = play(street, policies, scenarios, keys, numbers=numbers)
         asked = min(BATCH, episodes - first)
         yield from islice(tracks_of(trajectory), asked)
         if progress is not None:

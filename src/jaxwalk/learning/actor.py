@@ -19,8 +19,8 @@ DISCRETE, GATED = "discrete", "gated"
 kinds of continuous policies are `RoleConfig.noise`."""
 OTHERWISE = 1
 """What a gated policy does where there is nothing to decide."""
-GLANCE_PART = 16
-"""`glance` shows a network this part (1 / 16) of the columns at once: somewhat more than count at a time."""
+CHOSEN_PART = 16
+"""`run_where` runs a network on this part (1 / 16) of the columns at once: somewhat more than are chosen in a step."""
 
 
 class Actor(eqx.Module):
@@ -46,6 +46,11 @@ class Actor(eqx.Module):
             return ClippedGaussian(jnp.tanh(outputs), self.log_std)
         return TanhGaussian(outputs, self.log_std)
 
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Held | None:
+        """Return what it remembers at the start of an episode; None unless it is gated."""
+        nothing = jnp.zeros((*agents, *batch), jnp.int32)
+        return Held(nothing, nothing) if self.kind == GATED else None
+
 
 class Held(eqx.Module):
     """What a gated policy remembers: arrays ``(*agents, *batch)``."""
@@ -69,12 +74,6 @@ class Choice(eqx.Module):
     """Whether it was; None for all."""
 
 
-def no_memory(actor: Actor, agents: tuple[int, ...], batch: tuple[int, ...]) -> Held | None:
-    """What an actor remembers at the start of an episode."""
-    nothing = jnp.zeros((*agents, *batch), jnp.int32)
-    return Held(nothing, nothing) if actor.kind == GATED else None
-
-
 def decide(
     actor: Actor, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature *rest"], *,
     sample: bool,
@@ -86,7 +85,7 @@ def decide(
         return Choice(choice.action(raw), raw, choice.log_prob(raw), None), None
     may = observation[0] > 0
     now = may & (memory.left == 0)
-    choice = Categorical(glance(actor.network, observation, now))
+    choice = Categorical(run_where(actor.network, observation, now))
     new = choice.sample(key) if sample else choice.mode()
     kept = jnp.where(now, new, memory.choice)
     left = jnp.where(now, actor.hold - 1, memory.left - 1)
@@ -94,16 +93,16 @@ def decide(
     return Choice(action, action, choice.log_prob(action), now), Held(kept, jnp.where(may, left, 0))
 
 
-def glance(
+def run_where(
     network: MLP, columns: Float[Array, "feature *rest"], which: Bool[Array, "*rest"]
 ) -> Float[Array, "out *rest"]:
-    """The network's outputs where ``which``, 0 elsewhere. Can't be differentiated.
+    """Run the network on the columns chosen by ``which``; elsewhere the outputs are 0. Can't be differentiated.
 
-    Where few columns count, the network sees only those, some at once, until all are seen.
+    Few columns are chosen, so the network runs on those alone, a part of them at a time.
     """
     flat = columns.reshape(columns.shape[0], -1)
     count = flat.shape[1]
-    places = -(-count // GLANCE_PART)
+    places = -(-count // CHOSEN_PART)
 
     def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
         waiting, found = left

@@ -1,4 +1,4 @@
-"""How much better an action was than expected, and what a state was worth. Time is the leading axis."""
+"""Estimating how much better an action was than expected, and what a state was worth. Time is the leading axis."""
 
 from __future__ import annotations
 
@@ -11,8 +11,22 @@ from jaxtyping import Array, Bool, Float
 from jaxwalk.shards import Axis
 
 
-class Estimate(NamedTuple):
-    """What a rollout says of returns; arrays ``(time, ...)``."""
+class Transitions(NamedTuple):
+    """The steps of a rollout as one agent met them; arrays ``(time, ...)`` that broadcast against each other."""
+
+    reward: Float[Array, "time ..."]
+    terminated: Bool[Array, "time ..."]
+    """The agent's future is worth nothing."""
+    truncated: Bool[Array, "time ..."]
+    """The episode ended, but the agent's future is worth something."""
+    valid: Bool[Array, "time ..."]
+    """False where the environment only waited for its restart."""
+    decided: Bool[Array, "time ..."] | None = None
+    """Whether a decision was made; None: in every step."""
+
+
+class Advantages(NamedTuple):
+    """What a rollout says about returns; arrays ``(time, ...)``."""
 
     advantage: Float[Array, "time ..."]
     """How much better than expected the decision was; without meaning where there was none."""
@@ -21,11 +35,9 @@ class Estimate(NamedTuple):
 
 
 def generalised_advantage(
-    reward: Float[Array, "time ..."], value: Float[Array, "time+1 ..."], terminated: Bool[Array, "time ..."],
-    truncated: Bool[Array, "time ..."], valid: Bool[Array, "time ..."], decided: Bool[Array, "time ..."] | None = None,
-    *, discount: float, gae_lambda: float,
-) -> Estimate:  # fmt: skip
-    """Sums of temporal differences, each later one weighted by lambda (Schulman 2016, eq. 16).
+    steps: Transitions, value: Float[Array, "time+1 ..."], *, discount: float, gae_lambda: float
+) -> Advantages:
+    """Sum temporal differences, each later one weighted by lambda (Schulman 2016, eq. 16).
 
     Without ``decided``, every step is a decision. With it, a decision lasts until the next one (Sutton 1999, options):
     the difference spans all its steps, lambda applies once for each decision, and ``value`` matters only where
@@ -35,10 +47,11 @@ def generalised_advantage(
     the step after it, which only restarts and is not ``valid``. So a truncated step bootstraps from ``value[t + 1]``,
     a terminated one from 0; neither takes anything from the steps after; and a restarting step has advantage 0.
     """
-    decided = jnp.ones((), bool) if decided is None else decided
-    steps = tuple(jnp.broadcast_arrays(reward, value[:-1], terminated, terminated | truncated, valid, decided))
+    decided = jnp.ones((), bool) if steps.decided is None else steps.decided
+    ends = steps.terminated | steps.truncated
+    each = tuple(jnp.broadcast_arrays(steps.reward, value[:-1], steps.terminated, ends, steps.valid, decided))
 
-    def backwards(later: tuple[Array, Array], step: tuple[Array, ...]) -> tuple[tuple[Array, Array], Estimate]:
+    def backwards(later: tuple[Array, Array], step: tuple[Array, ...]) -> tuple[tuple[Array, Array], Advantages]:
         reward, value, terminated, ends, valid, decided = step
         expected, advantage = later  # as seen from here: of the next decision, discounted to the next step
         expected = reward + discount * jnp.where(terminated, 0.0, expected)
@@ -46,10 +59,10 @@ def generalised_advantage(
         advantage = jnp.where(valid, expected - value + gae_lambda * surplus, 0.0)
         expected = jnp.where(valid & ~decided, expected, value)
         carried = jnp.where(valid & ~decided, surplus, advantage)
-        return (expected, carried), Estimate(advantage, value + advantage)
+        return (expected, carried), Advantages(advantage, value + advantage)
 
-    last = jnp.broadcast_to(value[-1], steps[0].shape[1:])
-    _, found = jax.lax.scan(backwards, (last, jnp.zeros_like(last)), steps, reverse=True)
+    last = jnp.broadcast_to(value[-1], each[0].shape[1:])
+    _, found = jax.lax.scan(backwards, (last, jnp.zeros_like(last)), each, reverse=True)
     return found
 
 

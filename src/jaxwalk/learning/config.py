@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from typing import Literal
 
-ROLES = ("driver", "pedestrian")
-"""Names of the roles, in the order of `jaxwalk.interfaces.ByRole`."""
 GLOBAL = "global"
 """The name by which a critic asks for the environment's global state."""
 SHARED = "shared"
@@ -82,10 +80,8 @@ class RoleConfig:
 class TrainConfig:
     """How training goes. Impossible values raise ValueError, naming the field."""
 
-    driver: RoleConfig = field(default_factory=RoleConfig)
-    """How the car learns."""
-    pedestrian: RoleConfig = field(default_factory=RoleConfig)
-    """How the pedestrians learn."""
+    roles: dict[str, RoleConfig]
+    """How each of the environment's roles learns."""
     environments: int = 512
     """Environments played side by side (paper, Table II)."""
     steps: int = 256
@@ -134,11 +130,11 @@ class TrainConfig:
             _require(self, 0 < getattr(self, name) < math.inf, name, "must be above 0")
         for name in ("discount", "gae_lambda"):
             _require(self, 0 <= getattr(self, name) <= 1, name, "must lie in [0, 1]")
-        alone = self.credit == "individual" or not any(self.role(role).gated for role in ROLES)
+        alone = self.credit == "individual" or not any(self.roles[role].gated for role in self.roles)
         _require(self, alone, "gated", "goes with individual credit only", None)
-        alone = self.credit == "individual" or all(self.role(role).fixed in (0, 1) for role in ROLES)
+        alone = self.credit == "individual" or all(self.roles[role].fixed in (0, 1) for role in self.roles)
         _require(self, alone, "fixed", "between 0 and 1 goes with individual credit only", None)
-        alone = self.credit == "individual" or all(self.role(role).early == 0 for role in ROLES)
+        alone = self.credit == "individual" or all(self.roles[role].early == 0 for role in self.roles)
         _require(self, alone, "early", "goes with individual credit only", None)
         divides = self.steps % self.minibatches == 0
         _require(self, divides, "minibatches", f"must divide steps ({self.steps})")
@@ -148,28 +144,22 @@ class TrainConfig:
         _require(self, _possible_layers(self.shared_critic_hidden), "shared_critic_hidden", LAYERS)
         for role in self.learning_roles:
             _require(self, own_environments(self, role) >= 1, "environments", f"leave the {role} none to learn from")
-        learns = any(getattr(self, role).learns for role in ROLES)
-        _require(self, learns, "fixed", "must be below 1 for at least one role", None)
+        _require(self, bool(self.learning_roles), "fixed", "must be below 1 for at least one role", None)
+
+    def __hash__(self) -> int:
+        """Let compiled programs be kept by configuration."""
+        return hash(repr(self))
 
     @property
     def learning_roles(self) -> tuple[str, ...]:
         """Names of the roles that are trained."""
-        return tuple(role for role in ROLES if self.role(role).learns)
-
-    def role(self, name: str) -> RoleConfig:
-        """The configuration of the role of that name."""
-        return getattr(self, name)
+        return tuple(role for role, config in self.roles.items() if config.learns)
 
 
 def own_environments(config: TrainConfig, role: str) -> int:
     """In how many environments a role's learner plays: all but those of its stand-ins."""
-    choice, count = config.role(role), config.environments // config.shards
+    choice, count = config.roles[role], config.environments // config.shards
     return config.shards * (count - round(choice.fixed * count) - round(choice.early * count))
-
-
-def of_a_shard(config: TrainConfig) -> TrainConfig:
-    """What each shard trains with: its own environments."""
-    return replace(config, environments=config.environments // config.shards, shards=1)
 
 
 def _possible_layers(hidden: tuple[int, ...]) -> bool:
@@ -184,27 +174,31 @@ def _require(config: object, condition: bool, name: str, message: str, value: ob
 
 
 PAPER = TrainConfig(
-    driver=RoleConfig(actor_hidden=(256, 256), entropy=0.01, noise="tanh"),
-    pedestrian=RoleConfig(actor_hidden=(128, 128), entropy=0.03),
+    roles={
+        "driver": RoleConfig(actor_hidden=(256, 256), entropy=0.01, noise="tanh"),
+        "pedestrian": RoleConfig(actor_hidden=(128, 128), entropy=0.03),
+    },
     credit="shared",
 )
 """The paper's section III-B and Table II: one critic on the global state, one blended reward, one advantage."""
 
 FAST = TrainConfig(
-    driver=RoleConfig(
-        observes="route",
-        actor_hidden=(256, 256),
-        critic_hidden=(256, 256),
-        critic_observes=("route", GLOBAL),
-        entropy=0.001,
-        epochs=2,
-        initial_std=0.5,
-        fixed=1 / 4,
-        early=1 / 12,
-    ),
-    pedestrian=RoleConfig(
-        observes="kerb", gated=True, hold=10, critic_observes=("kerb",), entropy=0.003, epochs=1, fixed=1 / 3
-    ),
+    roles={
+        "driver": RoleConfig(
+            observes="route",
+            actor_hidden=(256, 256),
+            critic_hidden=(256, 256),
+            critic_observes=("route", GLOBAL),
+            entropy=0.001,
+            epochs=2,
+            initial_std=0.5,
+            fixed=1 / 4,
+            early=1 / 12,
+        ),
+        "pedestrian": RoleConfig(
+            observes="kerb", gated=True, hold=10, critic_observes=("kerb",), entropy=0.003, epochs=1, fixed=1 / 3
+        ),
+    },
     environments=768,
     steps=64,
     minibatches=32,

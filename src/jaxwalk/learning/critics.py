@@ -1,27 +1,28 @@
-"""Critics: what they read, what reward they predict, and what they make of a rollout."""
+"""Critics: what they read, what reward they predict, and the advantages estimated with them."""
 
 from __future__ import annotations
 
 import math
+from functools import reduce
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Key
 
-from jaxwalk.interfaces import Environment
-from jaxwalk.learning.actor import GLANCE_PART
-from jaxwalk.learning.advantages import generalised_advantage
-from jaxwalk.learning.config import GLOBAL, ROLES, SHARED, TrainConfig
+from jaxwalk.interfaces import Environment, Outcome
+from jaxwalk.learning.actor import CHOSEN_PART
+from jaxwalk.learning.advantages import Transitions, generalised_advantage
+from jaxwalk.learning.casting import Shard, width
+from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig
 from jaxwalk.learning.experience import Views
 from jaxwalk.learning.fit import map_chunks, plan_chunks, take_rows
 from jaxwalk.learning.monitor import by_agent
 from jaxwalk.learning.networks import MLP, make_mlp
-from jaxwalk.learning.players import columns_of, width
 from jaxwalk.rollout import Step
 
 FORWARD_CHUNKS = 4
-"""Judging keeps nothing for a gradient, so chunks may be this many times larger: large products are quicker."""
+"""Without a gradient to keep, chunks may be this many times larger: large products are quicker."""
 
 
 class Critic(eqx.Module):
@@ -45,13 +46,13 @@ class Critic(eqx.Module):
         return {self.role: {name: views[self.role][name] for name in self.reads}}
 
 
-class Judgement(eqx.Module):
-    """What a critic makes of a rollout; arrays ``(time, *agents, env)``."""
+class Estimates(eqx.Module):
+    """A critic's values in a rollout, and the advantages from them; arrays ``(time, *agents, env)``."""
 
     value: Float[Array, "..."]
     """What it expected of the state before the step, where it was asked."""
     advantage: Float[Array, "..."]
-    """How much better what was decided was."""
+    """How much better than that the decision was."""
     target: Float[Array, "..."]
     """What it should have expected: the lambda-return."""
     weight: Float[Array, "..."]
@@ -79,25 +80,24 @@ def make_critics(environment: Environment, config: TrainConfig, views: Views, ke
     names = (SHARED,) if shared else config.learning_roles
     critics = {}
     for name, k in zip(names, jax.random.split(key, len(names)), strict=True):
-        reads = (GLOBAL,) if shared else config.role(name).critic_observes
-        agents = () if shared else getattr(environment.roles, name).agents
-        hidden = config.shared_critic_hidden if shared else config.role(name).critic_hidden
+        reads = (GLOBAL,) if shared else config.roles[name].critic_observes
+        agents = () if shared else environment.roles[name].agents
+        hidden = config.shared_critic_hidden if shared else config.roles[name].critic_hidden
         size = critic_input(views[name], reads, agents).shape[0]
         critics[name] = Critic(make_mlp(k, (size, *hidden, 1), final_scale=1.0), name, reads, agents)
     return critics
 
 
-def judge(config: TrainConfig, critic: Critic, played: Step, final: Views) -> Judgement:
-    """Values of the rollout's states and of the ``final`` one after it, the advantages, and what to learn from.
+def estimate_advantages(shard: Shard, critic: Critic, played: Step, final: Views) -> Estimates:
+    """Value the rollout's states and the ``final`` one after it, and estimate advantages from the values.
 
-    Where a role is gated, only states in which something is decided are judged, and those at an end. From such
-    states alone a critic would know nothing of others, in which a rollout may end: so it learns from the first ones
-    of the rollout too, whatever they are.
+    For a gated role, only states in which something is decided are valued, and those at an end. From such states alone
+    a critic would know nothing about others, in which a rollout may end: so it learns from the rollout's first states
+    too, whatever they are.
     """
-    shared = critic.role == SHARED
-    role = ROLES[0] if shared else critic.role
-    own = slice(0, config.environments) if shared else columns_of(config, role).own
-    decided = None if shared else played.record.choices[role].decided
+    config, shared = shard.config, critic.role == SHARED
+    own = slice(0, config.environments) if shared else shard.columns[critic.role].own
+    decided = None if shared else played.record.choices[critic.role].decided
     views = critic.select(played.record.views)
     if decided is None:
         values = _values(config, critic, views, own)
@@ -105,18 +105,25 @@ def judge(config: TrainConfig, critic: Critic, played: Step, final: Views) -> Ju
         final_shown = jnp.roll(played.valid & played.outcome.ended, 1, axis=0)
         values = _sparse_values(critic, views, decided, final_shown[:, own])
     valid = by_agent(played.valid[:, own], values)
-    estimate = generalised_advantage(
-        jnp.where(valid, _reward(config, critic.role, played, own), 0.0),
+    reward = jnp.where(valid, _reward(config, critic.role, played, own), 0.0)
+    terminated, truncated = (end[..., own] for end in _ends(critic.role, played.outcome))
+    found = generalised_advantage(
+        Transitions(reward, terminated, truncated, valid, decided),
         jnp.concatenate([values, critic(final)[None]]),
-        getattr(played.outcome.terminated, role)[..., own],
-        getattr(played.outcome.truncated, role)[..., own],
-        valid,
-        decided,
         discount=config.discount,
         gae_lambda=config.gae_lambda,
     )
     learns = valid if decided is None else valid & decided.at[0].set(True)
-    return Judgement(values, estimate.advantage, estimate.target, learns.astype(jnp.float32))
+    return Estimates(values, found.advantage, found.target, learns.astype(jnp.float32))
+
+
+def _ends(role: str, outcome: Outcome) -> tuple[Bool[Array, "time ..."], Bool[Array, "time ..."]]:
+    """Return where a role's agents terminated and were truncated. A shared future is over as soon as anybody's is."""
+    if role != SHARED:
+        return outcome.terminated[role], outcome.truncated[role]
+    flat = [x.reshape(x.shape[0], -1, x.shape[-1]).any(axis=1) for x in outcome.terminated.values()]
+    terminated = reduce(jnp.logical_or, flat)
+    return terminated, outcome.ended & ~terminated
 
 
 def _values(config: TrainConfig, critic: Critic, views: Views, own: slice) -> Float[Array, "time *agents env"]:
@@ -131,7 +138,7 @@ def _sparse_values(
 ) -> Float[Array, "time *agents env"]:
     """Where something is decided, in final states and in the first ones; 0 elsewhere."""
     asked = (decided | by_agent(final, decided)).at[0].set(True)
-    room = -(-asked.size // GLANCE_PART)
+    room = -(-asked.size // CHOSEN_PART)
 
     def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
         waiting, values = left
@@ -144,14 +151,12 @@ def _sparse_values(
 
 
 def blended_reward(rewards: dict[str, Float[Array, "time ..."]]) -> Float[Array, "time env"]:
-    """The mean over roles of the mean over a role's agents: with two, half the car's and half the people's (paper)."""
+    """Return the mean over roles of the mean over a role's agents: with two, half and half (paper)."""
     means = [jnp.mean(reward.reshape(reward.shape[0], -1, reward.shape[-1]), axis=1) for reward in rewards.values()]
     return jnp.mean(jnp.stack(means), axis=0)
 
 
 def _reward(config: TrainConfig, name: str, played: Step, own: slice) -> Float[Array, "time ..."]:
-    """What that critic predicts the sum of. A role that doesn't learn pays into no shared reward."""
-    rewards = {
-        role: sum(getattr(played.outcome.rewards, role).values(), start=jnp.zeros(())) for role in config.learning_roles
-    }
+    """Return the reward whose sum the critic predicts. A role that doesn't learn has no part in a shared one."""
+    rewards = {role: sum(played.outcome.rewards[role].values(), start=jnp.zeros(())) for role in config.learning_roles}
     return config.reward_scale * (blended_reward(rewards) if name == SHARED else rewards[name])[..., own]

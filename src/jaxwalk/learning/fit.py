@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
@@ -88,10 +88,10 @@ def take_rows(data: Any, rows: tuple[Int[Array, " row"], ...]) -> Any:
     return jax.tree.map(take, data)
 
 
-def only_weighty(data: Entries, *, columns: int) -> Entries:
-    """The entries with weight of data ``(time, ..., *agents, env)``, dealt out over ``(time, ..., columns)``.
+def pack_weighted(data: Entries, *, columns: int) -> Entries:
+    """Pack the entries that have weight, of data ``(time, ..., *agents, env)``, into ``(time, ..., columns)``.
 
-    What is left of the room has no weight; if it is too small, the last entries are left out.
+    Room that is left has no weight; if there is too little room, the last entries are left out.
     """
     length = data.weight.shape[0]
     room = length * columns
@@ -110,7 +110,7 @@ def only_weighty(data: Entries, *, columns: int) -> Entries:
 
 
 def _places(times: Int[Array, " step"], chunks: Chunks) -> tuple[Int[Array, "chunk k"], Int[Array, " chunk"]]:
-    """Of each chunk its times and the number of its part."""
+    """Return the times of each chunk, and the number of its part."""
     groups = jnp.repeat(times.reshape(-1, chunks.steps), chunks.parts, axis=0)
     return groups, jnp.tile(jnp.arange(chunks.parts), groups.shape[0] // chunks.parts)
 
@@ -167,19 +167,32 @@ def descend(
     return optax.tree.add_scale(parameters, -rate, direction), memory
 
 
-def fit(
-    loss: Loss, network: Network, memory: optax.OptState, data: Any, *,
-    key: Key[Array, ""], rate: Float[Array, ""], epochs: int | float, agents: int, environments: int,
-    config: TrainConfig, axis: Axis = (),
-) -> tuple[Network, optax.OptState, dict[str, Array]]:  # fmt: skip
-    """Epochs of minibatches over data ``(time, ..., env)``; returns what has changed and the reports' means.
+class Fit(NamedTuple):
+    """How a network is fitted to a rollout."""
 
-    A broken number of epochs leaves out the last minibatches. Minibatches are sets of time steps: permuting every row
-    instead costs more than the update itself. With ``axis`` the gradients are those of all shards' data.
+    config: TrainConfig
+    rate: Float[Array, ""]
+    """The learning rate."""
+    epochs: int | float
+    """Passes over the rollout; a broken number leaves out the last minibatches."""
+    agents: int
+    """Rows that the data has for each step of an environment."""
+    axis: Axis = ()
+    """With it, gradients are those of all shards' data."""
+
+
+def fit(
+    how: Fit, loss: Loss, network: Network, memory: optax.OptState, data: Any, key: Key[Array, ""]
+) -> tuple[Network, optax.OptState, dict[str, Array]]:
+    """Fit a network by epochs of minibatches to data ``(time, ..., env)``.
+
+    Returns the network, what the optimiser remembers, and the means of what is reported. Minibatches are sets of time
+    steps: permuting every row instead costs more than the update itself.
     """
+    config, epochs, environments = how.config, how.epochs, data.weight.shape[-1]
     steps = len(jax.tree.leaves(data)[0])
     length = steps // config.minibatches
-    chunks = plan_chunks(agents=agents, environments=environments, steps=length, rows=config.chunk_rows)
+    chunks = plan_chunks(agents=how.agents, environments=environments, steps=length, rows=config.chunk_rows)
     whole = math.ceil(epochs)
     order = jnp.argsort(jax.random.bits(key, (whole, steps)), axis=1)  # a permutation for each epoch
     batches = order.reshape(-1, length)[: max(round(epochs * config.minibatches), 1)]
@@ -188,9 +201,9 @@ def fit(
 
     def minibatch(carry: tuple[Array, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
         parameters, memory = carry
-        gradient, report = mean_gradient(loss, shaped(parameters), data, times, chunks=chunks, axis=axis)
+        gradient, report = mean_gradient(loss, shaped(parameters), data, times, chunks=chunks, axis=how.axis)
         report["gradient_norm"] = jnp.linalg.norm(gradient)
-        return descend(parameters, memory, gradient, rate=rate, config=config), report
+        return descend(parameters, memory, gradient, rate=how.rate, config=config), report
 
     (end, memory), reports = jax.lax.scan(minibatch, (begin, memory), batches)
     return shaped(end), memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}

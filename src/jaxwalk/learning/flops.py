@@ -15,9 +15,10 @@ import equinox as eqx
 import jax
 
 from jaxwalk.interfaces import Discrete, Environment
-from jaxwalk.learning.actor import GLANCE_PART
+from jaxwalk.learning.actor import CHOSEN_PART
+from jaxwalk.learning.casting import whole
 from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig, own_environments
-from jaxwalk.learning.experience import look
+from jaxwalk.learning.experience import gather_views
 from jaxwalk.learning.fit import gated_part
 from jaxwalk.rollout import draw_batch
 
@@ -56,10 +57,10 @@ def sizes_of(environment: Environment, config: TrainConfig) -> Sizes:
 
     def view() -> object:
         scenario = draw_batch(environment, jax.random.split(jax.random.key(0), 1))
-        return look(environment, config, scenario, environment.reset(scenario))
+        return gather_views(environment, whole(config), scenario, environment.reset(scenario))
 
     views = eqx.filter_eval_shape(view)
-    roles = {role: getattr(environment.roles, role) for role in config.learning_roles}
+    roles = {role: environment.roles[role] for role in config.learning_roles}
     return Sizes(
         observations={reader: {name: x.shape[0] for name, x in seen.items()} for reader, seen in views.items()},
         actions={r: s.action.n if isinstance(s.action, Discrete) else s.action.size for r, s in roles.items()},
@@ -73,10 +74,10 @@ def network_flops(config: TrainConfig, sizes: Sizes) -> NetworkFlops:
     for role in config.learning_roles:
         layers = _actor_layers(config, sizes, role)
         acting += acted_rows(config, sizes, role) * forward_flops(layers)
-        fits[role] = passes(config, config.role(role).epochs) * fitted_rows(config, sizes, role) * fit_flops(layers)
+        fits[role] = passes(config, config.roles[role].epochs) * fitted_rows(config, sizes, role) * fit_flops(layers)
     for name in (SHARED,) if config.credit == "shared" else config.learning_roles:
         layers = _critic_layers(config, sizes, name)
-        epochs = max(config.role(role).epochs for role in (config.learning_roles if name == SHARED else (name,)))
+        epochs = max(config.roles[role].epochs for role in (config.learning_roles if name == SHARED else (name,)))
         judging += judged_rows(config, sizes, name) * forward_flops(layers)
         rows = 1 if name == SHARED else fitted_rows(config, sizes, name)
         fits[f"{name} critic"] = passes(config, epochs) * rows * fit_flops(layers)
@@ -104,9 +105,9 @@ def passes(config: TrainConfig, epochs: int | float) -> float:
 def acted_rows(config: TrainConfig, sizes: Sizes, role: str) -> float:
     """Rows of a role's actor in a rollout, for each environment step, earlier versions' included.
 
-    A gated role's are seen by one glance; if more have to decide, the further ones are not counted: see GLANCE_PART.
+    A gated role's are seen by one glance; if more have to decide, the further ones are not counted: see CHOSEN_PART.
     """
-    return _rows(config, sizes, role, 1 - config.role(role).fixed, GLANCE_PART)
+    return _rows(config, sizes, role, 1 - config.roles[role].fixed, CHOSEN_PART)
 
 
 def fitted_rows(config: TrainConfig, sizes: Sizes, role: str) -> float:
@@ -121,7 +122,7 @@ def judged_rows(config: TrainConfig, sizes: Sizes, name: str) -> float:
     if name == SHARED:
         return (config.steps + 1) / config.steps
     share = _own_share(config, name)
-    return _rows(config, sizes, name, share, GLANCE_PART) + share * sizes.agents[name] / config.steps
+    return _rows(config, sizes, name, share, CHOSEN_PART) + share * sizes.agents[name] / config.steps
 
 
 def _own_share(config: TrainConfig, role: str) -> float:
@@ -131,16 +132,16 @@ def _own_share(config: TrainConfig, role: str) -> float:
 def _rows(config: TrainConfig, sizes: Sizes, role: str, share: float, part: int) -> float:
     """For each environment step, a role's agents in that share of environments; of a gated role one in ``part``."""
     rows = round(sizes.agents[role] * config.environments * share)
-    return (-(-rows // part) if config.role(role).gated else rows) / config.environments
+    return (-(-rows // part) if config.roles[role].gated else rows) / config.environments
 
 
 def _actor_layers(config: TrainConfig, sizes: Sizes, role: str) -> tuple[int, ...]:
-    choice = config.role(role)
+    choice = config.roles[role]
     return sizes.observations[role][choice.observes], *choice.actor_hidden, sizes.actions[role]
 
 
 def _critic_layers(config: TrainConfig, sizes: Sizes, name: str) -> tuple[int, ...]:
     if name == SHARED:
         return sizes.observations[SHARED][GLOBAL], *config.shared_critic_hidden, 1
-    choice = config.role(name)
+    choice = config.roles[name]
     return sum(sizes.observations[name][x] for x in choice.critic_observes), *choice.critic_hidden, 1

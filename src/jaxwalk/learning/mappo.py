@@ -1,7 +1,7 @@
 """Multi-agent PPO (Schulman 2017; for several agents Yu 2022): `init` once, then `update` again and again.
 
-One update plays a rollout with the current actors, judges every action by generalised advantages, and improves every
-network on it. Actors and critics share no weights, so each is fitted on its own: a role more is a turn of a loop more.
+One update plays a rollout with the current actors, estimates the advantage of every action, and fits every network.
+Actors and critics share no weights, so each is fitted on its own: one more role is one more turn of a loop.
 
 Environments may be shared out among devices (`TrainConfig.shards`): each plays its own and takes gradients of them;
 networks are the same everywhere, since sums go over all shards.
@@ -20,23 +20,22 @@ import optax
 from jax.sharding import PartitionSpec
 from jaxtyping import Array, Int, Key
 
-from jaxwalk.interfaces import ByRole, Environment, Policy
+from jaxwalk.acting import ALL, fresh_memory, part_of
+from jaxwalk.interfaces import Environment, Policy, Roles
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
-from jaxwalk.learning.config import ROLES, SHARED, TrainConfig, of_a_shard
-from jaxwalk.learning.critics import Critic, Judgement, judge, make_critics
-from jaxwalk.learning.experience import fresh_memory, look, make_act
-from jaxwalk.learning.fit import Loss, fit, gated_part, learning_rate, only_weighty, optimiser
+from jaxwalk.learning.casting import Shard, learning_cast, remember, shard_of, snapshots, whole
+from jaxwalk.learning.config import SHARED, TrainConfig
+from jaxwalk.learning.critics import Critic, Estimates, estimate_advantages, make_critics
+from jaxwalk.learning.experience import gather_views, recording_act
+from jaxwalk.learning.fit import Entries, Fit, fit, gated_part, learning_rate, optimiser, pack_weighted
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
 from jaxwalk.learning.monitor import all_finite, by_agent, episode_metrics, reward_metrics
-from jaxwalk.learning.players import columns_of, part_of, remember, snapshots
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, waiting
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 
-NOBODY: ByRole[Policy | None] = ByRole(driver=None, pedestrian=None)
-"""No fixed policies: every role learns everywhere."""
 ONCE = {"xla_backend_optimization_level": 0}
-"""For what runs once: compiling it well takes longer than running it badly compiled."""
+"""Options for what runs once: compiling it well takes longer than running it badly compiled."""
 
 
 class Learner(eqx.Module):
@@ -52,8 +51,8 @@ class Learner(eqx.Module):
     """What the actors' optimisers remember."""
     critic_memories: dict[str, optax.OptState]
     """What the critics' optimisers remember."""
-    others: ByRole[Policy | None]
-    """Who plays a role where its learner doesn't."""
+    others: Roles[Policy | None]
+    """Who plays a role where its learner doesn't; None: nobody else does."""
     stream: Stream
     """The environments in the middle of their episodes."""
     key: Key[Array, ""]
@@ -65,15 +64,19 @@ class Learner(eqx.Module):
 
 
 def init(
-    environment: Environment, config: TrainConfig, key: Key[Array, ""], *, others: ByRole[Policy | None] = NOBODY
+    environment: Environment, config: TrainConfig, key: Key[Array, ""], *, others: Roles[Policy | None] | None = None
 ) -> Learner:
-    """An untrained learner, its environments waiting for their first episodes.
+    """Return an untrained learner, its environments waiting for their first episodes.
+
+    ``others``: who plays a role where its learner doesn't; a role that is left out learns everywhere.
 
     Raises:
-        ValueError: a role that others play has no policy in ``others``, or one that it doesn't need.
+        ValueError: the configuration's roles aren't the environment's; a role that others play has no policy in
+            ``others``, or one that it doesn't need.
         ShardsError: there are fewer devices than shards.
     """
-    _check_others(config, others)
+    others = {role: (others or {}).get(role) for role in config.roles}
+    _check_roles(environment, config, others)
     mesh = mesh_of(config.shards)
     learner = _untrained(environment, config, key, others)
     return place(learner, _where(learner), mesh)
@@ -81,22 +84,25 @@ def init(
 
 @eqx.filter_jit(compiler_options=ONCE)  # pyright: ignore[reportCallIssue] (it passes on what `jax.jit` takes)
 def _untrained(
-    environment: Environment, config: TrainConfig, key: Key[Array, ""], others: ByRole[Policy | None]
+    environment: Environment, config: TrainConfig, key: Key[Array, ""], others: Roles[Policy | None]
 ) -> Learner:
     """`init`, all of it on one device."""
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
     stream = waiting(environment, environment_keys(stream_key, 0, config.environments))
-    views = look(environment, config, stream.scenario, stream.state)
+    everything = whole(config)
+    views = gather_views(environment, everything, stream.scenario, stream.state)
     actors = {}
     for role, k in zip(config.learning_roles, jax.random.split(actor_key, len(config.learning_roles)), strict=True):
-        size = views[role][config.role(role).observes].shape[0]
-        actors[role] = make_actor(k, size, getattr(environment.roles, role).action, config.role(role))
+        size = views[role][config.roles[role].observes].shape[0]
+        actors[role] = make_actor(k, size, environment.roles[role].action, config.roles[role])
     critics = make_critics(environment, config, views, critic_key)
-    memory = fresh_memory(environment, config, actors, others)
+    early = snapshots(config, actors)
+    cast = learning_cast(environment, shard_of(config), actors, early, others)
+    memory = fresh_memory(environment, cast, (config.environments,))
     learner = Learner(
         actors=actors,
         critics=critics,
-        early=snapshots(config, actors),
+        early=early,
         actor_memories={name: optimiser(config).init(actor) for name, actor in actors.items()},  # pyright: ignore
         critic_memories={name: optimiser(config).init(critic) for name, critic in critics.items()},  # pyright: ignore
         others=others,
@@ -118,7 +124,7 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     arrays, rest = eqx.partition(learner, eqx.is_array)
 
     def work(arrays: Learner) -> tuple[Learner, dict[str, Array]]:
-        learner, metrics = _update(environment, of_a_shard(config), eqx.combine(arrays, rest))
+        learner, metrics = _update(environment, shard_of(config), eqx.combine(arrays, rest))
         return eqx.filter(learner, eqx.is_array), metrics
 
     where, mesh = _where(learner), mesh_of(config.shards)
@@ -128,18 +134,20 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     return eqx.combine(arrays, rest), metrics
 
 
-def _update(environment: Environment, config: TrainConfig, learner: Learner) -> tuple[Learner, dict[str, Array]]:
-    """`update` of a shard: its environments, its configuration."""
-    act = make_act(environment, config, learner.actors, learner.early, learner.others)
-    memory = fresh_memory(environment, config, learner.actors, learner.others)
+def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[Learner, dict[str, Array]]:
+    """Make an update on one device."""
+    config = shard.config
+    cast = learning_cast(environment, shard, learner.actors, learner.early, learner.others)
+    memory = fresh_memory(environment, cast, (config.environments,))
+    act = recording_act(environment, shard, cast)
     stream, played = rollout(environment, act, learner.stream, config.steps, fresh_memory=memory)
-    final = look(environment, config, stream.scenario, stream.state)
-    judgements = {name: judge(config, critic, played, final) for name, critic in learner.critics.items()}
+    final = gather_views(environment, shard, stream.scenario, stream.state)
+    estimates = {name: estimate_advantages(shard, critic, played, final) for name, critic in learner.critics.items()}
 
-    actors, actor_memories, actor_metrics = _improve_actors(environment, config, learner, played, judgements)
-    critics, critic_memories, critic_metrics = _improve_critics(config, learner, played, judgements)
+    actors, actor_memories, actor_metrics = _improve_actors(environment, shard, learner, played, estimates)
+    critics, critic_memories, critic_metrics = _improve_critics(config, learner, played, estimates)
     metrics = actor_metrics | critic_metrics
-    metrics |= _rollout_metrics(config, played)
+    metrics |= _rollout_metrics(shard, played)
     metrics["learning_rate"] = learning_rate(config, learner.updates, learner.planned)
     updates = learner.updates + 1
     metrics["finite"] = all_finite((metrics, actors, critics, actor_memories, critic_memories))
@@ -152,30 +160,32 @@ def _update(environment: Environment, config: TrainConfig, learner: Learner) -> 
 
 
 def _where(learner: Learner) -> Any:
-    """Of a learner's arrays, which devices have what: the environments are shared out, everything else is everywhere.
-
-    Returns the learner with `PartitionSpec` in place of its arrays.
-    """
+    """Return the learner with a `PartitionSpec` in place of each array: the environments are shared out among the
+    devices, everything else is on each of them."""
     specs: Any = jax.tree.map(lambda _: EVERYWHERE, eqx.filter(learner, eqx.is_array))
     return eqx.tree_at(
         lambda x: x.stream, specs, by_environment(learner.stream), is_leaf=lambda x: isinstance(x, PartitionSpec)
     )
 
 
-def _rollout_metrics(config: TrainConfig, played: Step) -> dict[str, Array]:
-    """Of the environments in which the learners play: rewards of each role's, endings of the first learning role's."""
+def _rollout_metrics(shard: Shard, played: Step) -> dict[str, Array]:
+    """Return each role's rewards in the environments in which its learner plays, and how episodes ended in those of the
+    first learning role."""
     metrics = {}
-    for role in ROLES:
-        own = columns_of(config, role).own if config.role(role).learns else slice(None)
+    for role, columns in shard.columns.items():
+        own = columns.own if shard.config.roles[role].learns else ALL
         valid = played.valid[:, own].astype(jnp.float32)
-        metrics |= reward_metrics(role, part_of(getattr(played.outcome.rewards, role), own), valid, SHARDS)
-    own = columns_of(config, config.learning_roles[0]).own
+        metrics |= reward_metrics(role, part_of(played.outcome.rewards[role], own), valid, SHARDS)
+    own = shard.columns[shard.config.learning_roles[0]].own
     return metrics | episode_metrics(part_of(played.outcome, own), played.valid[:, own].astype(jnp.float32), SHARDS)
 
 
-def _check_others(config: TrainConfig, others: ByRole[Policy | None]) -> None:
-    for role in ROLES:
-        given, share = getattr(others, role) is not None, config.role(role).fixed
+def _check_roles(environment: Environment, config: TrainConfig, others: Roles[Policy | None]) -> None:
+    wanted = list(environment.roles)
+    if list(config.roles) != wanted:
+        raise ValueError(f"roles must be the environment's, {', '.join(wanted)}, not {', '.join(config.roles)}")
+    for role, choice in config.roles.items():
+        given, share = others[role] is not None, choice.fixed
         if given and not share:
             raise ValueError(f"others: the {role} learns everywhere (fixed is 0), so no fixed policy can play it")
         if share and not given:
@@ -194,13 +204,14 @@ def _shuffle_keys(learner: Learner, kind: int, count: int) -> Key[Array, " count
 
 
 def _improve_actors(
-    environment: Environment, config: TrainConfig, learner: Learner, played: Step, judgements: dict[str, Judgement]
+    environment: Environment, shard: Shard, learner: Learner, played: Step, estimates: dict[str, Estimates]
 ) -> tuple[dict[str, Actor], dict[str, optax.OptState], dict[str, Array]]:
     """Fit every actor to the rollout."""
+    config = shard.config
     actors, memories, metrics = {}, {}, {}
     for (role, actor), key in zip(learner.actors.items(), _shuffle_keys(learner, 0, len(learner.actors)), strict=True):
-        advantage = judgements[SHARED if config.credit == "shared" else role].advantage
-        choice, own = played.record.choices[role], columns_of(config, role).own
+        advantage = estimates[SHARED if config.credit == "shared" else role].advantage
+        choice, own = played.record.choices[role], shard.columns[role].own
         counts = by_agent(played.valid[:, own].astype(jnp.float32), advantage)
         counts = counts if choice.decided is None else counts * choice.decided
         data = Actions(
@@ -210,18 +221,10 @@ def _improve_actors(
             advantage=normalised(advantage, counts, SHARDS),
             weight=counts,
         )
-        actors[role], memories[role], report = _fit(
-            config,
-            learner,
-            partial(actor_loss, clip=config.clip, entropy=config.role(role).entropy),
-            actor,
-            learner.actor_memories[role],
-            data,
-            key=key,
-            epochs=config.role(role).epochs,
-            agents=getattr(environment.roles, role).agents,
-            gated=actor.kind == GATED,
-        )
+        loss = partial(actor_loss, clip=config.clip, entropy=config.roles[role].entropy)
+        how = _how(config, learner, config.roles[role].epochs, environment.roles[role].agents)
+        data, how = _only_decisions(data, how) if actor.kind == GATED else (data, how)
+        actors[role], memories[role], report = fit(how, loss, actor, learner.actor_memories[role], data, key)
         metrics |= {f"{role}/{name}": x for name, x in report.items()}
         if actor.log_std is not None:
             metrics[f"{role}/std"] = jnp.mean(jnp.exp(actors[role].log_std))
@@ -229,45 +232,32 @@ def _improve_actors(
 
 
 def _improve_critics(
-    config: TrainConfig, learner: Learner, played: Step, judgements: dict[str, Judgement]
+    config: TrainConfig, learner: Learner, played: Step, estimates: dict[str, Estimates]
 ) -> tuple[dict[str, Critic], dict[str, optax.OptState], dict[str, Array]]:
     """Fit every critic to the rollout; a shared one as often as the role with the most epochs."""
     critics, memories, metrics = {}, {}, {}
     for (name, critic), key in zip(
         learner.critics.items(), _shuffle_keys(learner, 1, len(learner.critics)), strict=True
     ):
-        judgement = judgements[name]
+        found = estimates[name]
         roles = config.learning_roles if name == SHARED else (name,)
-        critics[name], memories[name], report = _fit(
-            config,
-            learner,
-            partial(critic_loss, coefficient=config.value_coefficient),
-            critic,
-            learner.critic_memories[name],
-            Targets(critic.select(played.record.views), judgement.target, judgement.weight),
-            key=key,
-            epochs=max(config.role(role).epochs for role in roles),
-            agents=critic.agents,
-            gated=name != SHARED and config.role(name).gated,
-        )
+        loss = partial(critic_loss, coefficient=config.value_coefficient)
+        data = Targets(critic.select(played.record.views), found.target, found.weight)
+        how = _how(config, learner, max(config.roles[role].epochs for role in roles), critic.agents)
+        data, how = _only_decisions(data, how) if name != SHARED and config.roles[name].gated else (data, how)
+        critics[name], memories[name], report = fit(how, loss, critic, learner.critic_memories[name], data, key)
         metrics |= {f"{name}/critic_{key}": x for key, x in report.items()}
-        metrics[f"{name}/explained_variance"] = explained_variance(
-            judgement.value, judgement.target, judgement.weight, SHARDS
-        )
+        metrics[f"{name}/explained_variance"] = explained_variance(found.value, found.target, found.weight, SHARDS)
     return critics, memories, metrics
 
 
-def _fit(
-    config: TrainConfig, learner: Learner, loss: Loss, network: Any, memory: optax.OptState, data: Actions | Targets,
-    *, key: Key[Array, ""], epochs: int | float, agents: tuple[int, ...], gated: bool,
-) -> tuple[Any, optax.OptState, dict[str, Array]]:  # fmt: skip
-    """`fit` to the data; of a gated role, to the rows that have weight."""
-    rows, environments = math.prod(agents), data.weight.shape[-1]
-    if gated:
-        rows, environments = 1, -(-rows * environments // gated_part(config))
-        data = only_weighty(data, columns=environments)
+def _how(config: TrainConfig, learner: Learner, epochs: int | float, agents: tuple[int, ...]) -> Fit:
+    """Return how this update fits a network whose data has those agent axes."""
     rate = learning_rate(config, learner.updates, learner.planned)
-    return fit(
-        loss, network, memory, data,
-        key=key, rate=rate, epochs=epochs, agents=rows, environments=environments, config=config, axis=SHARDS,
-    )  # fmt: skip
+    return Fit(config, rate, epochs, math.prod(agents), SHARDS)
+
+
+def _only_decisions(data: Entries, how: Fit) -> tuple[Entries, Fit]:
+    """Return a gated role's data without what it doesn't learn from, and how to fit a network to that."""
+    columns = -(-how.agents * data.weight.shape[-1] // gated_part(how.config))
+    return pack_weighted(data, columns=columns), how._replace(agents=1)

@@ -14,24 +14,24 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Key
 
-from jaxwalk.interfaces import Policy
+from jaxwalk.interfaces import Policy, View
 from jaxwalk.policies.oracle import Oracle
 from jaxwalk.policies.pursuit import pursue
-from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, SPEED, part
+from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, SPEED, Observation, part
 from jaxwalk.sim.sim_config import SimConfig
 
 FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
 """Accelerations as shares of the limit (3 m/s2)."""
 
-Observation = Float[Array, "feature *batch"]
+Features = Float[Array, "feature *batch"]
 Action = Float[Array, "2 *batch"]
 
 
 class Random(eqx.Module):
     """Draws acceleration and steering uniformly from [-1, 1], independently at every step."""
 
-    observes: str = eqx.field(static=True, default="paper")
-    """Name of the observation set (it looks at nothing)."""
+    view: View = eqx.field(static=True, default=Observation("driver", "paper"))
+    """What it sees (it uses nothing)."""
 
     @property
     def sample(self) -> bool:
@@ -42,7 +42,7 @@ class Random(eqx.Module):
         """Return None: it has no memory."""
         return None
 
-    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Features) -> tuple[Action, None]:
         """Return uniform actions, each episode's from its own key."""
 
         def draw(one: Key[Array, ""]) -> Float[Array, "2"]:
@@ -58,14 +58,14 @@ class ConstantSpeed(eqx.Module):
 
     throttle: float = eqx.field(static=True, default=0.5)
     """Share of the largest acceleration, in [-1, 1]."""
-    observes: str = eqx.field(static=True, default="paper")
-    """Name of the observation set (it looks at nothing)."""
+    view: View = eqx.field(static=True, default=Observation("driver", "paper"))
+    """What it sees (it uses nothing)."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
         """Return None: it has no memory."""
         return None
 
-    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Features) -> tuple[Action, None]:
         """Return the fixed action."""
         batch = observation.shape[1:]
         return _action(jnp.full(batch, self.throttle, jnp.float32), jnp.zeros(batch, jnp.float32)), memory
@@ -79,14 +79,14 @@ class RuleBased(eqx.Module):
 
     max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
     """The car's largest steering angle [rad]."""
-    observes: str = eqx.field(static=True, default="paper")
-    """Name of the observation set."""
+    view: View = eqx.field(static=True, default=Observation("driver", "paper"))
+    """What it sees."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
         """Return None: it has no memory."""
         return None
 
-    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Features) -> tuple[Action, None]:
         """Return full throttle and the steering that points to the goal."""
         steering = _steer_at_goal(observation, self.max_steering)
         return _action(jnp.full_like(steering, FULL_THROTTLE), steering), memory
@@ -105,14 +105,14 @@ class RuleBasedBraking(eqx.Module):
     """Largest bearing to either side [degrees]."""
     max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
     """The car's largest steering angle [rad]."""
-    observes: str = eqx.field(static=True, default="paper")
-    """Name of the observation set."""
+    view: View = eqx.field(static=True, default=Observation("driver", "paper"))
+    """What it sees."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
         """Return None: it has no memory."""
         return None
 
-    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Features) -> tuple[Action, None]:
         """Return full throttle or full braking, and the steering that points to the goal."""
         blocked = _somebody_in_cone(observation, self.cone_range, self.cone_half_angle)
         throttle = jnp.where(blocked, FULL_BRAKING, FULL_THROTTLE)
@@ -128,14 +128,14 @@ class RouteFollower(eqx.Module):
     """The car's largest steering angle [rad]."""
     point: int = eqx.field(static=True, default=0)
     """The point of the route to steer to: an index of ``jaxwalk.sim.map_tables.POINTS``."""
-    observes: str = eqx.field(static=True, default="route")
-    """Name of the observation set."""
+    view: View = eqx.field(static=True, default=Observation("driver", "route"))
+    """What it sees."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
         """Return None: it has no memory."""
         return None
 
-    def act(self, key: Key[Array, "*batch"], memory: None, observation: Observation) -> tuple[Action, None]:
+    def act(self, key: Key[Array, "*batch"], memory: None, observation: Features) -> tuple[Action, None]:
         """Return full throttle and the steering that follows the route."""
         route = observation[part("driver", "route", "route")]
         steering = pursue(route, point=self.point, wheelbase=self.wheelbase, max_steering=self.max_steering)
@@ -154,9 +154,9 @@ class Careless(eqx.Module):
     """The lowest speed limit [m/s]."""
 
     @property
-    def observes(self) -> str:
-        """Name of the observation set."""
-        return self.follower.observes
+    def view(self) -> View:
+        """What it sees."""
+        return self.follower.view
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Float[Array, "*batch"]:
         """Return each car's speed limit [m/s], spread evenly over any range of environments (golden ratio)."""
@@ -164,7 +164,7 @@ class Careless(eqx.Module):
         return (self.slowest + share * (SPEED - self.slowest)).reshape(batch)
 
     def act(
-        self, key: Key[Array, "*batch"], memory: Float[Array, "*batch"], observation: Observation
+        self, key: Key[Array, "*batch"], memory: Float[Array, "*batch"], observation: Features
     ) -> tuple[Action, Float[Array, "*batch"]]:
         """Return full throttle up to the speed limit, and the follower's steering."""
         (_, steering), _ = self.follower.act(key, None, observation)
@@ -187,13 +187,13 @@ def _action(acceleration: Array, steering: Array) -> Action:
     return jnp.stack([acceleration, steering])
 
 
-def _steer_at_goal(observation: Observation, max_steering: float) -> Float[Array, "*batch"]:
+def _steer_at_goal(observation: Features, max_steering: float) -> Float[Array, "*batch"]:
     """Return the steering to the goal that the observation set "paper" shows, as a share of the largest angle."""
     ahead, left = observation[part("driver", "paper", "goal")]
     return jnp.clip(jnp.arctan2(left, ahead) / max_steering, -1, 1)
 
 
-def _somebody_in_cone(observation: Observation, length: float, half_angle: float) -> Bool[Array, "*batch"]:
+def _somebody_in_cone(observation: Features, length: float, half_angle: float) -> Bool[Array, "*batch"]:
     """Return whether a pedestrian in the set "paper" is within ``length`` [m] and ``half_angle`` [degrees]."""
     people = observation[part("driver", "paper", "people")]
     ahead, left = jnp.moveaxis(people.reshape(NEIGHBOURS, 4, *people.shape[1:])[:, :2], 1, 0) * ABSENT

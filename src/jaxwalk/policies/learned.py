@@ -20,9 +20,11 @@ import safetensors
 import safetensors.numpy
 from jaxtyping import Array, Float, Key
 
-from jaxwalk.learning.actor import DISCRETE, GATED, Actor, Held, decide, no_memory
+from jaxwalk.interfaces import View
+from jaxwalk.learning.actor import DISCRETE, GATED, Actor, Held, decide
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.networks import MLP
+from jaxwalk.sim.observation import Observation
 from jaxwalk.writing import write_whole
 
 FORMAT: Final = 1
@@ -66,17 +68,19 @@ class LearnedPolicy(eqx.Module):
 
     actor: Actor
     """The network and its distribution."""
+    role: str = eqx.field(static=True)
+    """The role it plays."""
     sample: bool = eqx.field(static=True, default=False)
     """Whether to draw the action at random, as in training, instead of taking the most likely one."""
 
     @property
-    def observes(self) -> str:
-        """Name of the observation set it reads."""
-        return self.actor.observes
+    def view(self) -> View:
+        """What it sees: the observation set of its network's header."""
+        return Observation(self.role, self.actor.observes)
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Held | None:
         """Return a memory without a decision, or None for a policy that decides at every step."""
-        return no_memory(self.actor, agents, batch)
+        return self.actor.init(agents, batch)
 
     def act(
         self, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature ..."]
@@ -115,7 +119,7 @@ def load_policy(path: str | Path, role: str, *, sample: bool = False, expect_siz
             f"{path}: the {role} reads {size} numbers ({actor.observes!r}), but the environment gives {expect_size}; "
             "use the environment configuration that it was trained with, or train again"
         )
-    return LearnedPolicy(actor, sample)
+    return LearnedPolicy(actor, role, sample)
 
 
 def read_metadata(path: str | Path) -> dict[str, Any]:

@@ -15,9 +15,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int, Key
 
+from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
-from jaxwalk.sim.observation import ABSENT, PRIVILEGED, SPEED, part
+from jaxwalk.sim.observation import ABSENT, PRIVILEGED, SPEED, Observation, part
 from jaxwalk.sim.prediction import FAR
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -52,8 +53,8 @@ class Oracle(eqx.Module):
     (0.6 s) and plans again. If people may wait, the future that it observes is only a guess.
     """
 
-    observes: str = eqx.field(static=True, default=PRIVILEGED)
-    """Name of the observation set."""
+    view: View = eqx.field(static=True, default=Observation("driver", PRIVILEGED))
+    """What it sees."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Memory:
         """Return a memory that holds no manoeuvre yet."""

@@ -8,7 +8,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, Key
 
-from jaxwalk.interfaces import Policy
+from jaxwalk.interfaces import Policy, View
+from jaxwalk.sim.observation import Observation
 
 GO = 1
 """The action "walk on"; 0 is "wait"."""
@@ -17,8 +18,8 @@ GO = 1
 class AlwaysGo(eqx.Module):
     """Walks on at every step, whatever happens."""
 
-    observes: str = eqx.field(static=True, default="paper")
-    """Name of the observation set (it looks only at its shape)."""
+    view: View = eqx.field(static=True, default=Observation("pedestrian", "paper"))
+    """What it sees (it uses only its shape)."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
         """Return None: it has no memory."""

@@ -10,11 +10,11 @@ import equinox as eqx
 import jax
 
 from jaxwalk.evaluation import SAMPLES, with_mode
-from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.interfaces import Box, Discrete, Policy
 from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
+from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -66,8 +66,8 @@ def contestant(
     file = policy_file(role, name)
     observes = read_metadata(file)["roles"].get(role, {}).get("observes", "paper")
     policy = load_policy(file, role, expect_size=_observation_size(street, role, observes, file))
-    _check_action(policy.actor, getattr(street.roles, role).action, f"{file}: the {role}")
-    return with_mode(policy, sample=getattr(SAMPLES, role) if sample is None else sample)
+    _check_action(policy.actor, street.roles[role].action, f"{file}: the {role}")
+    return with_mode(policy, sample=SAMPLES[role] if sample is None else sample)
 
 
 def policy_file(role: str, name: str) -> Path:
@@ -103,7 +103,7 @@ def _observation_size(street: Street, role: str, observes: str, file: Path) -> i
 
     def look() -> jax.Array:
         scenario = street.draw(jax.random.key(0))
-        return street.observe(scenario, street.reset(scenario), role, observes)
+        return street.observe(scenario, street.reset(scenario), street.view(role, observes))
 
     try:
         return eqx.filter_eval_shape(look).shape[0]

@@ -53,7 +53,7 @@ class Experiment:
     @property
     def single_agent(self) -> bool:
         """Only the car learns; pedestrians always go."""
-        return not self.train.pedestrian.learns
+        return not self.train.roles["pedestrian"].learns
 
     @property
     def steps_per_update(self) -> int:
@@ -80,8 +80,11 @@ def single_agent(experiment: Experiment) -> Experiment:
     """
     train = experiment.train
     own = own_environments(train, "driver")
-    driver, pedestrian = replace(train.driver, fixed=0.0, early=0.0), replace(train.pedestrian, fixed=1.0, early=0.0)
-    return replace(experiment, train=replace(train, environments=own, driver=driver, pedestrian=pedestrian))
+    roles = {
+        "driver": replace(train.roles["driver"], fixed=0.0, early=0.0),
+        "pedestrian": replace(train.roles["pedestrian"], fixed=1.0, early=0.0),
+    }
+    return replace(experiment, train=replace(train, environments=own, roles=roles))
 
 
 def with_training(experiment: Experiment, **changes: Any) -> Experiment:

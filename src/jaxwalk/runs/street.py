@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterable
 
 import jax
 
-from jaxwalk.runs.recipes import Experiment, with_training
-from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.learning.config import GLOBAL
 from jaxwalk.maps import MapError
 from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
+from jaxwalk.runs.recipes import Experiment, with_training
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import LAYOUTS
 
@@ -51,12 +51,12 @@ def _street(experiment: Experiment) -> Street:
 
 def _check_sets(experiment: Experiment) -> None:
     """Raise for observation sets that there are not, and for a driver that should choose."""
-    if experiment.train.driver.gated:
-        raise WorldError("train.driver.gated must be false: only pedestrians choose between 0 and 1")
+    if experiment.train.roles["driver"].gated:
+        raise WorldError("train.roles.driver.gated must be false: only pedestrians choose between 0 and 1")
     for role, sets in LAYOUTS.items():
-        config = experiment.train.role(role)
-        _check_named(f"train.{role}.observes", [config.observes], sets)
-        _check_named(f"train.{role}.critic_observes", config.critic_observes, [*sets, GLOBAL])
+        config = experiment.train.roles[role]
+        _check_named(f"train.roles.{role}.observes", [config.observes], sets)
+        _check_named(f"train.roles.{role}.critic_observes", config.critic_observes, [*sets, GLOBAL])
 
 
 def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> None:
@@ -76,11 +76,11 @@ def shared_out(experiment: Experiment) -> Experiment:
     return with_training(experiment, shards=next(fitting, 1))
 
 
-def fixed_policies(experiment: Experiment) -> ByRole[Policy | None]:
+def fixed_policies(experiment: Experiment) -> Roles[Policy | None]:
     """Who plays a role where its learner doesn't."""
     train, sim = experiment.train, experiment.sim
     follower = RouteFollower(wheelbase=sim.wheelbase, max_steering=sim.max_steering)
-    return ByRole(
-        driver=Careless(follower) if train.driver.fixed else None,
-        pedestrian=AlwaysGo() if train.pedestrian.fixed else None,
-    )
+    return {
+        "driver": Careless(follower) if train.roles["driver"].fixed else None,
+        "pedestrian": AlwaysGo() if train.roles["pedestrian"].fixed else None,
+    }

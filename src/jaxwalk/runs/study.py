@@ -17,11 +17,11 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from rich.console import Console
 
+from jaxwalk.runs.folder import Run, RunError, check_writable, is_empty
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.recipes import Experiment
-from jaxwalk.runs.folder import Run, RunError, check_writable, is_empty
-from jaxwalk.runs.training import is_finished, train
 from jaxwalk.runs.street import shared_out
+from jaxwalk.runs.training import is_finished, train
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import remove_unfinished, write_whole
 

@@ -15,18 +15,18 @@ import jax
 import numpy as np
 from rich.console import Console
 
-from jaxwalk.runs.lock import held
-from jaxwalk.runs.progress import Pace, TrainingProgress
-from jaxwalk.runs.provenance import provenance
-from jaxwalk.runs.folder import MetricsLog, Run, RunError
-from jaxwalk.runs.stop import Stop
-from jaxwalk.runs.watch import WatchPage, there_is_one
-from jaxwalk.runs.street import fixed_policies, make_street
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.policies import read_metadata, save_policy
 from jaxwalk.rollout import TRAINING, seed_key
+from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.lock import held
+from jaxwalk.runs.progress import Pace, TrainingProgress
+from jaxwalk.runs.provenance import provenance
+from jaxwalk.runs.stop import Stop
+from jaxwalk.runs.street import fixed_policies, make_street
+from jaxwalk.runs.watch import WatchPage, there_is_one
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import remove_unfinished
 

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from jaxwalk.runs.progress import Pace
 from jaxwalk.runs.folder import Run
+from jaxwalk.runs.progress import Pace
 from jaxwalk.writing import write_whole
 
 PAGE, NUMBERS = "watch.html", "watch.js"

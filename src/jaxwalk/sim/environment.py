@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -11,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Key
 
-from jaxwalk.interfaces import Box, ByRole, Discrete, Outcome, RoleSpec
+from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec, View
 from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
 from jaxwalk.sim.events import Events, arrives, touches
 from jaxwalk.sim.prediction import foresee
@@ -25,7 +26,7 @@ class Street(eqx.Module):
     """Streets with a car and people who may jaywalk (an `Environment`). Make one with `Street.create`."""
 
     world: World
-    weights: ByRole[dict[str, Float[Array, ""]]]
+    weights: Roles[dict[str, Float[Array, ""]]]
     """The weights of the reward terms that are paid, by role and name."""
 
     @classmethod
@@ -42,8 +43,8 @@ class Street(eqx.Module):
 
         Raise MapError for a wrong map, and ValueError for a reward term that doesn't exist or a negative multiplier.
         """
-        weights = ByRole(dict(driver_weights or {}), dict(pedestrian_weights or {}))
-        reward.check_weights(weights.driver, weights.pedestrian)
+        weights = {"driver": dict(driver_weights or {}), "pedestrian": dict(pedestrian_weights or {})}
+        reward.check_weights(weights["driver"], weights["pedestrian"])
         world = World.create(maps, config or SimConfig(), jaywalk_multiplier=jaywalk_multiplier)
         return cls(world, jax.device_put(jax.tree.map(np.float32, weights)))
 
@@ -53,9 +54,13 @@ class Street(eqx.Module):
         return self.world.rules.config
 
     @property
-    def roles(self) -> ByRole[RoleSpec]:
+    def roles(self) -> Roles[RoleSpec]:
         """One car with acceleration and steering; people who wait (0) or go (1)."""
-        return ByRole(RoleSpec((), Box(2)), RoleSpec((self.world.rules.pedestrians,), Discrete(2)))
+        return {"driver": RoleSpec((), Box(2)), "pedestrian": RoleSpec((self.world.rules.pedestrians,), Discrete(2))}
+
+    def view(self, role: str, name: str) -> View:
+        """Return a flat view by its name (`jaxwalk.sim.observation.OBSERVATIONS`). Raise ValueError if unknown."""
+        return observation.Observation(role, name)
 
     @eqx.filter_jit
     def draw(self, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
@@ -79,9 +84,9 @@ class Street(eqx.Module):
         return self._state(scenario, state.step, car, state.pedestrian)
 
     @eqx.filter_jit
-    def observe(self, scenario: Scenario, state: State, role: str, name: str) -> Float[Array, "feature ..."]:
-        """A named observation set (`jaxwalk.sim.observation.OBSERVATIONS`)."""
-        return observation.observe(role, name, observation.Moment(self.world, scenario, state))
+    def observe(self, scenario: Scenario, state: State, view: View) -> Any:
+        """Return what a view shows."""
+        return view(Moment(self.world, scenario, state))
 
     @eqx.filter_jit
     def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
@@ -89,22 +94,23 @@ class Street(eqx.Module):
         return observation.global_state(self.world, scenario, state)
 
     @eqx.filter_jit
-    def step(self, scenario: Scenario, state: State, actions: ByRole[Array]) -> tuple[State, Outcome]:
+    def step(self, scenario: Scenario, state: State, actions: Roles[Array]) -> tuple[State, Outcome]:
         """One step: everybody moves, then events, then rewards. Deterministic; never resets."""
-        car = vehicle.drive(self.world, scenario, state.vehicle, actions.driver)
-        people = pedestrian.walk(self.world, scenario, state.pedestrian, actions.pedestrian.astype(bool))
+        car = vehicle.drive(self.world, scenario, state.vehicle, actions["driver"])
+        people = pedestrian.walk(self.world, scenario, state.pedestrian, actions["pedestrian"].astype(bool))
         after = self._state(scenario, state.step + 1, car, people)
         events = self._events(scenario, after)
         transition = reward.Transition(self.world, scenario, state, after, events)
         over = events.collision | events.goal
         ended = over | events.timeout
         return after, Outcome(
-            rewards=ByRole(
-                reward.reward(reward.DRIVER_TERMS, self.weights.driver, transition),
-                reward.reward(reward.PEDESTRIAN_TERMS, self.weights.pedestrian, transition),
-            ),
-            terminated=ByRole(over, events.touched),
-            truncated=ByRole(events.timeout, ended[None] & ~events.touched),
+            rewards={
+                "driver": reward.reward(reward.DRIVER_TERMS, self.weights["driver"], transition),
+                "pedestrian": reward.reward(reward.PEDESTRIAN_TERMS, self.weights["pedestrian"], transition),
+            },
+            terminated={"driver": over, "pedestrian": events.touched},
+            truncated={"driver": events.timeout, "pedestrian": ended[None] & ~events.touched},
+            ended=ended,
             events=events,
         )
 

@@ -7,12 +7,13 @@ The exceptions are the sets in `HIDDEN`, for drivers that show what it would be 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from jaxwalk.interfaces import Moment
 from jaxwalk.sim import belief, future, pedestrian, prediction, vehicle
 from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
 from jaxwalk.sim.events import distance
@@ -50,20 +51,22 @@ PARTS_AT_ONCE = 8
 Parts = list[Array]
 
 
-class Moment(NamedTuple):
-    """All that an observation may be made of."""
+@dataclass(frozen=True)
+class Observation:
+    """A named observation set of a role, as a view. Raises ValueError for an unknown name."""
 
-    world: World
-    scenario: Scenario
-    state: State
+    role: str
+    name: str
 
+    def __post_init__(self) -> None:
+        """Refuse a set that doesn't exist."""
+        if self.name not in OBSERVATIONS[self.role]:
+            known = ", ".join(OBSERVATIONS[self.role])
+            raise ValueError(f"no observation set '{self.name}' for the {self.role}; there are: {known}")
 
-def observe(role: str, name: str, moment: Moment) -> Float[Array, "feature ..."]:
-    """The named set of a role, ``(feature, *agents, *batch)``; raises ValueError for an unknown name."""
-    sets = OBSERVATIONS[role]
-    if name not in sets:
-        raise ValueError(f"no observation set '{name}' for the {role}; there are: {', '.join(sets)}")
-    return _joined(sets[name](moment))
+    def __call__(self, moment: Moment) -> Float[Array, "feature ..."]:
+        """Return the features, ``(feature, *agents, *batch)``."""
+        return _joined(OBSERVATIONS[self.role][self.name](moment))
 
 
 def _joined(parts: Parts) -> Float[Array, "feature ..."]:
@@ -138,7 +141,7 @@ def _of_nearest(state: State, tendency: Float[Array, "ped *batch"]) -> Float[Arr
 
 def _driver_privileged(moment: Moment) -> Parts:
     """The car in the frame of its route 22, and how near people will be to the places ahead if everybody goes 7728."""
-    nearest = future.clearances(*moment) / prediction.FAR
+    nearest = future.clearances(moment.world, moment.scenario, moment.state) / prediction.FAR
     return [*_on_route(moment), nearest.reshape(-1, *moment.state.step.shape)]
 
 

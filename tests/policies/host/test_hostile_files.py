@@ -100,7 +100,7 @@ def test_torchscript_that_touches_files_takes_trust(tmp_path, monkeypatch, name)
 def test_torchscript_of_other_kinds(tmp_path):
     """A record of the first versions can name any other as code; a class in C++ can hide in the weights' record."""
     file = _scripted(tmp_path / "old.pt", "x = x + 0")
-    assert load_host_driver(file).observes == "route"
+    assert load_host_driver(file).view.name == "route"
     for record, content, message in (
         ("MODEL.json", b"{}", "an old TorchScript file"),
         ("other.pkl", b"c__torch__.torch\nclasses.x\n", "uses classes"),
@@ -142,7 +142,7 @@ def test_weights_of_onnx_lie_in_its_own_folder(tmp_path, location):
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
     (inside / "driver.onnx").write_bytes(model.SerializeToString())
     if location == "secret":
-        assert load_host_driver(str(inside / "driver.onnx")).observes == "route"
+        assert load_host_driver(str(inside / "driver.onnx")).view.name == "route"
         return
     with pytest.raises(DriverError, match=r"driver\.onnx: damaged or no ONNX file"):
         load_host_driver(str(inside / "driver.onnx"))
@@ -172,7 +172,7 @@ def test_no_constant_of_an_onnx_file_is_computed_while_it_is_loaded(tmp_path):
     (tmp_path / "driver.onnx").write_bytes(model.SerializeToString())
     before = _resident()
     driver = load_host_driver(str(tmp_path / "driver.onnx"))
-    assert driver.observes == "route"
+    assert driver.view.name == "route"
     assert _resident() - before < 200_000_000
 
 

@@ -44,11 +44,11 @@ def test_a_driver_acts_in_onnx_as_it_did(tmp_path, noise):
     name = _write(tmp_path / "driver.onnx", onnx_model(actor, role="driver", metadata={"jaxwalk.seed": "3"}))
     driver = load_host_driver(name)
     seen = jax.random.normal(jax.random.key(2), (ROUTE, 7))
-    expected, _ = LearnedPolicy(actor).act(jax.random.split(jax.random.key(5), 7), None, seen)
+    expected, _ = LearnedPolicy(actor, "driver").act(jax.random.split(jax.random.key(5), 7), None, seen)
     found, _ = driver.act(None, None, seen)
     assert np.ptp(expected) > 0.5
     np.testing.assert_allclose(found, expected, atol=1e-6)
-    assert driver.observes == "route"
+    assert driver.view.name == "route"
     told = {entry.key: entry.value for entry in onnx.load(name).metadata_props}
     assert told == {"jaxwalk.role": "driver", "jaxwalk.observes": "route", "jaxwalk.seed": "3"}
 
@@ -56,7 +56,7 @@ def test_a_driver_acts_in_onnx_as_it_did(tmp_path, noise):
 def test_pedestrians_choose_in_onnx_as_they_did():
     actor = _louder(make_actor(jax.random.key(4), 3, Discrete(2), RoleConfig(actor_hidden=(8,))), 100.0)
     seen = jax.random.normal(jax.random.key(2), (3, 12, 7))
-    expected, _ = LearnedPolicy(actor).act(jax.random.split(jax.random.key(5), 7), None, seen)
+    expected, _ = LearnedPolicy(actor, "driver").act(jax.random.split(jax.random.key(5), 7), None, seen)
     action, logits = _run(actor, {"observation": np.asarray(seen).reshape(3, -1).T})
     assert 0 < expected.mean() < 1
     np.testing.assert_array_equal(action, np.asarray(expected).ravel())
@@ -67,7 +67,7 @@ def test_decisions_are_held_in_onnx_as_they_were():
     """Twelve steps, in which what there is to decide comes and goes; decisions stand for three."""
     config = RoleConfig(actor_hidden=(8,), gated=True, hold=3)
     actor = _louder(make_actor(jax.random.key(1), 3, Discrete(2), config), 100.0)
-    policy = LearnedPolicy(actor)
+    policy = LearnedPolicy(actor, "driver")
     memory = policy.init((), (40,))
     held = {"choice": np.zeros(40, np.int32), "left": np.zeros(40, np.int32)}
     acted, noise, act = [], np.random.default_rng(0), eqx.filter_jit(policy.act)
@@ -101,7 +101,7 @@ def _foreign(rows="rows", features: int | str = 34, kind=TensorProto.FLOAT):
 
 def test_without_metadata_the_size_says_what_it_observes(tmp_path):
     driver = load_host_driver(_write(tmp_path / "foreign.onnx", _foreign()))
-    assert driver.observes == "paper"
+    assert driver.view.name == "paper"
     action, _ = driver.act(None, None, jnp.arange(68.0).reshape(34, 2))
     np.testing.assert_array_equal(action, [[0, 1], [2, 3]])
 

@@ -52,14 +52,14 @@ def test_a_class_is_found_in_a_module_or_a_file(place, home):
     name = home.format(place=place) + ":Mine"
     assert is_host_driver(name)
     driver = load_host_driver(name)
-    assert (driver.name, driver.observes) == (name, "route")
+    assert (driver.name, driver.view.name) == (name, "route")
     import jax.numpy as jnp
 
     assert driver.act(None, None, jnp.zeros((59, 2)))[0].tolist() == [[0.5, 0.5], [0.0, 0.0]]
 
 
 def test_without_observes_it_is_paper(place):
-    assert load_host_driver("my_drivers:Plain").observes == "paper"
+    assert load_host_driver("my_drivers:Plain").view.name == "paper"
 
 
 @pytest.mark.parametrize(

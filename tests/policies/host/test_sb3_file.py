@@ -45,7 +45,7 @@ def _check(driver, agent, features=59):
 def test_a_usual_agent_needs_no_trust(tmp_path, kind, features, observes):
     agent = _agent(tmp_path / "agent.zip", kind, features)
     driver = load_host_driver(str(tmp_path / "agent.zip"))
-    assert driver.observes == observes
+    assert driver.view.name == observes
     _check(driver, agent, features)
 
 
@@ -87,7 +87,7 @@ def test_nothing_is_unpickled_without_trust(tmp_path):
         new.writestr("data", json.dumps(data))
         for name in ("policy.pth", "pytorch_variables.pth", "_stable_baselines3_version"):
             new.writestr(name, old.read(name))
-    assert load_host_driver(str(tmp_path / "bomb.zip")).observes == "route"
+    assert load_host_driver(str(tmp_path / "bomb.zip")).view.name == "route"
     assert not (tmp_path / "exploded").exists()
 
 

@@ -42,7 +42,7 @@ def _check(driver, network):
     seen = np.random.default_rng(0).normal(size=(59, 5)).astype(np.float32)
     expected = network(torch.from_numpy(seen.T.copy())).detach().numpy()
     np.testing.assert_allclose(driver.act(None, None, jnp.asarray(seen))[0].T, expected, atol=1e-6)
-    assert driver.observes == "route"
+    assert driver.view.name == "route"
 
 
 def test_torchscript_needs_no_trust(script, network):
@@ -59,7 +59,7 @@ def test_the_file_may_name_what_it_observes(tmp_path, kind):
             torch.jit.script(network).save(path, _extra_files=named)
     else:
         torch.export.save(torch.export.export(network, (torch.zeros(4, 65),)), path, extra_files=named)
-    assert load_host_driver(path, trust=kind == "exported.pt2").observes == "route-belief"
+    assert load_host_driver(path, trust=kind == "exported.pt2").view.name == "route-belief"
 
 
 def test_a_set_must_be_named_if_the_size_does_not_say(tmp_path):

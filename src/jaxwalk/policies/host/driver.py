@@ -28,6 +28,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Key
 
+from jaxwalk.sim.observation import Observation
+
 SECONDS = 10.0
 """Default time limit of a driver for one step of its batch [s]."""
 NUMBERS = "fiu"
@@ -51,7 +53,7 @@ class HostDriver:
 
     def __init__(self, name: str, driver: Any, *, observes: str, seconds: float = SECONDS) -> None:
         """Wrap ``driver``, which follows the protocol; messages call it ``name``; one step may take ``seconds``."""
-        self.name, self.observes = name, observes
+        self.name, self.view = name, Observation("driver", observes)
         self.turn = threading.Lock()
         self.seconds_spent, self.steps_made = 0.0, 0
         self.failure: str | None = None

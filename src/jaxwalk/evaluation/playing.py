@@ -12,11 +12,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Int, Key
 
-from jaxwalk.evaluation.hosted import Answered, ask
-from jaxwalk.evaluation.interventions import Intervention, Now
-from jaxwalk.interfaces import ByRole, Policy
+from jaxwalk.acting import Given, act, cast_of, fresh_memory, step_key
+from jaxwalk.evaluation.hosted import ask
+from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.policies.host import HostDriver
-from jaxwalk.rollout import FIRST_ACTION_KEY
 from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
@@ -34,22 +33,19 @@ class Setup(eqx.Module):
     """What stays the same while a batch of episodes is played."""
 
     street: Street
-    policies: ByRole[Policy]
-    intervention: Intervention | None
+    policies: Roles[Policy]
     scenarios: Scenario
     keys: Key[Array, "episode"]
     until: Int[Array, "episode"]
     """The last step of each episode."""
 
 
-class Game(eqx.Module):
+class Underway(eqx.Module):
     """A batch of episodes under way. An episode that has ended stays as it is."""
 
     state: State
-    memory: ByRole[Any]
-    """What the policies remember."""
-    intervening: Any
-    """What the intervention remembers."""
+    memory: Roles[tuple[Any, ...]]
+    """What the policies remember; it goes on after the end, so that nobody plans anew at every step of waiting."""
     ended: Bool[Array, "episode"]
     goal: Bool[Array, "episode"]
     collision: Bool[Array, "episode"]
@@ -58,25 +54,22 @@ class Game(eqx.Module):
 
 def play(
     street: Street,
-    driver: Policy,
-    pedestrians: Policy,
+    policies: Roles[Policy],
     scenarios: Scenario,
     keys: Key[Array, "episode"],
     *,
     numbers: Int[np.ndarray, "episode"] | None = None,
-    intervention: Intervention | None = None,
     until: Int[np.ndarray, "episode"] | None = None,
 ) -> Trajectory:
     """Play every scenario to its end. Compiles once for each street, kinds of policy and batch size.
 
     Args:
         street: the world.
-        driver: decides for the car. A `HostDriver` is asked between steps, everybody else within the compiled program.
-        pedestrians: decides for all people.
+        policies: who plays each role. A `HostDriver` is asked between steps, everybody else acts within the compiled
+            program.
         scenarios: a batch, arrays ``(..., episode)``.
         keys: one for each episode; what a policy draws depends on it and on the step alone.
         numbers: the trajectory's ``scenario``; 0, 1, ... if left out.
-        intervention: changes actions (`jaxwalk.evaluation.interventions`); each kind of it compiles once more.
         until: the last step of each episode, if it has not ended by then; such an episode has no ending. If left out,
             the horizon.
 
@@ -92,37 +85,44 @@ def play(
         raise ValueError(f"play needs a batch of scenarios and one key for each, not: {shapes}")
     last = np.full(keys.shape, street.world.rules.horizon) if until is None else until
     numbers = np.arange(len(keys)) if numbers is None else np.asarray(numbers)
-    compiled = Answered.nothing(driver.observes, keys.shape) if isinstance(driver, HostDriver) else driver
-    policies = ByRole(compiled, pedestrians)
-    setup = Setup(street, policies, intervention, scenarios, keys, jnp.asarray(last, jnp.int32))
-    intervening = None if intervention is None else intervention.init(keys.shape)
-    game, first = _begin(street, _fresh_memory(street, policies, keys.shape), intervening, scenarios)
+    host = next((x for x in jax.tree.leaves(policies) if isinstance(x, HostDriver)), None)
+    compiled = policies if host is None else _answered(policies, Given(jnp.zeros((2, *keys.shape))))
+    setup = Setup(street, compiled, scenarios, keys, jnp.asarray(last, jnp.int32))
+    memory = fresh_memory(street, cast_of(compiled), keys.shape)
+    game, first = _begin(street, memory, scenarios)
     blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]
-    rest = _ask_and_play(setup, game, driver, numbers) if isinstance(driver, HostDriver) else _play(setup, game)
+    rest = _play(setup, game) if host is None else _ask_and_play(setup, policies, host, game, numbers)
     for after, frames in rest:
         game = after
         blocks.append({name: np.asarray(x) for name, x in frames.items()})
     return _trajectory(street, scenarios, game, blocks, numbers)
 
 
-def _play(setup: Setup, game: Game) -> Iterator[tuple[Game, Frame]]:
+def _play(setup: Setup, game: Underway) -> Iterator[tuple[Underway, Frame]]:
     """Block after block, until all episodes have ended."""
     while not bool(game.ended.all()):
         game, frames = _play_block(setup, game, BLOCK)
         yield game, frames
 
 
-def _ask_and_play(setup: Setup, game: Game, driver: HostDriver, numbers: np.ndarray) -> Iterator[tuple[Game, Frame]]:
-    """Step after step likewise; each begins with what the driver answers to what it observes."""
+def _answered(policies: Roles[Policy], answer: Given) -> Roles[Policy]:
+    """Return the policies with an answer in place of the driver that can't be compiled, wherever it stands in them."""
+    return jax.tree.map(lambda x: answer if isinstance(x, HostDriver) else x, policies)
+
+
+def _ask_and_play(
+    setup: Setup, policies: Roles[Policy], driver: HostDriver, game: Underway, numbers: np.ndarray
+) -> Iterator[tuple[Underway, Frame]]:
+    """Play step after step; each begins with the driver's answer to what it observes."""
     with driver.turn:
         driver.init((), game.ended.shape)
         for step in count():
             playing = ~np.asarray(game.ended)
             if not playing.any():
                 return
-            seen = setup.street.observe(setup.scenarios, game.state, "driver", driver.observes)
+            seen = setup.street.observe(setup.scenarios, game.state, driver.view)
             answer = ask(driver, seen, playing=playing, numbers=numbers, step=step)
-            setup = eqx.tree_at(lambda setup: setup.policies.driver, setup, answer)
+            setup = eqx.tree_at(lambda setup: setup.policies, setup, _answered(policies, answer))
             game, frames = _play_block(setup, game, 1)
             yield game, frames
 
@@ -130,57 +130,36 @@ def _ask_and_play(setup: Setup, game: Game, driver: HostDriver, numbers: np.ndar
 _goal = eqx.filter_jit(vehicle.goal)
 
 
-def _fresh_memory(street: Street, policies: ByRole[Policy], batch: tuple[int, ...]) -> ByRole[Any]:
-    roles = street.roles
-    return ByRole(
-        policies.driver.init(roles.driver.agents, batch), policies.pedestrian.init(roles.pedestrian.agents, batch)
-    )
-
-
 @eqx.filter_jit
-def _begin(street: Street, memory: ByRole[Any], intervening: Any, scenarios: Scenario) -> tuple[Game, Frame]:
+def _begin(street: Street, memory: Roles[tuple[Any, ...]], scenarios: Scenario) -> tuple[Underway, Frame]:
     """The start of every episode, and its frame 0."""
     state = street.reset(scenarios)
     no = jnp.zeros(state.step.shape, bool)
     nobody = jnp.zeros(scenarios.start.shape, bool)
-    return Game(state, memory, intervening, no, no, no, nobody), frame(street, scenarios, state)
+    return Underway(state, memory, no, no, no, nobody), frame(street, scenarios, state)
 
 
 @eqx.filter_jit
-def _play_block(setup: Setup, game: Game, steps: int) -> tuple[Game, Frame]:
-    """So many steps, and their frames along a leading axis."""
+def _play_block(setup: Setup, game: Underway, steps: int) -> tuple[Underway, Frame]:
+    """Return the episodes after that many steps, and the steps' frames along a leading axis."""
 
-    def body(game: Game, _: None) -> tuple[Game, Frame]:
+    def body(game: Underway, _: None) -> tuple[Underway, Frame]:
         game = _step(setup, game)
         return game, frame(setup.street, setup.scenarios, game.state)
 
     return jax.lax.scan(body, game, None, length=steps)
 
 
-def _step(setup: Setup, game: Game) -> Game:
+def _step(setup: Setup, game: Underway) -> Underway:
     """One step of every episode that has not ended."""
-    actions, memory, intervening = _act(setup, game)
-    state, outcome = setup.street.step(setup.scenarios, game.state, actions)
+    street, cast = setup.street, cast_of(setup.policies)
+    key = step_key(setup.keys, game.state.step)
+    acted = act(street, cast, key, setup.scenarios, game.state, game.memory)
+    state, outcome = street.step(setup.scenarios, game.state, acted.actions)
     events, ended = outcome.events, outcome.ended | (state.step >= setup.until)
-    after = Game(state, memory, intervening, ended, events.goal, events.collision, events.touched)
-    return jax.tree.map(lambda new, old: jnp.where(game.ended, old, new), after, game)
-
-
-def _act(setup: Setup, game: Game) -> tuple[ByRole[Array], ByRole[Any], Any]:
-    """Actions and next memories of everybody, and of the intervention; keys are made from episode, step and role."""
-    street, scenarios, state = setup.street, setup.scenarios, game.state
-    now = jax.vmap(jax.random.fold_in)(setup.keys, FIRST_ACTION_KEY + state.step)
-    driver_key, pedestrian_key = jax.vmap(jax.random.split, out_axes=1)(now)
-    driver, pedestrians = setup.policies.driver, setup.policies.pedestrian
-    seen_by_driver = street.observe(scenarios, state, "driver", driver.observes)
-    seen_by_people = street.observe(scenarios, state, "pedestrian", pedestrians.observes)
-    drive, driver_memory = driver.act(driver_key, game.memory.driver, seen_by_driver)
-    walk, people_memory = pedestrians.act(pedestrian_key, game.memory.pedestrian, seen_by_people)
-    actions, memory, intervening = ByRole(drive, walk), ByRole(driver_memory, people_memory), None
-    if setup.intervention is not None:
-        moment = Now(street, scenarios, state, driver_key, ~game.ended)
-        actions, intervening = setup.intervention.act(moment, game.intervening, actions)
-    return actions, memory, intervening
+    after = Underway(state, acted.memory, ended, events.goal, events.collision, events.touched)
+    kept = jax.tree.map(lambda new, old: jnp.where(game.ended, old, new), after, game)
+    return eqx.tree_at(lambda game: game.memory, kept, acted.memory, is_leaf=lambda x: x is None)
 
 
 def frame(street: Street, scenarios: Scenario, state: State) -> Frame:
@@ -219,7 +198,7 @@ def frame_of_people(street: Street, scenarios: Scenario, people: PedestrianState
 def _trajectory(
     street: Street,
     scenarios: Scenario,
-    game: Game,
+    game: Underway,
     blocks: list[dict[str, np.ndarray]],
     numbers: Int[np.ndarray, "episode"],
 ) -> Trajectory:

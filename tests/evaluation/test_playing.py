@@ -6,10 +6,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation import draw_scenarios, play, with_jaywalk_multiplier
-from jaxwalk.interfaces import ByRole
+from jaxwalk.evaluation import play, with_jaywalk_multiplier
 from jaxwalk.metrics import WAITING, measure, summarise
 from jaxwalk.policies import AlwaysGo, ConstantSpeed
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import pedestrian, prediction
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import part
@@ -26,12 +26,12 @@ def short():
 
 @pytest.fixture(scope="module")
 def batch(short):
-    return draw_scenarios(short, seed=5, first=0, count=16)
+    return Drawn(short, 5).take(np.arange(16))
 
 
 @pytest.fixture(scope="module")
 def played(short, driver, undecided, batch):
-    return play(short, driver, undecided, *batch)
+    return play(short, {"driver": driver, "pedestrian": undecided}, *batch)
 
 
 def per_frame(trajectory):
@@ -45,9 +45,11 @@ def test_frames_are_those_of_stepping_by_hand(short, driver, undecided, batch, p
     @eqx.filter_jit
     def by_hand(short, scenarios, state, memory):
         key_of = jax.vmap(jax.random.split)(jax.vmap(jax.random.fold_in)(keys, 1 + state.step))
-        drive, _ = driver.act(key_of[:, 0], None, short.observe(scenarios, state, "driver", "route"))
-        go, memory = undecided.act(key_of[:, 1], memory, short.observe(scenarios, state, "pedestrian", "paper"))
-        state, outcome = short.step(scenarios, state, ByRole(drive, go))
+        drive, _ = driver.act(key_of[:, 0], None, short.observe(scenarios, state, short.view("driver", "route")))
+        go, memory = undecided.act(
+            key_of[:, 1], memory, short.observe(scenarios, state, short.view("pedestrian", "paper"))
+        )
+        state, outcome = short.step(scenarios, state, {"driver": drive, "pedestrian": go})
         car, people = state.vehicle, state.pedestrian
         seen = {
             "car_x": car.x, "car_speed": car.speed, "car_acceleration": car.acceleration, "ped_x": people.x,
@@ -83,7 +85,7 @@ class Careful(AlwaysGo):
 
 
 def test_who_waits_in_danger_alone_is_measured_so(short, driver, batch):
-    found = summarise(measure(play(short, driver, Careful(), *batch)))[WAITING]
+    found = summarise(measure(play(short, {"driver": driver, "pedestrian": Careful()}, *batch)))[WAITING]
     assert (found.danger.value, found.harmless.value) == (1, 0)
     assert min(found.danger.count, found.harmless.count) > 10
     assert found.longest_stand == 0
@@ -122,7 +124,7 @@ def test_episodes_end_in_every_way_and_then_repeat_their_last_frame(played):
 def test_an_episode_alone_is_the_same_as_in_a_batch(short, driver, undecided, batch, played):
     scenarios, keys = batch
     third = jax.tree.map(lambda x: x[..., 3:4], scenarios)
-    alone = play(short, driver, undecided, third, keys[3:4], numbers=np.array([3]))
+    alone = play(short, {"driver": driver, "pedestrian": undecided}, third, keys[3:4], numbers=np.array([3]))
     assert alone.scenario.tolist() == [3]
     assert alone.length[0] == played.length[3]
     for name, x in per_frame(alone).items():
@@ -131,8 +133,8 @@ def test_an_episode_alone_is_the_same_as_in_a_batch(short, driver, undecided, ba
 
 def test_what_policies_draw_depends_on_their_keys(short, driver, undecided, batch, played):
     scenarios, keys = batch
-    again = play(short, driver, undecided, scenarios, keys)
-    other = play(short, driver, undecided, scenarios, keys[::-1])
+    again = play(short, {"driver": driver, "pedestrian": undecided}, scenarios, keys)
+    other = play(short, {"driver": driver, "pedestrian": undecided}, scenarios, keys[::-1])
     for name, x in per_frame(again).items():
         np.testing.assert_array_equal(x, getattr(played, name))
     assert (other.going[1] != played.going[1]).any()
@@ -149,8 +151,8 @@ def test_another_multiplier_or_other_weights_compile_nothing_anew(street):
             action, memory = super().act(key, memory, observation)
             return action * self.weight, memory
 
-    scenarios, keys = draw_scenarios(street, seed=5, first=0, count=16)
-    play(street, Counted(), AlwaysGo(), scenarios, keys)
+    scenarios, keys = Drawn(street, 5).take(np.arange(16))
+    play(street, {"driver": Counted(), "pedestrian": AlwaysGo()}, scenarios, keys)
     first = len(traces)
     for multiplier in (0.0, 0.1, 1.0):
         weaker = Counted(weight=jnp.float32(0.5))
@@ -161,4 +163,4 @@ def test_another_multiplier_or_other_weights_compile_nothing_anew(street):
 def test_a_batch_that_does_not_fit_is_refused(short, driver, undecided, batch):
     scenarios, keys = batch
     with pytest.raises(ValueError, match="one key for each"):
-        play(short, driver, undecided, scenarios, keys[:3])
+        play(short, {"driver": driver, "pedestrian": undecided}, scenarios, keys[:3])

@@ -1,0 +1,161 @@
+"""Everybody acts: the one acting step, and the one rule for random keys, of everything that plays an environment.
+
+Training, evaluation, adapters and export differ in who plays where (a `Cast`) and in what they keep, in nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Int, Key
+
+from jaxwalk.interfaces import Environment, Moment, Policy, Roles, View
+
+SCENARIO_KEYS, FIRST_ACTION_KEY = 0, 1
+"""An environment's key is folded with 0 for its scenarios and with 1 + step for its actions, so the two never meet."""
+ALL = slice(None)
+"""All environments."""
+
+Decide = Callable[[Any, Key[Array, "*batch"], Any, Any], tuple[Array, Any, Any]]
+"""From policy, key, memory and what is seen to the action, the next memory and a record of the decision."""
+
+
+def follow(policy: Policy, key: Key[Array, "*batch"], memory: Any, seen: Any) -> tuple[Array, Any, None]:
+    """Do what the policy says, and record nothing."""
+    return *policy.act(key, memory, seen), None
+
+
+class Player(NamedTuple):
+    """Somebody who plays a role, everywhere or in some of the environments."""
+
+    policy: Any
+    """A `Policy`, or whatever ``decide`` understands; it has ``init``."""
+    view: View
+    """What it sees."""
+    columns: slice = ALL
+    """The environments in which it plays."""
+    decide: Decide = follow
+    """How it decides."""
+
+
+Cast = Roles[tuple[Player, ...]]
+"""Who plays where. A role's players stand in the order of their environments and leave out none."""
+
+
+class Acted(NamedTuple):
+    """What everybody did in a step."""
+
+    actions: Roles[Array]
+    """``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
+    memory: Roles[tuple[Any, ...]]
+    """The next memory of each player."""
+    records: Roles[tuple[Any, ...]]
+    """What each player recorded, in its own environments."""
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """A view that shows nothing."""
+
+    name: str = "nothing"
+
+    def __call__(self, moment: Moment) -> None:
+        """Return None."""
+        return None
+
+
+class Given(eqx.Module):
+    """A policy that does what it is given: how a role is played from outside a compiled program."""
+
+    action: Any
+    """An array ``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
+    view: View = eqx.field(static=True, default=Nothing())
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
+        """Return None: it remembers nothing."""
+        return None
+
+    def act(self, key: Key[Array, "*batch"], memory: None, seen: Any) -> tuple[Array, None]:
+        """Return the given action."""
+        return self.action, memory
+
+
+def cast_of(policies: Mapping[str, Policy]) -> Cast:
+    """Return the cast in which each policy plays its role everywhere."""
+    return {role: (Player(policy, policy.view),) for role, policy in policies.items()}
+
+
+def fresh_memory(environment: Environment, cast: Cast, batch: tuple[int, ...]) -> Roles[tuple[Any, ...]]:
+    """Return what everybody remembers at the start of an episode; arrays ``(..., *agents, *batch)``.
+
+    ``batch`` counts all environments: a player has room for those in which it doesn't play, too.
+    """
+    roles = environment.roles
+    return {role: tuple(p.policy.init(roles[role].agents, batch) for p in players) for role, players in cast.items()}
+
+
+def step_key(keys: Key[Array, "*batch"], number: Int[Array, "*#batch"]) -> Key[Array, "*batch"]:
+    """Return each environment's key for its step of that number, counted under its own key from 0."""
+    fold = jax.random.fold_in
+    for _ in range(keys.ndim):
+        fold = jax.vmap(fold)
+    return fold(keys, FIRST_ACTION_KEY + jnp.broadcast_to(number, keys.shape))
+
+
+def role_key(key: Key[Array, "*batch"], index: int) -> Key[Array, "*batch"]:
+    """Return the key of the role at that place in the environment's roles, from the step's key."""
+    fold = jax.random.fold_in
+    for _ in range(key.ndim):
+        fold = jax.vmap(fold, in_axes=(0, None))
+    return fold(key, index)
+
+
+def act(
+    environment: Environment, cast: Cast, key: Key[Array, "*batch"], scenario: Any, state: Any,
+    memory: Roles[tuple[Any, ...]],
+) -> Acted:  # fmt: skip
+    """Let everybody act in one step.
+
+    Args:
+        environment: the world.
+        cast: who plays where.
+        key: the step's key of each environment (`step_key`).
+        scenario: what is played; arrays ``(..., *batch)``.
+        state: where it stands; arrays ``(..., *batch)``.
+        memory: as `fresh_memory` or the step before gave it.
+    """
+    acted = {}
+    for index, role in enumerate(environment.roles):
+        seen = [environment.observe(scenario, state, player.view) for player in cast[role]]
+        acted[role] = _play(cast[role], role_key(key, index), memory[role], seen)
+    return Acted(*({role: each[i] for role, each in acted.items()} for i in range(3)))
+
+
+def _play(
+    players: tuple[Player, ...], key: Key[Array, "*batch"], memory: tuple[Any, ...], seen: list[Any]
+) -> tuple[Array, tuple[Any, ...], tuple[Any, ...]]:
+    """Return one role's actions, next memories and records."""
+    actions, memories, records = [], [], []
+    for player, before, shown in zip(players, memory, seen, strict=True):
+        at = player.columns
+        mine, own, view = (part_of(x, at) for x in (key, before, shown))
+        action, after, record = player.decide(player.policy, mine, own, view)
+        actions.append(action)
+        memories.append(after if at == ALL else _put(before, after, at))
+        records.append(record)
+    joined = actions[0] if len(actions) == 1 else jnp.concatenate(actions, axis=-1)
+    return joined, tuple(memories), tuple(records)
+
+
+def part_of(tree: Any, columns: slice) -> Any:
+    """Return those environments of arrays ``(..., env)``."""
+    return tree if columns == ALL else jax.tree.map(lambda x: x[..., columns], tree)
+
+
+def _put(before: Any, after: Any, columns: slice) -> Any:
+    return jax.tree.map(lambda x, new: x.at[..., columns].set(new), before, after)

@@ -1,0 +1,102 @@
+"""Who plays a role where: a fixed policy, earlier versions of the learner, the learner. Worked out once, and passed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
+from jaxwalk.acting import Cast, Player
+from jaxwalk.interfaces import Environment, Policy, Roles
+from jaxwalk.learning.actor import Actor, Choice, decide
+from jaxwalk.learning.config import SNAPSHOTS, TrainConfig
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Who plays a role in which environments: parts of the environment axis."""
+
+    fixed: slice
+    """A fixed policy."""
+    early: tuple[slice, ...]
+    """The learner as it was after each of `SNAPSHOTS` updates."""
+    own: slice
+    """The learner; it learns from these environments only."""
+
+
+@dataclass(frozen=True)
+class Shard:
+    """What one device plays and learns from: a part of the environments, and who plays where in them."""
+
+    config: TrainConfig
+    """The training's, with the shard's number of environments."""
+    columns: Roles[Columns]
+    """By role."""
+
+
+def shard_of(config: TrainConfig) -> Shard:
+    """Return each device's shard; they are all alike."""
+    return whole(replace(config, environments=config.environments // config.shards, shards=1))
+
+
+def whole(config: TrainConfig) -> Shard:
+    """Return all environments as if they were one shard."""
+    return Shard(config, {role: _columns(config, role) for role in config.roles})
+
+
+def _columns(config: TrainConfig, role: str) -> Columns:
+    """The first role's stand-ins have the first environments, the other roles' the last ones: so there are environments
+    in which all learn, and each role's stand-ins meet the learners of the others."""
+    choice, count = config.roles[role], config.environments
+    fixed, early = round(choice.fixed * count), round(choice.early * count)
+    bounds = [0, fixed, *(fixed + early * (k + 1) // len(SNAPSHOTS) for k in range(len(SNAPSHOTS))), count]
+    parts = [slice(a, b) for a, b in pairwise(bounds)]
+    if role != next(iter(config.roles)):
+        parts = [slice(count - part.stop, count - part.start) for part in parts]
+    return Columns(parts[0], tuple(parts[1:-1]), parts[-1])
+
+
+def learning_cast(
+    environment: Environment, shard: Shard, actors: Roles[Actor], early: Roles[tuple[Actor, ...]],
+    others: Roles[Policy | None],
+) -> Cast:  # fmt: skip
+    """Return the cast of a shard: learning roles sample from their actors, stand-ins play elsewhere."""
+    cast = {}
+    for role, columns in shard.columns.items():
+        fixed, players = others[role], []
+        if fixed is not None:
+            players.append(Player(fixed, fixed.view, columns.fixed))
+        if role in actors:
+            versions = [*zip(columns.early, early[role], strict=False), (columns.own, actors[role])]
+            players += [Player(x, environment.view(role, x.observes), at, sample) for at, x in versions]
+        cast[role] = tuple(sorted((p for p in players if width(p.columns)), key=lambda p: p.columns.start))
+    return cast
+
+
+def sample(actor: Actor, key: Array, memory: Any, seen: Array) -> tuple[Array, Any, Choice]:
+    """Sample an action, and record how likely it was."""
+    choice, memory = decide(actor, key, memory, seen, sample=True)
+    return choice.action, memory, choice
+
+
+def remember(early: tuple[Actor, ...], actor: Actor, updates: Int[Array, ""]) -> tuple[Actor, ...]:
+    """Return the snapshots after that many updates: each follows the actor until its time has come."""
+
+    def follow(snapshot: Actor, until: int) -> Actor:
+        return jax.tree.map(lambda new, old: jnp.where(updates <= until, new, old), actor, snapshot)
+
+    return tuple(follow(snapshot, until) for snapshot, until in zip(early, SNAPSHOTS, strict=False))
+
+
+def snapshots(config: TrainConfig, actors: Roles[Actor]) -> Roles[tuple[Actor, ...]]:
+    """Return the snapshots of untrained actors by role; empty where no earlier version plays."""
+    return {role: (actor,) * len(SNAPSHOTS) if config.roles[role].early else () for role, actor in actors.items()}
+
+
+def width(columns: slice) -> int:
+    """Return how many environments these are."""
+    return columns.stop - columns.start

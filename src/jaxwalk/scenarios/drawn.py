@@ -1,0 +1,68 @@
+"""Scenarios drawn at random, each from its seed and its number alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Int, Key
+
+from jaxwalk.rollout import EVALUATION, draw_batch, scenario_key, seed_key
+from jaxwalk.scenarios.source import source_hash
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import Scenario
+
+SEEDS = 2**31
+"""Seeds lie in [0, this)."""
+NUMBERS = 2**30
+"""Numbers of scenarios lie in [0, this)."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The first ``count`` scenarios of a seed: those with which evaluation environments would begin a rollout.
+
+    No training meets them. Raises ValueError for an impossible seed or count.
+    """
+
+    street: Street
+    """Where they are drawn."""
+    seed: int
+    count: int = NUMBERS
+
+    def __post_init__(self) -> None:
+        """Refuse what can't be drawn."""
+        if not 0 <= self.seed < SEEDS:
+            raise ValueError(f"seed must be 0 or more and below {SEEDS}, not {self.seed}")
+        if not 1 <= self.count <= NUMBERS:
+            raise ValueError(f"count must lie in [1, {NUMBERS}], not {self.count}")
+
+    def __len__(self) -> int:
+        """How many scenarios it has."""
+        return self.count
+
+    def take(self, numbers: Int[np.ndarray, "episode"]) -> tuple[Scenario, Key[Array, "episode"]]:
+        """Return the scenarios of these numbers, and a key for each. Raise ValueError for one that there isn't."""
+        for wrong in numbers[(numbers < 0) | (numbers >= self.count)][:1]:
+            raise ValueError(f"scenario must lie in [0, {self.count}), not {wrong}")
+        fold_in = jax.vmap(jax.random.fold_in, in_axes=(None, 0))
+        keys = fold_in(seed_key(self.seed, EVALUATION), jnp.asarray(numbers))
+        return _draw(self.street, keys), keys
+
+    def hash(self) -> str:
+        """Return the hash of the scenarios."""
+        return source_hash(self)
+
+    def describe(self) -> dict[str, Any]:
+        """Return seed, count and hash."""
+        return {"seed": self.seed, "count": self.count, "hash": self.hash()}
+
+
+@eqx.filter_jit
+def _draw(street: Street, keys: Key[Array, "episode"]) -> Scenario:
+    """Draw the first episode of each environment."""
+    return draw_batch(street, scenario_key(keys, jnp.zeros(keys.shape, jnp.int32)))

@@ -1,0 +1,60 @@
+"""What evaluation needs to know about the origin of scenarios: give me these numbers, and say which set it is."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any, Protocol, runtime_checkable
+
+import jax
+import numpy as np
+from jaxtyping import Array, Int, Key
+
+HASHED_AT_ONCE = 512
+"""Scenarios made at once for the hash."""
+HASH_DIGITS = 16
+"""Hexadecimal digits of a source's hash."""
+
+
+@runtime_checkable
+class Source(Protocol):
+    """A numbered set of scenarios. Scenario i is always the same, whatever else is taken with it."""
+
+    def __len__(self) -> int:
+        """How many scenarios it has; their numbers are 0, 1, ..."""
+        ...
+
+    def take(self, numbers: Int[np.ndarray, "episode"]) -> tuple[Any, Key[Array, "episode"]]:
+        """Return the scenarios of these numbers as a batch, arrays ``(..., episode)``, and a key for each.
+
+        A key is for the policies that play the scenario, and for what is drawn beside it, such as ghosts.
+        """
+        ...
+
+    def hash(self) -> str:
+        """Return `HASH_DIGITS` hexadecimal digits that stand for everything chance decides in the set."""
+        ...
+
+    def describe(self) -> dict[str, Any]:
+        """Return what results say about the set, as plain JSON."""
+        ...
+
+
+def source_hash(source: Source) -> str:
+    """Return the hash of a source's scenarios: SHA-256 over all their arrays, scenario after scenario.
+
+    Equal sets have equal hashes, on every machine.
+    """
+    digest = hashlib.sha256()
+    for first in range(0, len(source), HASHED_AT_ONCE):
+        numbers = first + np.arange(HASHED_AT_ONCE)
+        scenarios, _ = source.take(numbers % len(source))  # always as many, so that one program makes them all
+        table = np.concatenate([_bytes(x) for x in jax.tree.leaves(scenarios)], axis=1)
+        digest.update(table[: len(source) - first].tobytes())
+    return digest.hexdigest()[:HASH_DIGITS]
+
+
+def _bytes(array: Array) -> np.ndarray:
+    """Return the little-endian bytes of each episode, ``(episode, byte)``, of an array ``(..., episode)``."""
+    episodes = np.asarray(array).T
+    flat = np.ascontiguousarray(episodes.reshape(len(episodes), -1))
+    return flat.astype(flat.dtype.newbyteorder("<")).view(np.uint8)

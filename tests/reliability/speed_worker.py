@@ -1,0 +1,90 @@
+"""A worker of `speed_against.py`: runs in any checkout since 0.1, whose modules it finds by their names then or now.
+
+It prints `ready` once it is compiled and warm. Then, for each line on standard input, it works for about a second and
+prints its environment steps per second.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from importlib import import_module
+
+import jax
+
+NAMES = {
+    "simulation": ("jaxwalk.bench.simulation", "jaxwalk.experiments.benchmark.simulation"),
+    "recipes": ("jaxwalk.runs.recipes", "jaxwalk.experiments.recipes"),
+    "street": ("jaxwalk.runs.street", "jaxwalk.experiments.world"),
+}
+"""Modules by their present name, and by that of 0.1."""
+ENVIRONMENTS, STEPS = 1024, 256
+WARM = 3
+"""Calls before the first turn."""
+SECONDS = 1.0
+"""Shortest turn."""
+
+
+def module(name: str):
+    """The module, whatever it is called here."""
+    now, before = NAMES[name]
+    try:
+        return import_module(now)
+    except ModuleNotFoundError as error:
+        if not now.startswith(error.name or "?"):
+            raise
+        return import_module(before)
+
+
+def simulator() -> tuple[Callable[[], None], int]:
+    """Rollouts with every view."""
+    from jaxwalk.sim.config import SimConfig
+
+    simulation = module("simulation")
+    street = simulation.paid_street(SimConfig())
+    program = simulation.build(street, ENVIRONMENTS, STEPS, 0, simulation.EVERY)
+    stream = program.stream
+
+    def work() -> None:
+        nonlocal stream
+        stream, _ = jax.block_until_ready(program.call(street, stream))
+
+    return work, ENVIRONMENTS * STEPS
+
+
+def updates(recipe: str) -> tuple[Callable[[], None], int]:
+    """Updates of a recipe at its own size."""
+    from jaxwalk.learning import mappo
+    from jaxwalk.rollout import TRAINING, seed_key
+
+    street = module("street")
+    experiment = street.shared_out(module("recipes").RECIPES[recipe])
+    environment, config = street.make_street(experiment), replace(experiment.train, updates=1)
+    others = street.fixed_policies(experiment)
+    learner = mappo.init(environment, config, seed_key(0, TRAINING), others=others)
+
+    def work() -> None:
+        nonlocal learner
+        learner, _ = jax.block_until_ready(mappo.update(environment, config, learner))
+
+    return work, experiment.steps_per_update
+
+
+def main() -> None:
+    part = sys.argv[1]
+    work, steps = simulator() if part == "simulator" else updates(part)
+    for _ in range(WARM):
+        work()
+    print("ready", flush=True)
+    for _ in sys.stdin:
+        begun, done = time.perf_counter(), 0
+        while time.perf_counter() - begun < SECONDS:
+            work()
+            done += steps
+        print(done / (time.perf_counter() - begun), flush=True)
+
+
+if __name__ == "__main__":
+    main()
