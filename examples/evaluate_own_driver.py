@@ -1,18 +1,19 @@
 """Evaluate a driver of your own: its collisions, its reaction to jaywalkers, and who could have avoided the collisions.
 
-A driver is any object with ``observes``, ``init`` and ``act`` (`jaxwalk.interfaces.Policy`).
+A driver is any object with ``view``, ``init`` and ``act`` (`jaxwalk.interfaces.Policy`).
 """
 
 import equinox as eqx
 import jax.numpy as jnp
 
-from jaxwalk import Street
-from jaxwalk.evaluation import counterfactuals, evaluate, paired, summarise_counterfactuals
+from jaxwalk import Drawn, Street
+from jaxwalk.evaluation import counterfactuals, evaluate, find_hits, paired, summarise_counterfactuals
+from jaxwalk.interfaces import View
 from jaxwalk.metrics import SURROGATES, summarise
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.report.surprise import in_words
-from jaxwalk.scenarios import Drawn
-from jaxwalk.sim.observation import SPEED, part
+from jaxwalk.sim.features import SPEED
+from jaxwalk.sim.observation import Observation, part
 
 EPISODES = 64  # use 2,000 or more for reliable numbers
 
@@ -20,7 +21,7 @@ EPISODES = 64  # use 2,000 or more for reliable numbers
 class Cautious(eqx.Module):
     """Follows its route at 4 m/s or less, and ignores people."""
 
-    observes: str = eqx.field(static=True, default="route")
+    view: View = eqx.field(static=True, default=Observation("driver", "route"))
 
     def init(self, agents, batch):
         return None
@@ -32,10 +33,10 @@ class Cautious(eqx.Module):
 
 
 street = Street.create()
-fast, slow = (
-    evaluate(street, {"driver": car, "pedestrian": AlwaysGo()}, Drawn(street, 0, EPISODES), batch=64)
-    for car in (RouteFollower(), Cautious())
-)
+scenarios = Drawn(street, seed=0, count=EPISODES)
+at_full_speed = {"driver": RouteFollower(), "pedestrian": AlwaysGo()}
+cautious = {"driver": Cautious(), "pedestrian": AlwaysGo()}
+fast, slow = (evaluate(street, policies, scenarios, batch=64) for policies in (at_full_speed, cautious))
 collision = paired(fast, slow).collision
 print("collisions at full speed {:.0%}, at 4 m/s {:.0%}; p = {:.3f}".format(*collision.rates, collision.p))
 
@@ -44,6 +45,7 @@ print(in_words(summary.as_dict()["speed_differential"]))
 crosswalk = summary[SURROGATES].crosswalk
 print(f"TTC below 1.5 s in {crosswalk.ttc_critical.value:.0%} of the encounters at crosswalks")
 
-found = summarise_counterfactuals(counterfactuals(street, Cautious(), AlwaysGo(), slow, seed=0, batch=64, at_most=8))
+hits = find_hits(slow).first(8)
+found = summarise_counterfactuals(counterfactuals(street, cautious, scenarios, hits, batch=64))
 shares = ", ".join(f"{label} {rate.successes}" for label, rate in found.all.labels.items())
 print(f"of {found.replayed} collisions replayed, avoidable by: {shares}")

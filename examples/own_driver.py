@@ -61,12 +61,8 @@ def trace(driver, scenario):
     first, row = scenario - scenario % BATCH, scenario % BATCH
     beside = Beside(driver)
     scenarios, keys = Drawn(street, 0).take(first + np.arange(BATCH))
-    played = play(
-        street,
-        {"driver": HostDriver("beside", beside, observes=driver.observes), "pedestrian": people},
-        scenarios,
-        keys,
-    )
+    policies = {"driver": HostDriver("beside", beside, observes=driver.view.name), "pedestrian": people}
+    played = play(street, policies, scenarios, keys)
     gaps = np.array(beside.gaps)[: played.length[row], row]
     step = int(np.argmax(gaps > 0))
     print(

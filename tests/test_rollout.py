@@ -162,7 +162,7 @@ def test_every_step_of_every_environment_has_its_own_chance(whole):
     _, steps = whole
     drawn = np.asarray(steps.record["action"])
     assert len(np.unique(drawn)) > 0.99 * drawn.size
-    np.testing.assert_array_equal(steps.outcome.rewards.driver["action"], drawn)
+    np.testing.assert_array_equal(steps.outcome.rewards["driver"]["action"], drawn)
 
 
 def test_seeds_domains_and_indices_have_keys_of_their_own():

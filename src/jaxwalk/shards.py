@@ -1,7 +1,7 @@
-"""Sharing out environments among devices: each plays and learns on its part, and sums go over all of them.
+"""Division of the environments among devices: each device plays and learns on its shard, and sums go over all shards.
 
-A processor's cores are devices too, if ``JAX_NUM_CPU_DEVICES`` says so before JAX starts, as the command line does. Two
-cores that each work on half of the environments are far quicker than two that share every small product.
+The cores of a CPU are devices too, if ``JAX_NUM_CPU_DEVICES`` says so before JAX starts; the command line sets it. Two
+cores that each work on half of the environments are much faster than two that share every small matrix product.
 """
 
 from __future__ import annotations
@@ -16,40 +16,40 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from jaxtyping import Array
 
 SHARDS = "env"
-"""Name of the axis over which a sum of all shards goes: `jax.lax.psum` (x, SHARDS)."""
+"""Name of the mesh axis of the shards: ``jax.lax.psum(x, SHARDS)`` sums over all of them."""
 Axis = str | tuple[()]
-"""SHARDS, or () where an array holds everything already: the sum of one shard."""
+"""SHARDS, or () if there is only one shard."""
 EVERYWHERE = PartitionSpec()
-"""Every device has the whole array."""
+"""The partition of an array that every device has as a whole."""
 
 
 class ShardsError(ValueError):
-    """There are fewer devices than shards; one line says what to do."""
+    """There are fewer devices than shards. The message says what to do, in one line."""
 
 
 def mesh_of(shards: int) -> Mesh:
-    """So many devices in a row. Raises ShardsError if there are fewer."""
+    """Return a mesh of this many devices. Raises ShardsError if there are fewer."""
     devices = jax.devices()
     if len(devices) < shards:
         raise ShardsError(
             f"shards: {shards} devices are needed, and JAX has {len(devices)} ({devices[0].platform}); ask for fewer, "
-            f"or set JAX_NUM_CPU_DEVICES={shards} and JAX_PLATFORMS=cpu, for so many on a processor"
+            f"or set JAX_NUM_CPU_DEVICES={shards} and JAX_PLATFORMS=cpu to have as many on a CPU"
         )
     return Mesh(np.array(devices[:shards]), (SHARDS,))
 
 
 def by_environment(tree: Any) -> Any:
-    """Of arrays ``(..., env)``, that each device has its environments; of those without an axis, that each has all."""
+    """Return partitions that divide arrays ``(..., env)`` by environment; arrays without axes are whole everywhere."""
     return jax.tree.map(lambda x: PartitionSpec(*(None,) * (x.ndim - 1), SHARDS) if x.ndim else EVERYWHERE, tree)
 
 
 def place(tree: Any, specs: Any, mesh: Mesh) -> Any:
-    """The same arrays, on those devices; what is no array stays as it is."""
+    """Return a tree with its arrays placed on the mesh's devices. Other leaves stay as they are."""
 
     def put(x: Array, spec: PartitionSpec) -> Array:
         if jnp.issubdtype(x.dtype, jax.dtypes.prng_key):
             return jax.random.wrap_key_data(put(jax.random.key_data(x), spec), impl=jax.random.key_impl(x))
-        return jax.device_put(np.asarray(x), NamedSharding(mesh, spec))  # JAX would compile how to cut each shape
+        return jax.device_put(np.asarray(x), NamedSharding(mesh, spec))  # JAX would compile a program for each shape
 
     arrays, rest = eqx.partition(tree, eqx.is_array)
     return eqx.combine(jax.tree.map(put, arrays, specs), rest)

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, whatever happens while they are written."""
+"""Atomic writing of files: a file appears whole or not at all, whatever happens while it is written."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pathlib import Path
 
 @contextmanager
 def whole(path: str | Path) -> Iterator[Path]:
-    """A file beside ``path`` to be written, which becomes it at the end and vanishes if anything goes wrong.
+    """Yield the path of a temporary file, which replaces ``path`` at the end. It is removed if anything fails.
 
-    An OSError, as of a full disk, names ``path``.
+    An OSError, such as for a full disk, names ``path``.
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
@@ -28,35 +28,35 @@ def whole(path: str | Path) -> Iterator[Path]:
 
 @contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """While inside, an OSError is about that file: one from writing doesn't say so itself."""
+    """Make an OSError inside name the file, because an error from writing doesn't."""
     try:
         yield
     except OSError as error:
-        if error.errno is None:  # some libraries give a text alone
+        if error.errno is None:  # some libraries set only the message
             raise OSError(errno.EIO, str(error), str(path)) from error
-        if error.filename is None or is_unfinished(Path(str(error.filename))):  # (not another file, which is read)
+        if error.filename is None or is_unfinished(Path(str(error.filename))):  # not a file being read
             error.filename = str(path)
         raise
 
 
 def write_whole(path: str | Path, content: str | bytes) -> None:
-    """Write a file as `whole` does."""
+    """Write a file atomically, as `whole` does."""
     with whole(path) as unfinished:
         unfinished.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 def is_unfinished(path: Path) -> bool:
-    """Whether it is what a process that was killed left of a file."""
+    """Return whether a file is the temporary file of a killed process."""
     return path.name.startswith(".") and ".part" in path.suffixes[-2:]
 
 
 def remove_unfinished(folder: Path) -> None:
-    """Remove what processes that were killed left of files, from a folder into which nobody else writes."""
+    """Remove the temporary files of killed processes from a folder into which nobody else writes."""
     for path in filter(is_unfinished, folder.iterdir()):
         path.unlink()
 
 
 def _to_disk(path: Path) -> None:
-    """Wait until the content is on the disk: renamed before, a file could be empty after a power failure."""
+    """Wait until the content is on the disk. Without this, a renamed file could be empty after a power failure."""
     with path.open("rb+") as file:
         os.fsync(file.fileno())

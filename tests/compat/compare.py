@@ -61,6 +61,8 @@ class Compared:
     differs: str = ""
     """What differs; empty if nothing does."""
     note: str = ""
+    skipped: bool = False
+    """Nothing was recorded to compare with."""
 
 
 def compare_scenarios(sets, *, folder: Path) -> Iterator[Compared]:
@@ -183,13 +185,18 @@ def compare(parts, *, quick: bool, folder: Path) -> Iterator[Compared]:
     if "trained" in parts:
         yield from compare_trained(folder=folder)
     for name in chosen["updates"] if "updates" in parts else ():
-        yield from guarded(f"updates: {name}", compare_updates(name, folder=folder))
+        compared = compare_updates(name, folder=folder)
+        yield from guarded(f"updates: {name}", updates_file(RECORDED, name), compared)
     for name in chosen["evaluations"] if "evaluations" in parts else ():
-        yield from guarded(f"evaluation {name}", compare_evaluation(name, folder=folder))
+        compared = compare_evaluation(name, folder=folder)
+        yield from guarded(f"evaluation {name}", evaluation_file(RECORDED, name), compared)
 
 
-def guarded(what: str, compared: Iterator[Compared]) -> Iterator[Compared]:
-    """The comparisons; a command that fails is a difference."""
+def guarded(what: str, recorded: Path, compared: Iterator[Compared]) -> Iterator[Compared]:
+    """The comparisons, if there is anything to compare with; a command that fails is a difference."""
+    if not recorded.exists():
+        yield Compared(what, note="not recorded at ee64c7f, so not compared", skipped=True)
+        return
     try:
         yield from compared
     except CommandError as error:
@@ -205,8 +212,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="jaxwalk-compare-") as scratch:
         for found in compare(options.parts or PARTS, quick=options.quick, folder=Path(scratch)):
             different += bool(found.differs)
-            mark, detail = ("DIFFERS", found.differs) if found.differs else ("same", found.note)
-            print(f"{mark:<8}{found.what:<78} {detail}", flush=True)
+            mark = "DIFFERS" if found.differs else "skipped" if found.skipped else "same"
+            print(f"{mark:<8}{found.what:<78} {found.differs or found.note}", flush=True)
     print(f"{different} comparisons differ from commit ee64c7f" if different else "No difference from commit ee64c7f")
     return int(different > 0)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from compat.compare import compare, differences, different_outcomes
+from compat.compare import TRAINED, compare, differences, different_outcomes
+from jaxwalk.runs.folder import Run
 
 
 @pytest.mark.parametrize("part", ["scenarios", "evaluations", "trained"])
@@ -12,6 +13,13 @@ def test_it_behaves_as_version_0_1(part, tmp_path):
     found = list(compare([part], quick=True, folder=tmp_path))
     assert found
     assert [f"{x.what}: {x.differs}" for x in found if x.differs] == []
+
+
+def test_a_configuration_of_0_1_is_read():
+    train = Run.open(TRAINED).experiment.train
+    assert list(train.roles) == ["driver", "pedestrian"]
+    assert train.roles["pedestrian"].hold == 10
+    assert train.environments == 12
 
 
 def test_a_difference_is_seen():

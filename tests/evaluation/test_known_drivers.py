@@ -15,7 +15,9 @@ from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import observation
+from jaxwalk.sim.driver_features import ON_ROUTE
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.features import SPEED, Feature, share
 from jaxwalk.sim.geometry import inside
 
 EPISODES = 2048
@@ -25,27 +27,38 @@ NOTHING = 1e-3
 """Speeds that differ by less are the same [m/s]."""
 
 
-def known(moment: observation.Moment) -> observation.Parts:
-    """What a driver of known truth goes by: its route; a crosswalk within 10 m ahead; somebody on one close ahead."""
+def crosswalk_ahead(moment):
+    """Whether a crosswalk is within 10 m ahead."""
     car, maps = moment.state.vehicle, moment.world.maps
     ahead = jnp.arange(0.0, 10.1, 2.0).reshape(-1, *(1,) * car.x.ndim)
     at_crosswalk = inside(maps.crosswalks, moment.scenario.map, car.x + ahead * car.cos, car.y + ahead * car.sin)
-    return [*observation._on_route(moment), at_crosswalk.any(axis=0), moment.state.foresight.crosswalk_user]
+    return (at_crosswalk.any(axis=0),)
+
+
+KNOWN = (
+    *ON_ROUTE,
+    Feature("crosswalk", 1, share, crosswalk_ahead),
+    Feature("crosswalk_user", 1, share, lambda moment: (moment.state.foresight.crosswalk_user,)),
+)
+"""What a driver of known truth goes by: its route; a crosswalk within 10 m ahead; somebody on one close ahead."""
 
 
 class Known(eqx.Module):
     """Follows its route; slow for one of the last features of the observation, or for nothing."""
 
     slow_for: int | None = eqx.field(static=True)
-    observes: str = eqx.field(static=True, default="known")
+
+    @property
+    def view(self):
+        return observation.Observation("driver", "known")
 
     def init(self, agents, batch):
         return None
 
     def act(self, key, memory, seen):
         slow = seen[self.slow_for] > 0 if self.slow_for else jnp.zeros(seen.shape[1:], bool)
-        target = jnp.where(slow, SLOW, observation.SPEED)
-        return jnp.stack([jnp.clip(target - seen[0] * observation.SPEED, -1, 1), pursue(seen[6:22])]), memory
+        target = jnp.where(slow, SLOW, SPEED)
+        return jnp.stack([jnp.clip(target - seen[0] * SPEED, -1, 1), pursue(seen[6:22])]), memory
 
 
 BLIND, CROSSWALKS, CROSSWALK_USERS = None, -2, -1
@@ -55,7 +68,7 @@ BLIND, CROSSWALKS, CROSSWALK_USERS = None, -2, -1
 def found():
     """The speed differential of each driver among always-go, by what it slows down for."""
     street = Street.create()
-    observation.OBSERVATIONS["driver"]["known"] = known
+    observation.OBSERVATIONS["driver"]["known"] = KNOWN
     try:
         return {
             what: summarise(

@@ -103,7 +103,7 @@ def test_pairs_of_the_same_scenarios(compared, rows):
 
 
 def test_modes_are_set_and_told(street):
-    actor = make_actor(jax.random.key(0), 20, street.roles.pedestrian.action, RoleConfig())
+    actor = make_actor(jax.random.key(0), 20, street.roles["pedestrian"].action, RoleConfig())
     policy = LearnedPolicy(actor, "driver")
     assert (mode(policy), mode(with_mode(policy, sample=True))) == ("mode", "sample")
     assert with_mode(ConstantSpeed(), sample=True) == ConstantSpeed()

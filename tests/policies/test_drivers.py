@@ -11,11 +11,12 @@ from jaxwalk.policies import DRIVERS, POPULATIONS, RouteFollower, RuleBased, Rul
 from jaxwalk.policies.drivers import Careless
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import vehicle
-from jaxwalk.sim.observation import ABSENT, LAYOUTS, NEIGHBOURS, SPEED, part
-from jaxwalk.sim.prediction import POINT_SPACING, POINTS
+from jaxwalk.sim.features import SPEED
+from jaxwalk.sim.observation import OBSERVATIONS, part
+from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, POINT_SPACING, POINTS
 
 KEYS = jax.random.split(jax.random.key(3), 7)
-SIZES = {name: sum(layout.values()) for name, layout in LAYOUTS["driver"].items()}
+SIZES = {name: size("driver", name) for name in OBSERVATIONS["driver"]}
 
 
 @pytest.mark.parametrize("name", DRIVERS)
@@ -112,13 +113,13 @@ def test_route_follower_keeps_every_route_s_lane_and_arrives(street):
     assert np.abs(lateral[under_way]).max() < 0.5
 
 
-@pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in LAYOUTS.items() for name in sets])
+@pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in OBSERVATIONS.items() for name in sets])
 def test_layouts_say_where_things_are(street, role, name):
     scenarios, _ = Drawn(street, 0).take(np.arange(3))
     state = street.reset(scenarios)
     state = eqx.tree_at(lambda s: s.vehicle.speed, state, jnp.full(3, 4.0))
-    seen = eqx.filter_jit(lambda street: street.observe(scenarios, state, role, name))(street)
-    assert seen.shape[0] == sum(LAYOUTS[role][name].values())
+    seen = eqx.filter_jit(lambda street: street.observe(scenarios, state, street.view(role, name)))(street)
+    assert seen.shape[0] == size(role, name)
     if role == "pedestrian":
         shown = jnp.array(
             {"paper": (0, 1, 2, 3), "kerb": (0, 2, 3)}[name]

@@ -15,11 +15,12 @@ from jaxwalk.evaluation import compare, evaluate
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
-from jaxwalk.sim.observation import ABSENT, LAYOUTS, PRIVILEGED, SPEED, part
-from jaxwalk.sim.prediction import FAR
+from jaxwalk.sim.observation import PRIVILEGED, part
+from jaxwalk.sim.prediction import ABSENT, FAR
 
-SIZE = sum(LAYOUTS["driver"][PRIVILEGED].values())
+SIZE = size("driver", PRIVILEGED)
 LENGTH = 90.0
 STEPS_PLAYED = 400
 CASES = 41

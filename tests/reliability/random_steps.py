@@ -21,8 +21,7 @@ import numpy as np
 
 from jaxwalk import Street
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
-from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.observation import LAYOUTS, PRIVILEGED
+from jaxwalk.sim.observation import OBSERVATIONS, PRIVILEGED, bounds
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 
 ENVIRONMENTS, STEPS = 1024, 16
@@ -35,7 +34,7 @@ PUSH = (0.0, 0.3, 0.8)
 """What is added to throttles between -1 and 1 (and then held to these limits), so that cars get somewhere."""
 EAGERNESS = (0.6, 0.95, 1.0, 0.3, 1.0)
 """How likely people are to go."""
-SETS = [(role, name) for role, sets in LAYOUTS.items() for name in sets if name != PRIVILEGED]
+SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name != PRIVILEGED]
 ENDINGS = ("goal", "collision", "timeout")
 
 
@@ -60,7 +59,7 @@ def look(street, step):
     A NaN or an infinity anywhere is in one of the two.
     """
     scenario, state = step.record
-    seen = {f"{role} {name}": [street.observe(scenario, state, role, name)] for role, name in SETS}
+    seen = {f"{role} {name}": [street.observe(scenario, state, street.view(role, name))] for role, name in SETS}
     seen["global state"] = [street.global_state(scenario, state)]
     seen["state"] = [x[None] for x in jax.tree.leaves(eqx.tree_at(_kerbs, state, replace_fn=_or_nowhere))]
     seen["rewards"] = [x[None] for x in jax.tree.leaves(step.outcome.rewards)]

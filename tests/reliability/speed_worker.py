@@ -40,7 +40,7 @@ def module(name: str):
 
 def simulator() -> tuple[Callable[[], None], int]:
     """Rollouts with every view."""
-    from jaxwalk.sim.config import SimConfig
+    from jaxwalk import SimConfig
 
     simulation = module("simulation")
     street = simulation.paid_street(SimConfig())

@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from jaxwalk.sim.bounds import bounds
-from jaxwalk.sim.observation import LAYOUTS
+from jaxwalk.sim.observation import OBSERVATIONS, bounds
 from reliability.random_steps import wrong
 
 
 def test_wrong_numbers_are_told_by_name(street):
     seen = {"state": np.zeros((2, 3))}
-    for role, sets in LAYOUTS.items():
+    for role, sets in OBSERVATIONS.items():
         for name in sets:
             seen[f"{role} {name}"] = np.stack(bounds(street.world, role, name))
     assert wrong(street, seen) == []

@@ -120,7 +120,7 @@ def _play(street, scenario, state, actions):
 def _everything(street, scenario, state, actions):
     TRACES["everything", len(FORGOTTEN), state.step.shape, street.world.maps.roads.shape] += 1
     state = street.refreshed(scenario, state)
-    seen = {f"{role} {name}": street.observe(scenario, state, role, name) for role, name in SETS}
+    seen = {f"{role} {name}": street.observe(scenario, state, street.view(role, name)) for role, name in SETS}
     seen["global"] = street.global_state(scenario, state)
     after, outcome = street.step(scenario, state, actions)
     return after, outcome, seen, view(street, scenario, after)

@@ -5,9 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.sim.bounds import ROUNDING, bounds
-from jaxwalk.sim.observation import LAYOUTS, part
-from sim.play import SETS, actions, everything, random_actions
+from jaxwalk.sim.observation import OBSERVATIONS, ROUNDING, bounds, part
+from sim.play import SETS, everything, random_actions
 
 
 def of(street, role, name):
@@ -19,8 +18,7 @@ def test_observations_of_random_driving_lie_within_their_bounds(paid_street, sce
     state, seen = midway, None
     lowest, highest = ({name: [] for name in SETS} for _ in range(2))
     for step in range(60):
-        chosen = actions()
-        chosen = type(chosen)(jnp.asarray(drive[step]), jnp.asarray(go[step]))
+        chosen = {"driver": jnp.asarray(drive[step]), "pedestrian": jnp.asarray(go[step])}
         state, _, seen, _ = everything(paid_street, scenarios, state, chosen)
         for role, name in SETS:
             x = np.asarray(seen[f"{role} {name}"]).reshape(len(seen[f"{role} {name}"]), -1)
@@ -49,11 +47,11 @@ def test_bounds_are_those_of_the_rules(street):
     assert (low[pace], high[pace]) == pytest.approx((0.5 - ROUNDING, 1 + ROUNDING))
 
 
-@pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in LAYOUTS.items() for name in sets])
+@pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in OBSERVATIONS.items() for name in sets])
 def test_every_set_has_a_bound_for_each_feature(street, role, name):
     low, high = of(street, role, name)
     scenario = jax.eval_shape(street.draw, jax.random.key(0))
-    seen = jax.eval_shape(lambda s: street.observe(s, street.reset(s), role, name), scenario)
+    seen = jax.eval_shape(lambda s: street.observe(s, street.reset(s), street.view(role, name)), scenario)
     assert low.shape == high.shape == seen.shape[:1]
     assert np.isfinite(low).all() and np.isfinite(high).all() and (low < high).all()
 

@@ -47,9 +47,9 @@ def assert_same(a, b, **tolerance):
 
 def test_it_is_an_environment(street):
     assert isinstance(street, Environment)
-    assert street.roles.driver.action.size == 2
-    assert street.roles.pedestrian.agents == (12,)
-    assert street.roles.pedestrian.action.n == 2
+    assert street.roles["driver"].action.size == 2
+    assert street.roles["pedestrian"].agents == (12,)
+    assert street.roles["pedestrian"].action.n == 2
 
 
 def test_a_step_is_a_function(paid_street, scenarios, midway):
@@ -179,7 +179,7 @@ def test_extreme_configurations(config):
         def body(state, _):
             go = jnp.ones((config.pedestrians,), jnp.int32)
             after, _ = street.step(scenario, state, {"driver": jnp.array([1.0, 0.1]), "pedestrian": go})
-            seen = [street.observe(scenario, state, role, name) for role, name in looks]
+            seen = [street.observe(scenario, state, street.view(role, name)) for role, name in looks]
             return after, ([*seen, street.global_state(scenario, state)], after.pedestrian.x, after.vehicle.speed)
 
         return scenario, *jax.lax.scan(body, street.reset(scenario), length=100)

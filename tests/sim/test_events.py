@@ -82,15 +82,15 @@ def test_a_collision_terminates_the_car_and_whom_it_touches(paid_street, crossin
     touched = np.zeros((12, ENVIRONMENTS), bool)
     touched[p, 0] = True
     np.testing.assert_array_equal(outcome.events.touched, touched)
-    np.testing.assert_array_equal(outcome.terminated.driver, np.arange(ENVIRONMENTS) == 0)
-    np.testing.assert_array_equal(outcome.terminated.pedestrian, touched)
+    np.testing.assert_array_equal(outcome.terminated["driver"], np.arange(ENVIRONMENTS) == 0)
+    np.testing.assert_array_equal(outcome.terminated["pedestrian"], touched)
     expected = np.zeros((12, ENVIRONMENTS), bool)
     expected[:, 0] = True
-    np.testing.assert_array_equal(outcome.truncated.pedestrian, expected & ~touched)
-    assert not outcome.truncated.driver.any()
+    np.testing.assert_array_equal(outcome.truncated["pedestrian"], expected & ~touched)
+    assert not outcome.truncated["driver"].any()
     np.testing.assert_array_equal(outcome.ended, np.arange(ENVIRONMENTS) == 0)
-    assert outcome.rewards.driver["collision"][0] == 1
-    np.testing.assert_array_equal(outcome.rewards.pedestrian["collision"] > 0, touched)
+    assert outcome.rewards["driver"]["collision"][0] == 1
+    np.testing.assert_array_equal(outcome.rewards["pedestrian"]["collision"] > 0, touched)
 
 
 def test_the_goal_terminates_the_car_and_truncates_the_people(paid_street, scenarios):
@@ -106,11 +106,11 @@ def test_the_goal_terminates_the_car_and_truncates_the_people(paid_street, scena
     assert clear.mean() > 0.9
     arrived = np.arange(ENVIRONMENTS) % 2 == 0
     np.testing.assert_array_equal(outcome.events.goal[clear], arrived[clear])
-    np.testing.assert_array_equal(outcome.terminated.driver[clear], arrived[clear])
-    np.testing.assert_array_equal(outcome.rewards.driver["goal"][clear], arrived[clear])
-    assert not outcome.terminated.pedestrian[:, clear].any()
+    np.testing.assert_array_equal(outcome.terminated["driver"][clear], arrived[clear])
+    np.testing.assert_array_equal(outcome.rewards["driver"]["goal"][clear], arrived[clear])
+    assert not outcome.terminated["pedestrian"][:, clear].any()
     expected = np.broadcast_to(arrived, (12, ENVIRONMENTS))[:, clear]
-    np.testing.assert_array_equal(outcome.truncated.pedestrian[:, clear], expected)
+    np.testing.assert_array_equal(outcome.truncated["pedestrian"][:, clear], expected)
 
 
 def test_the_timeout_truncates_everybody_at_step_500(paid_street, scenarios):
@@ -120,10 +120,10 @@ def test_the_timeout_truncates_everybody_at_step_500(paid_street, scenarios):
     late = steps == 499
     np.testing.assert_array_equal(after.step, steps + 1)
     np.testing.assert_array_equal(outcome.events.timeout, late)
-    np.testing.assert_array_equal(outcome.truncated.driver, late)
-    np.testing.assert_array_equal(outcome.truncated.pedestrian, np.broadcast_to(late, (12, ENVIRONMENTS)))
-    assert not outcome.terminated.driver.any()
-    assert not outcome.terminated.pedestrian.any()
+    np.testing.assert_array_equal(outcome.truncated["driver"], late)
+    np.testing.assert_array_equal(outcome.truncated["pedestrian"], np.broadcast_to(late, (12, ENVIRONMENTS)))
+    assert not outcome.terminated["driver"].any()
+    assert not outcome.terminated["pedestrian"].any()
 
 
 def test_collision_before_goal_before_timeout(paid_street, scenarios, midway):
@@ -145,7 +145,7 @@ def test_collision_before_goal_before_timeout(paid_street, scenarios, midway):
     _, outcome, _, _ = everything(paid_street, scenario, state, actions(BRAKE, 0))
     assert outcome.events.collision.all()
     assert not (outcome.events.goal | outcome.events.timeout).any()
-    assert not outcome.truncated.driver.any()
+    assert not outcome.truncated["driver"].any()
     # The same without anybody near: an arrival, and no timeout.
     far = columns(midway, np.zeros(ENVIRONMENTS, int))
     scenario = eqx.tree_at(lambda s: s.route, columns(scenarios, np.zeros(ENVIRONMENTS, int)),
@@ -163,11 +163,11 @@ def test_every_term_is_its_weight_times_the_unweighted_one(street, paid_street, 
     _, once, _, _ = everything(paid_street, scenarios, state, actions((0.3, 0.1)))
     double = dataclasses.replace(paid_street, weights=jax.tree.map(lambda w: -2 * w, paid_street.weights))
     _, other, _, _ = everything(double, scenarios, state, actions((0.3, 0.1)))
-    assert set(once.rewards.driver) == set(DRIVER_TERMS)
-    assert set(once.rewards.pedestrian) == set(PEDESTRIAN_TERMS)
+    assert set(once.rewards["driver"]) == set(DRIVER_TERMS)
+    assert set(once.rewards["pedestrian"]) == set(PEDESTRIAN_TERMS)
     for role in ("driver", "pedestrian"):
-        for name, term in getattr(once.rewards, role).items():
-            np.testing.assert_allclose(getattr(other.rewards, role)[name], -2 * np.asarray(term), rtol=1e-6)
+        for name, term in once.rewards[role].items():
+            np.testing.assert_allclose(other.rewards[role][name], -2 * np.asarray(term), rtol=1e-6)
 
 
 def test_a_reward_that_does_not_exist_is_refused():
@@ -177,7 +177,7 @@ def test_a_reward_that_does_not_exist_is_refused():
         Street.create(driver_weights={"goals": 1.0})
     with pytest.raises(ValueError, match=r"rewards\.driver\.goal must be a number up to 1e\+06, not 1000001"):
         Street.create(driver_weights={"goal": 1_000_001.0})
-    assert Street.create(driver_weights={"goal": -1e6}).weights.driver["goal"] == -1e6
+    assert Street.create(driver_weights={"goal": -1e6}).weights["driver"]["goal"] == -1e6
 
 
 def test_driving_along_the_route(paid_street, scenarios):
@@ -193,9 +193,9 @@ def test_driving_along_the_route(paid_street, scenarios):
     state = with_car(state, x=car.x - aside * car.sin, y=car.y + aside * car.cos, speed=5.0,
                      cos=car.cos * cos - car.sin * sin, sin=car.sin * cos + car.cos * sin)  # fmt: skip
     moved, outcome, _, _ = everything(paid_street, scenario, state, actions(COAST, 0))
-    paid = {name: np.asarray(term) for name, term in outcome.rewards.driver.items()}
+    paid = {name: np.asarray(term) for name, term in outcome.rewards["driver"].items()}
     _, outcome, _, _ = everything(paid_street, scenario, moved, actions(COAST, 0))
-    np.testing.assert_allclose(outcome.rewards.driver["progress"][:3], 0.5, atol=1e-3)
+    np.testing.assert_allclose(outcome.rewards["driver"]["progress"][:3], 0.5, atol=1e-3)
     np.testing.assert_allclose(paid["progress"][:4], 0.5, atol=1e-4)
     np.testing.assert_allclose(paid["progress"][4], 0.25, atol=1e-3)
     np.testing.assert_allclose(paid["off_lane"][:4], [0, 1, 1, 4], atol=1e-3)
@@ -228,7 +228,7 @@ def test_speeding_is_about_people_on_the_roadway_ahead(term, kind, paid_street, 
     there = (ahead > 0) & (ahead < 15) & (np.abs(left) < 6) & (seen["on_roadway"] > 0) & (seen["crossing"] == kind)
     expected = np.where(there.any(axis=0), np.maximum(seen["car_speed"] - 3, 0) / 8.33, 0)
     assert (expected > 0).sum() >= 3
-    np.testing.assert_allclose(outcome.rewards.driver[term], expected, atol=1e-5)
+    np.testing.assert_allclose(outcome.rewards["driver"][term], expected, atol=1e-5)
 
 
 def test_speeding_by_hand(paid_street, crossing_person):
@@ -243,7 +243,7 @@ def test_speeding_by_hand(paid_street, crossing_person):
     speed[3] = 2.9
     car = with_car(state, x=np.clip(x - side * back, 1, 119), y=56.0, cos=side, sin=0.0, speed=speed)
     _, outcome, _, _ = everything(paid_street, scenario, car, actions(COAST, 0))
-    paid = np.asarray(outcome.rewards.driver[kind])
+    paid = np.asarray(outcome.rewards["driver"][kind])
     assert abs(y[0] - 56) < 6
     assert paid[0] == pytest.approx((5 - 3) / 8.33, abs=1e-5)
     assert paid[3] == 0
@@ -269,12 +269,12 @@ def test_waiting_is_paid_at_the_kerb_only(paid_street, scenarios, midway):
         dx, dy = state.vehicle.x - x, state.vehicle.y - y
         near, closing = np.hypot(dx, dy) < 8, -(dx * np.cos(angle) + dy * np.sin(angle)) > 0
         needed = np.array([near, closing, np.broadcast_to(speed > 2, near.shape), kerb, go == 0])
-        np.testing.assert_array_equal(outcome.rewards.pedestrian["waiting"] > 0, needed.all(axis=0))
+        np.testing.assert_array_equal(outcome.rewards["pedestrian"]["waiting"] > 0, needed.all(axis=0))
         counted += [np.delete(needed, i, axis=0).all(axis=0)[~one].sum() for i, one in enumerate(needed)]
-        assert not np.asarray(outcome.rewards.pedestrian["waiting"])[np.asarray(people.on_roadway)].any()
-        np.testing.assert_array_equal(outcome.rewards.pedestrian["waited"], go == 0)
+        assert not np.asarray(outcome.rewards["pedestrian"]["waiting"])[np.asarray(people.on_roadway)].any()
+        np.testing.assert_array_equal(outcome.rewards["pedestrian"]["waited"], go == 0)
         walked = np.where(go, 0.1 * (1 + np.asarray(scenarios.traits[1])), 0)
-        np.testing.assert_allclose(outcome.rewards.pedestrian["walked"], walked, rtol=1e-5)
+        np.testing.assert_allclose(outcome.rewards["pedestrian"]["walked"], walked, rtol=1e-5)
     assert counted.min() >= 5  # for each condition, there were some whom it alone left without
 
 
@@ -283,7 +283,7 @@ def test_an_arrival_is_paid_once(paid_street, scenarios):
     total = np.zeros((12, ENVIRONMENTS))
     for _ in range(200):
         state, outcome, _, _ = everything(paid_street, scenarios, state, actions(BRAKE))
-        total += np.asarray(outcome.rewards.pedestrian["arrival"])
+        total += np.asarray(outcome.rewards["pedestrian"]["arrival"])
     np.testing.assert_array_equal(total, state.pedestrian.arrivals)
     assert total.sum() > 100
 
@@ -293,5 +293,5 @@ def test_closeness_is_the_shortfall_from_3_m_times_the_share_of_top_speed(paid_s
         after, outcome, _, _ = everything(paid_street, scenarios, with_car(midway, speed=speed), actions(COAST))
         clearance = np.asarray(after.foresight.clearance[HOLD])
         expected = np.clip(1 - clearance / 3, 0, 1) * np.asarray(after.vehicle.speed) / 8.33
-        np.testing.assert_allclose(outcome.rewards.driver["closeness"], expected, atol=1e-6)
+        np.testing.assert_allclose(outcome.rewards["driver"]["closeness"], expected, atol=1e-6)
         assert (expected > 0).any() == (speed > 0)

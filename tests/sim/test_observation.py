@@ -9,7 +9,7 @@ import pytest
 
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import LAYOUTS
+from jaxwalk.sim.observation import size
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, reset, with_car
 
@@ -36,7 +36,7 @@ def test_sizes(seen):
     assert seen["pedestrian paper"].shape == (20, PEOPLE, ENVIRONMENTS)
     assert seen["global"].shape == (58, ENVIRONMENTS)
     for role, name in SETS:
-        assert len(seen[f"{role} {name}"]) == sum(LAYOUTS[role][name].values())
+        assert len(seen[f"{role} {name}"]) == size(role, name)
     for x in seen.values():
         assert np.isfinite(x).all()
         assert np.abs(x).max() < 60  # scaled; the largest are distances to a route far away
@@ -122,7 +122,9 @@ def test_people_can_be_permuted(paid_street, scenarios, moving, seen):
     np.testing.assert_allclose(looked["pedestrian paper"], seen["pedestrian paper"][:, order], atol=1e-6)
     straight, unpermuted, _, _ = everything(paid_street, scenarios, moving, actions())
     np.testing.assert_array_equal(after.pedestrian.x, np.asarray(straight.pedestrian.x)[order])
-    np.testing.assert_array_equal(outcome.terminated.pedestrian, np.asarray(unpermuted.terminated.pedestrian)[order])
+    np.testing.assert_array_equal(
+        outcome.terminated["pedestrian"], np.asarray(unpermuted.terminated["pedestrian"])[order]
+    )
 
 
 def test_traits_plans_and_draws_do_not_show(paid_street, scenarios, moving, seen):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.rollout import EVALUATION, TRAINING, environment_keys, seed_key
+from jaxwalk.sim import scenario
 from sim.play import ENVIRONMENTS, columns, play, reset
 
 
@@ -80,12 +81,12 @@ def test_goals_are_twenty_metres_apart_on_foot(street, scenarios):
 
 def test_tables_last_for_the_fastest_walkers(street, draw):
     for first in (0, 256, 512, 768):
-        scenario = draw(first)
-        fastest = eqx.tree_at(lambda s: s.traits, scenario, scenario.traits.at[1].set(1.0))
+        drawn = draw(first)
+        fastest = eqx.tree_at(lambda s: s.traits, drawn, drawn.traits.at[1].set(1.0))
         played = play(street, fastest)
         # Strictly below: also the row after the last one in use may be looked at.
-        assert played["decisions"].max() < scenario.jaywalk_draw.shape[0]
-        assert played["arrivals"].max() + 1 < scenario.goals.shape[0]
+        assert played["decisions"].max() < drawn.jaywalk_draw.shape[0]
+        assert played["arrivals"].max() + 1 < drawn.goals.shape[0]
 
 
 def test_tables_last_however_close_the_goals_are(street, scenarios):
@@ -110,3 +111,31 @@ def test_tables_last_however_close_the_goals_are(street, scenarios):
     assert played["arrivals"].max() >= 4  # 100 m of walking, some of the pairs 20 to 25 m apart
     assert played["arrivals"].max() + 1 < scenarios.goals.shape[0]
     assert played["decisions"].max() < scenarios.jaywalk_draw.shape[0]
+
+
+def test_a_scenario_is_a_function_of_its_uniform_numbers(street):
+    world, keys = street.world, jax.random.split(jax.random.key(5), 8)
+    numbers = np.stack([scenario.uniforms(key, scenario.dimensions(world)) for key in keys])
+    assert ((numbers > 0) & (numbers < 1)).all()
+    assert_equal(
+        jax.vmap(lambda u: scenario.from_uniforms(world, u), out_axes=-1)(jnp.asarray(numbers)),
+        jax.vmap(lambda key: scenario.draw(world, key), out_axes=-1)(keys),
+    )
+
+
+def test_every_corner_of_the_unit_cube_is_a_scenario(street):
+    world = street.world
+    for corner in (0.0, np.nextafter(np.float32(1), np.float32(0))):
+        drawn = scenario.from_uniforms(world, jnp.full(scenario.dimensions(world), corner))
+        assert 0 <= drawn.route < world.maps.route_count[0]
+        stops = np.concatenate([drawn.start[None], drawn.goals])
+        assert not np.asarray(world.maps.node_is_midpoint[0])[stops].any()
+        assert (np.asarray(drawn.traits) == np.float32(corner)).all()
+
+
+def test_another_map_and_route_leave_the_people_alone_but_their_places(street, scenarios):
+    world, key = street.world, jax.random.key(3)
+    like = columns(scenarios, 0)
+    free, bound = scenario.draw(world, key), scenario.draw(world, key, like)
+    assert (bound.map, bound.route) == (like.map, like.route)
+    assert_equal((free.traits, free.jaywalk_draw, free.zone_draw), (bound.traits, bound.jaywalk_draw, bound.zone_draw))

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import equinox as eqx
 import jax
 import numpy as np
 from jaxtyping import Bool, UInt8
 
 from jaxwalk.adapters.game import EVENTS
-from jaxwalk.evaluation.playing import frame
 from jaxwalk.rollout import Stream
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.sim.recording import frame
+from jaxwalk.sim.trajectory import Trajectory, in_order
 from jaxwalk.viewer import EpisodeFigure
 
 WIDTH = 640
 """Width of a picture in pixels."""
 
-_look = eqx.filter_jit(frame)
+_frame = eqx.filter_jit(frame)
 _goal = eqx.filter_jit(vehicle.goal)
 
 
@@ -78,8 +76,8 @@ class Camera:
 
     def _row(self, stream: Stream) -> dict[str, np.ndarray]:
         """A moment as the rows of a `Trajectory`."""
-        seen: dict[str, Any] = _look(self.street, stream.scenario, stream.state)
-        return {name: np.asarray(x).swapaxes(0, 1) if x.ndim == 2 else np.asarray(x) for name, x in seen.items()}
+        seen = _frame(self.street.world, stream.scenario, stream.state)
+        return in_order({name: np.asarray(x) for name, x in seen.items()})
 
     def _write(self, at: int, row: dict[str, np.ndarray]) -> None:
         for name, value in row.items():

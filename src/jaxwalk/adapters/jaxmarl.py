@@ -19,7 +19,7 @@ from jaxwalk.adapters.game import EVENTS, Game, WorldOptions, begin, play, renew
 from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.interfaces import Outcome, Policy, Roles
 from jaxwalk.rollout import Stream
-from jaxwalk.sim.bounds import bounds
+from jaxwalk.sim.observation import bounds
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"
 """The car's name, and how those of the people begin."""

@@ -22,7 +22,7 @@ from jaxwalk.adapters.game import EVENTS, Game, WorldOptions, begin, keys_of, pl
 from jaxwalk.adapters.players import AdapterError, Weights
 from jaxwalk.interfaces import Outcome, Roles, View
 from jaxwalk.rollout import EVALUATION, TRAINING, Stream
-from jaxwalk.sim.bounds import bounds
+from jaxwalk.sim.observation import bounds
 from jaxwalk.sim.sim_config import SimConfig
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"

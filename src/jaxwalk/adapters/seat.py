@@ -18,7 +18,7 @@ from jaxtyping import Array, Bool, Float, Key
 from jaxwalk.adapters.game import EVENTS, Game, begin, play, renew
 from jaxwalk.adapters.players import AdapterError
 from jaxwalk.rollout import Stream
-from jaxwalk.sim.bounds import bounds
+from jaxwalk.sim.observation import bounds
 
 NEVER, NEXT_STEP, SAME_STEP = "never", "next step", "same step"
 """When an ended episode gives way to the next: when asked, in place of the step after its last, or right after that."""

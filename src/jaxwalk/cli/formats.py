@@ -5,7 +5,7 @@ from __future__ import annotations
 from jaxwalk.cli.options import Export, Observations, UsageError
 from jaxwalk.cli.train import bad_values
 from jaxwalk.runs.folder import check_writable
-from jaxwalk.sim.observation import HIDDEN, LAYOUTS, part, size
+from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, part, size
 
 
 def export(options: Export) -> int:
@@ -28,10 +28,10 @@ def export(options: Export) -> int:
 
 def observations(options: Observations) -> int:
     """Print every set of the role."""
-    for name, layout in LAYOUTS[options.role].items():
+    for name, features in OBSERVATIONS[options.role].items():
         hidden = ", which no real car could have" if name in HIDDEN else ""
         print(f"{name}: {size(options.role, name)} features{hidden}")
-        for which in layout:
-            place = part(options.role, name, which)
-            print(f"  {place.start:4d} to {place.stop - 1:4d}  {which}")
+        for feature in features:
+            place = part(options.role, name, feature.name)
+            print(f"  {place.start:4d} to {place.stop - 1:4d}  {feature.name}")
     return 0

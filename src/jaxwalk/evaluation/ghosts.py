@@ -11,13 +11,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Key
 
-from jaxwalk.evaluation.playing import BLOCK, Frame, frame_of_people
+from jaxwalk.evaluation.playing import BLOCK
 from jaxwalk.rollout import scenario_key
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.recording import Frame, frame_of_people
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import PedestrianState
-from jaxwalk.sim.trajectory import Ghosts
+from jaxwalk.sim.trajectory import Ghosts, in_order
 
 
 def walk_ghosts(street: Street, scenarios: Scenario, keys: Key[Array, "episode"], *, frames: int) -> Ghosts:
@@ -35,7 +36,7 @@ def walk_ghosts(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]
         people, walked = _walk_block(street, others, people)
         blocks.append({name: np.asarray(x) for name, x in walked.items()})
     columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in first}
-    return Ghosts(**{name: x.swapaxes(1, 2) for name, x in columns.items()})
+    return Ghosts(**in_order(columns))
 
 
 @eqx.filter_jit
@@ -44,7 +45,7 @@ def _begin(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]) -> 
     second_episode = scenario_key(keys, jnp.ones(keys.shape, jnp.int32))
     others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(second_episode, scenarios)
     people = pedestrian.place(street.world, others)
-    return others, people, frame_of_people(street, others, people)
+    return others, people, frame_of_people(street.world, others, people)
 
 
 @eqx.filter_jit
@@ -54,6 +55,6 @@ def _walk_block(street: Street, others: Scenario, people: PedestrianState) -> tu
 
     def stride(people: PedestrianState, _: None) -> tuple[PedestrianState, Frame]:
         people = pedestrian.walk(street.world, others, people, go)
-        return people, frame_of_people(street, others, people)
+        return people, frame_of_people(street.world, others, people)
 
     return jax.lax.scan(stride, people, None, length=BLOCK)

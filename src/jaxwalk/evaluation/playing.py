@@ -16,17 +16,15 @@ from jaxwalk.acting import Given, act, cast_of, fresh_memory, step_key
 from jaxwalk.evaluation.hosted import ask
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.policies.host import HostDriver
-from jaxwalk.sim import pedestrian, prediction, vehicle
+from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.recording import Frame, frame
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.state import PedestrianState, State
-from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.sim.state import State
+from jaxwalk.sim.trajectory import Trajectory, in_order
 
 BLOCK = 100
 """Steps played between two looks at whether all episodes have ended."""
-
-Frame = dict[str, Array]
-"""What is recorded of a moment, by the names of `Trajectory`; arrays ``(episode,)`` or ``(ped, episode)``."""
 
 
 class Setup(eqx.Module):
@@ -136,7 +134,7 @@ def _begin(street: Street, memory: Roles[tuple[Any, ...]], scenarios: Scenario) 
     state = street.reset(scenarios)
     no = jnp.zeros(state.step.shape, bool)
     nobody = jnp.zeros(scenarios.start.shape, bool)
-    return Underway(state, memory, no, no, no, nobody), frame(street, scenarios, state)
+    return Underway(state, memory, no, no, no, nobody), frame(street.world, scenarios, state)
 
 
 @eqx.filter_jit
@@ -145,7 +143,7 @@ def _play_block(setup: Setup, game: Underway, steps: int) -> tuple[Underway, Fra
 
     def body(game: Underway, _: None) -> tuple[Underway, Frame]:
         game = _step(setup, game)
-        return game, frame(setup.street, setup.scenarios, game.state)
+        return game, frame(setup.street.world, setup.scenarios, game.state)
 
     return jax.lax.scan(body, game, None, length=steps)
 
@@ -160,39 +158,6 @@ def _step(setup: Setup, game: Underway) -> Underway:
     after = Underway(state, acted.memory, ended, events.goal, events.collision, events.touched)
     kept = jax.tree.map(lambda new, old: jnp.where(game.ended, old, new), after, game)
     return eqx.tree_at(lambda game: game.memory, kept, acted.memory, is_leaf=lambda x: x is None)
-
-
-def frame(street: Street, scenarios: Scenario, state: State) -> Frame:
-    """What is recorded of a moment."""
-    car, people = state.vehicle, state.pedestrian
-    return {
-        "car_x": car.x,
-        "car_y": car.y,
-        "car_cos": car.cos,
-        "car_sin": car.sin,
-        "car_speed": car.speed,
-        "car_acceleration": car.acceleration,
-        **frame_of_people(street, scenarios, people),
-        "decisions": people.decisions.astype(jnp.int16),
-        "at_kerb": pedestrian.at_kerb(street.world, people),
-        "enters_roadway": pedestrian.enters_roadway(people),
-        "going": people.going,
-        "predicted_miss": prediction.predicted_miss(street.world, scenarios, state)[0],
-    }
-
-
-def frame_of_people(street: Street, scenarios: Scenario, people: PedestrianState) -> Frame:
-    """Where people are, how they move, and how they cross."""
-    velocity_x, velocity_y = pedestrian.velocity(street.world, scenarios, people)
-    return {
-        "ped_x": people.x,
-        "ped_y": people.y,
-        "ped_vx": velocity_x,
-        "ped_vy": velocity_y,
-        "on_roadway": people.on_roadway,
-        "on_crosswalk": people.on_crosswalk,
-        "crossing": people.crossing.astype(jnp.int8),
-    }
 
 
 def _trajectory(
@@ -217,5 +182,5 @@ def _trajectory(
         goal_x=np.asarray(goal_x),
         goal_y=np.asarray(goal_y),
         jaywalking_tendency=np.asarray(scenarios.jaywalking_tendency).T,
-        **{name: x.swapaxes(1, 2) if x.ndim == 3 else x for name, x in columns.items()},
+        **in_order(columns),
     )

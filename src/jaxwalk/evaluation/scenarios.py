@@ -9,9 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from itertools import chain
-from typing import TypeVar
 
 import numpy as np
 
@@ -21,14 +19,13 @@ from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import Rows, measure
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.trajectory import Ghosts, Trajectory
+from jaxwalk.sim.trajectory import Trajectory, part_of
 
 BATCH = 512
 """Episodes played at once, unless a caller says otherwise."""
 AT_ONCE = 2
 """Batches under way together: on a processor, much of a batch keeps one core busy."""
 
-Recorded = TypeVar("Recorded", Trajectory, Ghosts)
 Progress = Callable[[int, int], None]
 """Called with how many are done, and how many there are."""
 
@@ -57,7 +54,7 @@ def evaluate_batches(
 ) -> Iterator[Rows]:
     """Yield what `evaluate` joins, batch after batch, each as soon as it is played."""
     _check_batch(batch)
-    episodes = len(source)
+    episodes, config = len(source), street.config
 
     def rows(first: int) -> Rows:
         numbers = (first + np.arange(batch)) % episodes
@@ -65,7 +62,11 @@ def evaluate_batches(
         trajectory = play(street, policies, scenarios, keys, numbers=numbers)
         frames, asked = len(trajectory.car_x), slice(min(batch, episodes - first))
         ghosts = walk_ghosts(street, scenarios, keys, frames=frames)
-        return measure(_some(trajectory, asked, frames), _some(ghosts, asked, frames), config=street.config)
+        return measure(
+            part_of(trajectory, frames=frames, episodes=asked),
+            part_of(ghosts, frames=frames, episodes=asked),
+            config=config,
+        )
 
     with ThreadPoolExecutor(AT_ONCE) as pool:
         compiled = rows(0)
@@ -92,24 +93,9 @@ def replay(
     scenarios, keys = source.take(full)
     trajectory = play(street, policies, scenarios, keys, numbers=full)
     count = len(chosen)
-    return _some(trajectory, slice(count), int(trajectory.length[:count].max()) + 1)
+    return part_of(trajectory, frames=int(trajectory.length[:count].max()) + 1, episodes=slice(count))
 
 
 def _check_batch(batch: int) -> None:
     if batch < 1:
         raise ValueError(f"batch must be at least 1, not {batch}")
-
-
-def _some(recorded: Recorded, episodes: slice, frames: int) -> Recorded:
-    """Some episodes, and the first frames."""
-
-    def cut(name: str, column: np.ndarray) -> np.ndarray:
-        return column[:frames, episodes] if name.startswith(_PER_FRAME) else column[episodes]
-
-    return replace(recorded, **{name: cut(name, x) for name, x in vars(recorded).items() if name != "dt"})
-
-
-_PER_FRAME = (
-    "car_", "ped_", "on_", "crossing", "decisions", "at_kerb", "enters_roadway", "going", "predicted_miss",
-)  # fmt: skip
-"""How the names of columns begin that have a frame axis first."""

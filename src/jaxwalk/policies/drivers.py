@@ -17,7 +17,9 @@ from jaxtyping import Array, Bool, Float, Key
 from jaxwalk.interfaces import Policy, View
 from jaxwalk.policies.oracle import Oracle
 from jaxwalk.policies.pursuit import pursue
-from jaxwalk.sim.observation import ABSENT, NEIGHBOURS, SPEED, Observation, part
+from jaxwalk.sim.features import SPEED
+from jaxwalk.sim.observation import Observation, part
+from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 from jaxwalk.sim.sim_config import SimConfig
 
 FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0

@@ -179,7 +179,7 @@ def _experiments() -> Any:
 def _read_experiment(path: Path) -> Experiment:
     mend = "mend it, or copy it again from where the run was made"
     try:
-        return _experiments().validate_json(path.read_bytes())
+        return _experiments().validate_json(_with_roles(path.read_bytes()))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"] if part not in ("int", "float"))  # members of unions
@@ -187,3 +187,16 @@ def _read_experiment(path: Path) -> Experiment:
         raise RunError(f"{path}: {what}; {mend}") from error
     except OSError as error:
         raise RunError(f"{path}: can't be read ({error.strerror}); check its permissions") from error
+
+
+def _with_roles(text: bytes) -> bytes:
+    """Put the roles of a configuration of 0.1, which are fields of ``train``, into ``train.roles``."""
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError):
+        return text  # validation says what is wrong with it
+    train = document.get("train") if isinstance(document, dict) else None
+    if not isinstance(train, dict) or "roles" in train or not {"driver", "pedestrian"} <= train.keys():
+        return text
+    train["roles"] = {role: train.pop(role) for role in ("driver", "pedestrian")}
+    return json.dumps(document).encode()

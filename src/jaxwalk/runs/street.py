@@ -13,7 +13,7 @@ from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.runs.recipes import Experiment, with_training
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import LAYOUTS
+from jaxwalk.sim.observation import OBSERVATIONS
 
 LEAST_SHARE = 64
 """Environments that a core should have at least: fewer don't keep it busy."""
@@ -53,7 +53,7 @@ def _check_sets(experiment: Experiment) -> None:
     """Raise for observation sets that there are not, and for a driver that should choose."""
     if experiment.train.roles["driver"].gated:
         raise WorldError("train.roles.driver.gated must be false: only pedestrians choose between 0 and 1")
-    for role, sets in LAYOUTS.items():
+    for role, sets in OBSERVATIONS.items():
         config = experiment.train.roles[role]
         _check_named(f"train.roles.{role}.observes", [config.observes], sets)
         _check_named(f"train.roles.{role}.critic_observes", config.critic_observes, [*sets, GLOBAL])

@@ -1,8 +1,8 @@
-"""What could be inferred about a pedestrian's jaywalking tendency tau from watching it: Bayes' rule.
+"""Infer a pedestrian's jaywalking tendency tau from watching it: Bayes' rule.
 
-Before, tau is uniform in [0, 1]. Every crossing was a jaywalk with probability min(1, multiplier x tau) (equation 1),
-independently of the others. The watcher sees everybody all the time and knows the multiplier, so no car could know more
-from crossings alone.
+The prior of tau is uniform in [0, 1]. Every crossing is a jaywalk with probability min(1, multiplier x tau) (equation
+1), independently of the others. The watcher sees everybody all the time and knows the multiplier, so no car could know
+more from crossings alone.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from jaxwalk.sim.state import PedestrianState
 from jaxwalk.sim.world import World
 
 PRIOR_MEAN = 0.5
-"""What is believed of somebody who has not crossed yet."""
+"""The mean of tau for somebody who has not crossed yet."""
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(32)
 """Gauss-Legendre quadrature on [-1, 1]: exact for polynomials of degree 63, so for 61 crossings."""
 CROSSED = 1.0
-"""Somebody off the roadway whose path entered it longer ago than this [m] has crossed it: more than rounding."""
+"""A pedestrian off the roadway whose path entered it longer ago than this [m] has crossed it. More than rounding."""
 
 
 def posterior(
     jaywalks: Real[Array, "..."], crosswalks: Real[Array, "..."], multiplier: Float[Array, ""]
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """Mean and standard deviation of tau after so many jaywalks and so many crossings on a crosswalk.
+    """Return mean and standard deviation of tau after a number of jaywalks and of crossings on a crosswalk.
 
     The density is proportional to p^jaywalks (1 - p)^crosswalks with p = min(1, multiplier x tau). Up to where p
     reaches 1 it is a polynomial; from there on it is constant, and 0 if there were crosswalk crossings. (With
@@ -52,10 +52,10 @@ def posterior(
 def crossings_seen(
     world: World, scenario: Scenario, people: PedestrianState
 ) -> tuple[Int[Array, "ped *batch"], Int[Array, "ped *batch"]]:
-    """How many times each pedestrian has jaywalked and used a crosswalk so far: (jaywalks, crosswalks).
+    """Return how many times each pedestrian has jaywalked and used a crosswalk so far: (jaywalks, crosswalks).
 
-    A crossing counts from the first moment on the roadway, and no sooner: not while it is only decided, nor on the way
-    along the kerb to where a jaywalk will begin. Nothing has to be remembered: the scenario says how crossing i was
+    A crossing counts from the first moment on the roadway: neither while it is only decided, nor on the way along the
+    kerb to where a jaywalk will begin. Nothing has to be remembered, because the scenario says how crossing i was
     decided.
     """
     entered = people.on_roadway | (people.to_kerb < -CROSSED)
@@ -68,9 +68,9 @@ def crossings_seen(
 
 
 def expected_tendency(world: World, scenario: Scenario, people: PedestrianState) -> Float[Array, "ped *batch"]:
-    """The posterior mean of everybody's tau, given their crossings so far.
+    """Return the posterior mean of everybody's tau, given their crossings so far.
 
-    Counts are small, so it is looked up in a table of all that are possible.
+    Counts are small, so the mean is computed for all possible counts, and then looked up.
     """
     count = jnp.arange(scenario.jaywalk_draw.shape[0] + 1)
     means, _ = posterior(count[:, None], count, world.jaywalk_multiplier)

@@ -64,21 +64,21 @@ class Street(eqx.Module):
 
     @eqx.filter_jit
     def draw(self, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
-        """One scenario; for a batch, ``jax.vmap(street.draw, out_axes=-1)(keys)``.
+        """Draw one scenario; for a batch, ``jax.vmap(street.draw, out_axes=-1)(keys)``.
 
-        ``like``: other people, but the map, start and goal of this scenario.
+        ``like``: keep this scenario's map, start and goal of the car, but draw other people.
         """
         return scenario.draw(self.world, key, like)
 
     @eqx.filter_jit
     def reset(self, scenario: Scenario) -> State:
-        """Car and people at their starts, standing."""
+        """Return car and people at their starts, standing."""
         zero = jnp.zeros_like(scenario.map)
         return self._state(scenario, zero, vehicle.place(self.world, scenario), pedestrian.place(self.world, scenario))
 
     @eqx.filter_jit
     def refreshed(self, scenario: Scenario, state: State) -> State:
-        """A state in which somebody was moved by hand, with what follows from places and speeds worked out again."""
+        """Return a state in which somebody was moved by hand, with everything that follows from it computed again."""
         course = vehicle.course(self.world, scenario, state.vehicle.along)
         car = eqx.tree_at(lambda car: car.course, state.vehicle, course)
         return self._state(scenario, state.step, car, state.pedestrian)
@@ -90,12 +90,12 @@ class Street(eqx.Module):
 
     @eqx.filter_jit
     def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:
-        """What the paper's centralised critic sees."""
-        return observation.global_state(self.world, scenario, state)
+        """Return what the paper's centralised critic sees."""
+        return observation.global_state(Moment(self.world, scenario, state))
 
     @eqx.filter_jit
     def step(self, scenario: Scenario, state: State, actions: Roles[Array]) -> tuple[State, Outcome]:
-        """One step: everybody moves, then events, then rewards. Deterministic; never resets."""
+        """Make one step: everybody moves, then come events, then rewards. It is deterministic and never resets."""
         car = vehicle.drive(self.world, scenario, state.vehicle, actions["driver"])
         people = pedestrian.walk(self.world, scenario, state.pedestrian, actions["pedestrian"].astype(bool))
         after = self._state(scenario, state.step + 1, car, people)

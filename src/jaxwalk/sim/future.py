@@ -1,4 +1,4 @@
-"""The future that no real car can know: how near people will be to each place of the route if everybody walks on."""
+"""The future, which no real car can know: how near people will be to each place of the route if everybody walks on."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ PLACES, SPACING = 161, 0.5
 
 
 def clearances(world: World, scenario: Scenario, state: State) -> Float[Array, "moment place *batch"]:
-    """Distance from each place of the route ahead to the nearest person at each moment to come, at most `FAR` [m].
+    """Return the distance from each place ahead to the nearest person at each moment to come, at most `FAR` [m].
 
-    It is the simulator itself that walks on, with the scenario's own draws: jaywalks not yet decided are known too. The
-    assumption is that everybody goes from now on; who waits now is taken to start at once.
+    The simulator itself walks on with the scenario's own draws, so jaywalks that are not yet decided are known too.
+    Everybody is assumed to go from now on, also people who wait now.
     """
     place_x, place_y = _places(world, scenario, state)
     go = jnp.ones(state.pedestrian.going.shape, bool)
@@ -41,7 +41,7 @@ def clearances(world: World, scenario: Scenario, state: State) -> Float[Array, "
 
 
 def _places(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:
-    """Places of the route ahead of the car [m], ``(place, *batch)``; beyond the route's last point, that point."""
+    """Return places of the route ahead of the car [m], ``(place, *batch)``; beyond its last point, that point."""
     maps = world.maps
     along = state.vehicle.along + (jnp.arange(PLACES) * SPACING).reshape(-1, *(1,) * state.step.ndim)
     point = jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, maps.route_x.shape[-1] - 1)
@@ -52,7 +52,7 @@ def _places(world: World, scenario: Scenario, state: State) -> tuple[Array, Arra
 
 
 def _nearest(x: Array, y: Array, place_x: Array, place_y: Array) -> Float[Array, "place *batch"]:
-    """Distance from each place to the nearest person [m]; people ``(ped, *batch)``, one after the other."""
+    """Return the distance from each place to the nearest person [m]; people are ``(ped, *batch)``."""
 
     def compare(person: tuple[Array, Array], nearest: Array) -> Array:
         return jnp.minimum(nearest, (place_x - person[0]) ** 2 + (place_y - person[1]) ** 2)

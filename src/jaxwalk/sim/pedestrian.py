@@ -1,4 +1,4 @@
-"""How pedestrians walk: scripted shortest ways, and jaywalks that are decided once per crossing and then kept."""
+"""How pedestrians walk: along shortest ways, and jaywalking where they once decided to."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def enters_roadway(people: PedestrianState) -> Bool[Array, "ped *batch"]:
 
 
 def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
-    """What follows a leg.
+    """Return the leg that follows.
 
     Someone who has come to where a jaywalk begins goes across; everybody else continues along the graph: to the next
     node, or, from where a jaywalk landed, to the node of the first edge. Leaving for the last edge before a crosswalk
@@ -153,7 +153,7 @@ class Jaywalk(NamedTuple):
 def _jaywalk(
     world: World, scenario: Scenario, leg: Leg, goal: Int[Array, "ped *batch"], side: Int[Array, "ped *batch"]
 ) -> Jaywalk:
-    """The jaywalk that someone at the end of a leg would make at a side.
+    """Return the jaywalk that somebody at the end of a leg would make at a side.
 
     It begins uniformly in the part of the zone not yet passed (else in the whole zone), and is slanted toward the goal
     by at most 45 degrees within the opposite zone, so it is clear of crosswalks and junctions.
@@ -184,5 +184,5 @@ def _jaywalk(
 
 
 def _take(table: Shaped[Array, "row ped *batch"], row: Array) -> Array:
-    """Each pedestrian's own entry of a table of the scenario."""
+    """Return each pedestrian's own entry of a table of the scenario."""
     return jnp.take_along_axis(table, row[None], axis=0, mode="promise_in_bounds")[0]

@@ -1,4 +1,4 @@
-"""How close the car would come to people if it braked, held its speed or accelerated, as far as can be seen now."""
+"""Predict how close the car would come to people if it braked, held its speed or accelerated."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NEIGHBOURS = 6
 ABSENT = 60.0
 """A neighbour that isn't there stands this far ahead [m]."""
 MOMENTS, MOMENT = 8, 0.375
-"""The prediction looks at 8 moments, 0.375 s apart: 3 s ahead."""
+"""The prediction covers 8 moments, 0.375 s apart: 3 s ahead."""
 CONFLICT = 2.5
 """Predicted centres closer than this are a conflict [m]."""
 FAR = 10.0
@@ -38,19 +38,18 @@ CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
 
 
 def relative_people(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Motion:
-    """People in the car's frame; arrays ``(ped, *batch)``."""
+    """Return people in the car's frame; arrays ``(ped, *batch)``."""
     ahead, left = to_frame(people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
     vx, vy = pedestrian.velocity(world, scenario, people)
     return Motion(ahead, left, *to_frame(vx, vy, car.cos[None], car.sin[None]))
 
 
 def foresee(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Foresight:
-    """People as the car sees them, the route ahead, the smallest predicted distance to anybody for each manoeuvre, the
-    time until a conflict, and whether somebody crosses close ahead.
+    """Return people as the car sees them, the route ahead, and what is predicted from now on.
 
-    The car follows its route (straight from each shown point of it to the next), people keep their velocity. Clearances
-    are capped at 10 m, the time at 3 s. One pedestrian after the other is compared with all moments, so that nothing
-    large is ever stored.
+    Predicted are the smallest distance to anybody for each manoeuvre and the time until a conflict. The car follows its
+    route (straight from each shown point to the next), people keep their velocity. Clearances are capped at 10 m, the
+    time at 3 s. One pedestrian after the other is compared with all moments, so that no large array is stored.
     """
     route_x, route_y = to_frame(car.course.ahead_x - car.x, car.course.ahead_y - car.y, car.cos, car.sin)
     car_x, car_y = _predicted_car(world, car, route_x, route_y)
@@ -88,8 +87,10 @@ def foresee(world: World, scenario: Scenario, car: VehicleState, people: Pedestr
 
 
 def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:
-    """How close each pedestrian's centre and the car's would come if it went on along its leg from now and the car kept
-    its velocity [m], and when [s]; ``(ped, *batch)``. Now, if they are moving apart."""
+    """Return how close each pedestrian's centre and the car's would come [m], and when [s]; ``(ped, *batch)``.
+
+    The pedestrian walks on along its leg from now, and the car keeps its velocity. If they move apart, it is now.
+    """
     car, people, motion = state.vehicle, state.pedestrian, state.foresight.people
     along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
     pace = scenario.walking_speed(world)
@@ -100,16 +101,20 @@ def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Arra
 
 
 def nearest_people(motion: Motion) -> Motion:
-    """The nearest `NEIGHBOURS` of them, nearest first; where there are fewer, somebody stands far ahead."""
+    """Return the nearest `NEIGHBOURS` people, nearest first; where there are fewer, somebody stands far ahead."""
     shape = (NEIGHBOURS, *motion.ahead.shape[1:])
     return of_nearest(motion, motion, Motion(*(jnp.full(shape, default) for default in (ABSENT, 0.0, 0.0, 0.0))))
 
 
 def of_nearest(motion: Motion, of_all: T, absent: T) -> T:
-    """Whatever is known of everybody (arrays ``(ped, *batch)``), of the nearest `NEIGHBOURS` people, nearest first.
+    """Return values of the nearest `NEIGHBOURS` people, nearest first: arrays ``(neighbour, *batch)``.
 
-    ``absent`` stands for neighbours who aren't there; arrays ``(neighbour, *batch)``. A rank by counting who is nearer
-    stands in for a sort, which is slow in this layout.
+    It ranks people by counting who is nearer, because a sort is slow in this layout.
+
+    Args:
+        motion: everybody, ``(ped, *batch)``.
+        of_all: a pytree with a value of everybody, arrays ``(ped, *batch)``.
+        absent: the values of neighbours who aren't there, arrays ``(neighbour, *batch)``.
     """
     squared = motion.ahead**2 + motion.left**2
     people, *batch = squared.shape
@@ -129,7 +134,7 @@ def of_nearest(motion: Motion, of_all: T, absent: T) -> T:
 
 
 def _predicted_car(world: World, car: VehicleState, route_x: Array, route_y: Array) -> tuple[Array, Array]:
-    """Where each manoeuvre would bring the car, in its present frame [m]: arrays ``(moment, manoeuvre, *batch)``."""
+    """Return where each manoeuvre would bring the car, in its present frame [m]; ``(moment, manoeuvre, *batch)``."""
     batch = (1,) * car.speed.ndim
     time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, *batch)
     rules, acceleration = world.rules, world.rules.max_acceleration
@@ -148,10 +153,10 @@ def _predicted_car(world: World, car: VehicleState, route_x: Array, route_y: Arr
 
 
 def _along(route: Float[Array, "point *batch"], travelled: Array, beyond: list[Array]) -> Array:
-    """A coordinate of the place that far along the straight pieces between the shown points of the route.
+    """Return a coordinate of the place ``travelled`` metres along the straight pieces between the route's points.
 
-    It is the first piece continued, and at each point the change of slope from there on: beyond the last, straight on.
-    ``beyond``: how far beyond each point but the last [m].
+    It is a sum: the first piece continued, and from each point on the change of slope there. Beyond the last point the
+    last piece continues. ``beyond`` holds how far the place is beyond each point but the last [m].
     """
     points = jnp.unstack(route)
     lengths = [POINT_SPACING * (to - at) for at, to in pairwise((0, *POINTS))]

@@ -1,4 +1,4 @@
-"""What agents are paid for: tables of named terms. A recipe's reward is a weight for each of some of them."""
+"""What agents are paid for: tables of named terms. A recipe gives weights to some of them."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from jaxwalk.sim.state import State
 from jaxwalk.sim.world import World
 
 NEAR_WAIT = 8.0
-"""Waiting for the car is rewarded with it within this distance [m] ..."""
+"""Waiting is rewarded with the car within this distance [m] ..."""
 FAST_CAR = 2.0
-"""... and faster than this [m/s], closing in."""
+"""... faster than this [m/s], and coming closer."""
 CAUTIOUS_SPEED = 3.0
 """With people on the roadway close ahead (`jaxwalk.sim.prediction`), the car should not be faster than this [m/s]."""
 COMFORTABLE = 3.0
@@ -28,7 +28,7 @@ LARGEST_WEIGHT = 1e6
 
 
 class Transition(NamedTuple):
-    """A step, as rewards see it."""
+    """One step: what rewards are functions of."""
 
     world: World
     scenario: Scenario
@@ -41,49 +41,49 @@ class Transition(NamedTuple):
 def reward(
     table: Mapping[str, Callable[[Transition], Array]], weights: Mapping[str, Float[Array, ""]], transition: Transition
 ) -> dict[str, Array]:
-    """The weighted terms of a role; an agent's reward is their sum."""
+    """Return the weighted terms of a role; an agent's reward is their sum."""
     return {name: weight * table[name](transition) for name, weight in weights.items()}
 
 
 def _crow_progress(t: Transition) -> Array:
-    """Metres nearer to the goal, as the crow flies."""
+    """Return the metres gained towards the goal, as the crow flies."""
     goal_x, goal_y = vehicle.goal(t.world, t.scenario)
     before, after = t.before.vehicle, t.after.vehicle
     return distance(goal_x - before.x, goal_y - before.y) - distance(goal_x - after.x, goal_y - after.y)
 
 
 def _speeding(t: Transition, somebody: Array) -> Array:
-    """Share of top speed above 3 m/s, with somebody on the roadway close ahead of the car."""
+    """Return the share of top speed above 3 m/s, with somebody on the roadway close ahead of the car."""
     return jnp.where(somebody, jnp.maximum(t.after.vehicle.speed - CAUTIOUS_SPEED, 0) / t.world.rules.max_speed, 0)
 
 
 def _off_lane(t: Transition) -> Array:
-    """Offset from the lane centre in metres, squared, at most 4."""
+    """Return the offset from the lane centre, squared, at most 4 [m2]."""
     lateral, _, _ = vehicle.route_frame(t.after.vehicle)
     return jnp.minimum(lateral**2, 4)
 
 
 def _misaligned(t: Transition) -> Array:
-    """One minus the cosine of the heading error."""
+    """Return one minus the cosine of the heading error."""
     _, cos, _ = vehicle.route_frame(t.after.vehicle)
     return 1 - cos
 
 
 def _closeness(t: Transition) -> Array:
-    """How far the clearance predicted at held speed falls below 3 m, in [0, 1], times the share of top speed."""
+    """Return how far the clearance predicted at held speed falls below 3 m, in [0, 1], times the share of top speed."""
     shortfall = jnp.maximum(1 - t.after.foresight.clearance[prediction.HOLD] / COMFORTABLE, 0)
     return shortfall * t.after.vehicle.speed / t.world.rules.max_speed
 
 
 def _waiting(t: Transition) -> Array:
-    """Waiting at the kerb for a car within 8 m, faster than 2 m/s and closing in: with oneself ahead of it."""
+    """Return who waits at the kerb for a car within 8 m that is faster than 2 m/s and has them ahead."""
     car, seen = t.before.vehicle, t.before.foresight.people
     near = (seen.ahead**2 + seen.left**2 < NEAR_WAIT**2) & (seen.ahead > 0) & (car.speed > FAST_CAR)
     return near & pedestrian.at_kerb(t.world, t.before.pedestrian) & ~t.after.pedestrian.going
 
 
 def _walked(t: Transition) -> Array:
-    """Metres walked along the committed path."""
+    """Return the metres walked along the committed path."""
     return jnp.where(t.after.pedestrian.going, t.scenario.walking_speed(t.world) * t.world.rules.dt, 0)
 
 
@@ -99,7 +99,7 @@ DRIVER_TERMS: dict[str, Callable[[Transition], Array]] = {
     "closeness": _closeness,
     "time": lambda t: jnp.ones(t.events.goal.shape),
 }
-"""What a driver can be paid for, per step; ``progress`` is metres along the route."""
+"""What a driver can be paid for in each step; ``progress`` is metres along the route."""
 
 PEDESTRIAN_TERMS: dict[str, Callable[[Transition], Array]] = {
     "collision": lambda t: t.events.touched,
@@ -108,11 +108,11 @@ PEDESTRIAN_TERMS: dict[str, Callable[[Transition], Array]] = {
     "waiting": _waiting,
     "waited": lambda t: ~t.after.pedestrian.going,
 }
-"""What a pedestrian can be paid for, per step; ``waited`` is every step not walked."""
+"""What a pedestrian can be paid for in each step; ``waited`` is a step not walked."""
 
 
 def check_weights(driver: Mapping[str, float], people: Mapping[str, float]) -> None:
-    """Raise ValueError for a weight without a term, or one that is no number."""
+    """Raise ValueError for a weight without a term, or one that isn't a number up to `LARGEST_WEIGHT`."""
     for role, weights, table in (("driver", driver, DRIVER_TERMS), ("pedestrian", people, PEDESTRIAN_TERMS)):
         for name, weight in weights.items():
             if name not in table:

@@ -1,4 +1,4 @@
-"""A scenario holds all chance of an episode; the tables it draws from are in the map."""
+"""A scenario holds all chance of an episode. It is a function of uniform numbers: a point of the unit cube."""
 
 from __future__ import annotations
 

@@ -5,22 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 JAYWALK_MULTIPLIER = 0.25
-"""P(jaywalk | decision) = jaywalking tendency x this (equation 1). Not in `SimConfig`, which is fixed when a step is
-compiled: the ablation changes this number without compiling again."""
+"""P(jaywalk | decision) = jaywalking tendency x this (equation 1). Not in `SimConfig`: an evaluation varies it."""
 
 SMALLEST_STEP = 0.001
-"""A step is at least so long [s]."""
+"""The shortest step [s]."""
 LARGEST = {
     "dt": 1.0, "horizon": 100_000, "pedestrians": 1000, "fastest_walk": 20.0, "wheelbase": 100.0, "max_speed": 100.0,
     "max_acceleration": 100.0, "offroad_margin": 100.0, "collision_distance": 100.0, "goal_distance": 100.0,
     "moving_speed": 100.0, "start_clearance": 1000.0, "goal_spacing": 1000.0, "kerb_distance": 100.0,
 }  # fmt: skip
-"""No field may be above this: beyond, nothing makes sense, and tables grow until memory is full."""
+"""Largest values of the fields: above them nothing makes sense, and tables would fill the memory."""
 
 
 @dataclass(frozen=True)
 class SimConfig:
-    """The world's rules. Impossible values raise ValueError, naming the field."""
+    """The rules of a world, as somebody writes them down. Raise ValueError that names an impossible field."""
 
     dt: float = 0.1
     """Duration of a step [s]."""
@@ -58,7 +57,7 @@ class SimConfig:
     """A pedestrian whose path enters a roadway within this distance is at the kerb [m]."""
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be simulated."""
+        """Refuse what can't be simulated."""
         positive = (
             "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
             "collision_distance", "goal_distance", "kerb_distance", "goal_spacing",

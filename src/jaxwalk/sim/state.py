@@ -1,4 +1,4 @@
-"""Where an episode stands. Positions in metres; arrays end in the batch axes."""
+"""The state of an episode. Positions are in metres; arrays end in the batch axes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 
 class Course(eqx.Module):
-    """The route of the car at its nearest point, in the map's axes."""
+    """The car's route at the point nearest to the car, in the map's axes."""
 
     x: Float[Array, "*batch"]
     """That point [m] ..."""
@@ -54,16 +54,16 @@ class Leg(eqx.Module):
     length: Float[Array, "ped *batch"]
     """[m]"""
     kind: Int[Array, "ped *batch"]
-    """SIDEWALK, ON_CROSSWALK, TO_ZONE or ACROSS (`jaxwalk.sim.pedestrian`)."""
+    """A `jaxwalk.sim.crossing_kind.LegKind`."""
     node: Int[Array, "ped *batch"]
-    """The waypoint where it ends; for TO_ZONE and ACROSS, the first one after the jaywalk."""
+    """The waypoint where it ends; for a jaywalk, the first one after it."""
     landing_x: Float[Array, "ped *batch"]
     """Where a committed jaywalk will reach the opposite sidewalk [m]."""
     landing_y: Float[Array, "ped *batch"]
     kerb: Float[Array, "ped *batch"]
     """Metres from its end to where the committed path enters a roadway: negative if before the end, inf if nowhere."""
     crossing: Int[Array, "ped *batch"]
-    """NO_CROSSING, CROSSWALK or JAYWALK: what was decided about the next or current crossing."""
+    """The `jaxwalk.sim.crossing_kind.CrossingKind` decided for the next or current crossing."""
     decisions: Int[Array, "ped *batch"]
     """Crossings decided about so far."""
     goal: Int[Array, "ped *batch"]
@@ -80,7 +80,7 @@ class PedestrianState(eqx.Module):
     following: Leg
     """What comes after it, where ``planned``."""
     planned: Bool[Array, "ped *batch"]
-    """Whether ``following`` has been worked out; only for speed, it never changes where anybody walks."""
+    """Whether ``following`` is known already. This saves time only; it never changes where anybody walks."""
     remaining: Float[Array, "ped *batch"]
     """Metres left of the leg."""
     going: Bool[Array, "ped *batch"]
@@ -140,8 +140,7 @@ class Motion(eqx.Module):
 
 
 class Foresight(eqx.Module):
-    """What the car sees and what lies ahead of it (`jaxwalk.sim.prediction`); kept, because it is used more than once
-    and dear."""
+    """What the car sees and what lies ahead of it (`jaxwalk.sim.prediction`): reused and expensive, so kept."""
 
     people: Motion
     """Everybody; arrays ``(ped, *batch)``."""

@@ -1,13 +1,41 @@
-"""What leaves the simulator: episodes as plain arrays in the order time, episode, pedestrian."""
+"""What leaves the simulator: episodes as plain arrays in the order time, episode, pedestrian.
+
+A column's annotation declares its axes, and `AXES` is read from it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, TypeVar, get_type_hints
+
 import equinox as eqx
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Shaped
 
 
-class Trajectory(eqx.Module):
+class Walks(eqx.Module):
+    """How people walk, frame by frame."""
+
+    ped_x: Float[np.ndarray, "frame episode ped"]
+    """[m]"""
+    ped_y: Float[np.ndarray, "frame episode ped"]
+    ped_vx: Float[np.ndarray, "frame episode ped"]
+    """Velocity [m/s], along the leg that is being walked; 0 after a step of waiting."""
+    ped_vy: Float[np.ndarray, "frame episode ped"]
+    on_roadway: Bool[np.ndarray, "frame episode ped"]
+    """Between the kerbs, on a crosswalk or off it."""
+    on_crosswalk: Bool[np.ndarray, "frame episode ped"]
+    """Inside a crosswalk's rectangle."""
+    crossing: Int[np.ndarray, "frame episode ped"]
+    """The `jaxwalk.sim.crossing_kind.CrossingKind` decided for the next or current crossing."""
+
+
+class Ghosts(Walks):
+    """People that no car can see or touch, recorded beside a `Trajectory` in its frames and episodes."""
+
+
+class Trajectory(Walks):
     """Recorded episodes. Frame 0 is the start, frame k the world after k steps; frames after ``length`` are padding."""
 
     dt: float = eqx.field(static=True)
@@ -21,7 +49,7 @@ class Trajectory(eqx.Module):
     collision: Bool[np.ndarray, "episode"]
     """The episode ended with a collision. Neither goal nor collision: a timeout."""
     touched: Bool[np.ndarray, "episode ped"]
-    """Whom the car collided with, in the last frame."""
+    """The pedestrians that the car hit, in the last frame."""
 
     goal_x: Float[np.ndarray, "episode"]
     """Where the car is to go [m]."""
@@ -39,18 +67,6 @@ class Trajectory(eqx.Module):
 
     jaywalking_tendency: Float[np.ndarray, "episode ped"]
     """The trait tau in [0, 1]."""
-    ped_x: Float[np.ndarray, "frame episode ped"]
-    """[m]"""
-    ped_y: Float[np.ndarray, "frame episode ped"]
-    ped_vx: Float[np.ndarray, "frame episode ped"]
-    """Velocity [m/s], along the leg that is being walked; 0 for who waited in the step that led to the frame."""
-    ped_vy: Float[np.ndarray, "frame episode ped"]
-    on_roadway: Bool[np.ndarray, "frame episode ped"]
-    """Between the kerbs, on a crosswalk or off it."""
-    on_crosswalk: Bool[np.ndarray, "frame episode ped"]
-    """Inside a crosswalk's rectangle."""
-    crossing: Int[np.ndarray, "frame episode ped"]
-    """NO_CROSSING, CROSSWALK or JAYWALK: the decision about the next or current crossing."""
     decisions: Int[np.ndarray, "frame episode ped"]
     """How many crossings the pedestrian has decided about so far."""
     at_kerb: Bool[np.ndarray, "frame episode ped"]
@@ -63,16 +79,21 @@ class Trajectory(eqx.Module):
     """How close the centres would come if the pedestrian went on now and the car kept its velocity [m]."""
 
 
-class Ghosts(eqx.Module):
-    """People whom no car can see or touch, recorded beside a `Trajectory`: its frames and episodes, and columns of the
-    same names and meanings."""
+Recorded = TypeVar("Recorded", bound=Walks)
 
-    ped_x: Float[np.ndarray, "frame episode ped"]
-    """[m]"""
-    ped_y: Float[np.ndarray, "frame episode ped"]
-    ped_vx: Float[np.ndarray, "frame episode ped"]
-    """[m/s]"""
-    ped_vy: Float[np.ndarray, "frame episode ped"]
-    on_roadway: Bool[np.ndarray, "frame episode ped"]
-    on_crosswalk: Bool[np.ndarray, "frame episode ped"]
-    crossing: Int[np.ndarray, "frame episode ped"]
+AXES: dict[str, tuple[str, ...]] = {
+    name: tuple(hint.dim_str.split()) for name, hint in get_type_hints(Trajectory).items() if hasattr(hint, "dim_str")
+}
+"""The axes of each column of a `Trajectory` (and of `Ghosts`), by its name."""
+
+
+def part_of(recorded: Recorded, *, frames: int, episodes: slice) -> Recorded:
+    """Return the first frames of some episodes of a recording."""
+    which = {"frame": slice(frames), "episode": episodes, "ped": slice(None)}
+    columns = {name: x[tuple(which[axis] for axis in AXES[name])] for name, x in vars(recorded).items() if name in AXES}
+    return replace(recorded, **columns)
+
+
+def in_order(columns: Mapping[str, Shaped[np.ndarray, "..."]]) -> dict[str, Any]:
+    """Return columns as a `Trajectory` has them, from arrays whose axes end in ``(..., ped, episode)``."""
+    return {name: x.swapaxes(-1, -2) if "ped" in AXES[name] else x for name, x in columns.items()}

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 import equinox as eqx
 import jax
@@ -81,8 +80,8 @@ class World(eqx.Module):
         numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
         on_host = (stacked, packed, numbers, np.float32(jaywalk_multiplier))
         road_map, tables, arrays, multiplier = jax.device_put(on_host)  # `jnp.asarray` compiles one program per shape
-        static: dict[str, Any] = {name: getattr(config, name) for name in STATIC}
-        return cls(road_map, Tables(**tables), Rules(**static, **arrays), multiplier, goals, crossings)
+        rules = Rules(dt=float(config.dt), horizon=config.horizon, pedestrians=config.pedestrians, **arrays)
+        return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings)
 
 
 def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:

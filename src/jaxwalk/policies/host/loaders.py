@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from jaxwalk.policies.host.driver import SECONDS, DriverError, HostDriver
-from jaxwalk.sim.observation import LAYOUTS, size
+from jaxwalk.sim.observation import OBSERVATIONS, size
 
 LOADERS = {".onnx": "onnx_file", ".pt": "torch_file", ".pt2": "torch_file", ".pth": "torch_file", ".zip": "sb3_file"}
 """Kinds of files, and the modules of this package that load them."""
@@ -45,7 +45,7 @@ def load_host_driver(name: str, *, trust: bool = False, seconds: float = SECONDS
         driver, observes = load_class(name)
     else:
         driver, observes = _load_file(Path(name), trust=trust)
-    sets = LAYOUTS["driver"]
+    sets = OBSERVATIONS["driver"]
     if observes not in sets:
         known = ", ".join(f"{x} ({size('driver', x)})" for x in sets)
         raise DriverError(f"{name}: observes {observes!r}, but there is no such observation set; there are: {known}")
@@ -60,9 +60,9 @@ def set_of_size(path: Path, features: int, observes: str | None = None) -> str:
     fitting = [name for name in GUESSES if size("driver", name) == features]
     if observes is None and fitting:
         return fitting[0]
-    if observes in LAYOUTS["driver"] and size("driver", observes) == features:
+    if observes in OBSERVATIONS["driver"] and size("driver", observes) == features:
         return observes
-    sizes = ", ".join(f"{name} {size('driver', name)}" for name in LAYOUTS["driver"])
+    sizes = ", ".join(f"{name} {size('driver', name)}" for name in OBSERVATIONS["driver"])
     named = f" and names the observation set {observes!r}" if observes else ""
     raise DriverError(
         f"{path}: takes {features} numbers{named}; the sets' sizes are: {sizes}; see docs/drivers.md for naming one"

@@ -1,0 +1,147 @@
+"""What a driver can see: features in the car's frame, arrays ``(number, *batch)``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from jaxwalk.interfaces import Moment
+from jaxwalk.sim import belief, future, prediction, vehicle
+from jaxwalk.sim.events import distance
+from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
+from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
+
+MARGINS = (1.0, 2.0, 3.0)
+"""The metres of predicted clearance that the car sees in detail begin here [m]."""
+
+
+def _goal(moment: Moment) -> tuple[Array, Array]:
+    """Return the goal ahead and to the left [m]."""
+    car = moment.state.vehicle
+    x, y = vehicle.goal(moment.world, moment.scenario)
+    return to_frame(x - car.x, y - car.y, car.cos, car.sin)
+
+
+def _goal_distance(moment: Moment) -> Sequence[Array]:
+    return (distance(*_goal(moment)) / ABSENT,)
+
+
+def _heading_error(moment: Moment) -> Sequence[Array]:
+    """Return the angle between the car's heading and its route's, over pi."""
+    _, cos, sin = vehicle.route_frame(moment.state.vehicle)
+    return (jnp.arctan2(sin, cos) / jnp.pi,)
+
+
+def _people(moment: Moment) -> Sequence[Array]:
+    """Return position and velocity of the nearest people, 4 numbers each, nearest first."""
+    seen = moment.state.foresight.nearest
+    rows = jnp.stack([seen.ahead / ABSENT, seen.left / ABSENT, seen.ahead_speed / SPEED, seen.left_speed / SPEED], 1)
+    return (rows.reshape(-1, *rows.shape[2:]),)
+
+
+def _people_bounds(limits: Limits) -> Sequence[Bound]:
+    near, walk = both(max(limits.diagonal, ABSENT) / ABSENT), both(limits.config.fastest_walk / SPEED)
+    return [near, near, walk, walk]
+
+
+def _to_go(moment: Moment) -> Sequence[Array]:
+    """Return the way to the goal along the route."""
+    to_go = vehicle.route_length(moment.world, moment.scenario) - moment.state.vehicle.along
+    return (jnp.minimum(to_go / ABSENT, 2),)
+
+
+def _to_go_bounds(limits: Limits) -> Sequence[Bound]:
+    lowest, highest = limits.to_go
+    return [(lowest / ABSENT, min(highest / ABSENT, 2.0))]
+
+
+def _route(moment: Moment) -> Sequence[Array]:
+    """Return the points of the route ahead, each over its distance along the route."""
+    state = moment.state
+    away = (jnp.array(POINTS) * POINT_SPACING).reshape(-1, 1, *(1,) * state.step.ndim)
+    route = jnp.stack([state.foresight.route_x, state.foresight.route_y], axis=1) / away
+    return (route.reshape(-1, *state.step.shape),)
+
+
+def _margin(moment: Moment) -> Sequence[Array]:
+    """Return predicted clearances as shares of the metres from 1 to 4, one by one.
+
+    There a touch is decided. A network does not learn that as soon from the whole range in one number.
+    """
+    clearance = moment.state.foresight.clearance
+    return (jnp.concatenate([jnp.clip(clearance - metre, 0, 1) for metre in MARGINS]),)
+
+
+def _conflict(moment: Moment) -> Sequence[Array]:
+    return (moment.state.foresight.conflict / (prediction.MOMENTS * prediction.MOMENT),)
+
+
+def _of_nearest(moment: Moment, tendency: Float[Array, "ped *batch"]) -> Sequence[Array]:
+    """Return the tendencies of the nearest people, nearest first; the prior mean for neighbours who aren't there."""
+    unknown = jnp.full((NEIGHBOURS, *moment.state.step.shape), belief.PRIOR_MEAN)
+    return (prediction.of_nearest(moment.state.foresight.people, tendency, unknown),)
+
+
+def _expected_tendencies(moment: Moment) -> Sequence[Array]:
+    return _of_nearest(moment, belief.expected_tendency(moment.world, moment.scenario, moment.state.pedestrian))
+
+
+def _future_clearances(moment: Moment) -> Sequence[Array]:
+    """Return how near people will be to the places ahead if everybody goes."""
+    nearest = future.clearances(moment.world, moment.scenario, moment.state) / prediction.FAR
+    return (nearest.reshape(-1, *moment.state.step.shape),)
+
+
+SPEED_OF_CAR = Feature(
+    "speed", 1, lambda limits: [(0.0, limits.config.max_speed / SPEED)], lambda m: (m.state.vehicle.speed / SPEED,)
+)
+PEOPLE = Feature("people", 4 * NEIGHBOURS, _people_bounds, _people)
+
+PAPER = (
+    Feature("position", 2, share, lambda m: on_map(m, m.state.vehicle.x, m.state.vehicle.y)),
+    Feature("heading", 2, signed, lambda m: (m.state.vehicle.cos, m.state.vehicle.sin)),
+    SPEED_OF_CAR,
+    Feature("goal", 2, within_diagonals(ABSENT), lambda m: [metres / ABSENT for metres in _goal(m)]),
+    Feature("goal_distance", 1, lambda limits: [(0.0, limits.diagonal / ABSENT)], _goal_distance),
+    Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 4,)),
+    Feature("heading_error", 1, signed, _heading_error),
+    PEOPLE,
+)
+"""The paper's 34: own state and goal 8, lane 2, nearest 6 people x (relative position 2, velocity 2)."""
+
+ON_ROUTE = (
+    SPEED_OF_CAR,
+    Feature("steering", 1, signed, lambda m: (m.state.vehicle.steering / m.world.rules.max_steering,)),
+    Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 2,)),
+    Feature("heading", 2, signed, lambda m: vehicle.route_frame(m.state.vehicle)[1:]),
+    Feature("to_go", 1, _to_go_bounds, _to_go),
+    Feature(
+        "route",
+        2 * len(POINTS),
+        lambda limits: [both(limits.diagonal / (POINT_SPACING * point)) for point in POINTS for _ in "xy"],
+        _route,
+    ),
+)
+"""The car in the frame of its route: lane keeping 6, route ahead 16."""
+
+ROUTE = (
+    *ON_ROUTE,
+    Feature("clearance", 3, share, lambda m: (m.state.foresight.clearance / prediction.FAR,)),
+    Feature("margin", 3 * len(MARGINS), share, _margin),
+    Feature("conflict", 1, share, _conflict),
+    PEOPLE,
+)
+"""The car in the frame of its route 22, predicted clearances 13, nearest people 24."""
+
+TOLD_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency))
+"""The jaywalking tendency of each of the nearest people."""
+
+EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendencies)
+"""The posterior mean of the jaywalking tendency of each of the nearest people."""
+
+FUTURE_CLEARANCES = Feature("clearances", future.MOMENTS * future.PLACES, share, _future_clearances)
+"""What nobody can know: how near people will be to the places ahead, at each moment."""

@@ -1,0 +1,169 @@
+"""What a pedestrian can see: features, arrays ``(number, ped, *batch)``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from jaxwalk.interfaces import Moment
+from jaxwalk.sim import pedestrian, prediction
+from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
+from jaxwalk.sim.everybody import for_everybody, index_of, with_index
+from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.prediction import ABSENT
+
+KERB_CAR_DISTANCE = 40.0
+"""A pedestrian at the kerb decides whether to wait only with the car within this distance [m] ..."""
+PASSED = 2.5
+"""... and not yet this far past [m]: a car does not come back."""
+LONG = 8.0
+"""Times are capped here [s]."""
+
+
+def _next_waypoint(moment: Moment) -> Sequence[Array]:
+    people = moment.state.pedestrian
+    return (people.leg.end_x - people.x) / ABSENT, (people.leg.end_y - people.y) / ABSENT
+
+
+def _surface(moment: Moment) -> Sequence[Array]:
+    """Return flags: on no roadway, on a crosswalk, on a roadway off the crosswalks."""
+    people = moment.state.pedestrian
+    on_roadway, on_crosswalk = people.on_roadway, people.on_crosswalk
+    return ~on_roadway, on_roadway & on_crosswalk, on_roadway & ~on_crosswalk
+
+
+def _car_position(moment: Moment) -> Sequence[Array]:
+    car, people = moment.state.vehicle, moment.state.pedestrian
+    return (car.x[None] - people.x) / ABSENT, (car.y[None] - people.y) / ABSENT
+
+
+def _car_velocity(moment: Moment) -> Sequence[Array]:
+    car = moment.state.vehicle
+    return (car.speed * car.cos)[None] / SPEED, (car.speed * car.sin)[None] / SPEED
+
+
+def _nearest_other(moment: Moment) -> Sequence[Array]:
+    """Return the vector from each pedestrian to the nearest other one; 60 m ahead where nobody is nearer."""
+    x, y = moment.state.pedestrian.x, moment.state.pedestrian.y
+    people, order = x.shape[0], jnp.arange(x.shape[0]).reshape((-1,) + (1,) * (x.ndim - 1))
+
+    def compare(other: tuple[Array, Array, Array], nearest: Array) -> Array:
+        other_x, other_y, index = other
+        key = with_index((other_x - x) ** 2 + (other_y - y) ** 2, index, people)
+        return jnp.where((key < nearest) & (index != order), key, nearest)
+
+    nobody = jnp.broadcast_to(with_index(jnp.float32(ABSENT**2), jnp.int32(people), people), x.shape)
+    key = for_everybody((x, y, order), compare, nobody)
+
+    def pick(other: tuple[Array, Array, Array], found: tuple[Array, Array]) -> tuple[Array, Array]:
+        other_x, other_y, index = other
+        chosen = index_of(key, people) == index
+        return jnp.where(chosen, other_x - x, found[0]), jnp.where(chosen, other_y - y, found[1])
+
+    found = for_everybody((x, y, order), pick, (jnp.full_like(x, ABSENT), jnp.zeros_like(x)))
+    return found[0] / ABSENT, found[1] / ABSENT
+
+
+def _decides(moment: Moment) -> Sequence[Array]:
+    """Return who has something to decide: on the last metre before the roadway, with the car near and not yet past."""
+    seen, people = moment.state.foresight.people, moment.state.pedestrian
+    close = (seen.ahead * seen.ahead + seen.left * seen.left < KERB_CAR_DISTANCE**2) & (seen.ahead > -PASSED)
+    return (pedestrian.at_kerb(moment.world, people) & pedestrian.enters_roadway(people) & close,)
+
+
+def _place(moment: Moment) -> Sequence[Array]:
+    """Return where oneself is, seen from the car."""
+    seen = moment.state.foresight.people
+    return seen.ahead / KERB_CAR_DISTANCE, seen.left / KERB_CAR_DISTANCE
+
+
+def _car_motion(moment: Moment) -> Sequence[Array]:
+    """Return the car's speed, acceleration and steering."""
+    car, rules = moment.state.vehicle, moment.world.rules
+    speed = _speed_for_everybody(moment)
+    return speed / SPEED, (car.acceleration / rules.max_acceleration)[None], (car.steering / rules.max_steering)[None]
+
+
+def _car_motion_bounds(limits: Limits) -> Sequence[Bound]:
+    return [(0.0, limits.config.max_speed / SPEED), *signed(limits), *signed(limits)]
+
+
+def _direction(moment: Moment) -> tuple[Array, Array]:
+    """Return the direction of the leg in the car's frame."""
+    car, leg = moment.state.vehicle, moment.state.pedestrian.leg
+    return to_frame(leg.cos, leg.sin, car.cos[None], car.sin[None])
+
+
+def _times(moment: Moment) -> Sequence[Array]:
+    """Return when the car and oneself would be where their ways cross, and the difference."""
+    seen, (_, across) = moment.state.foresight.people, _direction(moment)
+    crossing_speed = moment.scenario.walking_speed(moment.world) * across
+    toward = seen.left * crossing_speed < 0
+    own_time = jnp.where(toward, -seen.left / jnp.where(toward, crossing_speed, 1), LONG)
+    car_time = seen.ahead / jnp.maximum(_speed_for_everybody(moment), 0.5)
+    return (
+        jnp.clip(car_time, -LONG, LONG) / LONG,
+        jnp.minimum(own_time, LONG) / LONG,
+        jnp.clip(car_time - own_time, -LONG, LONG) / LONG,
+    )
+
+
+def _times_bounds(limits: Limits) -> Sequence[Bound]:
+    return [*signed(limits), *share(limits), *signed(limits)]
+
+
+def _miss(moment: Moment) -> Sequence[Array]:
+    """Return how close both would come if oneself goes now, and when."""
+    miss, closest = prediction.predicted_miss(moment.world, moment.scenario, moment.state)
+    return jnp.minimum(miss, 10) / 10, jnp.minimum(closest, LONG) / LONG
+
+
+def _pace_bounds(limits: Limits) -> Sequence[Bound]:
+    return [(limits.config.slowest_walk / 2, limits.config.fastest_walk / 2)]
+
+
+def _to_kerb(moment: Moment) -> Sequence[Array]:
+    return (jnp.clip(moment.state.pedestrian.to_kerb, -1, moment.world.rules.kerb_distance),)
+
+
+def _velocity(moment: Moment) -> Sequence[Array]:
+    return [metres / 2 for metres in pedestrian.velocity(moment.world, moment.scenario, moment.state.pedestrian)]
+
+
+def _speed_for_everybody(moment: Moment) -> Float[Array, "ped *batch"]:
+    """Return the car's speed once for each pedestrian [m/s]."""
+    return jnp.broadcast_to(moment.state.vehicle.speed[None], moment.state.pedestrian.x.shape)
+
+
+PAPER = (
+    Feature("position", 2, share, lambda m: on_map(m, m.state.pedestrian.x, m.state.pedestrian.y)),
+    Feature("velocity", 2, lambda limits: [both(limits.config.fastest_walk / 2)], _velocity),
+    Feature("traits", 4, share, lambda m: (m.scenario.traits,)),
+    Feature("next_waypoint", 2, within_diagonals(ABSENT), _next_waypoint),
+    Feature("surface", 3, share, _surface),
+    Feature("on_jaywalk", 1, share, lambda m: (m.state.pedestrian.leg.kind == LegKind.ACROSS,)),
+    Feature("car_position", 2, within_diagonals(ABSENT), _car_position),
+    Feature("car_velocity", 2, lambda limits: [both(limits.config.max_speed / SPEED)], _car_velocity),
+    Feature("nearest_other", 2, lambda limits: [both(max(limits.diagonal, ABSENT) / ABSENT)], _nearest_other),
+)
+"""The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's relative
+position 2 and velocity 2, nearest other pedestrian 2. Relative means in the map's axes, from oneself."""
+
+KERB = (
+    Feature("decides", 1, share, _decides),
+    Feature("place", 2, within_diagonals(KERB_CAR_DISTANCE), _place),
+    Feature("car_motion", 3, _car_motion_bounds, _car_motion),
+    Feature("direction", 2, signed, _direction),
+    Feature("times", 3, _times_bounds, _times),
+    Feature("miss", 2, share, _miss),
+    Feature("pace", 1, _pace_bounds, lambda m: (m.scenario.walking_speed(m.world) / 2,)),
+    Feature("traits", 3, share, lambda m: (m.scenario.traits[0], m.scenario.traits[2], m.scenario.traits[3])),
+    Feature("jaywalk", 1, share, lambda m: (m.state.pedestrian.crossing == JAYWALK,)),
+    Feature("to_kerb", 1, lambda limits: [(-1.0, limits.config.kerb_distance)], _to_kerb),
+)
+"""What matters for stepping into the road: whether there is anything to decide 1, the car as it comes 7, the times at
+which both would be where their ways cross 3, how close they would come if oneself goes now 2, oneself 6. Vectors are in
+the car's frame."""

@@ -1,0 +1,47 @@
+"""Record a moment: the columns of a `jaxwalk.sim.trajectory.Trajectory` that have a frame axis."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from jaxwalk.sim import pedestrian, prediction
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.state import PedestrianState, State
+from jaxwalk.sim.world import World
+
+Frame = dict[str, Array]
+"""One frame of each column, by its name: arrays ``(*batch)`` or ``(ped, *batch)``."""
+
+
+def frame(world: World, scenario: Scenario, state: State) -> Frame:
+    """Return what a `Trajectory` records of a moment."""
+    car, people = state.vehicle, state.pedestrian
+    return {
+        "car_x": car.x,
+        "car_y": car.y,
+        "car_cos": car.cos,
+        "car_sin": car.sin,
+        "car_speed": car.speed,
+        "car_acceleration": car.acceleration,
+        **frame_of_people(world, scenario, people),
+        "decisions": people.decisions.astype(jnp.int16),
+        "at_kerb": pedestrian.at_kerb(world, people),
+        "enters_roadway": pedestrian.enters_roadway(people),
+        "going": people.going,
+        "predicted_miss": prediction.predicted_miss(world, scenario, state)[0],
+    }
+
+
+def frame_of_people(world: World, scenario: Scenario, people: PedestrianState) -> Frame:
+    """Return what `Ghosts` record of a moment: where people are, how they move, and how they cross."""
+    velocity_x, velocity_y = pedestrian.velocity(world, scenario, people)
+    return {
+        "ped_x": people.x,
+        "ped_y": people.y,
+        "ped_vx": velocity_x,
+        "ped_vy": velocity_y,
+        "on_roadway": people.on_roadway,
+        "on_crosswalk": people.on_crosswalk,
+        "crossing": people.crossing.astype(jnp.int8),
+    }
