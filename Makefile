@@ -45,14 +45,15 @@ contracts: install  ## import-linter: which room may import which
 test: install  ## pytest, in JOBS processes (default: one for each core, at most 8)
 	$(BIN)/pytest -n $(JOBS)
 
-coverage: install  ## the same, and which lines and branches it reached
-	$(BIN)/pytest -n $(JOBS) --cov --cov-fail-under=95
+coverage: install  ## the same and the long tests, and which lines and branches they reached
+	$(BIN)/pytest -n $(JOBS) -m "long or not long" --cov --cov-fail-under=95
 
 mutants: install  ## small mistakes are put into the definitions: do the tests notice? an hour
 	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt cosmic-ray==8.7.0
 	$(BIN)/python tests/reliability/mutation.py
 
 reliability: install  ## thousands of bad files, millions of random steps, trainings killed 50 times, 0.1's behaviour again: half an hour
+	$(BIN)/pytest -n $(JOBS) -m long
 	$(BIN)/python tests/reliability/fuzz_loaders.py
 	$(BIN)/python tests/reliability/random_steps.py
 	$(BIN)/python tests/reliability/kill_training.py --kills 50

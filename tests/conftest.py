@@ -70,7 +70,7 @@ def pytest_xdist_make_scheduler(config, log):
 
     if config.getoption("dist") != "load":
         return None
-    few = config.getoption("numprocesses") <= 4
+    few = (config.getoption("numprocesses") or 1) <= 4
 
     class ByRoom(LoadScopeScheduling):
         def _split_scope(self, nodeid):

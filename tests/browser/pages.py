@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jaxwalk.maps import load_map
+from jaxwalk.report.watched import Gallery, WatchedEpisode, WatchedIncident
 from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.walking_paths import Paths
 from jaxwalk.viewer.record import make_records
@@ -69,3 +70,10 @@ def incidents():
 def gallery_document():
     """What the gallery of failures shows."""
     return {**replay_document(), "lead": 3.0, "most": 40, "scenarios": 500, "incidents": incidents()}
+
+
+def watched(document):
+    """The typed gallery of a document."""
+    episodes = tuple(WatchedEpisode(**one) for one in document["episodes"])
+    incidents = tuple(WatchedIncident(**one) for one in document["incidents"])
+    return Gallery(**{**document, "episodes": episodes, "incidents": incidents})

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import pytest
 
-from browser.pages import gallery_document
+from browser.pages import gallery_document, watched
 from jaxwalk.report import write_report
 from report.material import material
 
@@ -15,7 +17,7 @@ def file(tmp_path_factory):
     gallery = gallery_document()
     for episode in gallery["episodes"]:
         episode["driver"] = {"rash": "co-trained", "careful": "single-agent"}[episode["driver"]]
-    return write_report(tmp_path_factory.mktemp("report"), {**material(1), "gallery": gallery})
+    return write_report(tmp_path_factory.mktemp("report"), dataclasses.replace(material(1), gallery=watched(gallery)))
 
 
 @pytest.fixture

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import asdict
+from pathlib import Path
 
-from browser.pages import gallery_document, replay_document
-from jaxwalk.report import write_report
+from browser.pages import gallery_document, replay_document, watched
+from jaxwalk.evaluation.document_parts import Provenance
+from jaxwalk.evaluation.reading import Origin, as_document, as_results
+from jaxwalk.report import Material, write_report
 from jaxwalk.viewer import replay_page
 from report.material import material
 
@@ -18,9 +22,9 @@ SCRIPT = "document.title = 'owned'"
 SVG = f'<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9" onload="{SCRIPT}"><script>{SCRIPT}</script></svg>'
 
 
-def _renamed(documents):
+def _renamed(document):
     """The same with the driver and the trained population called by that name, and other words made of it."""
-    text = json.dumps(documents)
+    text = json.dumps(document)
     for word in ('"co-trained"', '"learned"', '"an abacus"', '"abc123"', '"fast"', '"0.10.2"', '"0123456789abcdef"'):
         text = text.replace(word, json.dumps(CODE))
     return json.loads(text)
@@ -35,13 +39,17 @@ def _check_harmless(page):
 
 def test_a_report_of_hostile_names(tmp_path, open_file):
     several = material(1)
-    curves = {CODE: several["curves"]["single-agent"]}
+    origin = Origin(Path("results.json"), "evaluate again")
     gallery = gallery_document()
     for episode in gallery["episodes"]:
         episode |= {"driver": CODE, "pedestrians": CODE}
-    documents = _renamed({"results": several["results"], "provenance": several["provenance"], "minutes": {"all": 1.0}})
-    documents |= {"gallery": gallery, "curves": curves, "subject": CODE, "headline": (CODE, "single-agent")}
-    file = write_report(tmp_path, {**documents, "episode": several["episode"], "episode_svg": SVG})
+    hostile = Material(
+        results=as_results(_renamed(several.results.as_dict()), origin),
+        provenance=as_document(Provenance, _renamed(asdict(several.provenance)), origin),
+        minutes={"all": 1.0}, gallery=watched(gallery), curves={CODE: several.curves["single-agent"]},
+        subject=CODE, headline=(CODE, "single-agent"), episode=several.episode, episode_svg=SVG,
+    )  # fmt: skip
+    file = write_report(tmp_path, hostile)
     assert not re.search(r"<script>document|<img src=x|onload=", file.read_text(encoding="utf-8"))
     page = open_file(file)
     page.wait_for_selector(".incidents button")

@@ -17,6 +17,7 @@ from jaxwalk.cli import main
 from jaxwalk.cli.options import Bench, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.recipes import with_training
+from report.material import material
 
 SMALL = ("--environments", "8", "--steps", "8", "--minibatches", "2")
 
@@ -160,11 +161,9 @@ def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys)
 def test_the_table_marks_who_sees_what_is_hidden():
     from jaxwalk.cli.evaluate import table
 
-    number = {"value": 0.5, "low": None, "high": None}
-    names = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
-    cell = {"pedestrians": "always-go", "jaywalk_multiplier": 0.25, **dict.fromkeys(names, number)}
+    cell = material(1).results.cells[0]
     sets = ("route", "route-belief", "route-told", "privileged")
-    shown = table({"cells": [{**cell, "driver": "mine", "driver_observes": name} for name in sets]})
+    shown = table([dataclasses.replace(cell, driver="mine", driver_observes=name) for name in sets])
     marked = ["mine", "mine", "mine (route-told)", "mine (privileged)"]
     assert list(shown.columns[0].cells) == marked
 

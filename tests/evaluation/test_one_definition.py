@@ -7,8 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from jaxwalk.evaluation.game import play
 
+from jaxwalk.evaluation.game import play
 from jaxwalk.learning import mappo
 from jaxwalk.metrics.outcomes import measure_outcomes
 from jaxwalk.policies import AlwaysGo, load_policy

@@ -8,8 +8,8 @@ import json
 import pytest
 
 from jaxwalk.evaluation import Match, over_training_seeds, paired, paired_over_seeds
-from jaxwalk.evaluation.training_seeds import MEASURES
-from jaxwalk.metrics import OUTCOMES, over_seeds
+from jaxwalk.evaluation.training_seeds import SEED_RATIOS
+from jaxwalk.metrics import OUTCOMES, Estimate, OverSeeds, over_seeds
 
 
 @pytest.fixture(scope="module")
@@ -19,14 +19,14 @@ def matches(compared):
     cells = {name: results.cell(name, "always-go") for name in ("route-follower", "random")}
     trained = [(3, "route-follower"), (4, "random"), (5, "route-follower")]
     return [
-        Match(dataclasses.replace(cells[name], driver="learner"), rows[name, "always-go"], seed)
+        Match(dataclasses.replace(cells[name], driver="learner", training_seed=seed), rows[name, "always-go"])
         for seed, name in trained
     ]
 
 
-@pytest.mark.parametrize("name", MEASURES)
+@pytest.mark.parametrize("name", SEED_RATIOS)
 def test_every_measure_is_the_cells(matches, name):
-    measure = MEASURES[name]
+    measure = SEED_RATIOS[name]
     for match in matches:
         over, under = measure.parts(match.rows)
         expected = measure.of_one(match.cell.summary).value
@@ -36,21 +36,22 @@ def test_every_measure_is_the_cells(matches, name):
 def test_numbers_over_seeds(matches):
     (found,) = over_training_seeds(matches)
     names = ["driver", "pedestrians", "jaywalk_multiplier", "training_seeds"]
-    assert list(found) == [*names, *MEASURES]
-    assert [found[name] for name in names] == ["learner", "always-go", 0.25, [3, 4, 5]]
-    goal = found["goal_rate"]
+    document = dataclasses.asdict(found)
+    assert list(document) == [*names, *SEED_RATIOS]
+    assert [document[name] for name in names] == ["learner", "always-go", 0.25, (3, 4, 5)]
+    goal = found.goal_rate
     rates = [match.rows[OUTCOMES].goal.mean() for match in matches]
-    assert list(goal["each"]) == pytest.approx(rates)
-    assert goal["mean"]["value"] == pytest.approx(sum(rates) / 3)
-    assert goal["mean"]["low"] < goal["mean"]["value"] < goal["mean"]["high"]
-    json.dumps(found, allow_nan=False)
+    assert list(goal.each) == pytest.approx(rates)
+    assert goal.mean.value == pytest.approx(sum(rates) / 3)
+    assert goal.mean.low < goal.mean.value < goal.mean.high
+    json.dumps(document, allow_nan=False)
 
 
 def test_one_seed_keeps_the_cells_intervals(matches):
     (found,) = over_training_seeds(matches[:1])
     rate = matches[0].cell.summary[OUTCOMES].goal
-    assert found["goal_rate"]["mean"] == {"value": rate.value, "low": rate.low, "high": rate.high, "count": 1}
-    assert found["goal_rate"]["iqm"] == found["goal_rate"]["mean"]
+    assert found.goal_rate.mean == Estimate(rate.value, rate.low, rate.high, 1)
+    assert found.goal_rate.iqm == found.goal_rate.mean
 
 
 def test_what_never_happens_has_the_interval_of_one_seed(matches):
@@ -58,15 +59,16 @@ def test_what_never_happens_has_the_interval_of_one_seed(matches):
     follower = matches[0]
     rate = follower.cell.summary[OUTCOMES].timeout
     assert rate.value == 0
-    (found,) = over_training_seeds([dataclasses.replace(follower, training_seed=seed) for seed in (1, 2, 3)])
-    never = found["timeout_rate"]
-    assert never == {"mean": never["mean"], "iqm": never["mean"], "each": (0, 0, 0)}
-    assert never["mean"] == {"value": 0, "low": 0, "high": rate.high, "count": 3}
+    cells = [dataclasses.replace(follower.cell, training_seed=seed) for seed in (1, 2, 3)]
+    (found,) = over_training_seeds([Match(cell, follower.rows) for cell in cells])
+    never = found.timeout_rate
+    assert never == OverSeeds(never.mean, never.mean, (0.0, 0.0, 0.0))
+    assert never.mean == Estimate(0.0, 0.0, rate.high, 3)
     assert rate.high > 0.1
 
 
 def test_a_cell_tells_its_training_seed(matches):
-    document = matches[1].as_dict()
+    document = matches[1].cell.as_dict()
     assert list(document)[:4] == ["driver", "pedestrians", "training_seed", "driver_mode"]
     assert document["training_seed"] == 4
     assert document["episodes"] == 24
@@ -76,12 +78,12 @@ def test_pairs_pool_the_seeds(matches, rows):
     follower, random, _ = matches
     one = paired_over_seeds("goal", [follower], [random])
     expected = paired(follower.rows, random.rows).goal
-    assert (one["only_a"], one["only_b"], one["p"]) == (expected.only_a, expected.only_b, expected.p)
-    assert one["difference"]["value"] == pytest.approx(one["b"]["rate"] - one["a"]["rate"])
+    assert (one.only_a, one.only_b, one.p) == (expected.only_a, expected.only_b, expected.p)
+    assert one.difference.value == pytest.approx(one.b.rate - one.a.rate)
     # the only match of A stands for every seed of B: against itself it differs in nothing
     found = paired_over_seeds("goal", [follower], matches)
-    assert (found["training_seeds"], found["pairs"]) == (3, 72)
-    assert (found["only_a"], found["only_b"]) == (expected.only_a, expected.only_b)
-    assert found["difference"]["low"] <= found["difference"]["value"] <= found["difference"]["high"] <= 0
+    assert (found.training_seeds, found.pairs) == (3, 72)
+    assert (found.only_a, found.only_b) == (expected.only_a, expected.only_b)
+    assert found.difference.low <= found.difference.value <= found.difference.high <= 0
     with pytest.raises(ValueError, match="same scenarios"):
         paired_over_seeds("goal", [follower], [dataclasses.replace(random, rows=rows)])

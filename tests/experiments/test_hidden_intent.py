@@ -17,6 +17,7 @@ from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.recipes import single_agent
 from jaxwalk.sim.observation import BELIEF, TOLD
 
+pytestmark = pytest.mark.long
 PLAN = Plan(updates=2, episodes=8, seed=3, seeds=2)
 SEES = {"blind": "route", "belief": BELIEF, "told": TOLD}
 

@@ -2,34 +2,55 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
+from browser.pages import gallery_document, watched
 from hostile.judging import command, unfinished
 from hostile.mutations import as_json, contents, documents
+from jaxwalk.evaluation.document_parts import Provenance
+from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.experiments.reproduce import Plan
+from jaxwalk.report import Gallery
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.recipes import RECIPES
 from jaxwalk.runs.study import run_folder
 from report.material import material
 
 CASES = 20
-GOOD = material(1) | {"plan": asdict(Plan(seed=5, updates=8, episodes=3)), "gallery": {"incidents": []}}
+ENDINGS = {"goal_rate": 0.5, "collision_rate": 0.25, "timeout_rate": 0.25}
+MATERIAL = material(1)
+GOOD = {
+    "plan": asdict(Plan(seed=5, updates=8, episodes=3)),
+    "results": MATERIAL.results.as_dict(),
+    "ablation": MATERIAL.ablation.as_dict(),
+    "provenance": asdict(MATERIAL.provenance),
+    "minutes": MATERIAL.minutes,
+    "gallery": gallery_document(),
+    "episode": asdict(MATERIAL.episode),
+}
+GOOD = json.loads(json.dumps(GOOD, allow_nan=False))
+METRICS = "".join(
+    json.dumps({"update": n, "steps": 64 * n, "seconds": 1.0 * n, "episodes": float(n)} | ENDINGS) + "\n"
+    for n in range(1, 9)
+)
 PARTS = ("plan", "results", "ablation", "provenance", "minutes", "gallery", "episode")
 
 
 def _write(folder: Path, changed: dict[str, bytes]) -> None:
     for name in PARTS:
         (folder / f"{name}.json").write_bytes(changed.get(name, json.dumps(GOOD[name]).encode()))
-    (folder / "episode.svg").write_text(GOOD["episode_svg"])
-    for name, curves in GOOD["curves"].items():
+    (folder / "episode.svg").write_text(MATERIAL.episode_svg)
+    for name in MATERIAL.curves:
         run = Run.create(run_folder(folder, name, 5), RECIPES["fast"])
-        (run.path / "metrics.jsonl").write_bytes(b"".join(as_json(line) + b"\n" for line in curves[5]))
+        (run.path / "metrics.jsonl").write_bytes(changed.get("metrics", METRICS.encode()))
 
 
 def _report(changed: dict[str, bytes]) -> str | None:
@@ -42,18 +63,90 @@ def _report(changed: dict[str, bytes]) -> str | None:
         return message if code else None
 
 
-def test_a_good_folder_is_reported(monkeypatch):
-    monkeypatch.setattr("jaxwalk.report.write.draw_all", _no_figures)
+@pytest.fixture(autouse=True)
+def quick_figures(monkeypatch):
+    """Figures are made, but not written, which takes seconds."""
+    monkeypatch.setattr("jaxwalk.report.figures.save", lambda *_: "")
+
+
+def test_a_good_folder_is_reported():
     assert _report({}) is None
 
 
-def test_an_episode_without_its_seed(monkeypatch):
-    monkeypatch.setattr("jaxwalk.report.write.draw_all", _no_figures)
-    assert "'dict object' has no attribute 'seed'" in str(_report({"episode": b'{"scenario": 2, "training_seed": 5}'}))
+def test_documents_read_back_are_the_same():
+    origin = Origin(Path("somewhere.json"), "evaluate again")
+    for name in ("results", "ablation"):
+        read = as_results(GOOD[name], origin)
+        assert read == getattr(MATERIAL, name)
+        assert json.loads(read.to_json()) == GOOD[name]
+    assert as_document(Gallery, GOOD["gallery"], origin).as_dict() == watched(GOOD["gallery"]).as_dict()
+    assert asdict(as_document(Provenance, GOOD["provenance"], origin)) == GOOD["provenance"]
 
 
-def test_a_bad_folder_is_refused_in_words(monkeypatch):
-    monkeypatch.setattr("jaxwalk.report.write.draw_all", _no_figures)  # (drawing takes seconds)
+def _changed(name, change):
+    """The file's content after the change."""
+    document = copy.deepcopy(GOOD[name])
+    change(document)
+    return {name: json.dumps(document).encode()}
+
+
+def _of_schema_2(document):
+    document["schema"] = 2
+
+
+def _of_words(document):
+    document["cells"][3]["outcomes"]["goal"]["value"] = "0.5"
+
+
+def _infinite(document):
+    document["cells"][0]["attribution"]["per_crossing"]["exposure_jaywalk"] = float("inf")
+
+
+def _another_headline(document):
+    document["cells"][1]["goal_rate"]["value"] = 0.125
+
+
+def _few_quarters(document):
+    del document["cells"][2]["jaywalk_rate"]["quarters"][3]
+
+
+def _uneven_curve(document):
+    document["cells"][0]["surrogate_distributions"]["jaywalk"]["pet"]["low"].append(None)
+
+
+def _unknown_field(document):
+    document["cells"][0]["waiting"]["patience"] = 1
+
+
+def _no_seed(document):
+    del document["seed"]
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        ("results", _of_words, "results.json: damaged (cells.3.outcomes.goal.value: "),
+        ("results", _infinite, "results.json: damaged (cells.0.attribution.per_crossing.exposure_jaywalk: "),
+        ("results", _another_headline, "results.json: damaged (cells.1.goal_rate: differs from the same number"),
+        ("results", _few_quarters, "results.json: damaged (cells.2.jaywalk_rate.quarters: has 3 entries, not 4)"),
+        ("results", _uneven_curve, "(cells.0.surrogate_distributions.jaywalk.pet: has 11 entries, not 10)"),
+        ("results", _unknown_field, "results.json: damaged (cells.0.waiting.patience: "),
+        ("ablation", _of_schema_2, "ablation.json: of another version (its schema is not 3)"),
+        ("episode", _no_seed, "episode.json: damaged (seed: "),
+    ],
+)  # fmt: skip
+def test_the_message_names_the_file_and_the_field(name, change, said):
+    message = _report(_changed(name, change))
+    assert said in message
+    assert message.count("\n") == 1 and "run `jaxwalk reproduce` again" in message
+
+
+def test_a_training_without_a_metric_is_refused():
+    said = _report({"metrics": METRICS.replace('"goal_rate": 0.5, ', "").encode()})
+    assert "metrics.jsonl: damaged (update 1 has no goal_rate)" in said
+
+
+def test_a_bad_folder_is_refused_in_words():
     messages = []
 
     @settings(
@@ -71,7 +164,3 @@ def test_a_bad_folder_is_refused_in_words(monkeypatch):
 def _spoiled(name):
     written = documents(GOOD[name]).map(as_json) | contents(json.dumps(GOOD[name]).encode())
     return written.map(lambda content: {name: content})
-
-
-def _no_figures(names, *_):
-    return dict.fromkeys(names, "")

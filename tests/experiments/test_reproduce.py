@@ -10,6 +10,7 @@ import pytest
 from rich.console import Console
 
 from jaxwalk.evaluation import compare, evaluate, replay
+from jaxwalk.evaluation.reading import DocumentError
 from jaxwalk.experiments import reproduce as module
 from jaxwalk.experiments import tournament
 from jaxwalk.experiments.reproduce import Plan, report, reproduce
@@ -67,6 +68,7 @@ def _json(folder, name):
     return json.loads((folder / name).read_text(encoding="utf-8"))
 
 
+@pytest.mark.long
 def test_a_training_for_each_seed_and_driver(made):
     folder, said = made
     both = ("co-trained", "single-agent")
@@ -82,6 +84,7 @@ def test_a_training_for_each_seed_and_driver(made):
     assert f"single-agent, seed 4: {steps['single-agent']:,} steps" in said
 
 
+@pytest.mark.long
 def test_every_cell_once_for_each_seed(made):
     folder, said = made
     rules, trained = RULES, ["single-agent", "co-trained"]
@@ -102,6 +105,7 @@ def test_every_cell_once_for_each_seed(made):
     assert "random among always-go: 8 episodes" in said
 
 
+@pytest.mark.long
 def test_each_seed_has_its_own_policies(made):
     cells = _json(made[0], "results.json")["cells"]
     found = {tuple(cell.values())[:3]: list(cell.values())[3:] for cell in cells}
@@ -137,6 +141,7 @@ def test_everybody_meets_the_pedestrians_of_the_seed(street, monkeypatch):
         assert "co-trained" not in drivers or drivers["co-trained"] is cars[seed]["co-trained"]
 
 
+@pytest.mark.long
 def test_pairs(made):
     pairs = _json(made[0], "results.json")["paired"]
     names = [(p["ending"], *(tuple(p[side].values())[:2] for side in ("a", "b"))) for p in pairs]
@@ -148,6 +153,7 @@ def test_pairs(made):
     assert {(p["training_seeds"], p["pairs"]) for p in pairs} == {(2, 16)}
 
 
+@pytest.mark.long
 def test_the_ablation_has_every_seed(made):
     document = _json(made[0], "ablation.json")
     cells = [(c["jaywalk_multiplier"], c["pedestrians"], c["training_seed"]) for c in document["cells"]]
@@ -155,6 +161,7 @@ def test_the_ablation_has_every_seed(made):
     assert [found["training_seeds"] for found in document["over_seeds"]] == [[3, 4]] * 4
 
 
+@pytest.mark.long
 def test_what_the_first_seed_did_worst_can_be_watched(made):
     folder = made[0]
     gallery = json.loads((folder / "gallery.json").read_text())
@@ -165,6 +172,7 @@ def test_what_the_first_seed_did_worst_can_be_watched(made):
     assert '<dialog class="watch"' in (folder / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_what_is_there_is_not_made_again(made, tiny):
     folder, _ = made
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.json")}
@@ -175,6 +183,7 @@ def test_what_is_there_is_not_made_again(made, tiny):
     assert said.getvalue().count("there already") >= 3
 
 
+@pytest.mark.long
 def test_the_report_can_be_made_again(made):
     folder, _ = made
     (folder / "report.html").unlink()
@@ -196,10 +205,11 @@ def test_a_report_needs_a_whole_plan(plan, message, tmp_path):
     for name in ("results", "ablation", "provenance", "minutes", "gallery", "episode"):
         (tmp_path / f"{name}.json").write_text("{}")
     (tmp_path / "plan.json").write_text(json.dumps(plan))
-    with pytest.raises(RunError, match=f"plan.json: {message}"):
+    with pytest.raises((RunError, DocumentError), match=f"plan.json: {message}"):
         report(tmp_path)
 
 
+@pytest.mark.long
 def test_another_number_of_seeds_needs_another_folder(made, tiny, quiet):
     with pytest.raises(RunError, match="was begun with another value of seeds"):
         reproduce(made[0], replace(PLAN, seeds=3), base=tiny, console=quiet)

@@ -20,7 +20,7 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.recipes import RECIPES
 
 WORKERS = (
-    "jaxwalk.runs.training.train", "jaxwalk.runs.study.train", "jaxwalk.cli.evaluate._play",
+    "jaxwalk.runs.training.train", "jaxwalk.runs.study.train", "jaxwalk.experiments.evaluating.compare",
     "jaxwalk.cli.play._page", "jaxwalk.cli.play._drawing", "jaxwalk.experiments.driver_report.play_rounds",
     "jaxwalk.exports.sharing.compare", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",

@@ -125,7 +125,7 @@ def test_among_always_go_it_always_arrives(street, played):
 
 
 def test_the_command_line_says_that_it_is_privileged(monkeypatch, capsys):
-    monkeypatch.setattr("jaxwalk.cli.evaluate.compare", partial(compare, batch=16))
+    monkeypatch.setattr("jaxwalk.experiments.evaluating.compare", partial(compare, batch=16))
     command = ["evaluate", "--driver", "oracle", "--episodes", "4"]
     assert main(command) == 0
     assert "oracle (privileged)" in capsys.readouterr().out

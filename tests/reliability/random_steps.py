@@ -12,7 +12,6 @@ import argparse
 import sys
 import time
 from collections import Counter
-from dataclasses import replace
 
 import equinox as eqx
 import jax
@@ -20,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxwalk import Street
+from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 from jaxwalk.sim.observation import OBSERVATIONS, PRIVILEGED, bounds
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
@@ -113,8 +113,8 @@ def run(steps, *, seed=0, told=print):
     stream = jax.jit(start)(street, environment_keys(seed_key(seed, TRAINING), 0, ENVIRONMENTS), idle)
     seen, counts, begun, turn = {}, Counter(), time.monotonic(), 0
     while counts["steps"] < steps:
-        multiplier = jnp.float32(MULTIPLIERS[turn % len(MULTIPLIERS)])
-        stream, limits, more = play(replace(street, jaywalk_multiplier=multiplier), stream)
+        here = with_jaywalk_multiplier(street, MULTIPLIERS[turn % len(MULTIPLIERS)])
+        stream, limits, more = play(here, stream)
         seen = {name: _widest(np.stack([seen.get(name, x), x])) for name, x in limits.items()}
         counts += Counter({name: int(x) for name, x in more.items()})
         turn += 1

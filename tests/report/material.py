@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
-from jaxwalk.evaluation import Cell, Match, Results, over_training_seeds, paired_over_seeds
+from jaxwalk.evaluation import Cell, Match, Results, ScenarioSet, over_training_seeds, paired_over_seeds
+from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.metrics import measure, summarise
+from jaxwalk.report import DrawnEpisode, LearningCurve, Material, Trainings
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
@@ -31,40 +31,46 @@ SCENES = {5: (REACHED, HIT, REACHED), 6: (REACHED, HIT, HIT), 7: (HIT, HIT, HIT)
 
 
 def material(seeds):
-    """The documents of a report on so many training seeds."""
+    """A report's material on so many training seeds."""
     rows = {seed: measure(trajectory(*scenes)) for seed, scenes in SCENES.items() if seed < 5 + seeds}
-    lines = [
-        {"update": n, "steps": 64 * n, "seconds": 1.0 * n, "episodes": float(n)}
-        | {"goal_rate": 0.5, "collision_rate": 0.25, "timeout_rate": 0.25}
-        for n in range(1, 9)
-    ]
-    return {
-        "results": _results(rows, DRIVERS, (0.25,)),
-        "ablation": _results(rows, ("co-trained",), (0.0, 0.1, 0.25, 0.6, 1.0)),
-        "curves": {name: dict.fromkeys(rows, lines) for name in ("co-trained", "single-agent")},
-        "provenance": {"commit": "abc123", "hardware": "an abacus", "versions": {"jax": "0.10.2"}},
-        "plan": {"recipe": "fast", "seed": 5, "seeds": seeds, "episodes": 3},
-        "minutes": {"evaluate": 1.5},
-        "episode": {"scenario": 2, "seed": 5, "training_seed": 5},
-        "episode_svg": '<?xml version="1.0"?><svg width="9pt" height="9pt"><path id="p" clip-path="url(#p)"/></svg>',
-    }
+    updates = range(1, 9)
+    curve = LearningCurve(
+        steps=tuple(64 * n for n in updates), seconds=8.0, episodes=tuple(map(float, updates)),
+        goal_rate=(0.5,) * 8, collision_rate=(0.25,) * 8, timeout_rate=(0.25,) * 8,
+    )  # fmt: skip
+    return Material(
+        results=_results(rows, DRIVERS, (0.25,)),
+        ablation=_results(rows, ("co-trained",), (0.0, 0.1, 0.25, 0.6, 1.0)),
+        curves={name: dict.fromkeys(rows, curve) for name in ("co-trained", "single-agent")},
+        provenance=Provenance(commit="abc123", hardware="an abacus", versions={"jax": "0.10.2"}),
+        trainings=Trainings("fast", tuple(rows)),
+        minutes={"evaluate": 1.5},
+        episode=DrawnEpisode(scenario=2, seed=5, training_seed=5),
+        episode_svg='<?xml version="1.0"?><svg width="9pt" height="9pt"><path id="p" clip-path="url(#p)"/></svg>',
+    )
 
 
 def _results(rows, drivers, multipliers):
     summaries = {seed: summarise(found, resamples=20) for seed, found in rows.items()}
     matches = [
-        Match(Cell(driver, people, "mode", "sample", multiplier, summaries[seed], "route", "kerb"), rows[seed], seed)
+        Match(
+            Cell(
+                driver, people, "mode", "sample", multiplier, summaries[seed], "route", "kerb",
+                training_seed=seed,
+            ),
+            rows[seed],
+        )
         for driver in drivers
         for multiplier in multipliers
         for people in ("always-go", "learned")
         for seed in rows
         if seed == 5 or not _untrained(driver, people)
-    ]
+    ]  # fmt: skip
     by_name = {driver: [m for m in matches if m.names == (driver, "always-go")] for driver in drivers}
-    pairs = [paired_over_seeds("collision", by_name[drivers[0]], by_name[drivers[-1]])]
-    document = Results(5, 3, "0123456789abcdef", ()).as_dict()
-    document |= {"cells": [m.as_dict() for m in matches], "over_seeds": over_training_seeds(matches), "paired": pairs}
-    return json.loads(json.dumps(document, allow_nan=False))
+    pairs = (paired_over_seeds("collision", by_name[drivers[0]], by_name[drivers[-1]]),)
+    cells = tuple(match.cell for match in matches)
+    scenarios = ScenarioSet(count=3, hash="0123456789abcdef", seed=5)
+    return Results(scenarios, cells, over_seeds=over_training_seeds(matches), paired=pairs)
 
 
 def _untrained(driver, people):

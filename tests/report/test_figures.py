@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from jaxwalk.metrics.crossings import ByType
+from jaxwalk.metrics.severity import Distribution, Distributions
 from jaxwalk.report.figures.surrogates import surrogates
-from jaxwalk.report.material import Material
 from report.material import material
 
 
 def test_curves_of_surrogate_safety():
-    found = Material(**material(1))
-    share = {"threshold": [1.0, 2.0], "value": [0.25, 0.5], "low": [0.125, 0.25], "high": [0.5, 0.75]}
-    many, few = {**share, "count": 20}, {**share, "count": 19}
-    cells = [
-        {**cell, "surrogate_distributions": {
-            kind: dict.fromkeys(("ttc", "pet", "drac", "min_distance"), seen)
-            for kind, seen in (("crosswalk", many), ("jaywalk", few))
-        }}
-        for cell in found.results["cells"]
-    ]  # fmt: skip
-    figure = surrogates(Material(**{**vars(found), "results": {**found.results, "cells": cells}}))
+    found = material(1)
+    share = {"threshold": (1.0, 2.0), "value": (0.25, 0.5), "low": (0.125, 0.25), "high": (0.5, 0.75)}
+    many, few = (Distributions(*[Distribution(**share, count=count)] * 4) for count in (20, 19))
+    summaries = (cell.summary for cell in found.results.cells)
+    seen = [replace(summary, surrogate_distributions=ByType(crosswalk=many, jaywalk=few)) for summary in summaries]
+    cells = tuple(replace(cell, summary=summary) for cell, summary in zip(found.results.cells, seen, strict=True))
+    figure = surrogates(replace(found, results=replace(found.results, cells=cells)))
     for axis in figure.axes:
         lines = {line.get_label(): line for line in axis.lines}
         assert {"co-trained, crosswalk", "single-agent, crosswalk"} <= set(lines)

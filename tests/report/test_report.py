@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import re
 from html.parser import HTMLParser
 
@@ -10,11 +11,13 @@ import pytest
 from markupsafe import escape
 from PIL import Image
 
-from browser.pages import gallery_document
-from jaxwalk.report import ReportError, write_report
+from browser.pages import gallery_document, watched
+from jaxwalk.evaluation import Results
+from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.report import Material, ReportError, write_report
 from jaxwalk.report.figures import FIGURES
+from jaxwalk.report.paper_tables import TABLES
 from jaxwalk.report.sections import SECTIONS
-from jaxwalk.report.tables import TABLES
 from jaxwalk.report.verdicts import Versus, verdict
 from report.material import material
 
@@ -168,28 +171,41 @@ def test_the_same_results_make_the_same_report(documents, folder, tmp_path):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
 
 
-def test_results_of_another_version_are_refused(documents, tmp_path):
-    broken = {**documents, "results": {"cells": [{"driver": "random"}]}}
-    with pytest.raises(ReportError, match="damaged or of another version"):
-        write_report(tmp_path, broken)
-    assert list(tmp_path.iterdir()) == []
+@pytest.mark.parametrize(
+    ("lacking", "message"),
+    [
+        ({"cells": ()}, "the results have no cells"),
+        ({"over_seeds": ()}, "lack numbers over training seeds of random among always-go"),
+    ],
+)
+def test_results_that_lack_something_are_refused(documents, lacking, message):
+    with pytest.raises(ReportError, match=message):
+        dataclasses.replace(documents, results=dataclasses.replace(documents.results, **lacking))
 
 
-def test_results_of_an_earlier_schema_are_refused_by_name(documents, tmp_path):
-    earlier = {**documents, "ablation": {**documents["ablation"], "schema": 2}}
-    with pytest.raises(ReportError, match=r"another version \(no 'schema 3 in ablation.json'\); evaluate again"):
-        write_report(tmp_path, earlier)
-    assert list(tmp_path.iterdir()) == []
+def test_a_driver_that_did_not_meet_everybody_is_refused(documents):
+    cells = [cell for cell in documents.results.cells if (cell.driver, cell.pedestrians) != ("random", "learned")]
+    with pytest.raises(ReportError, match="the results lack random among learned; evaluate again"):
+        dataclasses.replace(documents, results=dataclasses.replace(documents.results, cells=tuple(cells)))
 
 
-def _number(value, low, high):
-    return {"value": value, "low": low, "high": high}
+@pytest.mark.parametrize("error", [KeyError, TypeError, IndexError])
+def test_a_fault_in_a_figure_is_a_traceback(documents, tmp_path, monkeypatch, error):
+    """It must not be called damage of somebody's results."""
+
+    def broken(material):
+        raise error("a fault of ours")
+
+    monkeypatch.setitem(FIGURES, "baselines", broken)
+    with pytest.raises(error, match="a fault of ours"):
+        write_report(tmp_path, documents)
+    assert not (tmp_path / "report.html").exists()
 
 
 def test_verdicts():
-    inside = Versus("goals", _number(0.7, 0.6, 0.8), 65.0)
-    outside = Versus("collisions", _number(0.02, 0.01, 0.03), 14.0)
-    unknown = Versus("time", _number(None, None, None), 3.38)
+    inside = Versus("goals", Interval(0.7, 0.6, 0.8), 65.0)
+    outside = Versus("collisions", Interval(0.02, 0.01, 0.03), 14.0)
+    unknown = Versus("time", Interval(None, None, None), 3.38)
     assert verdict([inside], "Because.") == "The paper's value lies in our 95 % interval for goals."
     assert verdict([outside], "Because.") == "Differs from the paper: collisions: 2.00, below 14.0 %. Because."
     assert verdict([unknown], "Because.") == "Too few cases to say: time."
@@ -197,19 +213,17 @@ def test_verdicts():
 
 
 def test_any_drivers_among_any_people(documents, tmp_path):
-    cells = [{**cell, "driver": f"my/{cell['driver']}"} for cell in documents["results"]["cells"]]
-    over = [{**found, "driver": f"my/{found['driver']}"} for found in documents["results"]["over_seeds"]]
-
     def alone(found):
-        return [one for one in found if one["pedestrians"] == "always-go" and one["driver"] != "my/random"]
+        mine = (dataclasses.replace(one, driver=f"my/{one.driver}") for one in found if one.driver != "random")
+        return tuple(one for one in mine if one.pedestrians == "always-go")
 
-    results = {**documents["results"], "cells": alone(cells), "over_seeds": alone(over)}
-    del results["paired"]
+    found = documents.results
+    results = Results(found.scenarios, alone(found.cells), over_seeds=alone(found.over_seeds))
     subject = "my/rule-based"
-    mine = {
-        "results": results, "curves": {}, "minutes": {"all": 1.0}, "provenance": documents["provenance"],
-        "subject": subject, "headline": (subject,), "gallery": gallery_document(),
-    }  # fmt: skip
+    mine = Material(
+        results=results, minutes={"all": 1.0}, provenance=documents.provenance, subject=subject, headline=(subject,),
+        gallery=watched(gallery_document()),
+    )  # fmt: skip
     text = write_report(tmp_path, mine).read_text(encoding="utf-8")
     for heading in ("Co-training against training alone", "More and less jaywalking", "How the drivers learned"):
         assert heading not in text
@@ -228,7 +242,7 @@ def test_numbers_of_who_can_be_watched_are_links(documents, tmp_path):
     gallery = gallery_document()
     for episode in gallery["episodes"]:
         episode["driver"] = {"rash": "co-trained", "careful": "route-follower"}[episode["driver"]]
-    text = write_report(tmp_path, {**documents, "gallery": gallery}).read_text(encoding="utf-8")
+    text = write_report(tmp_path, dataclasses.replace(documents, gallery=watched(gallery))).read_text(encoding="utf-8")
     linked = re.findall(r'<a href="#gallery" data-cell="([^"]*)">', text)
     assert set(linked) == {"co-trained among always-go", "route-follower among always-go"}
     assert linked[0] == "co-trained among always-go"

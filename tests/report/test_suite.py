@@ -2,40 +2,38 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation import Cell, Counterfactuals, Results, summarise_counterfactuals
-from jaxwalk.metrics import measure, summarise
+from jaxwalk.evaluation import Cell, Counterfactuals, Results, ScenarioSet, summarise_counterfactuals
+from jaxwalk.evaluation.document_parts import Provenance
+from jaxwalk.metrics import Estimate, measure, summarise
+from jaxwalk.metrics.speed_differential import Placebo, SpeedBin, SpeedGap
 from jaxwalk.report.suite import suite
 from jaxwalk.report.surprise import FEWEST, four_ways, in_words
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, ghosts_of, trajectory
 
-MADE = {"commit": "abc123", "hardware": "an abacus", "versions": {"jax": "0.10.2"}}
+MADE = Provenance(commit="abc123", hardware="an abacus", versions={"jax": "0.10.2"})
 
 
-def number(low: float | None, high: float | None) -> dict:
+def number(low: float | None, high: float | None, count: int = FEWEST) -> Estimate:
     value = None if low is None or high is None else (low + high) / 2
-    return {"value": value, "low": low, "high": high, "count": FEWEST}
+    return Estimate(value, low, high, count)
 
 
 NONE, FASTER, SLOWER = number(-1.0, 1.0), number(0.5, 1.0), number(-1.0, -0.5)
 
 
-def bins(raw: dict, beyond: dict, matched: dict) -> list[dict]:
+def bins(raw: Estimate, beyond: Estimate, matched: Estimate) -> list[SpeedBin]:
     """A bin in which the three differences are so, and one in which nothing is known."""
     return [_bin(0.0, raw, beyond, matched), _bin(3.0, *[number(None, None)] * 3)]
 
 
-def _bin(near: float, raw: dict, beyond: dict, matched: dict) -> dict:
-    gap = {"crosswalk": NONE, "jaywalk": NONE, "difference": raw}
-    placebo = {"people": gap, "ghosts": gap, "difference": beyond}
-    return {
-        "near": near, "far": near + 3, "pooled": gap, "by_encounter": gap, "matched": matched, "placebo": placebo,
-    }  # fmt: skip
+def _bin(near: float, raw: Estimate, beyond: Estimate, matched: Estimate) -> SpeedBin:
+    gap = SpeedGap(crosswalk=NONE, jaywalk=NONE, difference=raw)
+    placebo = Placebo(people=gap, ghosts=gap, difference=beyond)
+    return SpeedBin(near=near, far=near + 3, pooled=gap, by_encounter=gap, matched=matched, placebo=placebo)
 
 
 @pytest.mark.parametrize(
@@ -53,7 +51,7 @@ def test_what_the_four_say_together(raw, beyond, matched, said):
 
 
 def test_nothing_known_is_said_to_be_nothing_known():
-    few = {**FASTER, "count": FEWEST - 1}
+    few = number(0.5, 1.0, FEWEST - 1)
     assert in_words(bins(few, FASTER, FASTER)[:1]) == "Too few people were near the car to say."
 
 
@@ -75,16 +73,15 @@ def page():
     hit = Scene(50, [Walk(25.0, 0.0, crossings=[(20, 50, JAYWALK)]), people[0]], touched=[0])
     recorded = trajectory(Scene(50, people, goal=True), hit)
     summary = summarise(measure(recorded, ghosts_of(recorded)), resamples=20)
-    cell = Cell("mine", "always-go", "mode", "sample", 0.25, summary, "route", "kerb").as_dict()
     yes, no = np.array([True]), np.array([False])
     table = Counterfactuals(
         collisions=1, scenario=np.array([1]), contact=np.array([JAYWALK]), moving=yes, notice=np.array([3.0]),
         crosswalk_applies=yes, wait_applies=yes, crosswalk=yes, wait=yes, brake=no, planner=no, planner_from_start=yes,
     )  # fmt: skip
-    other = Cell("other", "always-go", "mode", "sample", 1.0, summary, "route", "kerb").as_dict()
-    document = Results(5, 2, "0123456789abcdef", ()).as_dict()
-    document["cells"] = [{**cell, "counterfactuals": summarise_counterfactuals(table).as_dict()}, other]
-    return suite(json.loads(json.dumps(document, allow_nan=False)), MADE)
+    replayed = summarise_counterfactuals(table)
+    mine = Cell("mine", "always-go", "mode", "sample", 0.25, summary, "route", "kerb", counterfactuals=replayed)
+    other = Cell("other", "always-go", "mode", "sample", 1.0, summary, "route", "kerb")
+    return suite(Results(ScenarioSet(count=2, hash="0123456789abcdef", seed=5), (mine, other)), MADE)
 
 
 def test_every_table_is_there_and_has_as_many_cells_as_columns(page):

@@ -1,4 +1,4 @@
-"""Two kills; `make reliability` has many more."""
+"""Two kills; `tests/reliability/kill_training.py` has many more."""
 
 import sys
 
@@ -8,6 +8,7 @@ import pytest
 from reliability.kill_training import kill_often
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are forked")
 def test_a_killed_training_ends_as_if_nothing_had_happened(tmp_path, monkeypatch):
     monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(jax.config.jax_compilation_cache_dir or tmp_path / "cache"))

@@ -74,7 +74,7 @@ def view(street, scenario, state):
 
 def columns(tree, which):
     """Some environments of a batch."""
-    return jax.tree.map(lambda x: jnp.asarray(x)[..., which], tree)
+    return jax.tree.map(lambda x: jnp.asarray(np.asarray(x)[..., which]), tree)  # by NumPy, which compiles nothing
 
 
 def people(scenario, state, order):
@@ -84,9 +84,11 @@ def people(scenario, state, order):
     def which(s):
         return s.traits, s.goals, s.jaywalk_draw, s.zone_draw
 
-    chosen = eqx.tree_at(which, scenario, [x[:, order] for x in which(scenario)])
-    chosen = eqx.tree_at(lambda s: s.start, chosen, scenario.start[order])
-    return chosen, eqx.tree_at(lambda s: s.pedestrian, state, jax.tree.map(lambda x: x[order], state.pedestrian))
+    chosen = eqx.tree_at(which, scenario, [jnp.asarray(np.asarray(x)[:, order]) for x in which(scenario)])
+    chosen = eqx.tree_at(lambda s: s.start, chosen, jnp.asarray(np.asarray(scenario.start)[order]))
+    return chosen, eqx.tree_at(
+        lambda s: s.pedestrian, state, jax.tree.map(lambda x: jnp.asarray(np.asarray(x)[order]), state.pedestrian)
+    )
 
 
 def with_car(state, **values):

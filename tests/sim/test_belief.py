@@ -16,6 +16,7 @@ from jaxwalk.sim.observation import BELIEF, TOLD, part
 from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, everything, people, play, reset
 
 TYPES = (JAYWALK, CROSSWALK)
+posterior = jax.jit(belief.posterior)  # one program, not one for each operation
 
 
 def integrated(jaywalks, crosswalks, multiplier):
@@ -37,12 +38,12 @@ def integrated(jaywalks, crosswalks, multiplier):
 def test_the_posterior_is_the_integral(multiplier):
     cases = [(0, 0), (1, 0), (0, 1), (1, 1), (3, 2), (0, 12), (12, 0), (6, 6), (1, 40), (20, 20)]
     jaywalks, crosswalks = jnp.array(cases).T
-    found = belief.posterior(jaywalks, crosswalks, jnp.float32(multiplier))
+    found = posterior(jaywalks, crosswalks, jnp.float32(multiplier))
     np.testing.assert_allclose(np.stack(found, 1), [integrated(*case, multiplier) for case in cases], atol=1e-5)
 
 
 def test_nothing_seen_nothing_learned():
-    mean, deviation = belief.posterior(jnp.array(0), jnp.arange(9), jnp.float32(0))  # nobody ever jaywalks
+    mean, deviation = posterior(jnp.array(0), jnp.arange(9), jnp.float32(0))  # nobody ever jaywalks
     np.testing.assert_allclose(mean, belief.PRIOR_MEAN, atol=1e-6)
     np.testing.assert_allclose(deviation, 12**-0.5, atol=1e-6)
 
@@ -57,7 +58,7 @@ def test_the_posterior_is_what_remains_of_many(multiplier):
         alike = tau[jaywalks == seen]
         if len(alike) < 100:
             continue
-        mean, deviation = belief.posterior(jnp.array(seen), jnp.array(4 - seen), jnp.float32(multiplier))
+        mean, deviation = posterior(jnp.array(seen), jnp.array(4 - seen), jnp.float32(multiplier))
         error = 5 * deviation / len(alike) ** 0.5
         assert abs(mean - alike.mean()) < error
         assert abs(deviation - alike.std()) < error
@@ -139,7 +140,7 @@ def test_the_sets_end_with_the_nearest_peoples_numbers(jaywalking, scenarios, lo
         told[part("driver", TOLD, "tendencies")], nearest(state, scenarios.jaywalking_tendency)
     )
     (jaywalks, crosswalks), _ = _seen(jaywalking, scenarios, state)
-    means, _ = belief.posterior(jaywalks, crosswalks, jnp.float32(1))
+    means, _ = posterior(jaywalks, crosswalks, jnp.float32(1))
     shown = np.asarray(believed[part("driver", BELIEF, "tendencies")])
     np.testing.assert_allclose(shown, nearest(state, means), atol=1e-6)
     assert len(np.unique(shown.round(4))) > 5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from dataclasses import asdict
 from typing import Any
 
 import jax
@@ -27,7 +28,7 @@ def describe(settings: Settings) -> dict[str, Any]:
         "devices": len(jax.devices()),
         "xla_flags": os.environ.get("XLA_FLAGS", ""),
     }
-    return {"hardware": hardware, "provenance": provenance()}
+    return {"hardware": hardware, "provenance": asdict(provenance())}
 
 
 def accelerated() -> bool:

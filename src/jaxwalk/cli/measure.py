@@ -14,6 +14,7 @@ from rich.table import Table
 
 from jaxwalk.cli.options import Measure, UsageError
 from jaxwalk.cli.train import bad_values
+from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.formats.areas import Areas, read_areas
 from jaxwalk.formats.layouts import TrackSource, open_tracks
 from jaxwalk.formats.measured import measure_all
@@ -64,8 +65,8 @@ def _tables(found: dict[str, Any]) -> Iterator[Table]:
             (
                 kind,
                 f"{one['count']:,}",
-                *(shown(one[f"{name}_critical"]) for name in ("ttc", "pet", "drac")),
-                shown(found["encounters"][kind]["minimum_approach"], 1.0, 2),
+                *(_shown(one[f"{name}_critical"]) for name in ("ttc", "pet", "drac")),
+                _shown(found["encounters"][kind]["minimum_approach"], 1.0, 2),
             )
             for kind, one in found["surrogates"].items()
         ],
@@ -77,12 +78,16 @@ def _tables(found: dict[str, Any]) -> Iterator[Table]:
             [
                 (
                     f"{one['near']:g} to {one['far']:g}",
-                    *(shown(one[name]["difference"], 1.0, 2) for name in ("pooled", "by_encounter")),
-                    shown(one["matched"], 1.0, 2),
+                    *(_shown(one[name]["difference"], 1.0, 2) for name in ("pooled", "by_encounter")),
+                    _shown(one["matched"], 1.0, 2),
                 )
                 for one in found["speed_differential"]
             ],
         )
+
+
+def _shown(number: dict[str, Any], scale: float = 100.0, digits: int | None = None) -> str:
+    return shown(Interval(number["value"], number["low"], number["high"]), scale, digits)
 
 
 def _table(title: str, columns: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:

@@ -1,4 +1,4 @@
-"""Drivers meet populations on the same scenarios: play, evaluate, compare, write down."""
+"""Drivers meet populations on the same scenarios: play, evaluate, compare, write documents and read them."""
 
 from jaxwalk.evaluation.comparison import Comparison, Paired, compared, paired
 from jaxwalk.evaluation.counterfactual import (
@@ -9,11 +9,12 @@ from jaxwalk.evaluation.counterfactual import (
     find_hits,
     summarise_counterfactuals,
 )
+from jaxwalk.evaluation.document_parts import ComparedEnding
 from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.playing import play
-from jaxwalk.evaluation.results import Cell, Results, Stopped, compare, write_rows
+from jaxwalk.evaluation.results import Cell, Results, ScenarioSet, Stopped, compare, write_rows
 from jaxwalk.evaluation.scenarios import BATCH, evaluate, replay
 from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
@@ -22,6 +23,7 @@ __all__ = [
     "BATCH",
     "SAMPLES",
     "Cell",
+    "ComparedEnding",
     "Comparison",
     "CounterfactualSummary",
     "Counterfactuals",
@@ -30,6 +32,7 @@ __all__ = [
     "Paired",
     "ReplayError",
     "Results",
+    "ScenarioSet",
     "Stopped",
     "check_parquet",
     "compare",

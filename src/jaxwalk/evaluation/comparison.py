@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from jaxwalk.evaluation.document_parts import ComparedEnding
 from jaxwalk.metrics import OUTCOMES, Rows, holm, mcnemar, scenarios_needed
 
 
@@ -70,15 +70,15 @@ def _compared(a: np.ndarray, b: np.ndarray) -> Comparison:
 
 
 FOUND = 0.05
-"""A difference with a p-value below this is said to be one."""
+"""A difference with a smaller p-value than this is reported as one."""
 SAID = {"collision": ("collides less", "collides more"), "goal": ("reaches the goal less", "reaches the goal more")}
 """An ending that is rarer in B, and one that is more frequent."""
 
 
-def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> list[dict[str, Any]]:
-    """Collisions and goals of two drivers, tested in pairs and put into words.
+def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> tuple[ComparedEnding, ...]:
+    """Test collisions and goals of two drivers in pairs, and put what was found into words.
 
-    The p-values are adjusted for their number (Holm).
+    The p-values are adjusted for the number of tests (Holm).
 
     Args:
         a: name of the driver A of all pairs.
@@ -86,31 +86,33 @@ def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> list
         among: each population's name, the jaywalk multiplier, and the pairs.
     """
     tests = [
-        (people, multiplier, ending, getattr(pairs, ending)) for people, multiplier, pairs in among for ending in SAID
+        (people, multiplier, ending, found)
+        for people, multiplier, pairs in among
+        for ending, found in (("collision", pairs.collision), ("goal", pairs.goal))
     ]
     adjusted = holm([found.p for *_, found in tests])
-    return [
-        {
-            "a": a,
-            "b": b,
-            "pedestrians": people,
-            "jaywalk_multiplier": multiplier,
-            "ending": ending,
-            "rate_a": found.rates[0],
-            "rate_b": found.rates[1],
-            "only_a": found.only_a,
-            "only_b": found.only_b,
-            "scenarios": found.scenarios,
-            "p": found.p,
-            "p_holm": p,
-            "in_words": _in_words(b, people, ending, found, p, len(tests)),
-        }
+    return tuple(
+        ComparedEnding(
+            a=a,
+            b=b,
+            pedestrians=people,
+            jaywalk_multiplier=multiplier,
+            ending=ending,
+            rate_a=found.rates[0],
+            rate_b=found.rates[1],
+            only_a=found.only_a,
+            only_b=found.only_b,
+            scenarios=found.scenarios,
+            p=found.p,
+            p_holm=p,
+            in_words=_in_words(b, people, ending, found, p, len(tests)),
+        )
         for (people, multiplier, ending, found), p in zip(tests, adjusted, strict=True)
-    ]
+    )
 
 
 def _in_words(b: str, people: str, ending: str, found: Comparison, p: float, tests: int) -> str:
-    """As in ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios.``"""
+    """Return, say, ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios.``"""
     (rate_a, rate_b), (less, more) = found.rates, SAID[ending]
     side = less if rate_b < rate_a else more
     chance = "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"

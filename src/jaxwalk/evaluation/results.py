@@ -1,4 +1,4 @@
-"""What is kept of a comparison: a cell for each driver with each population, one JSON document, one row per episode."""
+"""The results of an evaluation: a cell for each driver among each population, one JSON document, a row per episode."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ import csv
 import io
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from decimal import Decimal
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float
 
+from jaxwalk.evaluation.counterfactual import CounterfactualSummary
+from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
 from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy
-from jaxwalk.metrics import OUTCOMES, Estimate, Rate, Rows, Summary, summarise
+from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
@@ -34,9 +36,13 @@ ENDING = ("outcome", "contact", "impact_speed", "duration")
 """How it went; speeds in m/s, durations in s."""
 
 
+HEADLINE = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
+"""Numbers of a cell that its document repeats at the top."""
+
+
 @dataclass(frozen=True)
 class Cell:
-    """One driver among one population."""
+    """The results of one driver among one population."""
 
     driver: str
     """Its name."""
@@ -47,59 +53,130 @@ class Cell:
     pedestrian_mode: str
     jaywalk_multiplier: float
     summary: Summary
+    """All metrics."""
     driver_observes: str
     """Name of the observation set; those in `jaxwalk.sim.observation.HIDDEN` no real car could have."""
     pedestrian_observes: str
     driver_ms_per_step: float | None = None
-    """Of a driver that is not JAX: how long it took for a step of its batch, on average [ms]."""
+    """Mean time that a driver outside JAX took for one step of its batch [ms]; None for a driver in JAX."""
+    training_seed: int | None = None
+    """Seed of the trained driver, or of the trained population, or of both; None if neither was trained."""
+    counterfactuals: CounterfactualSummary | None = None
+    """What would have avoided its collisions; None if they were not replayed."""
+
+    @property
+    def goal_rate(self) -> Interval:
+        """The share of episodes that reach the goal."""
+        return Interval.of(self.summary[OUTCOMES].goal)
+
+    @property
+    def collision_rate(self) -> Interval:
+        """The share of episodes that end in a collision."""
+        return Interval.of(self.summary[OUTCOMES].collision)
+
+    @property
+    def timeout_rate(self) -> Interval:
+        """The share of episodes that run out of time."""
+        return Interval.of(self.summary[OUTCOMES].timeout)
+
+    @property
+    def mean_time_to_goal(self) -> Interval:
+        """Mean over the episodes that reach the goal [s]."""
+        return Interval.of(self.summary[OUTCOMES].time_to_goal)
+
+    def headline(self) -> dict[str, dict[str, float | None]]:
+        """Return the numbers of `HEADLINE`, each with its interval."""
+        return {name: asdict(getattr(self, name)) for name in HEADLINE}
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain dicts, lists and numbers: the headline first, then everything of the summary."""
-        outcomes = self.summary[OUTCOMES]
+        """Return plain dicts, lists and numbers: the headline first, then the whole summary."""
         cost = {} if self.driver_ms_per_step is None else {"driver_ms_per_step": self.driver_ms_per_step}
+        replayed = {} if self.counterfactuals is None else {"counterfactuals": self.counterfactuals.as_dict()}
         return {
             "driver": self.driver,
             "pedestrians": self.pedestrians,
+            "training_seed": self.training_seed,
             "driver_mode": self.driver_mode,
             "pedestrian_mode": self.pedestrian_mode,
             "driver_observes": self.driver_observes,
             "pedestrian_observes": self.pedestrian_observes,
             "jaywalk_multiplier": self.jaywalk_multiplier,
             **cost,
-            "goal_rate": _with_interval(outcomes.goal),
-            "collision_rate": _with_interval(outcomes.collision),
-            "timeout_rate": _with_interval(outcomes.timeout),
-            "mean_time_to_goal": _with_interval(outcomes.time_to_goal),
+            **self.headline(),
             **self.summary.as_dict(),
+            **replayed,
         }
 
 
 @dataclass(frozen=True)
-class Results:
-    """Drivers x populations on one set of scenarios."""
+class ScenarioSet:
+    """The scenarios that every cell was evaluated on."""
 
-    scenarios: dict[str, Any]
-    """What the source says about itself."""
+    count: int
+    hash: str
+    """Hash of the source (`jaxwalk.scenarios.Source`)."""
+    seed: int | None = None
+    """Seed of scenarios that are drawn; None for others."""
+
+    @staticmethod
+    def of(source: Source) -> ScenarioSet:
+        """Return what results say about the scenarios of a source."""
+        about = source.describe()
+        return ScenarioSet(count=len(source), hash=about["hash"], seed=about.get("seed"))
+
+    @property
+    def name(self) -> str:
+        """How many there are and which, as in ``2,000 scenarios of seed 0``."""
+        return f"{self.count:,} scenarios" + ("" if self.seed is None else f" of seed {self.seed}")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain numbers; without the seed if there is none."""
+        seed = {} if self.seed is None else {"seed": self.seed}
+        return {**seed, "count": self.count, "hash": self.hash}
+
+
+@dataclass(frozen=True)
+class Results:
+    """Drivers x populations on one set of scenarios, and what follows from comparing them."""
+
+    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
+    """How a file is read: unknown fields and values of another type are errors, here and in all parts."""
+
+    scenarios: ScenarioSet
     cells: tuple[Cell, ...]
+    compared: tuple[ComparedEnding, ...] = ()
+    """Two drivers of an evaluation, compared."""
+    over_seeds: tuple[SeedNumbers, ...] = ()
+    """Numbers over training seeds, for each driver, population and jaywalk multiplier; in reports only."""
+    paired: tuple[PairedSeeds, ...] = ()
+    """Pairs of the same scenarios, over training seeds; in reports only."""
 
     def cell(self, driver: str, pedestrians: str) -> Cell:
-        """The cell of a driver and a population; raises KeyError if there is none."""
+        """Return the cell of a driver and a population. Raise KeyError if there is none."""
         for cell in self.cells:
             if (cell.driver, cell.pedestrians) == (driver, pedestrians):
                 return cell
         raise KeyError(f"no cell for {driver} among {pedestrians}")
 
     def as_dict(self) -> dict[str, Any]:
-        """The document: nothing in it but ``driver_ms_per_step`` depends on when or where it was made."""
+        """Return the document. Nothing in it but ``driver_ms_per_step`` depends on when or where it was made.
+
+        Empty parts are left out, and so is each cell's training seed where there are no numbers over seeds.
+        """
+        cells = [cell.as_dict() for cell in self.cells]
+        if not self.over_seeds:
+            cells = [{name: value for name, value in cell.items() if name != "training_seed"} for cell in cells]
+        parts = {name: [asdict(one) for one in getattr(self, name)] for name in ("over_seeds", "paired", "compared")}
         return {
             "schema": SCHEMA,
-            "scenarios": self.scenarios,
-            "cells": [cell.as_dict() for cell in self.cells],
+            "scenarios": self.scenarios.as_dict(),
+            "cells": cells,
+            **{name: part for name, part in parts.items() if part},
         }
 
     def to_json(self) -> str:
-        """The document as text; the same results give the same text. What does not exist is null."""
-        return json.dumps(self.as_dict(), indent=2, allow_nan=False)
+        """Return the document as text; the same results give the same text. What does not exist is null."""
+        return json.dumps(self.as_dict(), indent=2, allow_nan=False) + "\n"
 
 
 class Stopped(ValueError):
@@ -150,8 +227,8 @@ def compare(
             if measured is None or failure is not None:
                 raise Stopped(str(failure), rows) from failure
             cost = _ms_per_step(_cost(driver) - before)
-            cells.append(make_cell(street, driver_name, driver, name, pedestrians, measured, cost))
-    return Results(source.describe(), tuple(cells)), rows
+            cells.append(make_cell(street, (driver_name, driver), (name, pedestrians), measured, cost))
+    return Results(ScenarioSet.of(source), tuple(cells)), rows
 
 
 def _joined(batches: Iterable[Rows]) -> tuple[Rows | None, DriverError | None]:
@@ -178,23 +255,22 @@ def _ms_per_step(cost: Float[np.ndarray, "2"]) -> float | None:
 
 def make_cell(
     street: Street,
-    driver_name: str,
-    driver: Policy,
-    population_name: str,
-    pedestrians: Policy,
+    driver: tuple[str, Policy],
+    pedestrians: tuple[str, Policy],
     rows: Rows,
     driver_ms_per_step: float | None = None,
 ) -> Cell:
-    """The cell of rows that `evaluate` gave for these policies on this street."""
+    """Return the cell of the rows that `evaluate` gave for these named policies on this street."""
+    (driver_name, car), (population_name, people) = driver, pedestrians
     return Cell(
         driver=driver_name,
         pedestrians=population_name,
-        driver_mode=mode(driver),
-        pedestrian_mode=mode(pedestrians),
+        driver_mode=mode(car),
+        pedestrian_mode=mode(people),
         jaywalk_multiplier=jaywalk_multiplier(street),
         summary=summarise(rows),
-        driver_observes=driver.view.name,
-        pedestrian_observes=pedestrians.view.name,
+        driver_observes=car.view.name,
+        pedestrian_observes=people.view.name,
         driver_ms_per_step=driver_ms_per_step,
     )
 
@@ -226,7 +302,3 @@ def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
         impact = f"{table.impact_speed[i]:.3f}" if table.collision[i] else ""
         duration = f"{table.steps[i] * rows.dt:.{digits}f}"
         yield int(table.scenario[i]), *values, str(outcome[i]), contact, impact, duration
-
-
-def _with_interval(number: Rate | Estimate) -> dict[str, float | None]:
-    return {"value": number.value, "low": number.low, "high": number.high}

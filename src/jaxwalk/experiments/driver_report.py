@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterable, Sequence
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 from jaxwalk.evaluation import Match, ReplayError, paired_over_seeds, write_rows
-from jaxwalk.experiments.tournament import Scenarios, document_of, play_rounds
+from jaxwalk.evaluation.document_parts import PairedSeeds
+from jaxwalk.evaluation.training_seeds import ENDINGS
+from jaxwalk.experiments.curves import learning_curve
+from jaxwalk.experiments.tournament import Scenarios, play_rounds, results_of
 from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.metrics import Rows
-from jaxwalk.report import write_report
+from jaxwalk.report import Gallery, LearningCurve, Material, write_report
 from jaxwalk.runs.contestants import run_folders
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.lock import held
@@ -21,7 +22,7 @@ from jaxwalk.runs.provenance import provenance
 from jaxwalk.writing import write_whole
 
 MANY = 4
-"""Numbers of so many drivers stand at the top of the page; the others in its tables."""
+"""The page begins with the numbers of this many drivers; its tables have the others."""
 
 
 def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Callable[[str], None]) -> Path:
@@ -49,31 +50,26 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[s
     began = time.monotonic()
     curves = _curves(cast.drivers)
     round_ = (None, cast.drivers, cast.populations)
-    start, matches = play_rounds(cast.street, [round_], Scenarios(episodes, cast.seed), say)
-    results = document_of(start, matches)
-    if len(cast.drivers) > 1:
-        results["paired"] = _pairs(cast, matches)
+    scenarios, matches = play_rounds(cast.street, [round_], Scenarios(episodes, cast.seed), say)
+    results = results_of(scenarios, matches, paired=_pairs(cast, matches))
     write_rows(folder / "episodes.csv", [(*match.names, match.rows) for match in matches])
-    text = json.dumps(results, indent=2, allow_nan=False) + "\n"
-    write_whole(folder / "results.json", text)
+    write_whole(folder / "results.json", results.to_json())
     watched = _gallery(cast, {match.names: match.rows for match in matches}, most, say)
-    documents = {
-        "results": json.loads(text),
-        "curves": curves,
-        "provenance": provenance(),
-        "minutes": {"all": (time.monotonic() - began) / 60},
-        "subject": next(iter(cast.drivers)),
-        "headline": tuple(cast.drivers)[:MANY],
-        "gallery": watched,
-    }
+    material = Material(
+        results=results,
+        curves=curves,
+        provenance=provenance(),
+        minutes={"all": (time.monotonic() - began) / 60},
+        subject=next(iter(cast.drivers)),
+        headline=tuple(cast.drivers)[:MANY],
+        gallery=watched,
+    )
     say("    drawing")
-    return write_report(folder, documents)
+    return write_report(folder, material)
 
 
-def _gallery(
-    cast: Cast, played: dict[tuple[str, str], Rows], most: int, say: Callable[[str], None]
-) -> dict[str, Any] | None:
-    """The gallery, if incidents are asked for, and can be played again."""
+def _gallery(cast: Cast, played: dict[tuple[str, str], Rows], most: int, say: Callable[[str], None]) -> Gallery | None:
+    """Return the gallery, if incidents are asked for, and can be played again."""
     try:
         return gallery(cast, played, most=most, say=say) if most else None
     except ReplayError as error:
@@ -81,17 +77,18 @@ def _gallery(
         return None
 
 
-def _pairs(cast: Cast, matches: Sequence[Match]) -> list[dict[str, Any]]:
-    """The first driver against each other one, in the same scenarios: collisions and goals, among each population."""
+def _pairs(cast: Cast, matches: Sequence[Match]) -> list[PairedSeeds]:
+    """Compare the first driver with each other one, in the same scenarios of each population; none if it is alone."""
     found = {match.names: match for match in matches}
     first, *others = cast.drivers
     return [
         paired_over_seeds(ending, [found[other, people]], [found[first, people]])
-        for ending, people, other in product(("collision", "goal"), cast.populations, others)
+        for ending in ENDINGS
+        for people, other in product(cast.populations, others)
     ]
 
 
-def _curves(drivers: Iterable[str]) -> dict[str, dict[int, list[dict[str, Any]]]]:
-    """Metrics of each update of those drivers that are run folders."""
+def _curves(drivers: Iterable[str]) -> dict[str, dict[int, LearningCurve]]:
+    """Return the trainings of those drivers that are run folders with metrics."""
     runs = {name: Run.open(name) for name in run_folders(drivers)}
-    return {name: {run.experiment.seed: run.metrics()} for name, run in runs.items() if run.metrics()}
+    return {name: {run.experiment.seed: learning_curve(run)} for name, run in runs.items() if run.metrics()}

@@ -5,7 +5,7 @@ runs/belief/seed-0, ...    the same car, which is also told what could be inferr
 runs/told/seed-0, ...      the same car, which is told the tendencies themselves
 plan.json, minutes.json    what was asked for; how long each part took
 hidden-intent.json         all three on the same scenarios, in pairs, and how much could be known
-hidden-intent.md           the tables (`jaxwalk.report.hidden_intent`)
+hidden-intent.md           the tables (`jaxwalk.report.intent_page`)
 """
 
 from __future__ import annotations
@@ -13,18 +13,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from rich.console import Console
 
 from jaxwalk.evaluation import Match, evaluate, paired_over_seeds, with_jaywalk_multiplier
-from jaxwalk.experiments.tournament import Round, Scenarios, document_of, play_rounds
+from jaxwalk.evaluation.document_parts import PairedSeeds
+from jaxwalk.evaluation.reading import Origin
+from jaxwalk.evaluation.training_seeds import ENDINGS
+from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, results_of
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
 from jaxwalk.report import ALWAYS_GO
-from jaxwalk.report.hidden_intent import BLIND, page
+from jaxwalk.report.intent_document import IntentDocument, IntentPlan, IntentStreet, KnownIntent, as_intent_document
+from jaxwalk.report.intent_page import BLIND, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
@@ -96,27 +99,27 @@ def _evaluate(work: HiddenIntent) -> None:
     for multiplier in MULTIPLIERS:
         work.say(f"    multiplier {multiplier:g}")
         there = with_jaywalk_multiplier(street, multiplier)
-        start, matches = play_rounds(there, rounds, scenarios, work.say)
+        chosen, matches = play_rounds(there, rounds, scenarios, work.say)
         known = _identifiability(there, multiplier, _rows(matches, BLIND), scenarios)
-        found = {**document_of(start, matches), "paired": _pairs(matches), "identifiability": known}
-        streets.append({"jaywalk_multiplier": multiplier, **found})
-    work.keep(RESULT, {"plan": asdict(work.plan), "provenance": provenance(), "streets": streets})
+        streets.append(IntentStreet(multiplier, results_of(chosen, matches, paired=_pairs(matches)), known))
+    document = IntentDocument(IntentPlan(**asdict(work.plan)), provenance(), tuple(streets))
+    work.keep(RESULT, document.as_dict())
 
 
 def _rows(matches: Sequence[Match], driver: str) -> Rows:
-    """Of all training seeds."""
+    """Return the rows of all training seeds."""
     return Rows.join([match.rows for match in matches if match.cell.driver == driver])
 
 
-def _pairs(matches: Sequence[Match]) -> list[dict[str, Any]]:
-    """Each of the others against the blind car."""
+def _pairs(matches: Sequence[Match]) -> list[PairedSeeds]:
+    """Compare each of the others with the blind car."""
     of = {name: [match for match in matches if match.cell.driver == name] for name in DRIVERS}
     others = [name for name in DRIVERS if name != BLIND]
-    return [paired_over_seeds(end, of[BLIND], of[name]) for end in ("collision", "goal") for name in others]
+    return [paired_over_seeds(end, of[BLIND], of[name]) for end in ENDINGS for name in others]
 
 
-def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: Scenarios) -> list[dict[str, Any]]:
-    """How much could be known in a whole episode, in one of the blind car's, and when it meets somebody.
+def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: Scenarios) -> tuple[KnownIntent, ...]:
+    """Return how much could be known in a whole episode, in one of the blind car's, and when it meets somebody.
 
     Whole episodes are those of a car that stands; where somebody walks into it, the episode is cut short and left out.
     """
@@ -132,10 +135,7 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
         ("before a crossing at which the blind car meets somebody", blind[ENCOUNTERS].number - 1),
         *((f"crossings of each: {number}", np.array([number])) for number in AFTER),
     ]
-    return [
-        {"seen": seen, **(asdict(identifiability(count, multiplier)) if len(count) else {"people": 0})}
-        for seen, count in cases
-    ]
+    return tuple(KnownIntent(seen, identifiability(count, multiplier) if len(count) else None) for seen, count in cases)
 
 
 def _crossings(rows: Rows, people: int) -> np.ndarray:
@@ -145,4 +145,5 @@ def _crossings(rows: Rows, people: int) -> np.ndarray:
 
 
 def _write(work: HiddenIntent) -> None:
-    write_whole(work.folder / PAGE, page(work.json(RESULT)))
+    origin = Origin(work.folder / RESULT, f"delete it and run `jaxwalk {work.command}` again")
+    write_whole(work.folder / PAGE, page(as_intent_document(work.json(RESULT), origin)))

@@ -13,19 +13,35 @@ report.html, figures/, tables/   `jaxwalk.report`
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from rich.console import Console
 
 from jaxwalk.evaluation import evaluate, write_rows
+from jaxwalk.evaluation.document_parts import Provenance
+from jaxwalk.evaluation.reading import Origin, as_document, as_results
+from jaxwalk.experiments.curves import learning_curve
 from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
 from jaxwalk.exports.drawn_episode import draw_episode
 from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import ENCOUNTERS, OUTCOMES
-from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, ROUTE_FOLLOWER, SINGLE_AGENT, write_report
+from jaxwalk.report import (
+    ALWAYS_GO,
+    CO_TRAINED,
+    LEARNED,
+    ROUTE_FOLLOWER,
+    SINGLE_AGENT,
+    DrawnEpisode,
+    Gallery,
+    LearningCurve,
+    Material,
+    Trainings,
+    write_report,
+)
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.provenance import provenance
@@ -46,6 +62,8 @@ INTERESTING = 200
 @dataclass(frozen=True)
 class Plan(Effort):
     """What to reproduce, and how thoroughly."""
+
+    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     recipe: str = "fast"
     """Of all trainings."""
@@ -117,10 +135,10 @@ def _evaluate(work: Reproduction) -> None:
         return
     street, scenarios = work.street(), Scenarios(work.plan.episodes, work.plan.seed)
     trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
-    document, matches = tournament(street, trained, scenarios, work.say)
+    results, matches = tournament(street, trained, scenarios, work.say)
     names = ("driver", "pedestrians", "training_seed")
-    write_rows(work.folder / "episodes.csv", [(*m.names, m.training_seed, m.rows) for m in matches], names=names)
-    work.keep("results.json", document)
+    write_rows(work.folder / "episodes.csv", [(*m.names, m.cell.training_seed, m.rows) for m in matches], names=names)
+    work.keep("results.json", results.as_dict())
 
 
 def _ablate(work: Reproduction) -> None:
@@ -129,7 +147,7 @@ def _ablate(work: Reproduction) -> None:
         return
     street, scenarios = work.street(), Scenarios(min(ABLATED, work.plan.episodes), work.plan.seed)
     trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
-    work.keep("ablation.json", ablation(street, trained, scenarios, work.say))
+    work.keep("ablation.json", ablation(street, trained, scenarios, work.say).as_dict())
 
 
 def _collect(work: Reproduction) -> None:
@@ -148,7 +166,7 @@ def _collect(work: Reproduction) -> None:
         for driver, policy in cast.drivers.items()
         for crowd, among in cast.populations.items()
     }
-    work.keep("gallery.json", gallery(cast, played, most=INCIDENTS, say=work.say))
+    work.keep("gallery.json", gallery(cast, played, most=INCIDENTS, say=work.say).as_dict())
 
 
 def _draw(work: Reproduction) -> None:
@@ -164,7 +182,8 @@ def _draw(work: Reproduction) -> None:
         draw_episode(
             street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.world.rules.dt
         )
-    work.keep("episode.json", {"scenario": scenario, "seed": seed, "training_seed": seed, "frame": frame})
+    drawn = DrawnEpisode(scenario=scenario, seed=seed, training_seed=seed, frame=frame)
+    work.keep("episode.json", asdict(drawn))
 
 
 def _interesting(work: Reproduction, street: Street, driver: Policy, people: Policy) -> tuple[int, int]:
@@ -180,33 +199,63 @@ def _interesting(work: Reproduction, street: Street, driver: Policy, people: Pol
 
 
 def _report(work: Reproduction) -> None:
-    work.keep("provenance.json", provenance())
+    work.keep("provenance.json", asdict(provenance()))
     report(work.folder)
 
 
 def report(folder: Path) -> Path:
-    """Make the report of a folder from what is in it; returns its path."""
-    documents = {name: read_json(folder / f"{name}.json", Reproduction.command) for name in _PARTS}
-    missing = [name for name, document in documents.items() if document is None]
+    """Make the report of a folder from what is in it; return its path.
+
+    Raises:
+        RunError: a file is missing, or the plan or a run is damaged.
+        DocumentError: another file is damaged.
+        ReportError: the results lack a driver, a population or a training seed.
+    """
+    contents = {name: read_json(folder / f"{name}.json", Reproduction.command) for name in _PARTS}
+    missing = [name for name, content in contents.items() if content is None]
     if missing:
         raise RunError(f"{folder}: has no {missing[0]}.json; make it with: jaxwalk reproduce --out {folder}")
-    curves = {name: _curves(folder, name, documents["plan"]) for name in (CO_TRAINED, SINGLE_AGENT)}
+    plan = _plan(contents["plan"], folder / "plan.json")
+    return write_report(folder, _material(folder, contents, plan))
+
+
+def _material(folder: Path, contents: Mapping[str, Any], plan: Plan) -> Material:
+    """Return the typed material of a report from the contents of the folder's files."""
+    origins = {name: _origin(folder / f"{name}.json") for name in _PARTS}
     drawing = folder / "episode.svg"
-    documents["episode_svg"] = drawing.read_text(encoding="utf-8", errors="replace") if drawing.is_file() else None
-    return write_report(folder, documents | {"curves": curves})
+    return Material(
+        results=as_results(contents["results"], origins["results"]),
+        ablation=as_results(contents["ablation"], origins["ablation"]),
+        provenance=as_document(Provenance, contents["provenance"], origins["provenance"]),
+        minutes=as_document(dict[str, float], contents["minutes"], origins["minutes"]),
+        gallery=as_document(Gallery, contents["gallery"], origins["gallery"]),
+        episode=as_document(DrawnEpisode, contents["episode"], origins["episode"]),
+        episode_svg=drawing.read_text(encoding="utf-8", errors="replace") if drawing.is_file() else None,
+        trainings=Trainings(plan.recipe, tuple(plan.training_seeds)),
+        curves={name: _curves(folder, name, plan) for name in (CO_TRAINED, SINGLE_AGENT)},
+    )
 
 
-def _curves(folder: Path, name: str, plan: Any) -> dict[int, list[dict[str, Any]]]:
-    """Metrics of each update, by training seed."""
-    file = folder / "plan.json"
-    try:
-        read = Plan(**plan)
-        seeds = read.training_seeds
-    except (TypeError, ValueError) as error:
-        raise RunError(f"{file}: damaged ({error}); run `jaxwalk reproduce` in another folder") from error
-    if asdict(read) != plan:
+def _origin(file: Path) -> Origin:
+    return Origin(file, f"delete it and run `jaxwalk {Reproduction.command}` again")
+
+
+def _plan(content: Any, file: Path) -> Plan:
+    """Return the plan. Raise DocumentError if it is damaged, RunError if another version wrote it."""
+    plan = as_document(Plan, content, Origin(file, "run `jaxwalk reproduce` in another folder"))
+    if asdict(plan) != content:
         raise RunError(f"{file}: of another version of jaxwalk; run `jaxwalk reproduce` in another folder")
-    return {seed: Run.open(run_folder(folder, name, seed)).metrics() for seed in seeds}
+    return plan
+
+
+def _curves(folder: Path, name: str, plan: Plan) -> dict[int, LearningCurve]:
+    """Return the trainings of a driver by training seed. Raise RunError unless they have equally many updates."""
+    runs = {seed: Run.open(run_folder(folder, name, seed)) for seed in plan.training_seeds}
+    curves = {seed: learning_curve(run) for seed, run in runs.items()}
+    for seed, curve in curves.items():
+        if len(curve.steps) != len(curves[plan.seed].steps):
+            raise RunError(f"{runs[seed].path}: has fewer or more updates than seed {plan.seed}; copy the folder again")
+    return curves
 
 
 _PARTS = ("plan", "results", "ablation", "provenance", "minutes", "gallery", "episode")

@@ -1,20 +1,22 @@
-"""Every driver among every population, for every training seed: who meets whom in `jaxwalk reproduce`."""
+"""Every driver among every population, for every training seed: the tournament of `jaxwalk reproduce`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from jaxwalk.evaluation import (
     Match,
+    Results,
     compare,
     over_training_seeds,
     paired_over_seeds,
     with_jaywalk_multiplier,
 )
+from jaxwalk.evaluation.document_parts import PairedSeeds
+from jaxwalk.evaluation.results import ScenarioSet
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT
@@ -31,7 +33,7 @@ MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
 Say = Callable[[str], None]
 """Called with a line when a cell has been played."""
 Round = tuple[int | None, Mapping[str, Policy], Mapping[str, Policy]]
-"""Training seed (None: nobody was trained), drivers and populations, who all meet."""
+"""Training seed (None: nobody was trained), drivers and populations; each driver meets each population."""
 
 
 @dataclass(frozen=True)
@@ -47,22 +49,22 @@ class Trained:
 
 @dataclass(frozen=True)
 class Scenarios:
-    """Which scenarios everybody meets."""
+    """The scenarios that everybody meets."""
 
     episodes: int
     seed: int
 
 
 def load_trained(street: Street, seed: int, folders: Mapping[str, Path]) -> Trained:
-    """The policies in the run folders of a training seed, by the names of the trained drivers."""
+    """Load the policies of a training seed from its run folders, given by the names of the trained drivers."""
     drivers = {name: contestant(street, "driver", str(folders[name])) for name in (SINGLE_AGENT, CO_TRAINED)}
     return Trained(seed, drivers, contestant(street, "pedestrian", str(folders[CO_TRAINED])))
 
 
 def tournament(
     street: Street, trained: Sequence[Trained], scenarios: Scenarios, say: Say
-) -> tuple[dict[str, Any], list[Match]]:
-    """All drivers among both populations: the document of ``results.json``, and the matches.
+) -> tuple[Results, list[Match]]:
+    """Play all drivers among both populations; return the results of ``results.json``, and the matches.
 
     Rules among always-go play once; whatever was trained plays once for each training seed, its drivers among its own
     pedestrians.
@@ -73,39 +75,42 @@ def tournament(
     for one in trained:
         learned = {LEARNED: one.learned}
         rounds += [(one.seed, rules, learned), (one.seed, one.drivers, {**always_go, **learned})]
-    start, matches = play_rounds(street, rounds, scenarios, say)
+    chosen, matches = play_rounds(street, rounds, scenarios, say)
     places = {name: place for place, name in enumerate((*COMPARED, SINGLE_AGENT, CO_TRAINED))}
     matches.sort(key=lambda match: (places[match.cell.driver], match.cell.pedestrians != ALWAYS_GO))
-    return {**document_of(start, matches), "paired": _pairs(matches)}, matches
+    return results_of(chosen, matches, paired=_pairs(matches)), matches
 
 
-def ablation(street: Street, trained: Sequence[Trained], scenarios: Scenarios, say: Say) -> dict[str, Any]:
-    """The co-trained drivers with other jaywalk multipliers: the document of ``ablation.json``."""
+def ablation(street: Street, trained: Sequence[Trained], scenarios: Scenarios, say: Say) -> Results:
+    """Play the co-trained drivers with other jaywalk multipliers; return the results of ``ablation.json``."""
     always_go = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
     rounds: list[Round] = [
         (one.seed, {CO_TRAINED: one.drivers[CO_TRAINED]}, {**always_go, LEARNED: one.learned}) for one in trained
     ]
-    start, matches = {}, []
+    sets, matches = [], []
     for multiplier in MULTIPLIERS:
         say(f"    multiplier {multiplier:g}")
-        start, found = play_rounds(with_jaywalk_multiplier(street, multiplier), rounds, scenarios, say)
+        chosen, found = play_rounds(with_jaywalk_multiplier(street, multiplier), rounds, scenarios, say)
+        sets.append(chosen)
         matches += sorted(found, key=lambda match: match.cell.pedestrians != ALWAYS_GO)
-    return document_of(start, matches)
+    return results_of(sets[-1], matches)
 
 
 def play_rounds(
     street: Street, rounds: Sequence[Round], scenarios: Scenarios, say: Say
-) -> tuple[dict[str, Any], list[Match]]:
-    """Everybody of each round against each other: the document of a round, for all but its cells, and all matches."""
-    document, matches = {}, []
+) -> tuple[ScenarioSet, list[Match]]:
+    """Play each round, every driver against every population; return the scenarios and all matches."""
+    sets, matches = [], []
     for training_seed, drivers, people in rounds:
         told = partial(_tell, say, "" if training_seed is None else f", seed {training_seed}")
         results, rows = compare(
             street, drivers, people, Drawn(street, scenarios.seed, scenarios.episodes), progress=told
         )
-        matches += [Match(cell, rows[cell.driver, cell.pedestrians], training_seed) for cell in results.cells]
-        document = results.as_dict()
-    return document, matches
+        sets.append(results.scenarios)
+        for cell in results.cells:
+            played = rows[cell.driver, cell.pedestrians]
+            matches.append(Match(replace(cell, training_seed=training_seed), played))
+    return sets[-1], matches
 
 
 def _tell(say: Say, of: str, driver: str, people: str, played: int, episodes: int) -> None:
@@ -113,13 +118,13 @@ def _tell(say: Say, of: str, driver: str, people: str, played: int, episodes: in
         say(f"    {driver} among {people}{of}: {played:,} episodes")
 
 
-def document_of(start: Mapping[str, Any], matches: Sequence[Match]) -> dict[str, Any]:
-    """What `play_rounds` gave as one document: every match, and numbers over training seeds."""
-    cells = [match.as_dict() for match in matches]
-    return {**start, "cells": cells, "over_seeds": over_training_seeds(matches)}
+def results_of(scenarios: ScenarioSet, matches: Sequence[Match], *, paired: Sequence[PairedSeeds] = ()) -> Results:
+    """Return every match's cell, and the numbers over training seeds."""
+    cells = tuple(match.cell for match in matches)
+    return Results(scenarios, cells, over_seeds=over_training_seeds(matches), paired=tuple(paired))
 
 
-def _pairs(matches: Sequence[Match]) -> list[dict[str, Any]]:
+def _pairs(matches: Sequence[Match]) -> list[PairedSeeds]:
     """Learned against always-go for each driver, then the two trained drivers against each other."""
 
     def found(driver: str, pedestrians: str) -> list[Match]:
@@ -128,4 +133,4 @@ def _pairs(matches: Sequence[Match]) -> list[dict[str, Any]]:
     drivers = dict.fromkeys(match.cell.driver for match in matches)
     people = [paired_over_seeds("collision", found(name, ALWAYS_GO), found(name, LEARNED)) for name in drivers]
     alone, together = found(SINGLE_AGENT, ALWAYS_GO), found(CO_TRAINED, ALWAYS_GO)
-    return people + [paired_over_seeds(ending, alone, together) for ending in ("collision", "goal")]
+    return [*people, paired_over_seeds("collision", alone, together), paired_over_seeds("goal", alone, together)]

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import chain
-from typing import Any
 
 from jaxwalk.evaluation import Incidents, ReplayError, counterfactuals, describe, find_hits, find_incidents, replay
 from jaxwalk.evaluation.results import CONTACT_NAMES
@@ -14,6 +13,7 @@ from jaxwalk.evaluation.scenarios import AT_ONCE
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Rows
+from jaxwalk.report.watched import Gallery, WatchedEpisode, WatchedIncident
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 
@@ -32,10 +32,8 @@ class Cast:
     """Of the scenarios."""
 
 
-def gallery(
-    cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, say: Callable[[str], None]
-) -> dict[str, Any]:
-    """A page's document: ``incidents``, and the ``episodes`` to watch, which are every incident's, under every driver.
+def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, say: Callable[[str], None]) -> Gallery:
+    """Find the incidents, and record the episodes to watch: those of every incident, under every driver.
 
     Args:
         cast: who was evaluated.
@@ -53,21 +51,31 @@ def gallery(
         for people in cast.populations
     }
     document = recording(cast.street, cast.drivers, cast.populations, numbers, seed=cast.seed)
-    places = {(e["driver"], e["pedestrians"], e["scenario"]): k for k, e in enumerate(document["episodes"])}
+    episodes = tuple(WatchedEpisode(**entry) for entry in document["episodes"])
+    places = {(e.driver, e.pedestrians, e.scenario): k for k, e in enumerate(episodes)}
 
-    def incidents_of(pair: tuple[str, str]) -> list[dict[str, Any]]:
+    def incidents_of(pair: tuple[str, str]) -> list[WatchedIncident]:
         say(f"    collisions of {pair[0]} among {pair[1]}: could they have been avoided?")
-        rows = _rows(cast, pair, played[pair], found[pair])
-        return [{"episode": places[*pair, row.pop("scenario")], **row} for row in rows]
+        return _incidents(cast, pair, played[pair], found[pair], places)
 
     with ThreadPoolExecutor(AT_ONCE) as pool:  # most of the time goes into compiling, each on one core
-        incidents = list(chain.from_iterable(pool.map(incidents_of, found)))
+        incidents = tuple(chain.from_iterable(pool.map(incidents_of, found)))
     scenarios = max(rows.episodes for rows in played.values())
-    return {**document, "lead": LEAD, "most": most, "scenarios": scenarios, "incidents": incidents}
+    return Gallery(
+        dt=document["dt"],
+        maps=document["maps"],
+        episodes=episodes,
+        lead=LEAD,
+        most=most,
+        scenarios=scenarios,
+        incidents=incidents,
+    )
 
 
-def _rows(cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents) -> list[dict[str, Any]]:
-    """What is said of every incident of a driver among a population."""
+def _incidents(
+    cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents, places: Mapping[tuple[str, str, int], int]
+) -> list[WatchedIncident]:
+    """Return what is said of every incident of a driver among a population; ``places`` are those of its episodes."""
     if not len(some.scenario):
         return []
     street, driver, people = cast.street, cast.drivers[pair[0]], cast.populations[pair[1]]
@@ -80,22 +88,25 @@ def _rows(cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents) -> lis
         raise ReplayError(f"{pair[0]} among {pair[1]} does not do the same again in the same scenario")
     how = describe(some, trajectory, moving_speed=street.config.moving_speed)
     return [
-        {
-            "scenario": int(some.scenario[i]),
-            "kind": "collision" if some.collision[i] else "near miss",
-            "contact": CONTACT_NAMES[some.contact[i]],
-            "moving": bool(some.moving[i]),
-            "ped": int(some.ped[i]),
-            "t": round(int(how.frame[i]) * rows.dt, 2),
-            "car": str(how.car[i]),
-            "side": str(how.side[i]),
-            "avoidable": labels.get(int(some.scenario[i])) if some.collision[i] else None,
-            **{name: _number(getattr(some, name)[i]) for name in ("speed", "risk", "ttc", "nearest")},
-        }
+        WatchedIncident(
+            episode=places[*pair, int(some.scenario[i])],
+            kind="collision" if some.collision[i] else "near miss",
+            contact=CONTACT_NAMES[some.contact[i]],
+            moving=bool(some.moving[i]),
+            ped=int(some.ped[i]),
+            t=round(int(how.frame[i]) * rows.dt, 2),
+            car=str(how.car[i]),
+            side=str(how.side[i]),
+            avoidable=labels.get(int(some.scenario[i])) if some.collision[i] else None,
+            speed=_number(some.speed[i]),
+            risk=_number(some.risk[i]),
+            ttc=_number(some.ttc[i]),
+            nearest=_number(some.nearest[i]),
+        )
         for i in range(len(some.scenario))
     ]
 
 
 def _number(value: float) -> float | None:
-    """For JSON: to three digits; None for NaN and infinity."""
+    """Return a value for JSON, to three digits; None for NaN and infinity."""
     return round(float(value), 3) if abs(value) < float("inf") else None

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from jaxwalk.evaluation import compare
+from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.evaluation.results import HEADLINE
 from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
@@ -14,8 +16,6 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.scenarios import Drawn
 from jaxwalk.writing import write_whole
 
-FIGURES = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
-"""Of each cell, what the file and its card tell."""
 Results = dict[str, Any]
 
 
@@ -34,11 +34,10 @@ def share(
     about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)
     actors = {role: load_policy(run.policy, role).actor for role in about.pop("roles")}
     found, _ = compare(street, driver, people, Drawn(street, seed, episodes), progress=progress)
-    document = found.as_dict()
     about["results"] = {
-        "scenarios": document["scenarios"],
-        "jaywalk_multiplier": document["cells"][0]["jaywalk_multiplier"],
-        "among": {cell["pedestrians"]: {name: cell[name] for name in FIGURES} for cell in document["cells"]},
+        "scenarios": found.scenarios.as_dict(),
+        "jaywalk_multiplier": found.cells[0].jaywalk_multiplier,
+        "among": {cell.pedestrians: cell.headline() for cell in found.cells},
     }
     out.parent.mkdir(parents=True, exist_ok=True)
     save_policy(out, actors, about)
@@ -100,7 +99,7 @@ def _result_lines(results: Results) -> list[str]:
         "| among | goal % | collision % | timeout % | time to goal [s] |",
         "| --- | --- | --- | --- | --- |",
         *(
-            f"| {name} | {' | '.join(shown(cell[x], _scale(x)) for x in FIGURES)} |"
+            f"| {name} | {' | '.join(shown(Interval(**cell[x]), _scale(x)) for x in HEADLINE)} |"
             for name, cell in results["among"].items()
         ),
     ]

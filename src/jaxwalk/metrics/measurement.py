@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any, TypeVar
 
 import pydantic
+from pydantic_core import core_schema
 
 from jaxwalk.metrics.metric import Metric, MetricTable, Numbers, Recording, Rows, Sums, with_needs
 from jaxwalk.metrics.registry import METRICS
@@ -52,13 +53,27 @@ class Summary:
         except pydantic.ValidationError as error:
             fault = error.errors()[0]
             raise ValueError(f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
-        return Summary(vars(found)["episodes"], {name: vars(found)[name] for name in document if name != "episodes"})
+        return _summary(found)
+
+    @classmethod
+    def __get_pydantic_core_schema__(
+        cls, source: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        """Let a type that has a summary be read by pydantic: a summary is read from what `as_dict` gives."""
+        return core_schema.no_info_after_validator_function(_summary, handler.generate_schema(_model(METRICS)))
+
+
+def _summary(found: pydantic.BaseModel) -> Summary:
+    """Return the summary that a document of `_model` holds."""
+    numbers = dict(vars(found))
+    return Summary(numbers.pop("episodes"), numbers)
 
 
 @cache
 def _model(metrics: tuple[Metric[Any, Any], ...]) -> type[pydantic.BaseModel]:
     """Return the type of a document with the numbers of these metrics and nothing else."""
-    parts: dict[str, Any] = {metric.name: (metric.numbers, ...) for metric in metrics}
+    ordered = sorted(metrics, key=lambda metric: not metric.headline)
+    parts: dict[str, Any] = {metric.name: (metric.numbers, ...) for metric in ordered}
     return pydantic.create_model("Document", __config__={"extra": "forbid"}, episodes=(int, ...), **parts)
 
 

@@ -6,9 +6,13 @@ from jaxwalk.report.material import (
     LEARNED,
     ROUTE_FOLLOWER,
     SINGLE_AGENT,
+    DrawnEpisode,
+    LearningCurve,
     Material,
     ReportError,
+    Trainings,
 )
+from jaxwalk.report.watched import Gallery
 from jaxwalk.report.write import write_report
 
 __all__ = [
@@ -17,7 +21,11 @@ __all__ = [
     "LEARNED",
     "ROUTE_FOLLOWER",
     "SINGLE_AGENT",
+    "DrawnEpisode",
+    "Gallery",
+    "LearningCurve",
     "Material",
     "ReportError",
+    "Trainings",
     "write_report",
 ]

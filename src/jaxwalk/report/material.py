@@ -1,10 +1,15 @@
-"""What a report is made of: documents as `jaxwalk reproduce` keeps them."""
+"""What a report is made of: typed results, and what else a page shows."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any, ClassVar
+
+from jaxwalk.evaluation.document_parts import Provenance, SeedNumbers
+from jaxwalk.evaluation.results import Cell, Results
+from jaxwalk.report.watched import Gallery
 
 CO_TRAINED, SINGLE_AGENT = "co-trained", "single-agent"
 """The trained drivers."""
@@ -13,99 +18,167 @@ ROUTE_FOLLOWER = "route-follower"
 ALWAYS_GO, LEARNED = "always-go", "learned"
 """The populations."""
 
-Number = Mapping[str, Any]
-"""A number with its interval: ``value``, ``low`` and ``high``, each possibly None."""
-
 
 class ReportError(ValueError):
     """Results that no report can be made of; one line says what is wrong."""
 
 
 @dataclass(frozen=True)
-class Material:
-    """Everything that is shown."""
+class Trainings:
+    """What was trained for the results."""
 
-    results: Mapping[str, Any]
-    """Every driver among every population: ``scenarios``, ``cells`` (as `jaxwalk.evaluation.Results` has them, with
-    ``training_seed``), ``over_seeds`` and ``paired`` (`jaxwalk.evaluation.training_seeds`)."""
-    curves: Mapping[str, Mapping[int, list[dict[str, Any]]]]
-    """Metrics of each update, by driver and training seed; of the drivers whose training is known."""
-    provenance: Mapping[str, Any]
-    """``commit``, ``hardware`` and ``versions``."""
+    recipe: str
+    seeds: tuple[int, ...]
+    """The training seeds."""
+
+
+@dataclass(frozen=True)
+class LearningCurve:
+    """A training, update by update; shares are of the episodes that ended in an update."""
+
+    steps: tuple[int | float, ...]
+    """Environment steps up to each update."""
+    seconds: float
+    """The training's duration [s]."""
+    episodes: tuple[float, ...]
+    """Episodes that ended in each update."""
+    goal_rate: tuple[float, ...]
+    collision_rate: tuple[float, ...]
+    timeout_rate: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class DrawnEpisode:
+    """The episode that stands in the page as a drawing."""
+
+    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
+
+    scenario: int
+    seed: int
+    """Seed of the scenarios."""
+    training_seed: int
+    """Seed of the driver."""
+    frame: int = 0
+    """The frame that is drawn."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """Everything that a report shows. Raises ReportError if the results lack a cell that a section needs."""
+
+    results: Results
+    """Every driver among every population."""
+    provenance: Provenance
     minutes: Mapping[str, float]
     """What each part took [min]."""
+    curves: Mapping[str, Mapping[int, LearningCurve]] = field(default_factory=dict)
+    """The trainings, by driver and training seed; of the drivers whose training is known."""
     subject: str = CO_TRAINED
     """The driver that the sections about one driver are about."""
     headline: tuple[str, ...] = (CO_TRAINED, SINGLE_AGENT)
     """The drivers whose numbers come first."""
-    plan: Mapping[str, Any] | None = None
-    """What was trained: ``recipe``, ``seed``, ``seeds``, ``episodes``; None if nothing was."""
-    ablation: Mapping[str, Any] | None = None
-    """``results`` of the co-trained driver with several jaywalk multipliers, if there are any; nothing is paired."""
-    gallery: Mapping[str, Any] | None = None
-    """Episodes and incidents to watch (`jaxwalk.exports.gallery`)."""
-    episode: Mapping[str, Any] | None = None
-    """Which episode is drawn: ``scenario``, ``seed`` and ``training_seed``."""
+    trainings: Trainings | None = None
+    """What was trained; None if nothing was."""
+    ablation: Results | None = None
+    """The co-trained driver with several jaywalk multipliers, if it was evaluated so; nothing is paired."""
+    gallery: Gallery | None = None
+    """Episodes and incidents to watch."""
+    episode: DrawnEpisode | None = None
+    """Which episode is drawn."""
     episode_svg: str | None = None
     """Its drawing."""
+
+    def __post_init__(self) -> None:
+        """Raise ReportError unless all that a section shows is there."""
+        if not self.results.cells:
+            raise ReportError("the results have no cells; evaluate again")
+        for driver, people in product(self.drivers, self.populations):
+            self.cell(driver, people)
+            self.over_seeds(driver, people)
+        for driver in (self.subject, *self.headline):
+            self.cell(driver, self.crowd)
+        if self.several:
+            for driver, people, seed in product((SINGLE_AGENT, CO_TRAINED), self.populations, self.training_seeds):
+                self.cell_of_seed(driver, people, seed)
+        if self.ablation is not None:
+            for multiplier, people in product(self.multipliers, self.populations):
+                self.ablated(multiplier, people)
 
     @property
     def drivers(self) -> tuple[str, ...]:
         """Names in the order of evaluation."""
-        return tuple(dict.fromkeys(cell["driver"] for cell in self.results["cells"]))
+        return tuple(dict.fromkeys(cell.driver for cell in self.results.cells))
 
     @property
     def populations(self) -> tuple[str, ...]:
         """Names in the order of evaluation."""
-        return tuple(dict.fromkeys(cell["pedestrians"] for cell in self.results["cells"]))
+        return tuple(dict.fromkeys(cell.pedestrians for cell in self.results.cells))
 
     @property
     def crowd(self) -> str:
-        """Among whom a section about one population looks: the first that is not always-go, if there is one."""
+        """The population of sections about one population: the first that is not always-go, if there is one."""
         return next((people for people in self.populations if people != ALWAYS_GO), ALWAYS_GO)
 
     @property
     def rival(self) -> str | None:
-        """Whom the subject is drawn beside: the car trained alone, else the first other driver."""
+        """The driver drawn beside the subject: the car trained alone, else the first other driver."""
         others = [driver for driver in self.drivers if driver != self.subject]
         return SINGLE_AGENT if SINGLE_AGENT in others else next(iter(others), None)
 
     def met(self, driver: str, pedestrians: str) -> bool:
-        """Whether that driver was evaluated among that population."""
-        return any((c["driver"], c["pedestrians"]) == (driver, pedestrians) for c in self.results["cells"])
+        """Return whether that driver was evaluated among that population."""
+        return any((c.driver, c.pedestrians) == (driver, pedestrians) for c in self.results.cells)
 
     @property
     def training_seeds(self) -> tuple[int, ...]:
         """All of them, from the first on; none if nothing was trained."""
-        if self.plan is None:
-            return ()
-        return tuple(range(self.plan["seed"], self.plan["seed"] + self.plan["seeds"]))
+        return () if self.trainings is None else self.trainings.seeds
 
     @property
     def several(self) -> bool:
         """There is more than one training seed."""
         return len(self.training_seeds) > 1
 
-    def cell(self, driver: str, pedestrians: str, **wanted: Any) -> Mapping[str, Any]:
-        """The results of a driver among a population: of the first training seed, unless told otherwise."""
-        return _find(self.results["cells"], driver=driver, pedestrians=pedestrians, **wanted)
+    def cell(self, driver: str, pedestrians: str) -> Cell:
+        """Return the results of a driver among a population, of the first training seed."""
+        return _found(
+            (c for c in self.results.cells if (c.driver, c.pedestrians) == (driver, pedestrians)),
+            f"{driver} among {pedestrians}",
+        )
 
-    def over_seeds(self, driver: str, pedestrians: str) -> Mapping[str, Any]:
-        """Numbers of a driver among a population over all training seeds, each with ``mean``, ``iqm`` and ``each``."""
-        return _find(self.results["over_seeds"], driver=driver, pedestrians=pedestrians)
+    def cell_of_seed(self, driver: str, pedestrians: str, seed: int) -> Cell:
+        """Return the results of a driver among a population, of one training seed."""
+        wanted = (driver, pedestrians, seed)
+        return _found(
+            (c for c in self.results.cells if (c.driver, c.pedestrians, c.training_seed) == wanted),
+            f"{driver} among {pedestrians} of training seed {seed}",
+        )
 
-    def ablated(self, multiplier: float, pedestrians: str) -> Mapping[str, Any]:
-        """The same of the co-trained driver with that jaywalk multiplier."""
-        return _find((self.ablation or {})["over_seeds"], jaywalk_multiplier=multiplier, pedestrians=pedestrians)
+    def over_seeds(self, driver: str, pedestrians: str) -> SeedNumbers:
+        """Return the numbers of a driver among a population over all training seeds."""
+        return _found(
+            (n for n in self.results.over_seeds if (n.driver, n.pedestrians) == (driver, pedestrians)),
+            f"numbers over training seeds of {driver} among {pedestrians}",
+        )
+
+    def ablated(self, multiplier: float, pedestrians: str) -> SeedNumbers:
+        """Return the numbers of the co-trained driver with that jaywalk multiplier."""
+        wanted = (multiplier, pedestrians)
+        found = self.ablation.over_seeds if self.ablation else ()
+        return _found(
+            (n for n in found if (n.jaywalk_multiplier, n.pedestrians) == wanted),
+            f"the ablation's jaywalk multiplier {multiplier:g} among {pedestrians}",
+        )
 
     @property
     def multipliers(self) -> tuple[float, ...]:
-        """Of the ablation."""
-        return tuple(dict.fromkeys(cell["jaywalk_multiplier"] for cell in (self.ablation or {"cells": ()})["cells"]))
+        """The jaywalk multipliers of the ablation."""
+        cells = self.ablation.cells if self.ablation else ()
+        return tuple(dict.fromkeys(cell.jaywalk_multiplier for cell in cells))
 
 
-def _find(cells: Sequence[Mapping[str, Any]], **wanted: Any) -> Mapping[str, Any]:
-    for cell in cells:
-        if all(cell[name] == value for name, value in wanted.items()):
-            return cell
-    raise ReportError(f"the results lack {' among '.join(str(x) for x in wanted.values())}; evaluate again")
+def _found(candidates: Any, what: str) -> Any:
+    """Return the first candidate. Raise ReportError if there is none."""
+    for one in candidates:
+        return one
+    raise ReportError(f"the results lack {what}; evaluate again")

@@ -54,7 +54,7 @@ SECTIONS = (
         "The car trained alone (among always-go) and the one trained with its pedestrians, with equally many updates "
         "from equally many environments of their own, each among both populations. Compare two drivers in one "
         "population for what training together did to the car, one driver in both for what it did to the people.",
-        applies=lambda m: m.plan is not None and all(m.met(*pair) for pair in TRAINED),
+        applies=lambda m: m.trainings is not None and all(m.met(*pair) for pair in TRAINED),
         table="co_training",
         over_seeds=True,
     ),
@@ -93,7 +93,7 @@ SECTIONS = (
         "exact McNemar test over all pairs, as if they were independent: it is about these very policies. The "
         "difference's interval is by bootstrap over scenarios and, of several, over training seeds: then it is about "
         "training again. Holm's p may be read for all comparisons of the table at once.",
-        applies=lambda m: "paired" in m.results,
+        applies=lambda m: bool(m.results.paired),
         table="pairs",
         over_seeds=True,
     ),

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
-from jaxwalk.metrics import holm
+from jaxwalk.evaluation.document_parts import Interval, PairedSeeds
+from jaxwalk.metrics import ATTRIBUTION, SPEED_DIFFERENTIAL, holm
 from jaxwalk.report.material import CO_TRAINED, SINGLE_AGENT, Material
 from jaxwalk.report.table import Table, p_value, shown
 
@@ -21,27 +21,27 @@ def training_seeds(material: Material) -> Table:
         (driver, people) for driver in (SINGLE_AGENT, CO_TRAINED) for people in material.populations
     ):
         for seed in material.training_seeds:
-            cell = material.cell(driver, people, training_seed=seed)
-            rates = (shown(cell[name]) for name in ("goal_rate", "collision_rate"))
-            gap = shown(cell["speed_differential"][0]["pooled"]["difference"], 1.0, 2)
-            rows.append((driver, people, str(seed), *rates, gap, shown(cell["attribution"]["share"])))
+            cell = material.cell_of_seed(driver, people, seed)
+            rates = (shown(cell.goal_rate), shown(cell.collision_rate))
+            gap = shown(cell.summary[SPEED_DIFFERENTIAL][0].pooled.difference, 1.0, 2)
+            rows.append((driver, people, str(seed), *rates, gap, shown(cell.summary[ATTRIBUTION].share)))
     return Table(columns, tuple(rows))
 
 
 def pairs(material: Material) -> Table:
     """Endings of the same scenarios: of each driver by population, and of the two trained drivers."""
-    return paired_table(material.results["paired"])
+    return paired_table(material.results.paired)
 
 
-def paired_table(paired: Sequence[Mapping[str, Any]]) -> Table:
+def paired_table(paired: Sequence[PairedSeeds]) -> Table:
     """What `jaxwalk.evaluation.paired_over_seeds` found, a row each; Holm's p is for all of them at once."""
     columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p", "p, Holm")
-    adjusted = holm([found["p"] for found in paired])
+    adjusted = holm([found.p for found in paired])
     return Table(columns, tuple((*_pair(found), p_value(p)) for found, p in zip(paired, adjusted, strict=True)))
 
 
-def _pair(found: Mapping[str, Any]) -> tuple[str, ...]:
-    names = (f"{found[side]['driver']} among {found[side]['pedestrians']}" for side in ("a", "b"))
-    rates = (shown({"value": found[side]["rate"], "low": None}) for side in ("a", "b"))
-    counts = (f"{found[name]:,}" for name in ("only_a", "only_b"))
-    return f"{found['ending']}s", *names, *rates, shown(found["difference"]), *counts, p_value(found["p"])
+def _pair(found: PairedSeeds) -> tuple[str, ...]:
+    names = (f"{side.driver} among {side.pedestrians}" for side in (found.a, found.b))
+    rates = (shown(Interval(side.rate, None, None)) for side in (found.a, found.b))
+    counts = (f"{found.only_a:,}", f"{found.only_b:,}")
+    return f"{found.ending}s", *names, *rates, shown(found.difference), *counts, p_value(found.p)

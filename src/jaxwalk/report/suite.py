@@ -2,69 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
 
-from jaxwalk.metrics import scenarios_needed
+from jaxwalk.evaluation.counterfactual import Avoidable, CounterfactualSummary
+from jaxwalk.evaluation.document_parts import Provenance
+from jaxwalk.evaluation.results import Cell, Results
+from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, OUTCOMES, SPEED_DIFFERENTIAL, SURROGATES, scenarios_needed
 from jaxwalk.report import surprise
-from jaxwalk.report.table import Table, markdown_table, shown
+from jaxwalk.report.table import Table, by_type, markdown_table, shown
 
-TYPES = ("crosswalk", "jaywalk")
-CONTACTS = (*TYPES, "sidewalk")
 TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
 """Pairs of collision rates for the table of how many scenarios it takes; the first are the paper's, like for like."""
 
-Cell = Mapping[str, Any]
 
-
-def suite(document: Mapping[str, Any], made: Mapping[str, Any]) -> str:
-    """The page of a document of `jaxwalk.evaluation.Results`, whose cells may have ``counterfactuals``.
-
-    ``made``: where and with what (``commit``, ``hardware`` and ``versions``).
-    """
-    cells, chosen = document["cells"], document["scenarios"]
+def suite(results: Results, made: Provenance) -> str:
+    """Return the page of an evaluation's results."""
+    cells, chosen = results.cells, results.scenarios
     about = (
-        f"{chosen['count']:,} scenarios of seed {chosen['seed']} for every driver and population, hash "
-        f"{chosen['hash']}. Brackets: 95 % intervals; of rates Wilson's, of the smallest distance and the median time "
+        f"{chosen.name} for every driver and population, hash "
+        f"{chosen.hash}. Brackets: 95 % intervals; of rates Wilson's, of the smallest distance and the median time "
         "to braking as if encounters were independent, of all else by bootstrap over episodes. What each number is: "
         "the page on metrics. A dash: too few cases, or none."
     )
-    versions = ", ".join(f"{name} {version}" for name, version in made["versions"].items())
-    origin = f"Made at commit {made['commit'] or 'unknown'} on {made['hardware']}, {versions}."
+    versions = ", ".join(f"{name} {version}" for name, version in made.versions.items())
+    origin = f"Made at commit {made.commit or 'unknown'} on {made.hardware}, {versions}."
     parts = ["# The suite", about, origin]
-    if "compared" in document:
-        parts += ["## Compared", "\n".join(f"- {line}" for line in said(document))]
+    if results.compared:
+        parts += ["## Compared", "\n".join(f"- {line}" for line in said(results))]
     for heading, text, table in _sections(cells):
         parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
-    words = (f"- **{_name(cell)}**: {surprise.in_words(cell['speed_differential'])}" for cell in cells)
+    words = (f"- **{_name(cell)}**: {surprise.in_words(cell.summary[SPEED_DIFFERENTIAL])}" for cell in cells)
     return "\n\n".join(part for part in (*parts, "## In words", WORDS, "\n".join(words)) if part) + "\n"
 
 
-def said(document: Mapping[str, Any]) -> list[str]:
-    """The comparisons of two drivers in words, if the document has any."""
-    found = document.get("compared", [])
-    several = len({one["jaywalk_multiplier"] for one in found}) > 1
-    lines = [f"Multiplier {one['jaywalk_multiplier']:g}: " * several + one["in_words"] for one in found]
+def said(results: Results) -> list[str]:
+    """Return the comparisons of two drivers in words, if there are any."""
+    found = results.compared
+    several = len({one.jaywalk_multiplier for one in found}) > 1
+    lines = [f"Multiplier {one.jaywalk_multiplier:g}: " * several + one.in_words for one in found]
     return [*lines, "(Pairs of the same scenarios; exact tests, p adjusted for their number.)"] if found else []
 
 
 def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "Outcomes", "", outcomes(cells)
-    yield "Encounters", SURROGATES, surrogates(cells)
-    yield "Whose collisions", ATTRIBUTION, attribution(cells)
-    if any("counterfactuals" in cell for cell in cells):
+    yield "Encounters", ENCOUNTERS_CAPTION, surrogates(cells)
+    yield "Whose collisions", ATTRIBUTION_CAPTION, attribution(cells)
+    if any(cell.counterfactuals for cell in cells):
         yield "Could it have been avoided?", COUNTERFACTUALS, avoidable(cells)
     yield "How soon the car brakes", BRAKING, braking(cells)
     yield "Speed near jaywalkers and near crosswalk users", SPEEDS, speeds(cells)
     yield "How many scenarios it takes", POWER, power()
 
 
-SURROGATES = (
+ENCOUNTERS_CAPTION = (
     "Shares of encounters with a time to collision below 1.5 s, a post-encroachment time below 1.5 s or a required "
     "deceleration above 3.4 m/s²; the smallest distance; and of those who were hit by a moving car, the mean speed and "
     "the risk of a serious injury or death (Monfort and Mueller, 2025)."
 )
-ATTRIBUTION = (
+ATTRIBUTION_CAPTION = (
     "Collisions with people on a roadway: jaywalking's share of them, beside its share of the crossings; and how many "
     "times more collisions there are for each jaywalk than for each crossing on a crosswalk, and for each second on "
     "the road. 1: no more dangerous."
@@ -97,8 +92,8 @@ POWER = (
 
 
 def _name(cell: Cell) -> str:
-    several = cell.get("jaywalk_multiplier", 0.25) != 0.25
-    return f"{cell['driver']} among {cell['pedestrians']}" + (f" x {cell['jaywalk_multiplier']:g}" if several else "")
+    several = cell.jaywalk_multiplier != 0.25
+    return f"{cell.driver} among {cell.pedestrians}" + (f" x {cell.jaywalk_multiplier:g}" if several else "")
 
 
 def outcomes(cells: Sequence[Cell]) -> Table:
@@ -106,10 +101,10 @@ def outcomes(cells: Sequence[Cell]) -> Table:
     columns = ("driver", "goal %", "collision %", "timeout %", "time to goal [s]", "collisions per km", "moving %")
     rows = []
     for cell in cells:
-        rates = (shown(cell[name]) for name in ("goal_rate", "collision_rate", "timeout_rate"))
-        found = cell["outcomes"]
-        per_km, moving = shown(found["all"]["per_km"], 1.0, 2), shown(found["moving"]["per_episode"])
-        rows.append((_name(cell), *rates, shown(cell["mean_time_to_goal"], 1.0), per_km, moving))
+        rates = (shown(rate) for rate in (cell.goal_rate, cell.collision_rate, cell.timeout_rate))
+        found = cell.summary[OUTCOMES]
+        per_km, moving = shown(found.all.per_km, 1.0, 2), shown(found.moving.per_episode)
+        rows.append((_name(cell), *rates, shown(cell.mean_time_to_goal, 1.0), per_km, moving))
     return Table(columns, tuple(rows))
 
 
@@ -120,13 +115,14 @@ def surrogates(cells: Sequence[Cell]) -> Table:
         "hit", "impact [m/s]", "MAIS3+ %", "fatal %",
     )  # fmt: skip
     rows = []
-    for cell, kind in ((cell, kind) for cell in cells for kind in TYPES):
-        found, met = cell["surrogates"][kind], cell["encounters"][kind]
-        shares = (shown(found[f"{name}_critical"]) for name in ("ttc", "pet", "drac"))
-        nearest, hit = shown(met["minimum_approach"], 1.0, 2), found["impact_speed"]
-        risks = (shown(found[name]) for name in ("mais3", "fatal"))
-        count, hits = f"{met['count']:,}", f"{hit['count']:,}"
-        rows.append((_name(cell), kind, count, *shares, nearest, hits, shown(hit, 1.0), *risks))
+    for cell in cells:
+        encounters = by_type(cell.summary[ENCOUNTERS])
+        for kind, found in by_type(cell.summary[SURROGATES]).items():
+            met, hit = encounters[kind], found.impact_speed
+            shares = (shown(share) for share in (found.ttc_critical, found.pet_critical, found.drac_critical))
+            nearest, impact = shown(met.minimum_approach, 1.0, 2), shown(hit, 1.0)
+            risks = (shown(found.mais3), shown(found.fatal))
+            rows.append((_name(cell), kind, f"{met.count:,}", *shares, nearest, f"{hit.count:,}", impact, *risks))
     return Table(columns, tuple(rows))
 
 
@@ -138,11 +134,11 @@ def attribution(cells: Sequence[Cell]) -> Table:
     )  # fmt: skip
     rows = []
     for cell in cells:
-        found = cell["attribution"]
-        counts = (cell["outcomes"][kind] for kind in CONTACTS)
-        ratios = (shown(found[f"per_{name}"]["ratio"], 1.0, 2) for name in ("crossing", "second", "second_near"))
-        shares = (shown(number) for number in (found["share"], found["per_crossing"]["share"]))
-        rows.append((_name(cell), ", ".join(f"{c['moving'] + c['standing']:,}" for c in counts), *shares, *ratios))
+        found, ended = cell.summary[ATTRIBUTION], cell.summary[OUTCOMES]
+        counts = (ended.crosswalk, ended.jaywalk, ended.sidewalk)
+        ratios = (shown(risk.ratio, 1.0, 2) for risk in (found.per_crossing, found.per_second, found.per_second_near))
+        shares = (shown(number) for number in (found.share, found.per_crossing.share))
+        rows.append((_name(cell), ", ".join(f"{c.moving + c.standing:,}" for c in counts), *shares, *ratios))
     return Table(columns, tuple(rows))
 
 
@@ -153,25 +149,31 @@ def avoidable(cells: Sequence[Cell]) -> Table:
         "unavoidable %", "braking avoids %", "planner avoids %", "planner all the way avoids %",
     )  # fmt: skip
     rows = []
-    for cell in cells:
-        found = cell.get("counterfactuals") or {}
-        for kind in (kind for kind in ("all", *CONTACTS) if found and found[kind]["collisions"]):
-            part = found[kind]
-            labels = (shown(part["labels"][name]) for name in ("either", "driver", "pedestrian", "unavoidable"))
-            avoided = (shown(part["avoided"][name]) for name in ("brake", "planner", "planner_from_start"))
-            of = f"{part['collisions']:,}" + (f" of {found['collisions']:,}" if kind == "all" else "")
-            rows.append((_name(cell), kind, of, *labels, *avoided))
+    replayed = ((cell, cell.counterfactuals) for cell in cells)
+    for cell, found in ((cell, found) for cell, found in replayed if found):
+        for kind, part in _replayed(found).items():
+            labels = (shown(part.labels[name]) for name in ("either", "driver", "pedestrian", "unavoidable"))
+            avoided = (shown(part.avoided[name]) for name in ("brake", "planner", "planner_from_start"))
+            of = f" of {found.collisions:,}" if kind == "all" else ""
+            rows.append((_name(cell), kind, f"{part.collisions:,}{of}", *labels, *avoided))
     return Table(columns, tuple(rows))
+
+
+def _replayed(found: CounterfactualSummary) -> dict[str, Avoidable]:
+    """Return the contact types of which a collision was replayed, all of them together first."""
+    parts = {"all": found.all, "crosswalk": found.crosswalk, "jaywalk": found.jaywalk, "sidewalk": found.sidewalk}
+    return {kind: part for kind, part in parts.items() if part.collisions}
 
 
 def braking(cells: Sequence[Cell]) -> Table:
     """From road entry to braking."""
     columns = ("driver", "encounter", "median [s]", "brake", "never", "already", "standing")
     rows = []
-    for cell, kind in ((cell, kind) for cell in cells for kind in TYPES):
-        found = cell["encounters"][kind]["braking"]
-        counts = (f"{found[name]:,}" for name in ("observed", "censored", "already", "standing"))
-        rows.append((_name(cell), kind, shown(found["median"], 1.0, 2), *counts))
+    for cell in cells:
+        for kind, encounters in by_type(cell.summary[ENCOUNTERS]).items():
+            found = encounters.braking
+            counts = (f"{count:,}" for count in (found.observed, found.censored, found.already, found.standing))
+            rows.append((_name(cell), kind, shown(found.median, 1.0, 2), *counts))
     return Table(columns, tuple(rows))
 
 
@@ -179,10 +181,10 @@ def speeds(cells: Sequence[Cell]) -> Table:
     """The speed differential four ways, near jaywalkers minus near crosswalk users [m/s]."""
     columns = ("driver", "distance [m]", "frames", "encounters", "matched", "ghosts", "people minus ghosts")
     rows = []
-    for cell, found in ((one, found) for one in cells for found in one["speed_differential"]):
-        placebo = found["placebo"]
-        gaps = [found[name]["difference"] for name in ("pooled", "by_encounter")]
-        gaps += [found["matched"], placebo["ghosts"]["difference"], placebo["difference"]]
+    for cell, found in ((one, found) for one in cells for found in one.summary[SPEED_DIFFERENTIAL]):
+        placebo = found.placebo
+        gaps = [found.pooled.difference, found.by_encounter.difference]
+        gaps += [found.matched, placebo.ghosts.difference, placebo.difference]
         rows.append((_name(cell), surprise.place(found), *(shown(gap, 1.0, 2) for gap in gaps)))
     return Table(columns, tuple(rows))
 

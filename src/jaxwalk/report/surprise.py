@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
-from jaxwalk.report.material import Number
+from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.metrics.speed_differential import SpeedBin, SpeedGap
+from jaxwalk.metrics.statistics import Estimate
 from jaxwalk.report.table import NONE, shown
 
 COLUMNS = ("distance [m]", "weight", "near crosswalk users [m/s]", "near jaywalkers [m/s]", "difference", "n")
@@ -16,44 +17,44 @@ NOTHING = 0.01
 """A speed difference whose interval comes nearer to 0 than this is not worth a word [m/s]."""
 
 
-def four_ways(bins: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
+def four_ways(bins: Sequence[SpeedBin]) -> list[tuple[str, ...]]:
     """Five rows for each distance: pooled over frames, by encounter, matched, near ghosts, and people minus ghosts."""
     rows = []
     for found in bins:
-        at, placebo = place(found), found["placebo"]
-        gaps = {"frames": found["pooled"], "encounters": found["by_encounter"]}
+        at, placebo = place(found), found.placebo
+        gaps = {"frames": found.pooled, "encounters": found.by_encounter}
         rows += [(at, name, *_gap(gap, name)) for name, gap in gaps.items()]
-        rows.append((at, "matched", NONE, NONE, *_alone(found["matched"], "jaywalkers' encounters")))
-        rows.append((at, "ghosts", *_gap(placebo["ghosts"], "frames")))
-        rows.append((at, "people minus ghosts", NONE, NONE, *_alone(placebo["difference"], "frames or more")))
+        rows.append((at, "matched", NONE, NONE, *_alone(found.matched, "jaywalkers' encounters")))
+        rows.append((at, "ghosts", *_gap(placebo.ghosts, "frames")))
+        rows.append((at, "people minus ghosts", NONE, NONE, *_alone(placebo.difference, "frames or more")))
     return rows
 
 
-def place(found: Mapping[str, Any]) -> str:
+def place(found: SpeedBin) -> str:
     """As in ``0 to 3``."""
-    return f"{found['near']:g} to {found['far']:g}"
+    return f"{found.near:g} to {found.far:g}"
 
 
-def _gap(gap: Mapping[str, Any], unit: str) -> tuple[str, ...]:
-    counts = f"{gap['crosswalk']['count']:,} and {gap['jaywalk']['count']:,} {unit}"
-    return *(shown(gap[kind], 1.0, 2) for kind in ("crosswalk", "jaywalk", "difference")), counts
+def _gap(gap: SpeedGap, unit: str) -> tuple[str, ...]:
+    counts = f"{gap.crosswalk.count:,} and {gap.jaywalk.count:,} {unit}"
+    return *(shown(x, 1.0, 2) for x in (gap.crosswalk, gap.jaywalk, gap.difference)), counts
 
 
-def _alone(number: Mapping[str, Any], unit: str) -> tuple[str, str]:
-    return shown(number, 1.0, 2), f"{number['count']:,} {unit}"
+def _alone(number: Estimate, unit: str) -> tuple[str, str]:
+    return shown(number, 1.0, 2), f"{number.count:,} {unit}"
 
 
-def in_words(bins: Sequence[Mapping[str, Any]]) -> str:
+def in_words(bins: Sequence[SpeedBin]) -> str:
     """What the four say together: is the car faster near jaywalkers, and more so than near ghosts?
 
     By 95 % intervals, each for itself: of twenty that hold no difference, one shows one.
     """
-    bins = [found for found in bins if found["by_encounter"]["difference"]["count"] >= FEWEST]
+    bins = [found for found in bins if found.by_encounter.difference.count >= FEWEST]
     if not bins:
         return "Too few people were near the car to say."
-    raw = _said(bins, lambda found: found["pooled"]["difference"])
-    beyond = _said(bins, lambda found: found["placebo"]["difference"])
-    matched = _said(bins, lambda found: found["matched"])
+    raw = _said(bins, lambda found: found.pooled.difference)
+    beyond = _said(bins, lambda found: found.placebo.difference)
+    matched = _said(bins, lambda found: found.matched)
     nowhere = "At no distance is the interval of the difference between jaywalkers and crosswalk users free of 0."
     sentences = [f"Near jaywalkers the car is {raw}." if raw else nowhere]
     if beyond:
@@ -67,19 +68,19 @@ def in_words(bins: Sequence[Mapping[str, Any]]) -> str:
     return " ".join(sentences)
 
 
-def _said(bins: Sequence[Mapping[str, Any]], find: Callable[[Mapping[str, Any]], Number]) -> str:
+def _said(bins: Sequence[SpeedBin], find: Callable[[SpeedBin], Number]) -> str:
     """As in ``faster at 0 to 3 m``: where a number's interval is above or below 0; empty if nowhere."""
     sides = _sides(bins, find)
     return " and ".join(f"{side} at {', '.join(places)} m" for side, places in sides.items() if places)
 
 
-def _sides(bins: Sequence[Mapping[str, Any]], find: Callable[[Mapping[str, Any]], Number]) -> dict[str, list[str]]:
+def _sides(bins: Sequence[SpeedBin], find: Callable[[SpeedBin], Number]) -> dict[str, list[str]]:
     """Distances at which a difference is certainly above 0 (faster), and certainly below (slower)."""
     sides: dict[str, list[str]] = {"faster": [], "slower": []}
     for found in bins:
         number = find(found)
-        if number["low"] is not None and number["low"] > NOTHING:
+        if number.low is not None and number.low > NOTHING:
             sides["faster"].append(place(found))
-        if number["high"] is not None and number["high"] < -NOTHING:
+        if number.high is not None and number.high < -NOTHING:
             sides["slower"].append(place(found))
     return sides

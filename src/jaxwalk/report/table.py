@@ -7,12 +7,16 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
-from jaxwalk.report.material import Number
+from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.metrics.crossings import ByType
 from jaxwalk.writing import write_whole
 
+T = TypeVar("T")
+
 NONE = "–"
-"""Stands for what does not exist."""
+"""Stands for a number that does not exist."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +26,11 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     verdict: str = ""
-    """How ours compares with the paper's, in a sentence."""
+    """How our numbers compare with the paper's, in a sentence."""
 
 
 def write_csv(tables: dict[str, Table], folder: Path) -> None:
-    """A CSV file for each table."""
+    """Write a CSV file for each table."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in tables.items():
         text = io.StringIO()
@@ -37,23 +41,31 @@ def write_csv(tables: dict[str, Table], folder: Path) -> None:
 
 
 def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table as Markdown, without a line feed at its end."""
+    """Return a table as Markdown, without a line feed at its end."""
     lines = [columns, ["---"] * len(columns), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
+def by_type(found: ByType[T]) -> dict[str, T]:
+    """Return the values of both types of crossing by the types' names."""
+    return {"crosswalk": found.crosswalk, "jaywalk": found.jaywalk}
+
+
 def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:
-    """As in ``14.0 [11.2, 17.3]``: one digit unless told otherwise, and two of a percentage within 1 of 0 or 100."""
-    if ours["value"] is None:
+    """Return a number and its interval as in ``14.0 [11.2, 17.3]``.
+
+    ``digits`` after the point are 1 by default, and 2 for a percentage within 1 of 0 or 100.
+    """
+    if ours.value is None:
         return NONE
     if digits is None:
-        digits = 1 if scale != 100 or 0.01 <= abs(ours["value"]) <= 0.99 else 2
-    value = f"{scale * ours['value']:.{digits}f}"
-    if ours["low"] is None or ours["high"] is None:
+        digits = 1 if scale != 100 or 0.01 <= abs(ours.value) <= 0.99 else 2
+    value = f"{scale * ours.value:.{digits}f}"
+    if ours.low is None or ours.high is None:
         return value
-    return f"{value} [{scale * ours['low']:.{digits}f}, {scale * ours['high']:.{digits}f}]"
+    return f"{value} [{scale * ours.low:.{digits}f}, {scale * ours.high:.{digits}f}]"
 
 
 def p_value(p: float) -> str:
-    """As in ``0.021``."""
+    """Return a p-value as in ``0.021``."""
     return "< 0.001" if p < 0.001 else f"{p:.3f}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from jaxwalk.report.material import Number
+from jaxwalk.evaluation.document_parts import Number
 
 
 @dataclass(frozen=True)
@@ -20,24 +20,27 @@ class Versus:
     """Ours times this is in the unit."""
 
     @property
-    def known(self) -> bool:
-        """Ours exists and has an interval."""
-        return all(self.ours[name] is not None for name in ("value", "low", "high"))
+    def known(self) -> tuple[float, float, float] | None:
+        """Our value and its interval in the unit; None unless all three exist."""
+        value, low, high = self.ours.value, self.ours.low, self.ours.high
+        if value is None or low is None or high is None:
+            return None
+        return self.scale * value, self.scale * low, self.scale * high
 
     @property
     def agrees(self) -> bool:
         """The paper's number lies in our interval."""
-        return self.known and self.scale * self.ours["low"] <= self.theirs <= self.scale * self.ours["high"]
+        return self.known is not None and self.known[1] <= self.theirs <= self.known[2]
 
 
 def verdict(comparisons: list[Versus], reason: str) -> str:
     """Where the paper's numbers lie outside our intervals, and the reason; or that they don't."""
     unknown = [c for c in comparisons if not c.known]
-    differing = [c for c in comparisons if c.known and not c.agrees]
+    differing = [_gap(c, c.known[0]) for c in comparisons if c.known and not c.agrees]
     agreeing = [c for c in comparisons if c.agrees]
     parts = []
     if differing:
-        parts.append(f"Differs from the paper: {_list([_gap(c) for c in differing])}. {reason}")
+        parts.append(f"Differs from the paper: {_list(differing)}. {reason}")
     if agreeing:
         every = not differing and not unknown
         names = "every number" if every and len(agreeing) > 1 else _list([c.what for c in agreeing])
@@ -47,8 +50,7 @@ def verdict(comparisons: list[Versus], reason: str) -> str:
     return " ".join(parts)
 
 
-def _gap(c: Versus) -> str:
-    value = c.scale * c.ours["value"]
+def _gap(c: Versus, value: float) -> str:
     word = "above" if value > c.theirs else "below"
     return f"{c.what}: {number(value)}, {word} {number(c.theirs)} {c.unit}".rstrip()
 

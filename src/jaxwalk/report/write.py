@@ -2,73 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from jaxwalk.evaluation.results import SCHEMA
 from jaxwalk.metrics.statistics import FEWEST_SEEDS
 from jaxwalk.report.figures import draw_all
 from jaxwalk.report.latex import write_latex
-from jaxwalk.report.material import Material, ReportError
+from jaxwalk.report.material import Material
+from jaxwalk.report.paper_tables import make_all
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.style import as_picture
 from jaxwalk.report.table import shown, write_csv
-from jaxwalk.report.tables import make_all
+from jaxwalk.report.watched import Gallery
 from jaxwalk.viewer.replay import as_script, gallery_html, gallery_script, gallery_style
 from jaxwalk.writing import write_whole
 
 
-def write_report(folder: Path, documents: Mapping[str, Any]) -> Path:
-    """Write everything into the folder; returns the path of the page.
-
-    ``documents`` are the fields of `Material`.
-    """
-    try:
-        _check_version(documents)
-        material = Material(**documents)
-        sections = [section for section in SECTIONS if section.applies(material)]
-        tables = make_all([s.table for s in sections if s.table], material)
-        facts, summary = _facts(material), _summary(material)
-        gallery = material.gallery if material.gallery and material.gallery["incidents"] else None
-        cells = _to_watch(gallery)
-        figures = draw_all([s.figure for s in sections if s.figure], material, folder / "figures")
-    except (KeyError, TypeError, IndexError) as error:
-        raise ReportError(
-            f"{folder}: the results are damaged or of another version (no {error}); evaluate again"
-        ) from error
+def write_report(folder: Path, material: Material) -> Path:
+    """Write tables, figures and the page into the folder; return the path of the page."""
+    sections = [section for section in SECTIONS if section.applies(material)]
+    tables = make_all([s.table for s in sections if s.table], material)
+    gallery = material.gallery if material.gallery and material.gallery.incidents else None
+    figures = draw_all([s.figure for s in sections if s.figure], material, folder / "figures")
     captions = {s.table: f"{s.heading}. {s.said(material)}" for s in sections if s.table}
     write_csv(tables, folder / "tables")
     write_latex(tables, captions, folder / "tables")
     page = _page(
         sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,
-        tables=tables, figures=figures, facts=facts, summary=summary,
+        tables=tables, figures=figures, facts=_facts(material), summary=_summary(material),
         drawing=as_picture(material.episode_svg) if material.episode_svg else None,
-        gallery=_gallery(gallery) if gallery else None, cells=cells,
+        gallery=_gallery(gallery) if gallery else None, cells=gallery.collisions if gallery else (),
     )  # fmt: skip
     path = folder / "report.html"
     write_whole(path, page)
     return path
 
 
-def _gallery(document: Mapping[str, Any]) -> dict[str, str]:
-    """The parts of the gallery of failures."""
-    return {"css": gallery_style(), "html": gallery_html(), "script": gallery_script(), "data": as_script(document)}
-
-
-def _to_watch(gallery: Mapping[str, Any] | None) -> set[str]:
-    """Whose collisions the gallery has, by the words that its script uses for them."""
-    hits = [one for one in gallery["incidents"] if one["kind"] == "collision"] if gallery else []
-    episodes = [gallery["episodes"][one["episode"]] for one in hits] if gallery else []
-    return {f"{episode['driver']} among {episode['pedestrians']}" for episode in episodes}
-
-
-def _check_version(documents: Mapping[str, Any]) -> None:
-    """Raise KeyError for documents of another schema."""
-    for name in ("results", "ablation"):
-        if documents.get(name) is not None and documents[name].get("schema") != SCHEMA:
-            raise KeyError(f"schema {SCHEMA} in {name}.json")
+def _gallery(gallery: Gallery) -> dict[str, str]:
+    """Return the parts of the gallery of failures."""
+    data = as_script(gallery.as_dict())
+    return {"css": gallery_style(), "html": gallery_html(), "script": gallery_script(), "data": data}
 
 
 def _page(**content: Any) -> str:
@@ -78,10 +52,7 @@ def _page(**content: Any) -> str:
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
     template = resources.files("jaxwalk.report").joinpath("page.html").read_text(encoding="utf-8")
-    try:
-        return environment.from_string(template).render(**content)
-    except jinja2.UndefinedError as error:
-        raise ReportError(f"the results are damaged or of another version ({error}); evaluate again") from error
+    return environment.from_string(template).render(**content)
 
 
 def _summary(material: Material) -> list[dict[str, str]]:
@@ -89,8 +60,8 @@ def _summary(material: Material) -> list[dict[str, str]]:
     return [
         {
             "cell": f"{driver} among {people}",
-            "goal": shown(found["goal_rate"]["mean"]),
-            "collision": shown(found["collision_rate"]["mean"]),
+            "goal": shown(found.goal_rate.mean),
+            "collision": shown(found.collision_rate.mean),
         }
         for driver in material.headline
         for people in material.populations
@@ -111,20 +82,21 @@ def _seeds(material: Material) -> str:
 
 def _facts(material: Material) -> list[tuple[str, str]]:
     """Where the numbers come from."""
-    scenarios, made = material.results["scenarios"], material.provenance
-    facts = [] if material.plan is None else [("Recipe", material.plan["recipe"]), ("Training seeds", _seeds(material))]
-    facts.append(
-        ("Scenarios", f"{scenarios['count']:,} in each cell, seed {scenarios['seed']}, hash {scenarios['hash']}")
-    )
+    scenarios, made = material.results.scenarios, material.provenance
+    facts: list[tuple[str, str]] = []
+    if material.trainings is not None:
+        facts += [("Recipe", material.trainings.recipe), ("Training seeds", _seeds(material))]
+    seed = "" if scenarios.seed is None else f", seed {scenarios.seed}"
+    facts.append(("Scenarios", f"{scenarios.count:,} in each cell{seed}, hash {scenarios.hash}"))
     for name, curves in material.curves.items():
-        last = [lines[-1] for lines in curves.values()]
-        times = ", ".join(f"{line['seconds'] / 60:.1f}" for line in last)
-        facts.append((f"Training, {name}", f"{last[0]['steps']:,} steps in {times} minutes"))
+        trainings = list(curves.values())
+        times = ", ".join(f"{curve.seconds / 60:.1f}" for curve in trainings)
+        facts.append((f"Training, {name}", f"{trainings[0].steps[-1]:,} steps in {times} minutes"))
     whole = sum(material.minutes.values())
     facts += [
         ("Minutes in all", f"{whole:.1f}"),
-        ("Hardware", str(made["hardware"])),
-        ("Commit", str(made["commit"] or "not run from a checkout")),
-        ("Versions", ", ".join(f"{name} {version}" for name, version in made["versions"].items())),
+        ("Hardware", made.hardware),
+        ("Commit", made.commit or "not run from a checkout"),
+        ("Versions", ", ".join(f"{name} {version}" for name, version in made.versions.items())),
     ]
     return facts

@@ -7,15 +7,20 @@ import platform
 import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jaxwalk.evaluation.document_parts import Provenance
 
 VERSIONS = ("jaxwalk", "jax", "jaxlib", "numpy", "equinox", "optax")
 """Packages whose versions matter to a result."""
 
 
-def provenance() -> dict[str, Any]:
-    """Commit (None outside a checkout), hardware and versions."""
-    return {"commit": commit(), "hardware": hardware(), "versions": versions()}
+def provenance() -> Provenance:
+    """Return commit (None outside a checkout), hardware and versions."""
+    from jaxwalk.evaluation.document_parts import Provenance  # (JAX comes with it, and the number of cores before JAX)
+
+    return Provenance(commit=commit(), hardware=hardware(), versions=versions())
 
 
 def versions() -> dict[str, str]:

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -130,7 +130,7 @@ def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
     made = {"updates": updates, "steps": updates * experiment.steps_per_update}
     chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}
     chosen["maps"] = list(experiment.maps)
-    return chosen | made | provenance()
+    return chosen | made | asdict(provenance())
 
 
 def train(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from jaxwalk.report.figures.drivers import ablation, baselines
+from jaxwalk.report.figures.driver_rates import ablation, baselines
 from jaxwalk.report.figures.frontier import frontier
 from jaxwalk.report.figures.learning_curves import learning_curves
 from jaxwalk.report.figures.people import attribution, quarters, waiting

@@ -34,12 +34,14 @@ def _drivers(axis: Axes, material: Material, people: str) -> None:
     means = []
     for driver, (marker, colour) in zip(material.drivers, cycle(SIGNS), strict=False):
         found = material.over_seeds(driver, people)
-        times, rates = found["mean_time_to_goal"], found["collision_rate"]
-        seeds = [(t, max(100 * rate, LEAST)) for t, rate in zip(times["each"], rates["each"], strict=True) if t]
+        times, rates = found.mean_time_to_goal, found.collision_rate
+        each = zip(times.each, rates.each, strict=True)
+        seeds = [(t, max(100 * rate, LEAST)) for t, rate in each if t and rate is not None]
         x, y = zip(*seeds, strict=True) if seeds else ((), ())
         axis.plot(x, y, marker=marker, markersize=6, linestyle="none", color=colour, alpha=0.8, label=driver)
-        if times["mean"]["value"] is not None:
-            means.append((times["mean"]["value"], max(100 * rates["mean"]["value"], LEAST)))
+        time, rate = times.mean.value, rates.mean.value
+        if time is not None and rate is not None:
+            means.append((time, max(100 * rate, LEAST)))
     unbeaten = [a for a in means if not any(b[0] <= a[0] and b[1] <= a[1] and b != a for b in means)]
     if unbeaten:
         axis.plot(*zip(*sorted(unbeaten), strict=True), color=INK, lw=1, alpha=0.5, zorder=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,22 +11,26 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from jaxwalk.metrics import interquartile_mean
-from jaxwalk.report.material import Material
+from jaxwalk.report.material import LearningCurve, Material
 from jaxwalk.report.style import GREEN, GRID, RED, panels
 
 SMOOTH = 20
-"""Learning curves are running means over this share (one in so many) of the training."""
-ENDINGS = (("goal_rate", GREEN), ("collision_rate", RED), ("timeout_rate", GRID))
-"""Of the learning curves, with their colours; timeouts only where there is room, with one training seed."""
+"""Learning curves are running means over one part in this many of the training."""
+ENDINGS: dict[str, tuple[Callable[[LearningCurve], Sequence[float]], str]] = {
+    "goal": (lambda curve: curve.goal_rate, GREEN),
+    "collision": (lambda curve: curve.collision_rate, RED),
+    "timeout": (lambda curve: curve.timeout_rate, GRID),
+}
+"""How episodes end, where its share stands, and its colour; timeouts only with one training seed, for want of room."""
 
 
 def learning_curves(material: Material) -> Figure:
     """Goals and collisions during training, of the episodes that ended in each update."""
     figure, axes = panels(len(material.curves), sharey=True)
-    shown = ENDINGS[:2] if material.several else ENDINGS
+    shown = [name for name in ENDINGS if name != "timeout" or not material.several]
     for axis, (name, curves) in zip(axes, material.curves.items(), strict=True):
-        for rate, colour in shown:
-            _curve(axis, list(curves.values()), rate, colour)
+        for ending in shown:
+            _curve(axis, list(curves.values()), ending)
         axis.set(title=name, xlabel="environment steps [million]", ylim=(0, 100))
         axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x / 1e6:g}"))
     axes[0].set_ylabel("episodes [%]")
@@ -34,18 +38,19 @@ def learning_curves(material: Material) -> Figure:
     return figure
 
 
-def _curve(axis: Axes, curves: list[list[dict[str, Any]]], rate: str, colour: str) -> None:
+def _curve(axis: Axes, curves: list[LearningCurve], ending: str) -> None:
     """The interquartile mean over training seeds and, if there are several, a thin line for each."""
-    steps = [line["steps"] for line in curves[0]]
-    seeds = [_running_mean([line[rate] for line in lines], [line["episodes"] for line in lines]) for lines in curves]
+    share, colour = ENDINGS[ending]
+    steps = curves[0].steps
+    seeds = [_running_mean(share(curve), curve.episodes) for curve in curves]
     found = 100 * np.transpose(seeds)
     if len(curves) > 1:
         axis.plot(steps, found, color=colour, lw=0.6, alpha=0.5)
-    label = rate.removesuffix("_rate") + (", IQM" if len(curves) > 1 else "")
+    label = ending + (", IQM" if len(curves) > 1 else "")
     axis.plot(steps, interquartile_mean(found), color=colour, lw=2.0 if len(curves) > 1 else None, label=label)
 
 
-def _running_mean(values: list[float], weights: list[float]) -> list[float]:
+def _running_mean(values: Sequence[float], weights: Sequence[float]) -> list[float]:
     """Weighted means over the last stretch up to each value; NaN before the first episode ends."""
     width = max(1, len(values) // SMOOTH)
     means = []

@@ -7,7 +7,8 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from jaxwalk.report.material import Material, Number
+from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.report.material import Material
 from jaxwalk.report.style import BLUE, GREEN, ORANGE, PAPER, PURPLE, RED
 
 TYPES = {"crosswalk": BLUE, "jaywalk": RED}
@@ -36,18 +37,16 @@ def points(
     color: str, label: str, scale: float, marker: str = "o", flat: bool = False, line: bool = False,
 ) -> None:  # fmt: skip
     """Numbers with their intervals; ``flat``: values go to the right, places up."""
-    shown = [(place, n) for place, n in zip(where, ours, strict=True) if n["value"] is not None]
-    values = [scale * n["value"] for _, n in shown]
-    below = [scale * (n["value"] - _end(n, "low")) for _, n in shown]
-    above = [scale * (_end(n, "high") - n["value"]) for _, n in shown]
-    places, bars = [place for place, _ in shown], [below, above]
+    placed = zip(where, ours, strict=True)
+    shown = [(place, n.value, n.low, n.high) for place, n in placed if n.value is not None]
+    places = [place for place, *_ in shown]
+    values = [scale * value for _, value, *_ in shown]
+    below = [0.0 if low is None else scale * max(value - low, 0.0) for _, value, low, _ in shown]
+    above = [0.0 if high is None else scale * max(high - value, 0.0) for _, value, _, high in shown]
+    bars = [below, above]
     style: dict[str, Any] = {"color": color, "marker": marker, "markersize": 4, "capsize": 2, "label": label}
     style["linestyle"] = "-" if line else "none"
     if flat:
         axis.errorbar(values, places, xerr=bars, **style)
     else:
         axis.errorbar(places, values, yerr=bars, **style)
-
-
-def _end(number: Number, name: str) -> float:
-    return number["value"] if number[name] is None else number[name]

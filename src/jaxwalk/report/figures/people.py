@@ -6,17 +6,21 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
+from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.metrics import ATTRIBUTION, JAYWALK_RATE, WAITING
+from jaxwalk.metrics.attribution import Attribution
+from jaxwalk.metrics.waiting import WaitBin, Waiting
 from jaxwalk.report import published
 from jaxwalk.report.figures.marks import DIAMOND, points, populations
-from jaxwalk.report.material import ROUTE_FOLLOWER, Material, Number
+from jaxwalk.report.material import ROUTE_FOLLOWER, Material
 from jaxwalk.report.style import BLUE, COLUMN, GRID, ORANGE, RED, SKY, panels
 
-SHARES: dict[str, Callable[[dict], Number]] = {
-    "of collisions on a roadway": lambda a: a["share"],
-    "of crossings": lambda a: a["per_crossing"]["share"],
-    "of encounters": lambda a: a["per_encounter"]["share"],
-    "of time on a roadway": lambda a: a["per_second"]["share"],
-    "of that, car within 20 m": lambda a: a["per_second_near"]["share"],
+SHARES: dict[str, Callable[[Attribution], Number]] = {
+    "of collisions on a roadway": lambda a: a.share,
+    "of crossings": lambda a: a.per_crossing.share,
+    "of encounters": lambda a: a.per_encounter.share,
+    "of time on a roadway": lambda a: a.per_second.share,
+    "of that, car within 20 m": lambda a: a.per_second_near.share,
 }
 """Jaywalking's shares, by what they are of."""
 
@@ -26,7 +30,7 @@ def attribution(material: Material) -> Figure:
     figure, (axis,) = panels(1, height=2.6)
     names = list(SHARES)
     for people, colour, aside in populations(material, spread=0.34):
-        found = material.cell(material.subject, people)["attribution"]
+        found = material.cell(material.subject, people).summary[ATTRIBUTION]
         ours = [find(found) for find in SHARES.values()]
         where = [i + aside for i in range(len(names))]
         points(axis, ours, where, color=colour, label=f"ours, among {people}", scale=100.0, flat=True)
@@ -42,7 +46,7 @@ def attribution(material: Material) -> Figure:
 def quarters(material: Material) -> Figure:
     """Jaywalk rate by quarter of the trait."""
     figure, (axis,) = panels(1, width=COLUMN, height=2.6)
-    found = material.cell(material.subject, material.crowd)["jaywalk_rate"]["quarters"]
+    found = material.cell(material.subject, material.crowd).summary[JAYWALK_RATE].quarters
     points(axis, found, [0.0, 1.0, 2.0, 3.0], color=BLUE, label="ours", scale=100.0)
     for i, value in enumerate(published.QUARTERS):
         axis.plot(i + 0.12, value, **DIAMOND, label="paper" if i == 0 else None)
@@ -52,7 +56,10 @@ def quarters(material: Material) -> Figure:
     return figure
 
 
-KERB_AXES = {"by_distance": "distance of the car [m]", "by_speed": "speed of the car [m/s]"}
+KERB_AXES: dict[str, Callable[[Waiting], tuple[WaitBin, ...]]] = {
+    "distance of the car [m]": lambda waiting: waiting.by_distance,
+    "speed of the car [m/s]": lambda waiting: waiting.by_speed,
+}
 MISSES = {"below 1 m": RED, "1 to 2.5 m": ORANGE, "2.5 to 5 m": SKY, "5 m or more": GRID}
 """The predicted misses, in the order of a bin's rates."""
 FEWEST = 20
@@ -64,16 +71,16 @@ def waiting(material: Material) -> Figure:
     # the driver that heeds nobody, and the subject
     drivers = list(dict.fromkeys(d for d in (ROUTE_FOLLOWER, material.subject) if d in material.drivers))
     figure, axes = panels(2, rows=len(drivers), height=2.9 * len(drivers) + 0.4, sharey=True)
-    places = [(driver, by, label) for driver in drivers for by, label in KERB_AXES.items()]
-    for axis, (driver, by, label) in zip(axes, places, strict=True):
-        bins = material.cell(driver, material.crowd)["waiting"][by]
-        width = bins[0]["end"] - bins[0]["begin"]
+    places = [(driver, label) for driver in drivers for label in KERB_AXES]
+    for axis, (driver, label) in zip(axes, places, strict=True):
+        bins = KERB_AXES[label](material.cell(driver, material.crowd).summary[WAITING])
+        width = bins[0].end - bins[0].begin
         for k, (name, colour) in enumerate(MISSES.items()):
-            known = [b for b in bins if b["rates"][k]["count"] >= FEWEST]
-            where = [(b["begin"] + b["end"]) / 2 + 0.08 * width * (k - 1.5) for b in known]
-            points(axis, [b["rates"][k] for b in known], where, color=colour, label=name, scale=100.0, line=True)
+            known = [b for b in bins if b.rates[k].count >= FEWEST]
+            where = [(b.begin + b.end) / 2 + 0.08 * width * (k - 1.5) for b in known]
+            points(axis, [b.rates[k] for b in known], where, color=colour, label=name, scale=100.0, line=True)
         axis.set(title=f"before {driver}", xlabel=label, ylim=(-3, 103))
-        edges = [0, *(b["end"] for b in bins)]
+        edges = [0, *(b.end for b in bins)]
         axis.set_xticks(edges, [f"{x:g}" for x in edges])
     for axis in axes[::2]:
         axis.set_ylabel("waits at the kerb [%]")

@@ -3,34 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.metrics import SPEED_DIFFERENTIAL
+from jaxwalk.metrics.speed_differential import SpeedBin, SpeedGap
 from jaxwalk.report import published
 from jaxwalk.report.figures.marks import DIAMOND, TYPES, points
-from jaxwalk.report.material import Material, Number
+from jaxwalk.report.material import Material
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, PURPLE, RED, SKY, panels
 from jaxwalk.report.surprise import FEWEST
 
-WEIGHTS = (("pooled", "pooled over frames", PURPLE), ("by_encounter", "by encounter", GREEN))
-"""How speeds are averaged, in words, and the colour."""
+WEIGHTS: dict[str, tuple[Callable[[SpeedBin], SpeedGap], str]] = {
+    "pooled over frames": (lambda b: b.pooled, PURPLE),
+    "by encounter": (lambda b: b.by_encounter, GREEN),
+}
+"""How speeds are averaged, where the numbers stand, and their colour."""
 
 
 def speed_differential(material: Material) -> Figure:
     """Car speed by distance to the nearest pedestrian on a roadway, by type; the gap shaded, and drawn at the right."""
     figure, axes = panels(3, height=3.0)
-    bins = material.cell(material.subject, material.crowd)["speed_differential"]
-    for axis, (weight, title, _) in zip(axes, WEIGHTS, strict=False):
-        _speeds(axis, bins, weight)
+    bins = material.cell(material.subject, material.crowd).summary[SPEED_DIFFERENTIAL]
+    for axis, (title, (gap, _)) in zip(axes, WEIGHTS.items(), strict=False):
+        _speeds(axis, [gap(b) for b in bins], [_middle(b) for b in bins])
         axis.set(title=f"car speed, {title} [m/s]", ylim=(0, 9))
     for value in published.SPEEDS:
         axes[0].plot(_middle(bins[0]), value, **DIAMOND, label="paper" if value == published.SPEEDS[0] else None)
     _gaps(axes[2], bins)
     for axis in axes:
-        axis.set(xlim=(0, bins[-1]["far"]), xticks=[0, *(b["far"] for b in bins)])
+        axis.set(xlim=(0, bins[-1].far), xticks=[0, *(b.far for b in bins)])
     axes[1].set_xlabel("distance to the nearest pedestrian of the type [m]")
     named = [axis.get_legend_handles_labels() for axis in (axes[0], axes[2])]
     handles, labels = (left + right for left, right in zip(*named, strict=True))
@@ -38,30 +43,29 @@ def speed_differential(material: Material) -> Figure:
     return figure
 
 
-def _middle(b: dict[str, float]) -> float:
-    return (b["near"] + b["far"]) / 2
+def _middle(b: SpeedBin) -> float:
+    return (b.near + b.far) / 2
 
 
-def _speeds(axis: Axes, bins: list[dict[str, Any]], weight: str) -> None:
+def _speeds(axis: Axes, gaps: Sequence[SpeedGap], middles: list[float]) -> None:
     """Speeds near both types, and the gap between them."""
-    middles, lines = [_middle(b) for b in bins], {}
+    near, lines = {"crosswalk": [g.crosswalk for g in gaps], "jaywalk": [g.jaywalk for g in gaps]}, {}
     for k, (kind, colour) in enumerate(TYPES.items()):
-        ours = [b[weight][kind] for b in bins]
         where = [m + 0.16 * (2 * k - 1) for m in middles]
-        points(axis, ours, where, color=colour, label=f"near {kind}", scale=1.0, line=True)
-        lines[kind] = [math.nan if x["value"] is None else x["value"] for x in ours]
+        points(axis, near[kind], where, color=colour, label=f"near {kind}", scale=1.0, line=True)
+        lines[kind] = [math.nan if x.value is None else x.value for x in near[kind]]
     axis.fill_between(middles, lines["crosswalk"], lines["jaywalk"], color=GRID, alpha=0.25, label="gap", lw=0)
 
 
-def _gaps(axis: Axes, bins: list[dict[str, Any]]) -> None:
+def _gaps(axis: Axes, bins: Sequence[SpeedBin]) -> None:
     """The differences with both weights, beside the paper's."""
-    for k, (weight, title, colour) in enumerate(WEIGHTS):
-        ours = [b[weight]["difference"] for b in bins]
+    for k, (title, (gap, colour)) in enumerate(WEIGHTS.items()):
+        ours = [gap(b).difference for b in bins]
         where = [_middle(b) + 0.16 * (2 * k - 1) for b in bins]
         points(axis, ours, where, color=colour, label=title, scale=1.0, line=True)
     axis.plot(_middle(bins[0]), published.SPEED_GAP, **DIAMOND)
     low, high = published.SPEED_GAP_FARTHER
-    axis.fill_between([bins[1]["near"], bins[-1]["far"]], low, high, alpha=0.25, color=SKY, lw=0, label="paper, 3-12 m")
+    axis.fill_between([bins[1].near, bins[-1].far], low, high, alpha=0.25, color=SKY, lw=0, label="paper, 3-12 m")
     axis.axhline(0, color=INK, lw=0.8)
     axis.set_title("jaywalk minus crosswalk [m/s]")
 
@@ -70,13 +74,13 @@ def surprise(material: Material) -> Figure:
     """The difference four ways, and what of it is left beyond ghosts, among both populations."""
     figure, axes = panels(len(material.populations), height=3.2, sharey=True)
     for axis, people in zip(axes, material.populations, strict=True):
-        found = material.cell(material.subject, people)["speed_differential"]
-        bins = [b for b in found if b["by_encounter"]["difference"]["count"] >= FEWEST]
+        found = material.cell(material.subject, people).summary[SPEED_DIFFERENTIAL]
+        bins = [b for b in found if b.by_encounter.difference.count >= FEWEST]
         for k, (name, (find, colour, marker)) in enumerate(WAYS.items()):
             where = [_middle(b) + 0.3 * (k - 2) for b in bins]
             points(axis, [find(b) for b in bins], where, color=colour, label=name, scale=1.0, marker=marker)
         axis.axhline(0, color=INK, lw=0.8)
-        edges = [0, *(b["far"] for b in found)]
+        edges = [0, *(b.far for b in found)]
         axis.set(title=f"among {people}", xlim=(0, edges[-1]), xticks=edges)
         axis.set_xlabel("distance to the nearest pedestrian of the type [m]")
     axes[0].set_ylabel("jaywalk minus crosswalk [m/s]")
@@ -84,11 +88,11 @@ def surprise(material: Material) -> Figure:
     return figure
 
 
-WAYS: dict[str, tuple[Callable[[Mapping[str, Any]], Number], str, str]] = {
-    "frames": (lambda b: b["pooled"]["difference"], PURPLE, "o"),
-    "encounters": (lambda b: b["by_encounter"]["difference"], GREEN, "s"),
-    "matched": (lambda b: b["matched"], BLUE, "^"),
-    "ghosts": (lambda b: b["placebo"]["ghosts"]["difference"], GRID, "x"),
-    "people minus ghosts": (lambda b: b["placebo"]["difference"], RED, "v"),
+WAYS: dict[str, tuple[Callable[[SpeedBin], Number], str, str]] = {
+    "frames": (lambda b: b.pooled.difference, PURPLE, "o"),
+    "encounters": (lambda b: b.by_encounter.difference, GREEN, "s"),
+    "matched": (lambda b: b.matched, BLUE, "^"),
+    "ghosts": (lambda b: b.placebo.ghosts.difference, GRID, "x"),
+    "people minus ghosts": (lambda b: b.placebo.difference, RED, "v"),
 }
 """How the differences are found in a bin, their colours and markers; the names are those of the table."""

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from jaxwalk.metrics import SURROGATE_DISTRIBUTIONS
+from jaxwalk.metrics.severity import Distribution, Distributions
 from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CRITICAL, TTC_CRITICAL
 from jaxwalk.report.figures.marks import TYPES
 from jaxwalk.report.material import Material
 from jaxwalk.report.style import INK, panels
+from jaxwalk.report.table import by_type
 from jaxwalk.sim.sim_config import SimConfig
 
-MEASURES = {
-    "ttc": ("time to collision below [s]", TTC_CRITICAL, "critical"),
-    "pet": ("post-encroachment time below [s]", PET_CRITICAL, "critical"),
-    "drac": ("required deceleration above [m/s²]", DRAC_CRITICAL, "critical"),
-    "min_distance": ("distance of the centres below [m]", SimConfig.collision_distance, "touch"),
+MEASURES: dict[str, tuple[Callable[[Distributions], Distribution], float, str]] = {
+    "time to collision below [s]": (lambda d: d.ttc, TTC_CRITICAL, "critical"),
+    "post-encroachment time below [s]": (lambda d: d.pet, PET_CRITICAL, "critical"),
+    "required deceleration above [m/s²]": (lambda d: d.drac, DRAC_CRITICAL, "critical"),
+    "distance of the centres below [m]": (lambda d: d.min_distance, SimConfig.collision_distance, "touch"),
 }
-"""The measures, with the value beyond which an encounter is critical."""
+"""The measures: where each distribution stands, the value beyond which an encounter is critical, and its name."""
 FEWEST = 20
 """Of fewer encounters no curve is drawn."""
 
@@ -31,11 +33,11 @@ def surrogates(material: Material) -> Figure:
     figure, axes = panels(2, rows=2, height=5.2)
     drivers = [(material.subject, "-"), *([(material.rival, "--")] if material.rival else [])]
     people = material.populations[0]  # always-go, who leave it to the driver
-    found = {driver: material.cell(driver, people)["surrogate_distributions"] for driver, _ in drivers}
-    for axis, (name, (label, critical, word)) in zip(axes, MEASURES.items(), strict=True):
+    found = {driver: by_type(material.cell(driver, people).summary[SURROGATE_DISTRIBUTIONS]) for driver, _ in drivers}
+    for axis, (label, (find, critical, word)) in zip(axes, MEASURES.items(), strict=True):
         for driver, line in drivers:
             for kind, colour in TYPES.items():
-                _curve(axis, found[driver][kind][name], colour, line, f"{driver}, {kind}")
+                _curve(axis, find(found[driver][kind]), colour, line, f"{driver}, {kind}")
         axis.axvline(critical, color=INK, lw=0.8, ls=":")
         where = axis.get_xaxis_transform()
         axis.text(critical, 1.0, f" {word}", transform=where, va="top", fontsize=7, color=INK)
@@ -49,10 +51,10 @@ def surrogates(material: Material) -> Figure:
     return figure
 
 
-def _curve(axis: Axes, found: Mapping[str, Any], colour: str, line: str, label: str) -> None:
+def _curve(axis: Axes, found: Distribution, colour: str, line: str, label: str) -> None:
     """One distribution with its band."""
-    if found["count"] < FEWEST:
+    if found.count < FEWEST:
         return
-    low, value, high = (100 * np.array(found[name], float) for name in ("low", "value", "high"))
-    axis.plot(found["threshold"], value, color=colour, ls=line, label=label)
-    axis.fill_between(found["threshold"], low, high, color=colour, alpha=0.15, lw=0)
+    low, value, high = (100 * np.array(x, float) for x in (found.low, found.value, found.high))
+    axis.plot(found.threshold, value, color=colour, ls=line, label=label)
+    axis.fill_between(found.threshold, low, high, color=colour, alpha=0.15, lw=0)

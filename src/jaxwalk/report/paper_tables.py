@@ -1,15 +1,16 @@
-"""The tables: ours with 95 % intervals beside the paper's numbers, and the sentence where they differ."""
+"""The tables of the report: ours with 95 % intervals beside the paper's numbers, and the sentence where they differ."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable
 
+from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, JAYWALK_RATE, OUTCOMES, SPEED_DIFFERENTIAL, WAITING, OverSeeds
 from jaxwalk.report import published, surprise, verdicts
 from jaxwalk.report.figures.people import SHARES
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material
 from jaxwalk.report.seed_tables import pairs, training_seeds
-from jaxwalk.report.table import NONE, Table, shown
+from jaxwalk.report.table import NONE, Table, by_type, shown
 from jaxwalk.report.verdicts import Versus, verdict
 
 QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
@@ -22,7 +23,7 @@ def make_all(names: Iterable[str], material: Material) -> dict[str, Table]:
 
 def _verdict(material: Material, against: list[Versus], reason: str) -> str:
     """Where ours differ from the paper's, if they are of the paper's experiment: the reasons are about its drivers."""
-    return verdict(against, reason) if material.plan is not None else ""
+    return verdict(against, reason) if material.trainings is not None else ""
 
 
 def matrix(material: Material) -> Table:
@@ -33,8 +34,9 @@ def matrix(material: Material) -> Table:
     rows = []
     for name, people in ((name, people) for name in material.drivers for people in material.populations):
         found = material.over_seeds(name, people)
-        percents = (text for rate in rates for text in _shown(material, found[f"{rate}_rate"]))
-        per_km, time = found["collisions_per_km"]["mean"], found["mean_time_to_goal"]["mean"]
+        ended = (found.goal_rate, found.collision_rate, found.timeout_rate)
+        percents = (text for rate in ended for text in _shown(material, rate))
+        per_km, time = found.collisions_per_km.mean, found.mean_time_to_goal.mean
         rows.append((name, people, *percents, shown(per_km, 1.0, 2), shown(time, 1.0)))
     return Table(columns, tuple(rows))
 
@@ -44,10 +46,10 @@ def _columns(material: Material, rate: str) -> tuple[str, ...]:
     return (f"{rate} %", f"{rate} %, IQM") if material.several else (f"{rate} %",)
 
 
-def _shown(material: Material, number: Mapping[str, Any]) -> tuple[str, ...]:
+def _shown(material: Material, number: OverSeeds) -> tuple[str, ...]:
     """What stands in these columns."""
-    mean = shown(number["mean"])
-    iqm = {**number["iqm"], "low": None}  # its interval, much like the mean's, is in results.json
+    mean = shown(number.mean)
+    iqm = Interval(number.iqm.value, None, None)  # its interval, much like the mean's, is in results.json
     return (mean, shown(iqm)) if material.several else (mean,)
 
 
@@ -57,14 +59,16 @@ def baselines(material: Material) -> Table:
         "driver",
         *(f"{rate} %, {who}" for rate in ("goal", "collision") for who in (*material.populations, "paper")),
     )
-    theirs = {name: pair for name, pair in published.BASELINES.items()}
+    theirs = dict(published.BASELINES)
     theirs[SINGLE_AGENT] = published.TRAINED[SINGLE_AGENT, ALWAYS_GO]
     theirs[CO_TRAINED] = published.TRAINED[CO_TRAINED, LEARNED]
     rows, against = [], []
     for name in material.drivers:
         row = [name]
-        for place, rate in enumerate(("goal_rate", "collision_rate")):
-            ours = {people: material.over_seeds(name, people)[rate]["mean"] for people in material.populations}
+        found = {people: material.over_seeds(name, people) for people in material.populations}
+        goals = {people: numbers.goal_rate.mean for people, numbers in found.items()}
+        collisions = {people: numbers.collision_rate.mean for people, numbers in found.items()}
+        for place, ours in enumerate((goals, collisions)):
             row += [shown(x) for x in ours.values()]
             row.append(f"{theirs[name][place]:g}" if name in theirs else NONE)
             if name in published.BASELINES:
@@ -81,23 +85,23 @@ def co_training(material: Material) -> Table:
     rows, against = [], []
     for (driver, people), (goal, collision) in published.TRAINED.items():
         found = material.over_seeds(driver, people)
-        goals, collisions = (_shown(material, found[rate]) for rate in ("goal_rate", "collision_rate"))
+        goals, collisions = (_shown(material, rate) for rate in (found.goal_rate, found.collision_rate))
         rows.append((driver, people, *goals, f"{goal:g}", *collisions, f"{collision:g}"))
-        against.append(Versus(f"goals of {driver} among {people}", found["goal_rate"]["mean"], goal))
-        against.append(Versus(f"collisions of {driver} among {people}", found["collision_rate"]["mean"], collision))
+        against.append(Versus(f"goals of {driver} among {people}", found.goal_rate.mean, goal))
+        against.append(Versus(f"collisions of {driver} among {people}", found.collision_rate.mean, collision))
     return Table(columns, tuple(rows), _verdict(material, against, verdicts.TRAINED))
 
 
 def speed_differential(material: Material) -> Table:
     """Car speed near jaywalkers minus near crosswalk users, by distance, four ways; and what they say together."""
-    bins = material.cell(material.subject, material.crowd)["speed_differential"]
+    bins = material.cell(material.subject, material.crowd).summary[SPEED_DIFFERENTIAL]
     low, high = published.SPEED_GAP_FARTHER
     rows = []
     for place, weight, *numbers in surprise.four_ways(bins):
         nearest = place == surprise.place(bins[0])
         theirs = f"{published.SPEED_GAP}" if nearest else f"{low:.2f} to {high:.2f}"
         rows.append((place, weight, *numbers, theirs if weight == "frames" else NONE))
-    gap = Versus("difference within 3 m, pooled", bins[0]["pooled"]["difference"], published.SPEED_GAP, "m/s", 1.0)
+    gap = Versus("difference within 3 m, pooled", bins[0].pooled.difference, published.SPEED_GAP, "m/s", 1.0)
     said = f"{surprise.in_words(bins)} {_verdict(material, [gap], verdicts.SPEED)}".strip()
     return Table((*surprise.COLUMNS, "paper"), tuple(rows), said)
 
@@ -105,19 +109,23 @@ def speed_differential(material: Material) -> Table:
 def attribution(material: Material) -> Table:
     """Jaywalking's share of collisions beside its share of crossings and exposure, and the ratio of rates."""
     columns = ("jaywalking's share", *(f"among {people}, %" for people in material.populations), "paper, %")
-    found = {people: material.cell(material.subject, people)["attribution"] for people in material.populations}
+    found = {people: material.cell(material.subject, people).summary[ATTRIBUTION] for people in material.populations}
     theirs = (f"{published.COLLISIONS_JAYWALK:g}", f"{published.CROSSINGS_JAYWALK:g}", NONE, NONE, NONE)
     rows = [
         (name, *(shown(find(found[people])) for people in material.populations), value)
         for (name, find), value in zip(SHARES.items(), theirs, strict=True)
     ]
-    for name, scale in (("crossing", "per_crossing"), ("second on a roadway", "per_second")):
-        ratios = (shown(found[people][scale]["ratio"], 1.0) for people in material.populations)
+    risks = {
+        "crossing": [found[people].per_crossing for people in material.populations],
+        "second on a roadway": [found[people].per_second for people in material.populations],
+    }
+    for name, of_populations in risks.items():
+        ratios = (shown(risk.ratio, 1.0) for risk in of_populations)
         rows.append((f"collisions per {name}: jaywalk / crosswalk (a ratio, not %)", *ratios, NONE))
     mine = found[material.crowd]
     against = [
-        Versus("share of collisions", mine["share"], published.COLLISIONS_JAYWALK),
-        Versus("share of crossings", mine["per_crossing"]["share"], published.CROSSINGS_JAYWALK),
+        Versus("share of collisions", mine.share, published.COLLISIONS_JAYWALK),
+        Versus("share of crossings", mine.per_crossing.share, published.CROSSINGS_JAYWALK),
     ]
     return Table(columns, tuple(rows), _verdict(material, against, verdicts.ATTRIBUTION))
 
@@ -135,34 +143,33 @@ def contacts(material: Material) -> Table:
     )
     rows = []
     for people in material.populations:
-        outcomes = material.cell(material.subject, people)["outcomes"]
-        for kind in ("crosswalk", "jaywalk", "sidewalk"):
-            c = outcomes[kind]
-            counts = (str(c["moving"] + c["standing"]), shown(c["share"]), str(c["moving"]), str(c["standing"]))
-            rows.append((people, kind, *counts, shown(c["impact_speed"], 1.0)))
+        outcomes = material.cell(material.subject, people).summary[OUTCOMES]
+        contacts = {"crosswalk": outcomes.crosswalk, "jaywalk": outcomes.jaywalk, "sidewalk": outcomes.sidewalk}
+        for kind, c in contacts.items():
+            counts = (str(c.moving + c.standing), shown(c.share), str(c.moving), str(c.standing))
+            rows.append((people, kind, *counts, shown(c.impact_speed, 1.0)))
     return Table(columns, tuple(rows))
 
 
 def quarters(material: Material) -> Table:
     """Jaywalk rate by quarter of the trait."""
     cell = material.cell(material.subject, material.crowd)
-    found, most = cell["jaywalk_rate"], 100 * cell["jaywalk_multiplier"]
+    found, most = cell.summary[JAYWALK_RATE], 100 * cell.jaywalk_multiplier
     expected = [most * (0.125 + 0.25 * i) for i in range(4)]
     against = [
-        Versus(name, ours, x)
-        for name, ours, x in zip(QUARTER_NAMES, found["quarters"], published.QUARTERS, strict=True)
+        Versus(name, ours, x) for name, ours, x in zip(QUARTER_NAMES, found.quarters, published.QUARTERS, strict=True)
     ]
     rows = [
-        (name, shown(ours), f"{mean:.1f}", f"{theirs}", f"{ours['trials']:,}")
-        for name, ours, mean, theirs in zip(QUARTER_NAMES, found["quarters"], expected, published.QUARTERS, strict=True)
+        (name, shown(ours), f"{mean:.1f}", f"{theirs}", f"{ours.trials:,}")
+        for name, ours, mean, theirs in zip(QUARTER_NAMES, found.quarters, expected, published.QUARTERS, strict=True)
     ]
     rows.append(
         (
             "all",
-            shown(found["all"]),
+            shown(found.all),
             f"{most / 2:.1f}",
             f"{published.CROSSINGS_JAYWALK:g}",
-            f"{found['all']['trials']:,}",
+            f"{found.all.trials:,}",
         )
     )
     columns = ("jaywalking tendency", "jaywalk %", "by equation 1", "paper", "decisions")
@@ -175,12 +182,11 @@ def waiting(material: Material) -> Table:
     price = ("waits of all steps %", "pace [m/s]", "of always-go's %", "longest stand on a roadway [steps]")
     rows = []
     for driver in material.drivers:
-        found, bold = (material.cell(driver, people)["waiting"] for people in (material.crowd, ALWAYS_GO))
-        danger, other, harmless, waited = (found[x] for x in ("danger", "other", "harmless", "waited"))
-        pace, most = found["pace"], bold["pace"]["value"]
-        row = (driver, shown(danger), f"{danger['count']:,}", shown(other), shown(harmless), f"{harmless['count']:,}")
-        share = f"{100 * pace['value'] / most:.1f}" if most else NONE
-        rows.append((*row, shown(waited, digits=2), shown(pace, 1.0, 2), share, str(found["longest_stand"])))
+        found, bold = (material.cell(driver, people).summary[WAITING] for people in (material.crowd, ALWAYS_GO))
+        danger, harmless, pace, most = found.danger, found.harmless, found.pace, bold.pace.value
+        row = (driver, shown(danger), f"{danger.count:,}", shown(found.other), shown(harmless), f"{harmless.count:,}")
+        share = f"{100 * pace.value / most:.1f}" if most and pace.value is not None else NONE
+        rows.append((*row, shown(found.waited, digits=2), shown(pace, 1.0, 2), share, str(found.longest_stand)))
     return Table(("driver", *rates, *price), tuple(rows))
 
 
@@ -189,10 +195,10 @@ def approach(material: Material) -> Table:
     columns = ("encounter", "pedestrians", "5th percentile of the minimum approach [m]", "paper", "encounters")
     rows, against = [], []
     for people in material.populations:
-        found = material.cell(material.subject, people)["encounters"]
+        found = by_type(material.cell(material.subject, people).summary[ENCOUNTERS])
         for kind, theirs in published.APPROACH.items():
-            ours = found[kind]["minimum_approach"]
-            rows.append((kind, people, shown(ours, 1.0, 2), f"{theirs}", f"{found[kind]['count']:,}"))
+            ours = found[kind].minimum_approach
+            rows.append((kind, people, shown(ours, 1.0, 2), f"{theirs}", f"{found[kind].count:,}"))
             if people == material.crowd:
                 against.append(Versus(kind, ours, theirs, "m", 1.0))
     return Table(columns, tuple(rows), _verdict(material, against, verdicts.APPROACH))
@@ -204,14 +210,14 @@ def braking(material: Material) -> Table:
     columns = ("encounter", "pedestrians", *times, "brake", "never", "already", "standing")
     rows = []
     for people in material.populations:
-        for kind in ("jaywalk", "crosswalk"):
-            found = material.cell(material.subject, people)["encounters"][kind]["braking"]
+        met = material.cell(material.subject, people).summary[ENCOUNTERS]
+        for kind, found in (("jaywalk", met.jaywalk.braking), ("crosswalk", met.crosswalk.braking)):
             theirs = f"{published.BRAKING}" if kind == "jaywalk" else NONE
-            counts = (f"{found[x]:,}" for x in ("observed", "censored", "already", "standing"))
+            counts = (f"{count:,}" for count in (found.observed, found.censored, found.already, found.standing))
             rows.append(
-                (kind, people, shown(found["median"], 1.0, 2), shown(found["mean_observed"], 1.0, 2), theirs, *counts)
+                (kind, people, shown(found.median, 1.0, 2), shown(found.mean_observed, 1.0, 2), theirs, *counts)
             )
-    ours = material.cell(material.subject, material.crowd)["encounters"]["jaywalk"]["braking"]["mean_observed"]
+    ours = material.cell(material.subject, material.crowd).summary[ENCOUNTERS].jaywalk.braking.mean_observed
     against = [Versus("mean time to braking for jaywalkers", ours, published.BRAKING, "s", 1.0)]
     return Table(columns, tuple(rows), _verdict(material, against, verdicts.BRAKING))
 
@@ -232,11 +238,11 @@ def ablation(material: Material) -> Table:
     for multiplier in material.multipliers:
         for people in material.populations:
             found = material.ablated(multiplier, people)
-            share = shown(found["jaywalk_share"]["mean"])
-            pair = published.ABLATION[multiplier] if people == ALWAYS_GO else None
+            share = shown(found.jaywalk_share.mean)
+            pair = published.ABLATION.get(multiplier) if people == ALWAYS_GO else None
             theirs = [NONE, NONE] if pair is None else [f"{x:g}" for x in pair]
-            goal, collision = found["goal_rate"]["mean"], found["collision_rate"]["mean"]
-            said = f"{published.JAYWALK_SHARE[multiplier]:g}"
+            goal, collision = found.goal_rate.mean, found.collision_rate.mean
+            said = f"{published.JAYWALK_SHARE[multiplier]:g}" if multiplier in published.JAYWALK_SHARE else NONE
             rows.append((f"{multiplier:g}", share, said, people, shown(goal), theirs[0], shown(collision), theirs[1]))
             if pair:
                 against.append(Versus(f"goals at multiplier {multiplier:g}", goal, pair[0]))

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from jaxwalk.evaluation.document_parts import SeedNumbers
+from jaxwalk.metrics import OverSeeds
 from jaxwalk.report import published
 from jaxwalk.report.figures.marks import DIAMOND, points, populations
-from jaxwalk.report.material import Material, Number
+from jaxwalk.report.material import Material
 from jaxwalk.report.style import INK, panels
 
-RATES = (("goal_rate", "goals [%]", 0), ("collision_rate", "collisions [%]", 1))
+RATES: tuple[tuple[Callable[[SeedNumbers], OverSeeds], str, int], ...] = (
+    (lambda numbers: numbers.goal_rate, "goals [%]", 0),
+    (lambda numbers: numbers.collision_rate, "collisions [%]", 1),
+)
 """What to show, its label, and its place in the paper's pairs."""
 
 
@@ -23,9 +29,9 @@ def baselines(material: Material) -> Figure:
     known = [name for name in names if _published(name, 0)]
     for axis, (rate, unit, place) in zip(axes, RATES, strict=True):
         for people, colour, aside in populations(material, spread=0.34):
-            ours = [material.over_seeds(name, people)[rate] for name in names]
+            ours = [rate(material.over_seeds(name, people)) for name in names]
             where = [i + aside for i in range(len(names))]
-            means, label = [number["mean"] for number in ours], f"ours, among {people}"
+            means, label = [number.mean for number in ours], f"ours, among {people}"
             points(axis, means, where, color=colour, label=label, scale=100.0, flat=True)
             first = people == material.populations[0]
             _each_seed(axis, ours, where, "each training seed" if first and material.several else None)
@@ -39,11 +45,11 @@ def baselines(material: Material) -> Figure:
     return figure
 
 
-def _each_seed(axis: Axes, ours: list[Number], where: list[float], label: str | None) -> None:
+def _each_seed(axis: Axes, ours: list[OverSeeds], where: list[float], label: str | None) -> None:
     """A dot for each training seed, where there are several."""
-    several = [(number["each"], place) for number, place in zip(ours, where, strict=True) if len(number["each"]) > 1]
-    values = [100 * value for each, _ in several for value in each]
-    places = [place for each, place in several for _ in each]
+    several = [(number.each, place) for number, place in zip(ours, where, strict=True) if len(number.each) > 1]
+    shown = [(100 * value, place) for each, place in several for value in each if value is not None]
+    values, places = [value for value, _ in shown], [place for _, place in shown]
     axis.plot(values, places, color=INK, marker=".", markersize=4, linestyle="none", zorder=5, label=label)
 
 
@@ -58,7 +64,7 @@ def ablation(material: Material) -> Figure:
     figure, axes = panels(2)
     for axis, (rate, label, place) in zip(axes, RATES, strict=True):
         for people, colour, aside in populations(material, spread=0.02):
-            ours = [material.ablated(m, people)[rate]["mean"] for m in material.multipliers]
+            ours = [rate(material.ablated(m, people)).mean for m in material.multipliers]
             where = [m + aside for m in material.multipliers]
             points(axis, ours, where, color=colour, label=f"ours, among {people}", scale=100.0, line=True)
         theirs = [pair[place] for pair in published.ABLATION.values()]

@@ -1,0 +1,178 @@
+"""`jaxwalk evaluate`: play every driver among every population, compare two, replay collisions, keep what was found.
+
+results.json            all numbers (`jaxwalk.evaluation.Results`)
+suite.md                the same as tables (`jaxwalk.report.suite`)
+episodes.csv            a row per episode; with several jaywalk multipliers a file for each
+encounters.parquet      a row per encounter, if asked for
+episodes-partial.csv    whole batches of an evaluation that a driver's error ended
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from jaxwalk.evaluation import (
+    Cell,
+    ComparedEnding,
+    Results,
+    Stopped,
+    compare,
+    compared,
+    counterfactuals,
+    find_hits,
+    jaywalk_multiplier,
+    paired,
+    summarise_counterfactuals,
+    write_encounters,
+    write_rows,
+)
+from jaxwalk.interfaces import Policy
+from jaxwalk.metrics import Rows
+from jaxwalk.report.suite import suite
+from jaxwalk.runs.provenance import provenance
+from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.environment import Street
+from jaxwalk.writing import write_whole
+
+Tell = Callable[[str, int, int], None]
+"""Called with what is being done, how much of it is done, and how much there is."""
+Played = dict[tuple[str, str], Rows]
+"""The rows of one street, by driver and population."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What to evaluate, and what to keep of it."""
+
+    streets: tuple[Street, ...]
+    """The same street with each jaywalk multiplier."""
+    drivers: Mapping[str, Policy]
+    populations: Mapping[str, Policy]
+    episodes: int
+    """Scenarios in each cell."""
+    seed: int
+    """Seed of the scenarios."""
+    pair: tuple[str, str] | None = None
+    """Two drivers to compare, if any."""
+    counterfactuals: int = 0
+    """Collisions of each cell to replay, at most."""
+    out: Path | None = None
+    """Folder to write into; None: nothing is written."""
+    encounters: bool = False
+    """Whether to write a row per encounter."""
+
+
+def evaluate_all(work: Evaluation, tell: Tell) -> Results:
+    """Evaluate, and write what is asked for; return all results.
+
+    Results are written before collisions are replayed, which takes long, and again afterwards.
+
+    Raises:
+        Stopped: a driver that is not JAX failed; the message says what was kept.
+    """
+    results, rows = _play(work, tell)
+    if work.pair is not None:
+        results = replace(results, compared=_compared(work, work.pair, rows))
+    if work.out:
+        _keep_rows(work, work.out, rows)
+        _keep_results(work.out, results)
+    if work.counterfactuals:
+        results = replace(results, cells=_replayed(work, results.cells, rows, tell))
+        if work.out:
+            _keep_results(work.out, results)
+    return results
+
+
+def _play(work: Evaluation, tell: Tell) -> tuple[Results, list[Played]]:
+    """Return the results of all streets together, and the rows of each."""
+    total = len(work.streets) * len(work.drivers) * len(work.populations) * work.episodes
+    found: list[Results] = []
+    rows: list[Played] = []
+    before = 0
+
+    def progress(driver: str, population: str, played: int, episodes: int) -> None:
+        nonlocal before
+        tell(f"{driver} among {population}", before + played, total)
+        before += episodes if played >= episodes else 0
+
+    for street in work.streets:
+        try:
+            results, played = compare(
+                street, work.drivers, work.populations, Drawn(street, work.seed, work.episodes), progress=progress
+            )
+        except Stopped as stopped:
+            rows.append(stopped.rows)
+            raise Stopped(f"{stopped}; {_keep_unfinished(work, rows)}", stopped.rows) from stopped
+        found.append(results)
+        rows.append(played)
+    return replace(found[0], cells=tuple(cell for results in found for cell in results.cells)), rows
+
+
+def _compared(work: Evaluation, pair: tuple[str, str], rows: list[Played]) -> tuple[ComparedEnding, ...]:
+    """Compare two drivers among every population on every street."""
+    a, b = pair
+    among = [
+        (people, jaywalk_multiplier(street), paired(played[a, people], played[b, people]))
+        for street, played in zip(work.streets, rows, strict=True)
+        for people in work.populations
+    ]
+    return compared(a, b, among)
+
+
+def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tell: Tell) -> tuple[Cell, ...]:
+    """Return the cells with what would have avoided their collisions."""
+    played = [
+        (street, *pair, found)
+        for street, by_pair in zip(work.streets, rows, strict=True)
+        for pair, found in by_pair.items()
+    ]
+    replayed = []
+    for number, (cell, (street, driver, people, found)) in enumerate(zip(cells, played, strict=True)):
+        tell(f"replaying collisions of {driver} among {people}", number, len(cells))
+        table = counterfactuals(
+            street,
+            {"driver": work.drivers[driver], "pedestrian": work.populations[people]},
+            Drawn(street, work.seed, work.episodes),
+            find_hits(found).first(work.counterfactuals),
+        )
+        replayed.append(replace(cell, counterfactuals=summarise_counterfactuals(table)))
+    return tuple(replayed)
+
+
+def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
+    """Write what was evaluated before a driver failed, in whole batches; return what became of it, in words."""
+    episodes = sum(found.episodes for played in rows for found in played.values())
+    if not episodes:
+        return "no batch had been finished before"
+    if work.out is None:
+        return f"{episodes:,} episodes had been evaluated before: --out DIR would keep them"
+    files = _write_episodes(work, work.out / "episodes-partial", rows)
+    return f"the {episodes:,} episodes evaluated before are kept in {', '.join(map(str, files))}"
+
+
+def _keep_rows(work: Evaluation, out: Path, rows: list[Played]) -> None:
+    """Write a row per episode for each multiplier, and a row per encounter if asked for."""
+    _write_episodes(work, out / "episodes", rows)
+    if work.encounters:
+        of_street = zip(map(jaywalk_multiplier, work.streets), rows, strict=True)
+        cells = [(*pair, multiplier, found) for multiplier, played in of_street for pair, found in played.items()]
+        write_encounters(out / "encounters.parquet", cells)
+
+
+def _write_episodes(work: Evaluation, name: Path, rows: list[Played]) -> list[Path]:
+    """Write a row per episode, in a file for each multiplier; ``rows`` may have the first streets only."""
+    name.parent.mkdir(parents=True, exist_ok=True)
+    files = []
+    for street, played in zip(work.streets, rows, strict=False):
+        suffix = f"-x{jaywalk_multiplier(street):g}" if len(work.streets) > 1 else ""
+        files.append(name.with_name(f"{name.name}{suffix}.csv"))
+        write_rows(files[-1], [(*pair, found) for pair, found in played.items()])
+    return files
+
+
+def _keep_results(out: Path, results: Results) -> None:
+    """Write the results, and the same as tables."""
+    write_whole(out / "suite.md", suite(results, provenance()))
+    write_whole(out / "results.json", results.to_json())

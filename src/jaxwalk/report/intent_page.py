@@ -1,0 +1,73 @@
+"""The document of `jaxwalk hidden-intent` as a page of Markdown."""
+
+from __future__ import annotations
+
+from jaxwalk.report.intent_document import IntentDocument, IntentStreet, KnownIntent
+from jaxwalk.report.material import ALWAYS_GO
+from jaxwalk.report.seed_tables import paired_table
+from jaxwalk.report.table import NONE, Table, markdown_table, shown
+from jaxwalk.sim.observation import HIDDEN
+
+BLIND = "blind"
+"""Name of the car that the others are compared with."""
+
+
+def page(document: IntentDocument) -> str:
+    """Return all tables, for each jaywalk multiplier."""
+    plan, made = document.plan, document.provenance
+    chosen = document.streets[0].results.scenarios
+    seeds = ", ".join(str(plan.seed + i) for i in range(plan.seeds))
+    parts = [
+        "# The cost of hidden intent",
+        f"The same car, trained alone among {ALWAYS_GO}: `blind` sees where people are and how they move; `belief` is "
+        "also told the posterior mean of the nearest people's jaywalking tendencies, given their crossings so far; "
+        "`told` is told the tendencies. The critic sees the tendencies in all three cases.",
+        f"Training seeds: {seeds}; {plan.updates:,} updates each. {chosen.name}, hash {chosen.hash}; "
+        f"commit {made.commit or 'unknown'}, "
+        f"{made.hardware}. Brackets are 95 % intervals over training seeds and scenarios.",
+    ]
+    for street in document.streets:
+        parts.append(f"## Jaywalk multiplier {street.jaywalk_multiplier:g}")
+        parts += [_markdown(table(street)) for table in (_drivers, _pairs, _known)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _markdown(table: Table) -> str:
+    return markdown_table(table.columns, table.rows)
+
+
+def _drivers(street: IntentStreet) -> Table:
+    observes = {cell.driver: cell.driver_observes for cell in street.results.cells}
+    columns = ("driver", "observes", "goal %", "collision %", "of each seed", "timeout %", "time to goal [s]")
+    rows = []
+    for found in street.results.over_seeds:
+        name = found.driver
+        sees = f"`{observes[name]}`" + (" (no real car could)" if observes[name] in HIDDEN else "")
+        rates = (found.goal_rate, found.collision_rate, found.timeout_rate)
+        goal, collision, timeout = (shown(rate.mean, digits=2) for rate in rates)
+        each = ", ".join(f"{100 * value:.2f}" for value in found.collision_rate.each if value is not None)
+        time = shown(found.mean_time_to_goal.mean, 1.0, 2)
+        rows.append((name, sees, goal, collision, each, timeout, time))
+    return Table(columns, tuple(rows))
+
+
+def _pairs(street: IntentStreet) -> Table:
+    return paired_table(street.results.paired)
+
+
+def _known(street: IntentStreet) -> Table:
+    """How much could be known (`jaxwalk.metrics.identifiability`)."""
+    columns = (
+        "seen", "people", "crossings of each", "never seen to cross %", "standard deviation of tau (before: 0.289)",
+        "variance explained %", "information [bit]",
+    )  # fmt: skip
+    return Table(columns, tuple(_known_row(found) for found in street.identifiability))
+
+
+def _known_row(found: KnownIntent) -> tuple[str, ...]:
+    known = found.known
+    if known is None:
+        return (found.seen, "0", *[NONE] * 5)
+    never, explained = (f"{100 * share:.1f}" for share in (known.never, known.explained))
+    seen = (found.seen, f"{known.people:,}", f"{known.crossings:.2f}", never)
+    return (*seen, f"{known.deviation:.3f}", explained, f"{known.bits:.3f}")
