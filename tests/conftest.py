@@ -161,7 +161,7 @@ def midway(paid_street, scenarios):
 @pytest.fixture(scope="session")
 def tiny():
     """An experiment of 6 updates of 8 environments x 8 steps."""
-    from jaxwalk.runs.recipes import RECIPES, with_training
+    from jaxwalk.recipes import RECIPES, with_training
 
     experiment = RECIPES["fast"]
     roles = {
@@ -181,8 +181,9 @@ def quiet():
 def whole(tiny, tmp_path_factory):
     """The run of an uninterrupted training."""
     from jaxwalk.runs.folder import Run
+    from jaxwalk.runs.progress import Display
     from jaxwalk.runs.training import train
 
     run = Run.create(tmp_path_factory.mktemp("runs") / "whole", tiny)
-    train(run, console=Console(file=io.StringIO()))
+    train(run, display=Display(Console(file=io.StringIO())))
     return run

@@ -17,8 +17,8 @@ import numpy as np
 
 import jaxwalk.adapters.gymnasium
 from jaxwalk import Street
+from jaxwalk.recipes import RECIPES
 from jaxwalk.rollout import RESTART_EVERY, TRAINING, advance, environment_keys, restart, rollout, seed_key, start
-from jaxwalk.sim.weights import DRIVER_WEIGHTS
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 
@@ -82,7 +82,7 @@ def adapted(environments, mode):
 
 
 def speed(environments, rounds):
-    street = Street.create(driver_weights=DRIVER_WEIGHTS["fast"])
+    street = Street.create(driver_weights=RECIPES["fast"].driver_weights)
     compiled, in_python = native(street, environments)
     loops = {
         "native, compiled loop": compiled,

@@ -21,13 +21,13 @@ import jaxwalk.adapters.gymnasium
 from jaxwalk import Street, evaluate, summarise
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.recipes import RECIPES
 from jaxwalk.scenarios import Drawn
-from jaxwalk.sim.weights import DRIVER_WEIGHTS
 
 gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 
 SCALE = 0.1  # critics learn values of about 1 fastest
-REWARD = {term: SCALE * weight for term, weight in DRIVER_WEIGHTS["fast"].items()}
+REWARD = {term: SCALE * weight for term, weight in RECIPES["fast"].driver_weights.items()}
 
 
 class Streets(VecEnv):

@@ -1,8 +1,8 @@
-"""Playing an environment: one `advance` (act and step), the scan of it over time, and restarts in between.
+"""Rollouts of an environment: `advance` (act and step), its scan over time, and restarts in between.
 
 Ended episodes restart together, every RESTART_EVERY steps, which costs far less than a possible restart at every step.
-Until then they idle, marked as not ``valid``. The step after an episode's last one shows its final state, so the value
-of the state *before* a restart is always at hand for bootstrapping.
+Until then they idle, marked as not ``valid``. The step after an episode's last one records its final state, so the
+value of the state *before* a restart is always available for bootstrapping.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from jaxwalk.acting import SCENARIO_KEYS, step_key
 from jaxwalk.interfaces import Environment, Outcome, Roles
 
 RESTART_EVERY = 8
-"""Steps between restarts; an ended episode idles for 1 to 8 of them, 4.5 in the mean."""
+"""Steps between restarts. An ended episode idles for 1 to 8 steps, 4.5 on average."""
 RESTARTS_AT_ONCE = 16
-"""Restarts are made for this part (1 / 16) of the environments at once: about as many as end between two restarts."""
+"""The environments restart in parts of this share (1 / 16): about as many as end between two restarts."""
 TRAINING, EVALUATION = 0, 1
-"""Domains split off a seed, so that no evaluation meets a scenario of the training."""
+"""Key domains of a seed, so that no evaluation uses a scenario of the training."""
 
 
 @runtime_checkable
 class Act(Protocol):
-    """Chooses all actions of a step; may return a record of how (log-probabilities, observations, ...)."""
+    """Chooses all actions of a step, and may record details (log-probabilities, observations, ...)."""
 
     def __call__(
         self, key: Key[Array, "*batch"], scenario: Any, state: Any, memory: Any
@@ -44,44 +44,47 @@ class Stream(eqx.Module):
     key: Key[Array, "env"]
     """One key for each environment, made from the seed and the environment's global index."""
     episode: Int[Array, "env"]
-    """Episodes begun before the current one, the number of its scenario; -1 before the first."""
+    """Number of the current episode and of its scenario, from 0; -1 before the first one."""
     step: Int[Array, ""]
     """Steps taken so far."""
     scenario: Any
-    """What is being played; arrays ``(..., env)``."""
+    """Current scenarios; arrays ``(..., env)``."""
     state: Any
-    """Where it stands; arrays ``(..., env)``."""
+    """Current states; arrays ``(..., env)``."""
     memory: Any
-    """What the policies remember."""
+    """Memories of the policies."""
     ended: Bool[Array, "env"]
-    """The state is final (or what came of idling after it) until the restart."""
+    """Whether the episode has ended: the state is final, or follows from idling after it, until the restart."""
     shown: Bool[Array, "env"]
-    """A step has seen the final state, so that its value is known: the next restart may leave it."""
+    """Whether a step has recorded the final state, so that the next restart may replace it."""
 
 
 class Step(eqx.Module):
-    """What a scan over `advance` stacks along a leading time axis."""
+    """The result of one `advance`; a scan stacks it along a leading time axis."""
 
     record: Any
-    """What the policies recorded, seeing the state before the step."""
+    """What the policies recorded in the state before the step."""
     outcome: Outcome
-    """What the step brought; meaningless where not ``valid``."""
+    """Outcome of the step; meaningless where not ``valid``."""
     valid: Bool[Array, "env"]
     """False while an ended episode waits for its restart."""
 
 
 def seed_key(seed: int, domain: int) -> Key[Array, ""]:
-    """The key of a seed for TRAINING or EVALUATION."""
+    """Return the key of a seed for TRAINING or EVALUATION."""
     return jax.random.fold_in(jax.random.key(seed), domain)
 
 
 def environment_keys(key: Key[Array, ""], first: int, count: int) -> Key[Array, "env"]:
-    """Keys of the environments with global indices first .. first + count - 1, however many there are in all."""
+    """Return the keys of the environments with global indices first .. first + count - 1.
+
+    They don't depend on the total number of environments.
+    """
     return jax.vmap(jax.random.fold_in, in_axes=(None, 0))(key, first + jnp.arange(count))
 
 
 def draw_batch(environment: Environment, keys: Key[Array, "*batch"]) -> Any:
-    """Scenarios for a batch of keys: arrays ``(..., *batch)``."""
+    """Draw scenarios for a batch of keys: arrays ``(..., *batch)``."""
     draw = environment.draw
     for _ in range(keys.ndim):
         draw = jax.vmap(draw, out_axes=-1)
@@ -104,10 +107,10 @@ def start(environment: Environment, keys: Key[Array, "env"], memory: Any = None)
 
 
 def waiting(environment: Environment, keys: Key[Array, "env"], memory: Any = None) -> Stream:
-    """Environments of which the first `rollout` begins the first episode, as if one before it had ended.
+    """Return environments that begin their first episode in the first `rollout`, as if an earlier one had ended.
 
-    Until then scenario ``(..., env)`` and state ``(..., env)`` are 0. It leads to what `start` leads to, without
-    compiling here what draws scenarios: a rollout's restarts have it anyway.
+    Until then scenario ``(..., env)`` and state ``(..., env)`` are 0. The rollout is the same as after `start`, but
+    drawing scenarios is compiled only there.
     """
 
     def first(key: Key[Array, ""]) -> tuple[Any, Any]:
@@ -146,9 +149,9 @@ def advance(environment: Environment, act: Act, stream: Stream, key: Key[Array, 
 
 
 def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) -> Stream:
-    """Begin the next episode wherever a final state has been shown, some of the environments at a time.
+    """Begin the next episode wherever the final state has been recorded, in some of the environments at a time.
 
-    Drawing a scenario costs as much as several steps, so it is done only for those that need one.
+    Drawing a scenario costs as much as several steps, so scenarios are drawn only where one is needed.
     """
     count = stream.shown.size
     places = -(-count // RESTARTS_AT_ONCE)
@@ -187,9 +190,10 @@ def rollout(
     fresh_memory: Any = None,
     keep: Callable[[Step], Any] = lambda step: step,
 ) -> tuple[Stream, Any]:
-    """Play ``steps`` steps in every environment; returns the stream and what is kept of each `Step`, ``(time, ...)``.
+    """Play ``steps`` steps in every environment. Return the stream and what ``keep`` returns of each `Step`.
 
-    How rollouts divide the time makes no difference as long as they are multiples of RESTART_EVERY.
+    Kept arrays are ``(time, ...)``. Rollouts of other lengths give the same episodes, if all are multiples of
+    RESTART_EVERY.
     """
     block = math.gcd(steps, RESTART_EVERY)
 

@@ -111,7 +111,7 @@ def test_a_drag_that_ends_outside_closes_nothing(opened):
 
 def test_an_address_of_nothing_is_said(file, open_file):
     page = open_file(file, "#episode=3")
-    page.wait_for_selector("text=The episode asked for is not on this page.")
+    page.wait_for_selector("text=This page doesn't have the episode of the link.")
     assert not page.is_visible("dialog")
 
 

@@ -69,9 +69,9 @@ def test_a_replay_of_hostile_names(tmp_path, open_file):
 
 
 def test_the_page_to_watch_a_run_of_a_hostile_name(tmp_path, open_file):
+    from jaxwalk.recipes import RECIPES
     from jaxwalk.runs.folder import Run
     from jaxwalk.runs.progress import Pace
-    from jaxwalk.runs.recipes import RECIPES
     from jaxwalk.runs.watch import WatchPage
 
     run = Run.create(tmp_path / "a <script>document.title = 'owned'<" / "[red]", RECIPES["fast"])

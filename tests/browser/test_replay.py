@@ -59,7 +59,7 @@ def test_a_moment_has_an_address(file, open_file):
 
 def test_an_address_of_nothing_is_said(file, open_file):
     page = open_file(file, "#episode=218&t=2.3")
-    page.wait_for_selector("text=The episode asked for is not on this page.")
+    page.wait_for_selector("text=This page doesn't have the episode of the link.")
     assert page.text_content("figcaption").startswith("rash among always-go, scenario 7")
 
 

@@ -7,9 +7,9 @@ import re
 
 import pytest
 
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.progress import Pace
-from jaxwalk.runs.recipes import RECIPES
 from jaxwalk.runs.watch import WatchPage
 
 
@@ -52,7 +52,7 @@ def test_it_follows_a_training_from_start_to_end(training, open_file):
         assert page.get_by_role("status").inner_text() == "Training."
         assert page.get_by_role("progressbar").evaluate("bar => bar.value / bar.max") == 0.31
         assert page.get_by_text(re.compile("^goals 31.0 %$")).is_visible()
-    page.get_by_text("Stopped: it can be gone on with").wait_for()
+    page.get_by_text("Stopped: jaxwalk train --resume continues it").wait_for()
     training._pace.tell(100)
     with training:
         pass

@@ -14,9 +14,9 @@ from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import save_policy
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import RECIPES
-from jaxwalk.runs.training import Trained
+from jaxwalk.runs.training import TrainingEnd
 from jaxwalk.sim.observation import size
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -205,13 +205,13 @@ def test_out_of_memory_is_said(place, capsys, monkeypatch):
     def train(*_, **__):
         raise RuntimeError("RESOURCE_EXHAUSTED: Out of memory allocating 99999999999 bytes.")
 
-    monkeypatch.setattr("jaxwalk.runs.training.train", train)
+    monkeypatch.setattr("jaxwalk.cli.train.train", train)
     assert main(["train", "--run", "r"]) == 2
     assert "jaxwalk: not enough memory; ask for fewer environments" in capsys.readouterr().err
 
 
 def test_brackets_in_a_folder_are_no_markup(place, capsys, monkeypatch):
-    monkeypatch.setattr("jaxwalk.runs.training.train", lambda *_, **__: Trained(1, 64, 1.0, False))
+    monkeypatch.setattr("jaxwalk.cli.train.train", lambda *_, **__: TrainingEnd(1, 64, 1.0, False))
     assert main(["train", "--run", "a[/b]"]) == 0
     assert "jaxwalk evaluate --driver a[/b]" in capsys.readouterr().err
 

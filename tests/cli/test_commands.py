@@ -15,8 +15,8 @@ import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.cli.options import Bench, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
+from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import with_training
 from report.material import material
 
 SMALL = ("--environments", "8", "--steps", "8", "--minibatches", "2")

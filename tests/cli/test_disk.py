@@ -12,8 +12,8 @@ import pytest
 
 from jaxwalk import writing
 from jaxwalk.cli import main
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import RECIPES
 
 COMMANDS = {
     "train": "train --run out",

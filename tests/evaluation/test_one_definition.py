@@ -13,8 +13,8 @@ from jaxwalk.learning import mappo
 from jaxwalk.metrics.outcomes import measure_outcomes
 from jaxwalk.policies import AlwaysGo, load_policy
 from jaxwalk.policies.shipped import shipped_policy
+from jaxwalk.recipes import RECIPES, single_agent, with_training
 from jaxwalk.rollout import SCENARIO_KEYS, TRAINING, draw_batch, seed_key
-from jaxwalk.runs.recipes import RECIPES, single_agent, with_training
 from jaxwalk.runs.street import fixed_policies, make_street
 
 ENVIRONMENTS, STEPS = 64, 512

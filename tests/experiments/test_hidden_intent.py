@@ -13,8 +13,8 @@ from jaxwalk.experiments import hidden_intent as module
 from jaxwalk.experiments import tournament
 from jaxwalk.experiments.hidden_intent import Plan, hidden_intent
 from jaxwalk.policies import read_metadata
+from jaxwalk.recipes import single_agent
 from jaxwalk.runs.folder import Run, RunError
-from jaxwalk.runs.recipes import single_agent
 from jaxwalk.sim.observation import BELIEF, TOLD
 
 pytestmark = pytest.mark.long

@@ -18,9 +18,9 @@ from hostile.mutations import as_json, contents, documents
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.experiments.reproduce import Plan
+from jaxwalk.recipes import RECIPES
 from jaxwalk.report import Gallery
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import RECIPES
 from jaxwalk.runs.study import run_folder
 from report.material import material
 

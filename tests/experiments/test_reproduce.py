@@ -17,8 +17,8 @@ from jaxwalk.experiments.reproduce import Plan, report, reproduce
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, read_metadata
 from jaxwalk.runs import study
 from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.runs.session import Session
 from jaxwalk.runs.study import Interrupted
-from jaxwalk.runs.training import Session
 
 PLAN = Plan(updates=3, episodes=8, seed=3, seeds=2)
 

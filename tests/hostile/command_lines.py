@@ -16,11 +16,12 @@ from safetensors.numpy import save
 
 from hostile.targets import ARRAYS, HEADER
 from jaxwalk.cli import options
+from jaxwalk.cli.commands import COMMANDS
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import RECIPES
 
 WORKERS = (
-    "jaxwalk.runs.training.train", "jaxwalk.runs.study.train", "jaxwalk.experiments.evaluating.compare",
+    "jaxwalk.cli.train.train", "jaxwalk.runs.study.train", "jaxwalk.experiments.evaluating.compare",
     "jaxwalk.cli.play._page", "jaxwalk.cli.play._drawing", "jaxwalk.experiments.driver_report.play_rounds",
     "jaxwalk.exports.sharing.compare", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
@@ -63,14 +64,14 @@ POSITIONAL = ("runs", "policy", "files")
 
 def commands() -> list[type]:
     """The classes of all commands."""
-    return [kind for kind in vars(options).values() if dataclasses.is_dataclass(kind) and hasattr(kind, "run")]
+    return [command.options for command in COMMANDS]
 
 
 @st.composite
 def command_lines(draw: Callable[[st.SearchStrategy[Any]], Any]) -> list[str]:
     """A command with some of its options, each with as many values as anybody likes."""
     kind = draw(st.sampled_from(commands()))
-    name = "hidden-intent" if kind is options.HiddenIntent else kind.__name__.lower()
+    name = next(command.name for command in COMMANDS if command.options is kind)
     fields = {field.name: field for field in dataclasses.fields(kind)}
     given = [field for field in fields if field in LIKELY and draw(st.booleans())]
     given += draw(st.lists(st.sampled_from(sorted(fields)), max_size=3))

@@ -25,8 +25,8 @@ from jaxwalk.formats.measured import measure_all
 from jaxwalk.maps import load_map
 from jaxwalk.policies import load_policy, read_metadata
 from jaxwalk.policies.host import load_host_driver
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import RECIPES
 from jaxwalk.runs.street import make_street
 from jaxwalk.runs.watch import curves
 from jaxwalk.sim.sim_config import SimConfig

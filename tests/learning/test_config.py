@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from jaxwalk.learning.config import FAST, PAPER, ROLES, RoleConfig, TrainConfig
+from jaxwalk.learning.config import ROLES, RoleConfig, TrainConfig
 
 
 @pytest.mark.parametrize(
@@ -46,27 +46,11 @@ def test_somebody_must_learn():
         TrainConfig(driver=idle, pedestrian=idle)
 
 
-def test_paper_preset_is_table_ii():
-    assert (PAPER.environments, PAPER.steps, PAPER.minibatches, PAPER.updates) == (512, 256, 8, 5000)
-    assert PAPER.environments * PAPER.steps * PAPER.updates == pytest.approx(6.55e8, rel=1e-3)
-    assert (PAPER.learning_rate, PAPER.discount, PAPER.gae_lambda) == (3e-4, 0.995, 0.95)
-    assert (PAPER.clip, PAPER.max_grad_norm, PAPER.credit, PAPER.anneal) == (0.2, 0.5, "shared", False)
-    assert [PAPER.role(role).epochs for role in ROLES] == [4, 4]
-    assert (PAPER.driver.entropy, PAPER.pedestrian.entropy) == (0.01, 0.03)
-    assert (PAPER.driver.actor_hidden, PAPER.pedestrian.actor_hidden) == ((256, 256), (128, 128))
-    assert PAPER.shared_critic_hidden == (256, 256)
-
-
-def test_fast_networks_are_no_smaller_than_the_papers():
-    for role in ROLES:
-        assert FAST.role(role).actor_hidden >= PAPER.role(role).actor_hidden
-
-
 def test_roles_and_their_order():
     from jaxwalk.interfaces import ByRole
 
     assert tuple(f.name for f in dataclasses.fields(ByRole)) == ROLES
-    single = dataclasses.replace(FAST, pedestrian=dataclasses.replace(FAST.pedestrian, fixed=1.0, early=0.0))
+    single = TrainConfig(pedestrian=RoleConfig(fixed=1.0))
     assert single.learning_roles == ("driver",)
 
 

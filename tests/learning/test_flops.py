@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 
 from jaxwalk.learning.actor import GLANCE_PART
-from jaxwalk.learning.config import FAST, PAPER, RoleConfig, TrainConfig
+from jaxwalk.learning.config import RoleConfig, TrainConfig
 from jaxwalk.learning.flops import Sizes, fit_flops, forward_flops, network_flops, passes, sizes_of
+from jaxwalk.recipes import FAST, PAPER
 
 SIZES = Sizes(
     observations={"driver": {"paper": 5, "global": 7}, "pedestrian": {"paper": 3}},
@@ -72,7 +73,7 @@ def test_a_role_that_does_not_learn_costs_nothing():
 
 def test_the_paper_recipe(street):
     """On the paper's street: 0.77 MFLOP in the rollout, 2.21 in an epoch, 9.6 in all."""
-    found = network_flops(PAPER, sizes_of(street, PAPER))
+    found = network_flops(PAPER.train, sizes_of(street, PAPER.train))
     rollout = found.acting + found.judging
     assert rollout == pytest.approx(0.77e6, rel=0.01)
     assert sum(found.fits.values()) / 4 == pytest.approx(2.21e6, rel=0.01)
@@ -81,12 +82,13 @@ def test_the_paper_recipe(street):
 
 
 def test_sizes_are_those_of_what_is_read(street):
-    sizes = sizes_of(street, FAST)
+    fast = FAST.train
+    sizes = sizes_of(street, fast)
     assert {reader: set(seen) for reader, seen in sizes.observations.items()} == {
         "driver": {"route", "global"},
         "pedestrian": {"kerb"},
     }
     assert sizes.agents == {"driver": 1, "pedestrian": 12}
     assert sizes.actions == {"driver": 2, "pedestrian": 2}
-    no_world = replace(FAST, driver=replace(FAST.driver, critic_observes=("route",)))
+    no_world = replace(fast, driver=replace(fast.driver, critic_observes=("route",)))
     assert set(sizes_of(street, no_world).observations["driver"]) == {"route"}

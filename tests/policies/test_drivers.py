@@ -12,7 +12,7 @@ from jaxwalk.policies.drivers import Careless
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.features import SPEED
-from jaxwalk.sim.observation import OBSERVATIONS, part
+from jaxwalk.sim.observation import OBSERVATIONS, part, size
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, POINT_SPACING, POINTS
 
 KEYS = jax.random.split(jax.random.key(3), 7)

@@ -17,7 +17,7 @@ from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
-from jaxwalk.sim.observation import PRIVILEGED, part
+from jaxwalk.sim.observation import PRIVILEGED, part, size
 from jaxwalk.sim.prediction import ABSENT, FAR
 
 SIZE = size("driver", PRIVILEGED)

@@ -35,7 +35,7 @@ def behaviours(draw):
 @given(behaviours())
 def test_the_laws_of_the_world(street, scenarios, behaviour):
     drive, go = behaviour
-    played = play(street, {"driver": scenarios, "pedestrian": drive}, go)
+    played = play(street, scenarios, drive, go)
     for name, x in played.items():
         assert np.isfinite(x).all(), name
 

@@ -31,8 +31,9 @@ import numpy as np
 from rich.console import Console
 
 from jaxwalk.policies import load_policy
+from jaxwalk.recipes import RECIPES, Experiment, with_training
 from jaxwalk.runs.folder import METRICS, Run
-from jaxwalk.runs.recipes import RECIPES, Experiment, with_training
+from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import make_street
 from jaxwalk.runs.training import begin, train
 from jaxwalk.writing import is_unfinished
@@ -65,7 +66,12 @@ def sit(folder: str, checkpoint_minutes: float) -> None:
     jax.config.update("jax_num_cpu_devices", 2)
     path = Path(folder)
     run = Run.open(path) if (path / "config.json").is_file() else Run.create(path, small())
-    train(run, resume=True, console=Console(file=io.StringIO()), checkpoint_minutes=checkpoint_minutes, watch=True)
+    train(
+        run,
+        resume=True,
+        display=Display(Console(file=io.StringIO()), watch=True),
+        checkpoint_minutes=checkpoint_minutes,
+    )
 
 
 def begun(folder: Path, checkpoint_minutes: float = 1e-9) -> Any:
@@ -163,7 +169,7 @@ def _is_left(path: Path) -> bool:
 
 
 def _learner(run: Run) -> list[tuple[str, Any]]:
-    learner = begin(run, make_street(run.experiment), replace(run.experiment.train, updates=1), resume=True)
+    learner = begin(run, make_street(run.experiment), resume=True)
     return [
         (jax.tree_util.keystr(at), jax.random.key_data(x) if jnp.issubdtype(x.dtype, jax.dtypes.prng_key) else x)
         for at, x in jax.tree_util.tree_leaves_with_path(learner)

@@ -16,7 +16,7 @@ import jax
 
 NAMES = {
     "simulation": ("jaxwalk.bench.simulation", "jaxwalk.experiments.benchmark.simulation"),
-    "recipes": ("jaxwalk.runs.recipes", "jaxwalk.experiments.recipes"),
+    "recipes": ("jaxwalk.recipes", "jaxwalk.experiments.recipes"),
     "street": ("jaxwalk.runs.street", "jaxwalk.experiments.world"),
 }
 """Modules by their present name, and by that of 0.1."""

@@ -10,8 +10,8 @@ from safetensors.numpy import load_file
 from jaxwalk.cli import main
 from jaxwalk.learning import checkpoint
 from jaxwalk.policies import read_metadata
+from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import with_training
 
 
 def test_a_diverging_training_says_so_and_keeps_its_last_good_state(tiny, tmp_path, monkeypatch, capsys):

@@ -14,8 +14,9 @@ from jaxwalk import Street
 from jaxwalk.evaluation import evaluate, with_jaywalk_multiplier, write_rows
 from jaxwalk.metrics import JAYWALK_RATE, OUTCOMES, summarise
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy
+from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.recipes import with_training
+from jaxwalk.runs.progress import Display
 from jaxwalk.runs.training import train
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
@@ -56,7 +57,7 @@ def test_one_pedestrian_and_short_steps(tmp_path):
 def test_one_environment_trains(tmp_path, tiny, sim, multiplier):
     short = with_training(tiny, environments=1, updates=2)
     run = Run.create(tmp_path / "run", replace(short, sim=sim, jaywalk_multiplier=multiplier))
-    trained = train(run, console=Console(file=io.StringIO()))
+    trained = train(run, display=Display(Console(file=io.StringIO())))
     assert (trained.updates, trained.steps) == (2, 16)
     for line in (run.path / "metrics.jsonl").read_text().splitlines():
         assert all(map(math.isfinite, json.loads(line).values())), line

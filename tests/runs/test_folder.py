@@ -6,8 +6,8 @@ import re
 import pytest
 
 from jaxwalk.cli import main
+from jaxwalk.recipes import RECIPES, single_agent, with_training
 from jaxwalk.runs.folder import Run, RunError
-from jaxwalk.runs.recipes import RECIPES, single_agent, with_training
 
 
 def _edited(tmp_path, where, value):

@@ -6,9 +6,9 @@ import sys
 import pytest
 
 from jaxwalk.cli import main
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.lock import InUseError, held
-from jaxwalk.runs.recipes import RECIPES
 
 HOLD = """
 import sys, time

@@ -6,13 +6,13 @@ import re
 from rich.console import Console
 
 from jaxwalk.runs import progress
-from jaxwalk.runs.progress import Pace, TrainingProgress
+from jaxwalk.runs.progress import Display, Pace, TrainingProgress
 
 
 def test_a_new_plan_counts_from_there(monkeypatch):
     clock, out = [0.0], io.StringIO()
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
-    shown = TrainingProgress(Console(file=out, width=200), "training", Pace(0, 100, 1000))
+    shown = TrainingProgress(Display(Console(file=out, width=200)), Pace(0, 100, 1000))
     for second in range(1, 31):
         clock[0] = float(second)
         shown.show(second, {})
@@ -27,7 +27,7 @@ def test_a_new_plan_counts_from_there(monkeypatch):
 def test_a_terminal_shows_a_bar_that_leaves_when_it_is_done():
     out = io.StringIO()
     console = Console(file=out, width=100, force_terminal=True)
-    with TrainingProgress(console, "training", Pace(0, 2, 1000)) as shown:
+    with TrainingProgress(Display(console), Pace(0, 2, 1000)) as shown:
         assert "compiling" in out.getvalue()
         shown.show(1, {"goal_rate": 0.5, "collision_rate": 0.25})
         shown.show(2, {"goal_rate": 0.5, "collision_rate": 0.25})

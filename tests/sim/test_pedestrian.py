@@ -21,7 +21,7 @@ def hesitant(street, scenarios):
     drive, go = random_actions(5)
     random = np.random.default_rng(6)
     pauses = random.random((50, *go.shape[1:])) < 0.2
-    return play(street, {"driver": scenarios, "pedestrian": drive}, go * ~np.repeat(pauses, 10, axis=0))
+    return play(street, scenarios, drive, go * ~np.repeat(pauses, 10, axis=0))
 
 
 @pytest.fixture(scope="module")

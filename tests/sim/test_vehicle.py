@@ -125,7 +125,7 @@ def test_the_smallest_turning_circle(street, scenarios):
     )  # fmt: skip
     drive = np.zeros((STEPS, 2, ENVIRONMENTS), np.float32)
     drive[:, 1] = 1
-    played = play(street, {"driver": scenarios, "pedestrian": drive}, state=start)
+    played = play(street, scenarios, drive, state=start)
     x, y = played["car_x"][:, 0], played["car_y"][:, 0]
     assert np.ptp(x) / 2 == pytest.approx(radius, abs=0.02)
     assert np.ptp(y) / 2 == pytest.approx(radius, abs=0.02)

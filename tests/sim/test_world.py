@@ -12,7 +12,6 @@ import pytest
 
 from jaxwalk import SimConfig, Street
 from jaxwalk.sim import pedestrian, vehicle
-from sim.play import QUICKLY
 
 OTHER = SimConfig(
     slowest_walk=0.8, fastest_walk=1.9, wheelbase=2.7, max_speed=13.9, max_steering=0.6, max_acceleration=7.0,
@@ -43,7 +42,7 @@ def test_other_rules_compile_nothing_anew(street):
         go = jnp.ones(people.going.shape, bool)
         return vehicle.drive(world, scenario, car, jnp.ones(2)), pedestrian.walk(world, scenario, people, go)
 
-    compiled = jax.jit(step, compiler_options=QUICKLY)
+    compiled = jax.jit(step)
     speeds, strides = [], []
     for config in (SimConfig(), keeps_the_shapes):
         world = street.world if config == SimConfig() else Street.create(config=config, jaywalk_multiplier=0.7).world

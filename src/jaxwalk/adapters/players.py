@@ -9,13 +9,12 @@ from typing import Any
 from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, shipped_policy
-from jaxwalk.sim.weights import DRIVER_WEIGHTS, PEDESTRIAN_WEIGHTS
+from jaxwalk.recipes import RECIPES
 
 Weights = str | Mapping[str, float]
 """A recipe's name, or a weight for each of some reward terms (`jaxwalk.sim.reward`)."""
 
 _RULES: dict[str, Any] = {"driver": DRIVERS, "pedestrian": POPULATIONS}
-_WEIGHTS = {"driver": DRIVER_WEIGHTS, "pedestrian": PEDESTRIAN_WEIGHTS}
 
 
 class AdapterError(ValueError):
@@ -42,6 +41,7 @@ def weights_of(role: str, weights: Weights) -> Mapping[str, float]:
     """What a role is paid for: as given, or as the recipe of that name pays."""
     if not isinstance(weights, str):
         return weights
-    if weights not in _WEIGHTS[role]:
-        raise AdapterError(f"no recipe {weights!r} to pay the {role} by; there are: {', '.join(_WEIGHTS[role])}")
-    return _WEIGHTS[role][weights]
+    if weights not in RECIPES:
+        raise AdapterError(f"no recipe {weights!r} to pay the {role} by; there are: {', '.join(RECIPES)}")
+    recipe = RECIPES[weights]
+    return recipe.driver_weights if role == "driver" else recipe.pedestrian_weights

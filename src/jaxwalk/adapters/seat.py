@@ -59,7 +59,7 @@ class Seen(NamedTuple):
         return self.terminated | self.truncated
 
 
-class Rules:
+class SeatProgram:
     """A game and how it is played from the seat. Compiled code holds all of it as constants: what is not handed over at
     every call costs no time there. Equal rules share that code."""
 
@@ -76,7 +76,7 @@ class Rules:
         return self._hash
 
     def __eq__(self, other: object) -> bool:
-        return self is other or (isinstance(other, Rules) and self._value == other._value)
+        return self is other or (isinstance(other, SeatProgram) and self._value == other._value)
 
 
 class Seat:
@@ -89,7 +89,7 @@ class Seat:
         self.count, street = count, game.street
         self.terms = tuple(street.weights["driver"])
         self.low, self.high = bounds(street.world, "driver", observation)
-        self.rules = Rules(game, observation, autoreset)
+        self.rules = SeatProgram(game, observation, autoreset)
         self.structure = jax.tree.structure(None)
         self._leaves: list[Array] = []
 
@@ -141,20 +141,20 @@ class Seat:
 
 
 @partial(jax.jit, static_argnums=0)
-def _begin(rules: Rules, keys: Array) -> tuple[Stream, Array]:
+def _begin(rules: SeatProgram, keys: Array) -> tuple[Stream, Array]:
     stream = begin(rules.game, jax.random.wrap_key_data(keys))
     return _raw(stream), _observe(rules, stream)
 
 
 @partial(jax.jit, static_argnums=(0, 1))
-def _next(rules: Rules, structure: Any, leaves: list[Array], which: Array) -> tuple[list[Array], Array]:
+def _next(rules: SeatProgram, structure: Any, leaves: list[Array], which: Array) -> tuple[list[Array], Array]:
     stream = renew(rules.game, _keyed(jax.tree.unflatten(structure, leaves)), which)
     return jax.tree.leaves(_raw(stream)), _observe(rules, stream)
 
 
 @partial(jax.jit, static_argnums=(0, 1), donate_argnums=2)
 def _step(
-    rules: Rules, structure: Any, leaves: list[Array], action: Array
+    rules: SeatProgram, structure: Any, leaves: list[Array], action: Array
 ) -> tuple[list[Array], Float[Array, "row env"]]:
     """The stream after a step, and what `Seat._unpacked` takes apart."""
     stream, step = play(
@@ -169,7 +169,7 @@ def _step(
     return jax.tree.leaves(_raw(stream)), jnp.concatenate([_observe(rules, stream), *final, rows])
 
 
-def _observe(rules: Rules, stream: Stream) -> Float[Array, "feature env"]:
+def _observe(rules: SeatProgram, stream: Stream) -> Float[Array, "feature env"]:
     return rules.game.street.observe(stream.scenario, stream.state, rules.view)
 
 

@@ -17,8 +17,8 @@ from jaxwalk.interfaces import Environment
 from jaxwalk.learning import mappo
 from jaxwalk.learning.config import TrainConfig, own_environments
 from jaxwalk.learning.flops import network_flops, sizes_of
+from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.rollout import TRAINING, seed_key
-from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.street import fixed_policies, make_street, shared_out
 
 WHOLE_MINIBATCH = 2**30

@@ -7,8 +7,8 @@ from rich.console import Console
 from jaxwalk.bench.benchmark_settings import QUICK, Settings
 from jaxwalk.bench.document import as_text, benchmark, write
 from jaxwalk.bench.showing import table
+from jaxwalk.cli.errors import bad_values
 from jaxwalk.cli.options import Bench
-from jaxwalk.cli.train import bad_values
 from jaxwalk.runs.folder import check_writable
 
 TUNABLE = ("environments", "training_environments", "pedestrians", "seconds", "chunk_rows", "only")

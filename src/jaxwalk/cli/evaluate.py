@@ -11,8 +11,8 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from jaxwalk.cli.options import Evaluate, Share, UsageError
-from jaxwalk.cli.train import bad_values
+from jaxwalk.cli.errors import UsageError, bad_values
+from jaxwalk.cli.options import Evaluate, Share
 from jaxwalk.evaluation import BATCH, Cell, Results, ScenarioSet, check_parquet, with_jaywalk_multiplier
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.report.suite import said

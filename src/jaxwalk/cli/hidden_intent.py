@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from jaxwalk.cli.errors import bad_values
+from jaxwalk.cli.interruption import until_interrupted
 from jaxwalk.cli.options import HiddenIntent
-from jaxwalk.cli.reproduce import until_interrupted
-from jaxwalk.cli.train import bad_values
 from jaxwalk.experiments.hidden_intent import Plan, hidden_intent
 
 

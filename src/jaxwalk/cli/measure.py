@@ -12,8 +12,8 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from jaxwalk.cli.options import Measure, UsageError
-from jaxwalk.cli.train import bad_values
+from jaxwalk.cli.errors import UsageError, bad_values
+from jaxwalk.cli.options import Measure
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.formats.areas import Areas, read_areas
 from jaxwalk.formats.layouts import TrackSource, open_tracks

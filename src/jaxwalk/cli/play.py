@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jaxwalk.cli.options import Play, UsageError
-from jaxwalk.cli.train import bad_values
-from jaxwalk.evaluation import with_jaywalk_multiplier
+from jaxwalk.cli.casting import Policies, cast
+from jaxwalk.cli.checks import check_driver, check_no_folder, check_scenario, check_seed
+from jaxwalk.cli.errors import UsageError
+from jaxwalk.cli.options import Play
 from jaxwalk.exports.drawn_episode import MOVING, draw_episode
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
-from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.sim.environment import Street
 
@@ -23,26 +23,24 @@ STILL = (".png", ".svg", ".pdf")
 def run(options: Play) -> int:
     """Play and show."""
     out = check(options)
-    with bad_values():
-        street = world_of([*options.driver, options.pedestrians], options.map)
-        street = with_jaywalk_multiplier(street, options.jaywalk_multiplier)
-        trust, seconds = options.trust, options.driver_seconds
-        drivers = {name: contestant(street, "driver", name, trust=trust, seconds=seconds) for name in options.driver}
-        people = contestant(street, "pedestrian", options.pedestrians)
+    street, drivers, people = cast(
+        options.driver, [options.pedestrians], options.map, options.jaywalk_multiplier,
+        trust=options.trust, seconds=options.driver_seconds,
+    )  # fmt: skip
     out.parent.mkdir(parents=True, exist_ok=True)
     show = _page if out.suffix.lower() == PAGE else _drawing
-    print(f"{out}: {show(options, out, street, drivers, people)}")
+    print(f"{out}: {show(options, out, street, drivers, people[options.pedestrians])}")
     return 0
 
 
-def _drawing(options: Play, out: Path, street: Street, drivers: dict[str, Policy], people: Policy) -> str:
+def _drawing(options: Play, out: Path, street: Street, drivers: Policies, people: Policy) -> str:
     (driver,), (scenario,) = drivers.values(), options.scenario
     played = draw_episode(street, driver, people, out, scenario=scenario, seed=options.seed, time=options.time)
     ending = "goal" if played.goal[0] else "collision" if played.collision[0] else "timeout"
     return f"scenario {scenario} of seed {options.seed}: {ending} after {played.length[0] * played.dt:.1f} s"
 
 
-def _page(options: Play, out: Path, street: Street, drivers: dict[str, Policy], people: Policy) -> str:
+def _page(options: Play, out: Path, street: Street, drivers: Policies, people: Policy) -> str:
     from jaxwalk.viewer import replay_page
 
     numbers = list(dict.fromkeys(options.scenario))
@@ -55,17 +53,12 @@ def _page(options: Play, out: Path, street: Street, drivers: dict[str, Policy], 
 
 def check(options: Play) -> Path:
     """Raise for options that can't be; returns the file to write."""
-    if not options.driver:
-        raise UsageError(
-            "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
-        )
+    check_driver(options.driver)
     for scenario in options.scenario:
-        if not 0 <= scenario < 2**30:
-            raise UsageError(f"--scenario must lie in [0, 2^30), not {scenario}")
+        check_scenario(scenario)
     if not options.scenario:
         raise UsageError("--scenario needs a number, such as 3")
-    if not 0 <= options.seed < 2**31:
-        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
+    check_seed(options.seed)
     if options.html and options.out:
         raise UsageError("--html is short for --out episode.html: give one of the two")
     out = options.out or Path("episode.html" if options.html else "episode.png")
@@ -78,8 +71,7 @@ def _check_file(options: Play, out: Path) -> None:
     kind, kinds = out.suffix.lower(), (PAGE, *STILL, *MOVING)
     if kind not in kinds:
         raise UsageError(f"--out {out}: the name must end in one of {', '.join(kinds)}")
-    if out.is_dir():
-        raise UsageError(f"--out {out}: is a folder; name a file")
+    check_no_folder(out)
     if kind != PAGE and (len(options.driver) > 1 or len(options.scenario) > 1):
         raise UsageError(f"--out {out}: shows one driver in one scenario; several only on a page (--html)")
     if options.time is not None and not 0 <= options.time < float("inf"):

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from rich.console import Console
 
-from jaxwalk.cli.options import Report, UsageError
-from jaxwalk.cli.train import bad_values
-from jaxwalk.evaluation import with_jaywalk_multiplier
+from jaxwalk.cli.casting import cast
+from jaxwalk.cli.checks import check_episodes, check_seed
+from jaxwalk.cli.errors import UsageError
+from jaxwalk.cli.options import Report
 from jaxwalk.experiments.driver_report import driver_report
 from jaxwalk.experiments.reproduce import report as remake
 from jaxwalk.exports.gallery import Cast
-from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 
@@ -31,17 +31,14 @@ def run(options: Report) -> int:
         print(f"Open {_again(again[0])}")
         return 0
     check(options)
-    with bad_values():
-        street = with_jaywalk_multiplier(
-            world_of([*options.runs, *options.pedestrians], options.map), options.jaywalk_multiplier
-        )
-        trust, seconds = options.trust, options.driver_seconds
-        drivers = {name: contestant(street, "driver", name, trust=trust, seconds=seconds) for name in options.runs}
-        people = {name: contestant(street, "pedestrian", name) for name in options.pedestrians}
+    street, drivers, people = cast(
+        options.runs, options.pedestrians, options.map, options.jaywalk_multiplier,
+        trust=options.trust, seconds=options.driver_seconds,
+    )  # fmt: skip
     console = Console(stderr=True)
-    cast = Cast(street, drivers, people, options.seed)
+    evaluated = Cast(street, drivers, people, options.seed)
     page = driver_report(
-        options.out, cast, episodes=options.episodes, most=options.incidents,
+        options.out, evaluated, episodes=options.episodes, most=options.incidents,
         say=lambda line: console.print(line, soft_wrap=True, markup=False),
     )  # fmt: skip
     print(f"Open {page}")
@@ -58,10 +55,8 @@ def check(options: Report) -> None:
     """Raise for options that can't be."""
     if not 1 <= len(options.pedestrians) <= MOST_POPULATIONS:
         raise UsageError(f"--pedestrians takes 1 to {MOST_POPULATIONS} populations, not {len(options.pedestrians)}")
-    if options.episodes < 1:
-        raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
+    check_episodes(options.episodes)
     if not 0 <= options.incidents <= MOST_INCIDENTS:
         raise UsageError(f"--incidents must lie in [0, {MOST_INCIDENTS}], not {options.incidents}")
-    if not 0 <= options.seed < 2**31:
-        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
+    check_seed(options.seed)
     check_writable(options.out)

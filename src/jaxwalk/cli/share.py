@@ -6,8 +6,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress, TaskID
 
-from jaxwalk.cli.evaluate import check_scenarios
-from jaxwalk.cli.options import Share, UsageError
+from jaxwalk.cli.checks import check_episodes, check_file, check_pedestrians, check_seed
+from jaxwalk.cli.errors import UsageError
+from jaxwalk.cli.options import Share
 from jaxwalk.exports.sharing import share
 from jaxwalk.runs.folder import check_writable
 
@@ -16,16 +17,13 @@ def run(options: Share) -> int:
     """Evaluate the driver, then write the file and its card."""
     if options.out is None:
         raise UsageError("--out FILE.safetensors is missing: where to write the policies")
-    if options.out.suffix != ".safetensors":
-        raise UsageError(f"--out {options.out}: the name must end in .safetensors")
-    if options.out.is_dir():
-        raise UsageError(f"--out {options.out}: is a folder; name a file")
+    check_file(options.out, ".safetensors")
     card = options.out.with_suffix(".md")
     if card.exists() and not options.out.exists():
         raise UsageError(f"--out {options.out}: its card would replace {card}; choose another name")
-    if not options.pedestrians:
-        raise UsageError("--pedestrians is missing: always-go, learned, a run folder or a policy file")
-    check_scenarios(options)
+    check_pedestrians(options.pedestrians)
+    check_episodes(options.episodes)
+    check_seed(options.seed)
     check_writable(options.out.parent)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         tasks: dict[str, TaskID] = {}

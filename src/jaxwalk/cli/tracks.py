@@ -7,12 +7,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from jaxwalk.cli.options import Tracks, UsageError
-from jaxwalk.cli.train import bad_values
-from jaxwalk.evaluation import with_jaywalk_multiplier
+from jaxwalk.cli.casting import cast
+from jaxwalk.cli.checks import check_driver, check_episodes, check_file, check_seed
+from jaxwalk.cli.options import Tracks
 from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
-from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import Run, check_writable
 
 
@@ -20,11 +19,9 @@ def run(options: Tracks) -> int:
     """Play and write."""
     check(options)
     names = [options.driver, options.pedestrians]
-    with bad_values():
-        street = world_of(names, [options.map] if options.map else [])
-        street = with_jaywalk_multiplier(street, options.jaywalk_multiplier)
-        driver = contestant(street, "driver", options.driver)
-        people = contestant(street, "pedestrian", options.pedestrians)
+    maps = [options.map] if options.map else []
+    street, drivers, people = cast([options.driver], [options.pedestrians], maps, options.jaywalk_multiplier)
+    (driver,), (crowd,) = drivers.values(), people.values()
     options.out.parent.mkdir(parents=True, exist_ok=True)
     about = {
         "map": options.map or map_name(names), "driver": options.driver, "pedestrians": options.pedestrians,
@@ -33,7 +30,7 @@ def run(options: Tracks) -> int:
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("playing", total=options.episodes)
         record_tracks(
-            street, driver, people, options.out, episodes=options.episodes, seed=options.seed, about=about,
+            street, driver, crowd, options.out, episodes=options.episodes, seed=options.seed, about=about,
             progress=lambda played, _: bar.update(task, completed=played),
         )  # fmt: skip
     print(f"{options.out}: {options.episodes:,} episodes, scenarios 0 to {options.episodes - 1} of seed {options.seed}")
@@ -48,17 +45,9 @@ def map_name(names: list[str]) -> str:
 
 def check(options: Tracks) -> None:
     """Raise for options that can't be."""
-    if not options.driver:
-        raise UsageError(
-            "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
-        )
-    if options.episodes < 1:
-        raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
-    if not 0 <= options.seed < 2**31:
-        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
-    if options.out.suffix != ".parquet":
-        raise UsageError(f"--out {options.out}: the name must end in .parquet")
-    if options.out.is_dir():
-        raise UsageError(f"--out {options.out}: is a folder; name a file")
+    check_driver(options.driver)
+    check_episodes(options.episodes)
+    check_seed(options.seed)
+    check_file(options.out, ".parquet")
     check_parquet()
     check_writable(options.out.parent)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
-from jaxwalk.cli.options import Train, UsageError
+from jaxwalk.cli.errors import INTERRUPTED, UsageError, bad_values
+from jaxwalk.cli.options import Train
+from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.folder import Run, check_new, check_writable
-from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.runs.progress import Display
+from jaxwalk.runs.street import make_street, shared_out
+from jaxwalk.runs.training import train
+from jaxwalk.shards import mesh_of
 
 TUNABLE = (
     "updates", "environments", "steps", "minibatches",
@@ -26,38 +29,26 @@ GOES_WITH_RESUME = ("resume", "checkpoint_minutes", "watch")
 def run(options: Train) -> int:
     """Train or resume; 130 if Ctrl-C ended it."""
     check(options)
-    console = Console(stderr=True)
     begun = Run.open(options.resume) if options.resume else None
     experiment = begun.experiment if begun else make_experiment(options)
     with bad_values():
-        from jaxwalk.runs.street import make_street, shared_out
-        from jaxwalk.runs.training import train
-        from jaxwalk.shards import mesh_of
-
         street = make_street(experiment)
         experiment = experiment if begun or options.shards else shared_out(experiment)
         mesh_of(experiment.train.shards)
     if begun:
         check_writable(begun.path)
     folder = begun or Run.create(options.run_folder or "", experiment)
+    name = "single-agent" if experiment.single_agent else "co-trained"
+    display = Display(Console(stderr=True), name, options.watch)
     trained = train(
-        folder,
-        resume=begun is not None,
-        console=console,
-        name="single-agent" if experiment.single_agent else "co-trained",
-        checkpoint_minutes=options.checkpoint_minutes,
-        watch=options.watch,
-        street=street,
-    )
+        folder, resume=begun is not None, display=display,
+        checkpoint_minutes=options.checkpoint_minutes, street=street,
+    )  # fmt: skip
     made = f"{trained.updates:,} updates, {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes"
     if trained.interrupted:
-        console.print(
-            f"Interrupted after {made}. Go on with: jaxwalk train --resume {folder.path}", soft_wrap=True, markup=False
-        )
-        return 130
-    console.print(
-        f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {folder.path}", soft_wrap=True, markup=False
-    )
+        display.say(f"Interrupted after {made}. Resume with: jaxwalk train --resume {folder.path}")
+        return INTERRUPTED
+    display.say(f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {folder.path}")
     return 0
 
 
@@ -68,7 +59,7 @@ def check(options: Train) -> None:
         if value is not None and not 0 < value < float("inf"):
             raise UsageError(f"--{name.replace('_', '-')} must be above 0, not {value}")
     if options.resume and options.run_folder:
-        raise UsageError("--run begins a training, --resume goes on with one; give one of them")
+        raise UsageError("--run begins a training, --resume continues one; give one of them")
     if options.resume:
         given = [f.name for f in dataclasses.fields(Train) if getattr(options, f.name) != f.default]
         extra = [name for name in given if name not in GOES_WITH_RESUME]
@@ -77,14 +68,14 @@ def check(options: Train) -> None:
             raise UsageError(f"--{name}: a resumed training keeps its configuration; leave it out, or use --run")
         return
     if options.run_folder is None:
-        raise UsageError("--run DIR is missing: where to keep the training (or --resume DIR, to go on with one)")
+        raise UsageError("--run DIR is missing: where to keep the training (or --resume DIR, to continue one)")
     if options.minutes is not None and options.updates is not None:
         raise UsageError("--updates and --minutes both say how long to train; give one of them")
     check_new(options.run_folder)
 
 
 def make_experiment(options: Train) -> Experiment:
-    """The recipe with the options' changes."""
+    """Return the recipe with the changes that the options ask for."""
     experiment = RECIPES[options.recipe]
     experiment = single_agent(experiment) if options.single_agent else experiment
     with bad_values():
@@ -97,16 +88,5 @@ def make_experiment(options: Train) -> Experiment:
 
 
 def _absolute(name: str) -> str:
-    """A map file by its whole path, so that the run can be resumed from anywhere; a bundled map by its name."""
+    """Return a map file by its whole path, so that the run can be resumed from anywhere; a bundled map by its name."""
     return str(Path(name).absolute()) if Path(name).is_file() else name
-
-
-@contextmanager
-def bad_values() -> Iterator[None]:
-    """While something is built from options, any ValueError is about them."""
-    try:
-        yield
-    except ValueError as error:
-        if type(error).__module__.startswith("jaxwalk"):
-            raise
-        raise UsageError(f"{error}; see the command's --help") from error

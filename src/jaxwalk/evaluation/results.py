@@ -23,12 +23,13 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
+from jaxwalk.sim.crossing_kind import CONTACTS
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
 SCHEMA = 3
 """Version of the JSON document; it changes when something is added that reports need."""
-CONTACT_NAMES = ("", "crosswalk", "jaywalk", "sidewalk")
+CONTACT_NAMES = ("", *(kind.word for kind in CONTACTS))
 """Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
 NAMES = ("driver", "pedestrians")
 """What a row of the file with a row per episode is of, unless told otherwise."""

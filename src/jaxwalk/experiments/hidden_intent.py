@@ -25,12 +25,12 @@ from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, result
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
+from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.intent_document import IntentDocument, IntentPlan, IntentStreet, KnownIntent, as_intent_document
 from jaxwalk.report.intent_page import BLIND, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.provenance import provenance
-from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.study import Effort, Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street

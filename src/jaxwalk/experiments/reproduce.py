@@ -29,6 +29,7 @@ from jaxwalk.exports.drawn_episode import draw_episode
 from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import ENCOUNTERS, OUTCOMES
+from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import (
     ALWAYS_GO,
     CO_TRAINED,
@@ -45,7 +46,6 @@ from jaxwalk.report import (
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.provenance import provenance
-from jaxwalk.runs.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.study import Effort, Work, read_json, run_folder
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import JAYWALK

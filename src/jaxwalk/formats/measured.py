@@ -10,6 +10,7 @@ from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.recordings import GAP, measure_tracks
 from jaxwalk.formats.tracks import Tracks, TracksError
 from jaxwalk.metrics import OUTCOMES, Rows, summarise
+from jaxwalk.sim.crossing_kind import CONTACTS
 from jaxwalk.sim.sim_config import SimConfig
 
 ANYBODY = "anybody"
@@ -18,7 +19,7 @@ WAITING = ("at_kerb", "enters_roadway", "going", "predicted_miss")
 """Columns that the metrics of waiting need."""
 CHOICES = ("crossing", "decisions", "jaywalking_tendency")
 """Columns that the jaywalk rate needs."""
-CONTACT_NAMES = ("crosswalk", "jaywalk", "sidewalk")
+CONTACT_NAMES = tuple(kind.word for kind in CONTACTS)
 """Where pedestrians who were hit were walking."""
 OF_HITS = ("impact_speed", "mais3", "fatal", "fatal_rosen_sander")
 """Metrics of pedestrians who were hit."""

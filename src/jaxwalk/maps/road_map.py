@@ -56,7 +56,7 @@ class RoadMap(eqx.Module):
     zone_near: Float[Array, "*map side"]
     """Where the jaywalk zone begins: distance from the landing along the unit vector [m]."""
     zone_far: Float[Array, "*map side"]
-    """Where the jaywalk zone ends, likewise [m]."""
+    """Where the jaywalk zone ends: distance from the landing along the unit vector [m]."""
     node_side: Int[Array, "*map node"]
     """The side that has this node as its landing, or -1."""
 

@@ -12,10 +12,10 @@ from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio, wilson
 from jaxwalk.sim import events
-from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
 from jaxwalk.sim.trajectory import Trajectory
 
-NO_CONTACT, SIDEWALK = 0, 3
+NO_CONTACT, SIDEWALK = ContactKind.NONE, ContactKind.SIDEWALK
 """Contact types beside CROSSWALK (1) and JAYWALK (2): nobody was touched; somebody on no roadway was."""
 CONTACTS = (CROSSWALK, JAYWALK, SIDEWALK)
 """Arrays with an axis ``contact`` have the contact types in this order: index = contact - 1."""

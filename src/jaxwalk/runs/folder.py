@@ -21,9 +21,9 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from jaxwalk.recipes import Experiment
 from jaxwalk.runs.board import Board
 from jaxwalk.runs.lock import LOCK, held
-from jaxwalk.runs.recipes import Experiment
 from jaxwalk.writing import is_unfinished, naming, write_whole
 
 CONFIG, METRICS, CHECKPOINTS, POLICY = "config.json", "metrics.jsonl", "checkpoints", "policy.safetensors"

@@ -1,44 +1,59 @@
-"""How training goes, on the terminal: a live line where there is one, else a line every so often."""
+"""Progress of a training on the terminal: a live line where there is one, else a line now and then."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 PLAIN_EVERY = 15.0
-"""Where output is no terminal, a line every so many seconds."""
+"""Where output is no terminal: seconds between two lines."""
 MEMORY = 0.9
-"""Share of the last value in the running means of rates."""
+"""Weight of the earlier updates in the running means of rates."""
+
+
+@dataclass(frozen=True)
+class Display:
+    """How a training is shown."""
+
+    console: Console = field(default_factory=lambda: Console(stderr=True))
+    name: str = "training"
+    """What the training is called there."""
+    watch: bool = False
+    """Whether to write a page that shows it into the run folder. A page that is there is continued anyway."""
+
+    def say(self, line: str) -> None:
+        """Print a line as it is."""
+        self.console.print(line, soft_wrap=True, markup=False)
 
 
 @dataclass
 class Pace:
-    """How far a training is and how fast it goes. What is compiled during the first update doesn't count."""
+    """How far a training is and how fast it goes. Compiling, which the first update includes, doesn't count."""
 
     made: int
-    """Updates made in all, also by earlier sessions."""
+    """Updates made by all sessions."""
     planned: int
     steps_per_update: int
     _since: tuple[float, int] | None = None
     """Time [s] and updates made when counting began."""
 
     def restart(self, planned: int) -> None:
-        """A new plan: count time and updates from now."""
+        """Take a new plan, and count time and updates from now."""
         self.planned, self._since = planned, (time.monotonic(), self.made)
 
     def tell(self, updates: int) -> None:
-        """So many updates are made."""
+        """Say how many updates are made."""
         self.made = updates
         if self._since is None:
             self._since = time.monotonic(), updates
 
     @property
     def _each(self) -> float | None:
-        """Seconds an update; None before it is known."""
+        """Time of an update [s]; None before it is known."""
         if self._since is None or self.made <= self._since[1]:
             return None
         return max(time.monotonic() - self._since[0], 1e-9) / (self.made - self._since[1])
@@ -55,11 +70,11 @@ class Pace:
 
 
 class TrainingProgress:
-    """Shows updates, rate, time left, goal and collision rate. Use it in a ``with``."""
+    """Updates, rate, time left, goal and collision rate. Use it in a ``with``."""
 
-    def __init__(self, console: Console, name: str, pace: Pace) -> None:
-        """Shows the ``pace``, which it is told."""
-        self._console, self._name, self._pace = console, name, pace
+    def __init__(self, display: Display, pace: Pace) -> None:
+        """Show the ``pace``, and keep it up to date."""
+        self._display, self._pace = display, pace
         self._said = -PLAIN_EVERY
         self._means: dict[str, float] = {}
         columns = (
@@ -68,9 +83,9 @@ class TrainingProgress:
             TaskProgressColumn(),
             TimeRemainingColumn(True),
         )
-        self._bar = Progress(*columns, TextColumn("{task.fields[news]}"), console=console, transient=True)
-        self._live = console.is_terminal
-        self._task = self._bar.add_task(name, total=pace.planned, completed=pace.made, news="compiling")
+        self._bar = Progress(*columns, TextColumn("{task.fields[news]}"), console=display.console, transient=True)
+        self._live = display.console.is_terminal
+        self._task = self._bar.add_task(display.name, total=pace.planned, completed=pace.made, news="compiling")
 
     def __enter__(self) -> TrainingProgress:
         if self._live:
@@ -82,12 +97,12 @@ class TrainingProgress:
             self._bar.stop()
 
     def restart(self, planned: int) -> None:
-        """A new plan: count time and updates from now."""
+        """Take a new plan, and count time and updates from now."""
         self._pace.restart(planned)
         self._bar.reset(self._task, total=planned, completed=self._pace.made, news="")
 
     def show(self, updates: int, metrics: Mapping[str, float]) -> None:
-        """So many updates are made, and these were the last one's metrics."""
+        """Show that this many updates are made, and the last one's metrics."""
         for name in ("goal_rate", "collision_rate"):
             if name in metrics and metrics.get("episodes", 1):
                 last = self._means.get(name, metrics[name])
@@ -100,9 +115,7 @@ class TrainingProgress:
         if not self._live and (now - self._said >= PLAIN_EVERY or updates >= planned):
             self._said = now
             soon = "" if left is None else f", {clock(left)} left"
-            self._console.print(
-                f"{self._name}: update {updates:,} of {planned:,}, {news}{soon}", soft_wrap=True, markup=False
-            )
+            self._display.say(f"{self._display.name}: update {updates:,} of {planned:,}, {news}{soon}")
 
     def _rates(self) -> str:
         shown = {name: f"{100 * value:.0f} %" for name, value in self._means.items()}
@@ -110,6 +123,6 @@ class TrainingProgress:
 
 
 def clock(seconds: float) -> str:
-    """Minutes and seconds, as in 3:07."""
+    """Return minutes and seconds, as in 3:07."""
     whole = round(seconds)
     return f"{whole // 60}:{whole % 60:02d}"

@@ -11,7 +11,7 @@ from jaxwalk.learning.config import GLOBAL
 from jaxwalk.maps import MapError
 from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
-from jaxwalk.runs.recipes import Experiment, with_training
+from jaxwalk.recipes import Experiment, with_training
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import OBSERVATIONS
 

@@ -17,9 +17,10 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from rich.console import Console
 
+from jaxwalk.recipes import Experiment
 from jaxwalk.runs.folder import Run, RunError, check_writable, is_empty
 from jaxwalk.runs.lock import held
-from jaxwalk.runs.recipes import Experiment
+from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import shared_out
 from jaxwalk.runs.training import is_finished, train
 from jaxwalk.sim.environment import Street
@@ -131,7 +132,7 @@ class Work(Generic[P]):
             steps = run.experiment.train.updates * run.experiment.steps_per_update
             self.say(f"{said}: there already, {steps:,} steps")
             return
-        trained = train(run, resume=begun, console=self.console, name=said)
+        trained = train(run, resume=begun, display=Display(self.console, said))
         if trained.interrupted:
             raise Interrupted
         self.say(f"{said}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")

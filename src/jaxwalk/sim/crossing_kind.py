@@ -48,5 +48,5 @@ class LegKind(Kind):
 
 
 NO_CROSSING, CROSSWALK, JAYWALK = CrossingKind
-NO_CONTACT, CONTACTS = ContactKind.NONE, tuple(ContactKind)[1:]
-"""``CONTACTS``: the kinds of a contact that there was, in their order."""
+CONTACTS = tuple(ContactKind)[1:]
+"""The kinds of contact, without NONE."""

@@ -15,7 +15,7 @@ import numpy as np
 from jaxwalk.metrics.braking import ONSET
 from jaxwalk.metrics.crossings import Crossings, find_crossings
 from jaxwalk.metrics.encounters import Encounters, find_encounters
-from jaxwalk.sim.crossing_kind import JAYWALK
+from jaxwalk.sim.crossing_kind import JAYWALK, CrossingKind
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.sim.walking_paths import Paths
 
@@ -23,8 +23,6 @@ PER_METRE, PER_RADIAN = 100, 1000
 """Units of a record: positions in cm, speeds in cm/s, accelerations in cm/s2, headings in mrad."""
 GOING, ON_ROADWAY, JAYWALKS = 1, 2, 4
 """Bits of a pedestrian's state: it walks, it is between the kerbs, it has decided to jaywalk."""
-KINDS = {1: "crosswalk", 2: "jaywalk"}
-"""Names of the kinds of crossing."""
 
 Record = dict[str, Any]
 
@@ -100,7 +98,7 @@ def _events(t: Trajectory, e: int, crossings: Crossings, encounters: Encounters)
     """Return the events for the timeline, in order of time; pedestrians count from 0."""
     found: list[Record] = []
     for row in np.flatnonzero(crossings.episode == e):
-        ped, kind = int(crossings.ped[row]), KINDS[int(crossings.type[row])]
+        ped, kind = int(crossings.ped[row]), CrossingKind(int(crossings.type[row])).word
         if crossings.entry_seen[row]:
             found.append({"frame": int(crossings.enter[row]), "what": kind, "ped": ped})
     for row in np.flatnonzero((encounters.episode == e) & (encounters.braking == ONSET)):

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from jaxwalk.evaluation.document_parts import Number
 from jaxwalk.report.material import Material
 from jaxwalk.report.style import BLUE, GREEN, ORANGE, PAPER, PURPLE, RED
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 
-TYPES = {"crosswalk": BLUE, "jaywalk": RED}
+TYPES = {CROSSWALK.word: BLUE, JAYWALK.word: RED}
 """Colours of the types of crossing."""
 DIAMOND: dict[str, Any] = {
     "color": PAPER,

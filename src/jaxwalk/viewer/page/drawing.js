@@ -1,12 +1,12 @@
-// A map with what moves on it, drawn on a canvas. Metres, y to the north; a pixel is a CSS pixel.
+// Draws a map and everything that moves on it on a canvas. Units are metres, y to the north; a pixel is a CSS pixel.
 
 const CAR = [[-2.25, -0.9], [1.8, -0.9], [2.25, 0], [1.8, 0.9], [-2.25, 0.9]]; // a rectangle with a pointed front
 const STRIPE = 0.5, RINGS = [3, 6, 9, 12]; // [m]
-const CLOSE = 44; // who follows the car sees this many metres
-const SEAM = 0.6; // rectangles overlap by so many pixels, else the ground shows between them
-const TRAIL = 3; // people leave a trail of so many seconds
-const NEAREST = 6; // people whom the car tells apart
-// From pale to dark: told apart by lightness alone, so by everybody.
+const CLOSE = 44; // metres shown while following the car
+const SEAM = 0.6; // overlap of rectangles in pixels; without it, the ground shows between them
+const TRAIL = 3; // length of a pedestrian's trail [s]
+const NEAREST = 6; // pedestrians that the car observes individually
+// From pale to dark: the colours differ in lightness, which colour-blind people see too.
 const TENDENCY = [[255, 244, 214], [245, 178, 66], [205, 84, 10], [84, 20, 8]];
 
 function tendencyColour(tau) {
@@ -23,7 +23,7 @@ class Drawing {
     this.view = null; // { x, y, zoom }: moved by hand; null: all of the map
   }
 
-  // Sizes the canvas to its place, and puts metres onto it.
+  // Fits the canvas to its element, and scales it to metres.
   #begin(centre) {
     const ratio = devicePixelRatio || 1, width = this.canvas.clientWidth, height = this.canvas.clientHeight;
     if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
@@ -117,7 +117,7 @@ class Drawing {
     }
   }
 
-  // The rest of everybody's way to their goal; jaywalks in the colour of jaywalks.
+  // Draws the rest of everybody's way to the goal, with jaywalks in their own colour.
   #plans(c, episode, now) {
     for (const [ped, plan] of (episode.plans ?? []).entries()) {
       const person = now.people[ped], leg = plan.leg[now.frame];
@@ -171,7 +171,7 @@ class Drawing {
     }
   }
 
-  // A disc; a diamond for who jaywalks, a square for who waits: both told apart without colour.
+  // Draws a disc for walking, a diamond for jaywalking, a square for waiting: the shapes need no colour.
   #person(c, person, hidden) {
     const [px, py] = this.toPixels(person.x, person.y), size = Math.max(5, 0.55 * this.scale);
     const seen = hidden || person.rank < NEAREST;
@@ -191,7 +191,7 @@ class Drawing {
     c.fillText(String(person.ped + 1), px, py + size * 0.45);
   }
 
-  // Where somebody will be in a second at this velocity: all that the car knows of their plans.
+  // Draws where a pedestrian will be in a second at this velocity, which is all that the car knows about its plans.
   #velocity(c, person, px, py) {
     c.beginPath();
     c.moveTo(px, py);

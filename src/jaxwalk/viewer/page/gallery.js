@@ -1,11 +1,11 @@
-// The gallery of failures: every incident a card, one click from its replay.
+// The gallery of failures: every incident is a card, and a click on it plays the replay.
 
 const AVOIDABLE = {
   driver: "avoidable by the driver", either: "avoidable by either", pedestrian: "avoidable by the pedestrian", unavoidable: "unavoidable",
 };
 const WHO = { jaywalk: "jaywalker", crosswalk: "crosswalk user", sidewalk: "pedestrian on the sidewalk" };
 const SHOWN = 12; // cards at first, and with each "Show more"
-const CLOSE_UP = 26; // a card's picture is so many metres wide
+const CLOSE_UP = 26; // width of a card's picture [m]
 
 class Gallery {
   constructor(element, data) {
@@ -59,7 +59,7 @@ class Gallery {
     this.#changed();
   }
 
-  // The incidents that are asked for, in order; sorting is stable, and they come by severity.
+  // Returns the chosen incidents in order. Sorting is stable, and the data is ordered by severity.
   list() {
     const { cell, kind, contact, sort } = this.wanted;
     const fits = (one) => (!cell || cellOf(this.#entry(one)) === cell) && (!kind || one.kind === kind) && (!contact || one.contact === contact);
@@ -89,7 +89,7 @@ class Gallery {
     return `${count(hits, "collision", "collisions")} and ${count(misses, "near miss", "near misses")}.${this.chosen.length ? " A click plays one." : ""}`;
   }
 
-  // A button for each group, the largest first, that shows it alone.
+  // Adds a button for each group, the largest first, which shows only that group.
   #chips(place, some, group, names, field) {
     const counts = new Map();
     for (const one of some) counts.set(group(one), (counts.get(group(one)) ?? 0) + 1);
@@ -137,24 +137,24 @@ class Gallery {
     drawing.draw(episode, incident.t, { hidden: true, trails: true });
   }
 
-  // Play an incident from a little before it.
+  // Plays an incident from shortly before it.
   async watch(incident) {
     this.player.set("follow", true);
     const shown = await this.#show(incident, capital(situation(incident)), [this.#entry(incident)], incident.t - this.data.lead);
     if (shown && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play();
   }
 
-  // Any episodes of the page at a time, as an address asks for them.
+  // Shows the episodes and the time that an address names.
   async open({ entries, time }) {
     if (!entries.length) {
-      this.find(".count").textContent = "The episode asked for is not on this page.";
+      this.find(".count").textContent = "This page doesn't have the episode of the link.";
       return;
     }
     const incident = this.data.incidents.find((one) => this.#entry(one) === entries[0]);
     await this.#show(incident, `Scenario ${entries[0].scenario}`, entries, time);
   }
 
-  // True if they are shown, and nothing else was asked for meanwhile.
+  // Returns whether they are shown; false if something else was opened meanwhile.
   async #show(incident, title, entries, time) {
     const dialog = this.find("dialog");
     this.current = incident;

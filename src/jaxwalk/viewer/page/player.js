@@ -1,4 +1,4 @@
-// Playing episodes: the controls, keys and touches around the drawings.
+// Plays episodes: the controls, keys and touches around the drawings.
 
 const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
 const SWITCHES = ["hidden", "plans", "rings", "trails", "follow"];
@@ -22,8 +22,8 @@ class Player {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
   }
 
-  // Show one episode, or several side by side (entries of the page's list), at a time [s]. False if another was asked for
-  // meanwhile.
+  // Shows one episode, or several side by side (entries of the page's list), at a time [s]. Returns false if another one
+  // was opened meanwhile.
   async show(entries, time = 0) {
     const ticket = (this.ticket = Symbol());
     const episodes = await Promise.all(entries.map((entry) => Episode.load(entry, this.data.dt)));
@@ -192,7 +192,7 @@ class Player {
     this.find(".link").addEventListener("click", (event) => (event.preventDefault(), this.#copyLink()));
   }
 
-  // No longer shown: nothing plays on, and the address is the page's again.
+  // Stops playing when the player is hidden, and restores the page's address.
   leave() {
     this.ticket = null;
     this.pause();
@@ -207,7 +207,7 @@ class Player {
     setTimeout(() => (this.find(".copied").textContent = ""), 3000);
   }
 
-  // Keys, wherever the page hands them over; more: the page's own, by key.
+  // Handles a key that the page passes on; more: the page's own handlers, by key.
   key(event, more = {}) {
     if (event.ctrlKey || event.metaKey || event.altKey || !this.episodes.length) return;
     const { tagName: tag, type } = event.target;
@@ -249,7 +249,7 @@ function asked(data, hash) {
   return { entries, time: Number(wanted.get("t")) || 0 };
 }
 
-// What the drawing shows, for those who can't see it.
+// Describes the drawing for people who can't see it.
 function inWords(episode, time) {
   const { car, people } = episode.at(time);
   const when = time > episode.end ? `It ended at ${episode.end.toFixed(1)} s: the car drove` : `At ${time.toFixed(1)} s the car drives`;

@@ -1,4 +1,4 @@
-// Episodes as jaxwalk.viewer.record packs them, unpacked, and what they show at any time.
+// Unpacks the episodes of jaxwalk.viewer.record, and returns what they show at any time.
 
 const GOING = 1, ON_ROADWAY = 2, JAYWALKS = 4;
 const METRE = 100, RADIAN = 1000;
@@ -19,7 +19,7 @@ const points = (line) => ({ x: values(line.x, METRE), y: values(line.y, METRE) }
 const between = (array, k, share) => array[k] + (array[Math.min(k + 1, array.length - 1)] - array[k]) * share;
 
 class Episode {
-  // about: what the page's list says of it (scenario, driver, pedestrians, ending, map); record: what was packed.
+  // about: the entry of the page's list (scenario, driver, pedestrians, ending, map); record: the unpacked record.
   constructor(about, record, dt) {
     this.about = about;
     this.dt = dt;
@@ -58,7 +58,7 @@ class Episode {
     });
   }
 
-  // Everything at a time [s], straight between frames.
+  // Returns everything at a time [s], interpolated linearly between frames.
   at(time) {
     const exact = Math.min(Math.max(time / this.dt, 0), this.last);
     const frame = Math.floor(exact), share = exact - frame;

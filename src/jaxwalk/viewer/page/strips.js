@@ -1,4 +1,4 @@
-// Speed and acceleration over time, below the drawing, with what happened marked above them.
+// Draws speed and acceleration over time below the drawing, with the events marked above them.
 
 const STRIPS = [
   { name: "speed", unit: "m/s", low: 0, high: 9, lines: [0, 4, 8] },

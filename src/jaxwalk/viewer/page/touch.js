@@ -2,7 +2,7 @@
 // map.
 
 class Touch {
-  // look: called with the view { x, y, zoom } that is asked for; null: all of the map.
+  // look: called with the new view { x, y, zoom }; null shows the whole map.
   constructor(canvas, drawing, look) {
     this.canvas = canvas;
     this.drawing = drawing;

@@ -1,4 +1,4 @@
-"""The command that measures how fast jaxwalk is."""
+"""Options of the command that measures speed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from jaxwalk.cli.options.option import Flag, option
+from jaxwalk.cli.options.declare import Flag, option
 
 BenchPart = Literal["env", "train", "compile", "pedestrians"]
 """What `jaxwalk bench` can measure."""
@@ -23,26 +23,20 @@ class Bench:
     """env: the simulator alone; train: training and the machine's peak; compile: the first minute; pedestrians: the
     cost of a crowd."""
     quick: Flag = False
-    """Few sizes and short times: shows that everything can be measured, and measures little."""
+    """Few sizes and short times: checks that everything can be measured, without precise numbers."""
     environments: Annotated[tuple[int, ...], option("64 to 16384", "N [N ...]")] = ()
-    """Environments side by side, a row each, of the simulator alone."""
+    """Numbers of environments for the simulator alone, a row each."""
     training_environments: Annotated[tuple[int, ...], option("128 512 2048", "N [N ...]")] = ()
-    """The same, of training with the recipe fast."""
+    """Numbers of environments for training with the recipe fast, a row each."""
     pedestrians: Annotated[tuple[int, ...], option("12 24 48 96", "N [N ...]")] = ()
-    """People in an episode, a row each."""
+    """Numbers of people in an episode, a row each."""
     seconds: Annotated[float | None, option("3", "S")] = None
-    """Measure each row for so long, compiling not included."""
+    """Time to measure each row, without compiling."""
     chunk_rows: Annotated[int | None, option("the recipe's; on an accelerator a whole minibatch", "N")] = None
     """Rows whose gradient is taken at once in training."""
     seed: Annotated[int, option("0", "N")] = 0
-    """Of scenarios, networks and actions."""
+    """Seed of scenarios, networks and actions."""
     out: Annotated[Path | None, option("none", "DIR")] = None
     """Folder for bench.json, bench.md, scaling.svg and scaling.png; files of an earlier time are replaced."""
     json: Flag = False
     """Print one JSON document instead of the table."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.bench import run
-
-        return run(self)

@@ -1,4 +1,4 @@
-"""Commands that give trajectories and scenarios to others, or measure theirs."""
+"""Options of the commands that write trajectories and scenarios for other tools, or measure those of others."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from jaxwalk.cli.options.option import Flag, option
+from jaxwalk.cli.options.declare import Flag, option
 
 
 @dataclass(frozen=True)
@@ -33,16 +33,10 @@ class Tracks:
     out: Annotated[Path, option("tracks.parquet", "FILE")] = Path("tracks.parquet")
     """FILE.parquet; an existing file is replaced. Needs pip install "jaxwalk[data]"."""
 
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.tracks import run
-
-        return run(self)
-
 
 @dataclass(frozen=True)
 class Measure:
-    """The metrics of anybody's trajectories: surrogate safety, speed differential and what else they can tell.
+    """Compute the metrics of anybody's trajectories: surrogate safety, speed differential and whatever else they allow.
 
     For example: jaxwalk measure 07_tracks.csv --areas crossing.geojson
     """
@@ -55,12 +49,6 @@ class Measure:
     """Frames per second, which DUT (23.976) and CITR (29.97) do not say."""
     json: Flag = False
     """Print one JSON document instead of tables."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.measure import run
-
-        return run(self)
 
 
 @dataclass(frozen=True)
@@ -84,9 +72,3 @@ class Scenario:
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("scenario", "DIR")] = Path("scenario")
     """Folder for episode.xosc, map.xodr and commonroad.xml. Needs pip install "jaxwalk[scenarios]"."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.scenario import run
-
-        return run(self)

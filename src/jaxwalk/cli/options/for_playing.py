@@ -1,4 +1,4 @@
-"""Commands that play trained or other policies: to measure, to look, to report, to share."""
+"""Options of the commands that play policies: to evaluate, watch, report and share them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from jaxwalk.cli.options.option import Flag, option
+from jaxwalk.cli.options.declare import Flag, option
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Evaluate:
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
     """always-go, learned and paper-learned (who come with jaxwalk), run folders or policy files."""
     compare: Annotated[tuple[str, ...], option("none", "A B")] = ()
-    """Two drivers: say in words whether B collides less than A, and reaches the goal more (paired tests)."""
+    """Two drivers: say in words if B collides less often than A, and reaches the goal more often (paired tests)."""
     episodes: Annotated[int, option("2000", "N")] = 2000
     """Scenarios in each cell, the same for all."""
     seed: Annotated[int, option("0", "N")] = 0
@@ -39,23 +39,17 @@ class Evaluate:
     trust: Flag = False
     """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
     driver_seconds: Annotated[float, option("10", "S")] = 10.0
-    """A driver that is not JAX may take so long for one step of its batch."""
+    """Time limit of a driver that is not JAX for one step of its batch."""
     pedestrian_mode: Flag = False
     """Learned pedestrians take the likeliest action; else they draw at random, as in training."""
     counterfactuals: Annotated[int, option("0", "N")] = 0
-    """Replay so many collisions of each cell otherwise: who could have avoided them? Some 0.2 s for each."""
+    """Replay up to N collisions of each cell with other actions: who could have avoided them? About 0.2 s each."""
     out: Annotated[Path | None, option("none", "DIR")] = None
     """Folder for results.json (all metrics), suite.md (the same as tables) and episodes.csv (a row per episode)."""
     encounters: Flag = False
     """Also encounters.parquet, a row per encounter (needs --out, and pip install "jaxwalk[data]")."""
     json: Flag = False
     """Print one JSON document instead of the table."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.evaluate import run
-
-        return run(self)
 
 
 @dataclass(frozen=True)
@@ -88,13 +82,7 @@ class Play:
     trust: Flag = False
     """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
     driver_seconds: Annotated[float, option("10", "S")] = 10.0
-    """A driver that is not JAX may take so long for one step of its batch."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.play import run
-
-        return run(self)
+    """Time limit of a driver that is not JAX for one step of its batch."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +102,7 @@ class Report:
     episodes: Annotated[int, option("500", "N")] = 500
     """Scenarios for each driver and population."""
     incidents: Annotated[int, option("40", "N")] = 40
-    """Show so many of the worst collisions, and of the nearest misses, of each driver and population; 0: none."""
+    """Show the N worst collisions and N nearest misses of each driver and population; 0: none."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
@@ -126,13 +114,7 @@ class Report:
     trust: Flag = False
     """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
     driver_seconds: Annotated[float, option("10", "S")] = 10.0
-    """A driver that is not JAX may take so long for one step of its batch."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.report import run
-
-        return run(self)
+    """Time limit of a driver that is not JAX for one step of its batch."""
 
 
 @dataclass(frozen=True)
@@ -152,9 +134,3 @@ class Share:
     """Scenarios among each."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios; none is ever met in training."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.share import run
-
-        return run(self)

@@ -1,6 +1,6 @@
-"""What a training is: the world, the pay and the learner's numbers, under a name. ``docs/recipes.md`` gives reasons.
+"""What a training is: the world, the weights of the rewards and the learner's numbers, under a name.
 
-No JAX import, so that a command line starts quickly.
+This module imports no JAX, so that a command line starts quickly.
 """
 
 from __future__ import annotations
@@ -8,39 +8,38 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from jaxwalk.learning.config import FAST, PAPER, TrainConfig, own_environments
+from jaxwalk.learning.config import TrainConfig, own_environments
 from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
-from jaxwalk.sim.weights import DRIVER_WEIGHTS, PEDESTRIAN_WEIGHTS
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """One training, complete: with it, a run can be repeated. Ablations are functions Experiment -> Experiment."""
+    """All that is needed to repeat a training. An ablation is a function Experiment -> Experiment."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid"}
-    """When read from a file, unknown fields are errors, here and in all parts."""
+    """Unknown fields of a file are errors, here and in all parts."""
 
     recipe: str
-    """Name of the recipe that it started from."""
+    """The recipe that it started from."""
     train: TrainConfig
     """How the learner learns."""
     driver_weights: dict[str, float]
-    """What the car is paid for (`jaxwalk.sim.reward.DRIVER_TERMS`)."""
+    """The weight of each of the car's reward terms (`jaxwalk.sim.reward.DRIVER_TERMS`)."""
     pedestrian_weights: dict[str, float]
-    """What a pedestrian is paid for (`jaxwalk.sim.reward.PEDESTRIAN_TERMS`)."""
+    """The weight of each of a pedestrian's reward terms (`jaxwalk.sim.reward.PEDESTRIAN_TERMS`)."""
     maps: tuple[str, ...] = ("paper",)
-    """Bundled maps or map files; a scenario draws one."""
+    """Bundled maps or map files; each scenario takes place on one of them."""
     jaywalk_multiplier: float = JAYWALK_MULTIPLIER
     """P(jaywalk | decision) = jaywalking tendency x this."""
     sim: SimConfig = field(default_factory=SimConfig)
     """The world's rules."""
     seed: int = 0
-    """Of networks, scenarios and actions."""
+    """The seed of networks, scenarios and actions."""
     minutes: float | None = None
-    """Training is yet to be planned: as many updates as fit into so many minutes. None: `TrainConfig.updates` it is."""
+    """Time [min] for which the training is planned when it starts. None: `TrainConfig.updates` is the plan."""
 
     def __post_init__(self) -> None:
-        """Refuse what no environment could be made of."""
+        """Raise ValueError, naming the field, for values of which no environment can be made."""
         if not self.maps:
             raise ValueError("maps must name at least one map")
         if not 0 <= self.seed < 2**32:
@@ -52,7 +51,7 @@ class Experiment:
 
     @property
     def single_agent(self) -> bool:
-        """Only the car learns; pedestrians always go."""
+        """Whether only the car learns; pedestrians then always go."""
         return not self.train.roles["pedestrian"].learns
 
     @property
@@ -61,22 +60,10 @@ class Experiment:
         return self.train.environments * self.train.steps
 
 
-RECIPES: dict[str, Experiment] = {
-    name: Experiment(
-        recipe=name,
-        train=train,
-        driver_weights=DRIVER_WEIGHTS[name],
-        pedestrian_weights=PEDESTRIAN_WEIGHTS[name],
-    )
-    for name, train in {"fast": FAST, "paper": PAPER}.items()
-}
-"""The recipes, by name."""
-
-
 def single_agent(experiment: Experiment) -> Experiment:
-    """The same, but the car learns alone, among pedestrians who always go: from as many environments as before.
+    """Return the same experiment with the car as the only learner, among pedestrians who always go.
 
-    Without pedestrians to teach, nobody needs other drivers.
+    The car learns from as many environments as before. Other drivers are left out: only learning pedestrians need them.
     """
     train = experiment.train
     own = own_environments(train, "driver")
@@ -88,6 +75,6 @@ def single_agent(experiment: Experiment) -> Experiment:
 
 
 def with_training(experiment: Experiment, **changes: Any) -> Experiment:
-    """The same with other fields of its `TrainConfig`; a change to None is none."""
+    """Return the same experiment with other values in its `TrainConfig`. None leaves a field unchanged."""
     changes = {name: value for name, value in changes.items() if value is not None}
     return replace(experiment, train=replace(experiment.train, **changes))

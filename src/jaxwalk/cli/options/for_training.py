@@ -1,33 +1,33 @@
-"""Commands that train."""
+"""Options of the commands that train."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
-from jaxwalk.cli.options.option import Flag, option, tuned
+from jaxwalk.cli.options.declare import Flag, Recipe, option, tuned
 
 
 @dataclass(frozen=True)
 class Train:
-    """Train a car and its pedestrians, or go on with a training that was interrupted.
+    """Train a car and its pedestrians, or resume a training that was interrupted.
 
     For example: jaxwalk train --run runs/first --minutes 4
     """
 
     run_folder: Annotated[Path | None, option("none; needed unless --resume", "DIR", "run")] = None
-    """Folder to make for configuration, metrics, checkpoints and the policy."""
+    """New folder for configuration, metrics, checkpoints and the policy."""
     resume: Annotated[Path | None, option("none", "DIR")] = None
-    """Go on with the training in this run folder, as it was configured."""
-    recipe: Literal["fast", "paper"] = "fast"
-    """fast: whatever learns best; paper: the paper's networks, pay and numbers."""
+    """Resume the training in this run folder, with its own configuration."""
+    recipe: Recipe = "fast"
+    """fast: whatever learns best; paper: the paper's networks, rewards and numbers."""
     seed: Annotated[int, option("0", "N")] = 0
-    """Of networks, scenarios and actions."""
+    """Seed of networks, scenarios and actions."""
     updates: Annotated[int | None, tuned("updates", "N")] = None
-    """Train so many updates."""
+    """Number of updates."""
     minutes: Annotated[float | None, option("none", "MIN")] = None
-    """Instead, plan as many updates as fit into so many minutes on this machine."""
+    """Instead, plan as many updates as this machine makes in this time."""
     single_agent: Flag = False
     """Train the car alone, among pedestrians who always go."""
     map: Annotated[tuple[str, ...], option("paper", "MAP [MAP ...]")] = ("paper",)
@@ -58,43 +58,31 @@ class Train:
     checkpoint_minutes: Annotated[float, option("2", "MIN")] = 2.0
     """Minutes between checkpoints."""
     watch: Flag = False
-    """Also write watch.html into the run folder: opened in a browser, it shows how the training goes."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.train import run
-
-        return run(self)
+    """Also write watch.html into the run folder: a page that shows the training's progress in a browser."""
 
 
 @dataclass(frozen=True)
 class Reproduce:
     """The whole experiment: two trainings, every driver among every population, the ablation and the report.
 
-    About 10 minutes on two CPU cores, and 7 more for each further training seed. Run it again to go on where it was
-    interrupted: what is finished is kept.
+    About 10 minutes on two CPU cores, and 7 more for each further training seed. Run it again to continue after
+    an interruption: what is finished is kept.
     """
 
     out: Annotated[Path, option("runs/reproduce", "DIR")] = Path("runs/reproduce")
     """Folder for everything; open report.html in it."""
-    recipe: Literal["fast", "paper"] = "fast"
-    """Of all trainings. fast: whatever learns best; paper: the paper's, which wants hours, better days."""
+    recipe: Recipe = "fast"
+    """Recipe of all trainings. fast: whatever learns best; paper: the paper's, which takes hours, better days."""
     minutes: Annotated[float, option("4", "MIN")] = 4.0
-    """For the first co-training; all others make as many updates."""
+    """Time for the first co-training; all others make as many updates."""
     updates: Annotated[int | None, option("none", "N")] = None
-    """Train so many updates instead."""
+    """Number of updates of each training, instead."""
     episodes: Annotated[int, option("1000", "N")] = 1000
     """Scenarios in each cell."""
     seed: Annotated[int, option("0", "N")] = 0
-    """Of the scenarios, and the first training seed."""
+    """Seed of the scenarios, and the first training seed."""
     seeds: Annotated[int, option("1", "N")] = 1
-    """Train both drivers with so many training seeds: seed, seed + 1, and so on; 5 show how much a seed matters."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.reproduce import run
-
-        return run(self)
+    """Train both drivers with this many training seeds: seed, seed + 1, and so on; 5 show how much a seed matters."""
 
 
 @dataclass(frozen=True)
@@ -102,23 +90,17 @@ class HiddenIntent:
     """What does it cost a car not to know who is likely to jaywalk, and how much of that could it find out?
 
     Trains the car alone three times for each training seed: blind, told what could be inferred about people, and told
-    their tendencies. Each training takes 2 to 3 minutes on two CPU cores. Run it again to go on where it was
-    interrupted: what is finished is kept.
+    their tendencies. Each training takes 2 to 3 minutes on two CPU cores. Run it again to continue after
+    an interruption: what is finished is kept.
     """
 
     out: Annotated[Path, option("runs/hidden-intent", "DIR")] = Path("runs/hidden-intent")
     """Folder for everything; read hidden-intent.md in it."""
     seeds: Annotated[int, option("5", "N")] = 5
-    """Train with so many training seeds: seed, seed + 1, and so on."""
+    """Number of training seeds: seed, seed + 1, and so on."""
     updates: Annotated[int, option("200", "N")] = 200
-    """Of each training."""
+    """Updates of each training."""
     episodes: Annotated[int, option("2000", "N")] = 2000
     """Scenarios for each driver and jaywalk multiplier."""
     seed: Annotated[int, option("0", "N")] = 0
-    """Of the scenarios, and the first training seed."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.hidden_intent import run
-
-        return run(self)
+    """Seed of the scenarios, and the first training seed."""

@@ -1,4 +1,4 @@
-"""Commands for those who bring a driver, or take one away."""
+"""Options of the commands for people who write their own drivers or use a trained one elsewhere."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Annotated, Literal
 
 import tyro
 
-from jaxwalk.cli.options.option import option
+from jaxwalk.cli.options.declare import option
 
 Role = Literal["driver", "pedestrian"]
 
 
 @dataclass(frozen=True)
 class Export:
-    """Write a trained policy as ONNX, for other runtimes, after comparing what both do.
+    """Write a trained policy as ONNX, for other runtimes, after checking that both act the same.
 
     For example: jaxwalk export runs/first --out driver.onnx
     """
@@ -27,22 +27,10 @@ class Export:
     role: Annotated[Role, option("driver", "ROLE")] = "driver"
     """Whose network: driver or pedestrian."""
 
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.formats import export
-
-        return export(self)
-
 
 @dataclass(frozen=True)
 class Observations:
-    """What a driver or a pedestrian can be shown: the observation sets, and where each part stands in them."""
+    """List the observation sets of a driver or a pedestrian, and the place of each part in them."""
 
     role: Annotated[Role, option("driver", "ROLE")] = "driver"
     """Whose: driver or pedestrian."""
-
-    def run(self) -> int:
-        """Do it."""
-        from jaxwalk.cli.formats import observations
-
-        return observations(self)

@@ -1,0 +1,33 @@
+"""From names in options to the street and the policies that act on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from jaxwalk.cli.errors import bad_values
+from jaxwalk.evaluation import with_jaywalk_multiplier
+from jaxwalk.interfaces import Policy
+from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.sim.environment import Street
+
+Policies = dict[str, Policy]
+"""Policies by the names that were given."""
+
+
+def cast(
+    drivers: Sequence[str], people: Sequence[str], maps: Sequence[str], multiplier: float, **loading: Any
+) -> tuple[Street, Policies, Policies]:
+    """Return the street, the drivers and the populations that options name.
+
+    Args:
+        drivers: names as `jaxwalk evaluate` takes them.
+        people: names of populations.
+        maps: bundled maps or map files; none: those on which the run folders among the names were trained.
+        multiplier: P(jaywalk | decision) = jaywalking tendency x this.
+        loading: how `contestant` loads drivers (``trust``, ``seconds``).
+    """
+    with bad_values():
+        street = with_jaywalk_multiplier(world_of([*drivers, *people], maps), multiplier)
+        cars = {name: contestant(street, "driver", name, **loading) for name in drivers}
+        return street, cars, {name: contestant(street, "pedestrian", name) for name in people}

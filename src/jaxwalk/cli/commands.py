@@ -1,0 +1,60 @@
+"""The commands as a table: a new one is a line here, a class of options and a module with ``run(options)``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+from importlib import import_module
+from operator import or_
+from typing import Annotated, Any
+
+import tyro
+
+from jaxwalk.cli import options
+
+
+@dataclass(frozen=True)
+class Command:
+    """One command of the command line."""
+
+    name: str
+    options: type
+    """A dataclass of its options; the docstring is the command's help."""
+    module: str
+    """Its ``run(options)`` does the work and returns the exit code. It is imported only when the command runs."""
+
+
+COMMANDS = (
+    Command("train", options.Train, "jaxwalk.cli.train"),
+    Command("evaluate", options.Evaluate, "jaxwalk.cli.evaluate"),
+    Command("play", options.Play, "jaxwalk.cli.play"),
+    Command("reproduce", options.Reproduce, "jaxwalk.cli.reproduce"),
+    Command("report", options.Report, "jaxwalk.cli.report"),
+    Command("hidden-intent", options.HiddenIntent, "jaxwalk.cli.hidden_intent"),
+    Command("share", options.Share, "jaxwalk.cli.share"),
+    Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
+    Command("measure", options.Measure, "jaxwalk.cli.measure"),
+    Command("scenario", options.Scenario, "jaxwalk.cli.scenario"),
+    Command("export", options.Export, "jaxwalk.cli.export"),
+    Command("observations", options.Observations, "jaxwalk.cli.observations"),
+    Command("bench", options.Bench, "jaxwalk.cli.bench"),
+)
+"""In the order in which ``jaxwalk --help`` lists them."""
+
+
+def parse(arguments: list[str]) -> Any:
+    """Return the options of the command that the arguments name. Raise SystemExit for ``--help`` and bad ones."""
+    kinds: Any = reduce(or_, (Annotated[each.options, tyro.conf.subcommand(each.name)] for each in COMMANDS))
+    return tyro.cli(
+        kinds,
+        args=arguments,
+        prog="jaxwalk",
+        description="How does a self-driving car behave among people who may jaywalk? Train, evaluate, watch, report.",
+        config=(tyro.conf.OmitArgPrefixes,),
+    )
+
+
+def run(options: Any) -> int:
+    """Run the command that the options belong to, and return its exit code."""
+    command = next(each for each in COMMANDS if each.options is type(options))
+    return import_module(command.module).run(options)

@@ -1,0 +1,44 @@
+"""Errors of the command line: what is raised about options, what is said about errors, and the exit codes."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+BAD_INPUT, INTERRUPTED = 2, 130
+"""Exit codes: something given can't be used; Ctrl-C."""
+ADVICE = {
+    errno.ENOSPC: "make room on the disk, or name another place",
+    errno.EDQUOT: "make room on the disk, or name another place",
+    errno.EFBIG: "files may not be so large here; raise the limit, or name another place",
+    errno.EROFS: "name another place",
+}
+"""What to do about errors of the operating system."""
+
+
+class UsageError(ValueError):
+    """Options that don't make sense; one line says why and what to do."""
+
+
+@contextmanager
+def bad_values() -> Iterator[None]:
+    """Turn any ValueError that is not jaxwalk's own into a UsageError: use it where something is built from options."""
+    try:
+        yield
+    except ValueError as error:
+        if type(error).__module__.startswith("jaxwalk"):
+            raise
+        raise UsageError(f"{error}; see the command's --help") from error
+
+
+def message(error: Exception) -> str | None:
+    """Return what to print about bad input; None for an error of the program itself."""
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        what = " ".join(str(error.strerror or error).split())
+        return f"{where}{what}; {ADVICE.get(error.errno or 0, 'check the path and its permissions')}"
+    if isinstance(error, MemoryError) or "RESOURCE_EXHAUSTED" in str(error):  # (the latter is JAX's word for it)
+        return "not enough memory; ask for fewer environments or pedestrians, smaller networks or smaller files"
+    ours = type(error).__module__.startswith("jaxwalk")
+    return " ".join(str(error).split("\n")) if ours else None

@@ -1,0 +1,17 @@
+"""``jaxwalk observations``."""
+
+from __future__ import annotations
+
+from jaxwalk.cli.options import Observations
+from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, part, size
+
+
+def run(options: Observations) -> int:
+    """Print every observation set of the role."""
+    for name, features in OBSERVATIONS[options.role].items():
+        hidden = ", which no real car could have" if name in HIDDEN else ""
+        print(f"{name}: {size(options.role, name)} features{hidden}")
+        for feature in features:
+            place = part(options.role, name, feature.name)
+            print(f"  {place.start:4d} to {place.stop - 1:4d}  {feature.name}")
+    return 0

@@ -1,0 +1,29 @@
+"""How an option is declared: its default in words, what to write after it, and types that several commands share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import tyro
+
+from jaxwalk.recipes import RECIPES
+
+Flag = tyro.conf.FlagCreatePairsOff[bool]
+"""An option without a value."""
+
+if TYPE_CHECKING:
+    Recipe = str
+else:
+    Recipe = Literal[tuple(RECIPES)]
+"""The name of a recipe."""
+
+
+def option(default: str, kind: str | None = None, name: str | None = None) -> Any:
+    """Return how ``--help`` shows an option: its default in words, and what to write after it."""
+    return tyro.conf.arg(help_behavior_hint=f"(default: {default})", metavar=kind, name=name)
+
+
+def tuned(name: str, kind: str) -> Any:
+    """Return how ``--help`` shows an option that is a field of `TrainConfig`: its default is the recipe's."""
+    values = ", ".join(f"{recipe} {getattr(experiment.train, name):g}" for recipe, experiment in RECIPES.items())
+    return option(f"the recipe's: {values}", kind)

@@ -1,0 +1,100 @@
+"""One session of a training, from its start or a resumption to its end or an interruption."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import jax
+
+from jaxwalk.learning import checkpoint, mappo
+from jaxwalk.learning.config import TrainConfig
+from jaxwalk.learning.mappo import Learner
+from jaxwalk.policies import save_policy
+from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.progress import TrainingProgress
+from jaxwalk.runs.provenance import provenance
+from jaxwalk.runs.stop import Stop
+from jaxwalk.runs.watch import WatchPage
+from jaxwalk.sim.environment import Street
+
+
+class DivergedError(RunError):
+    """Training met a number that is not finite."""
+
+
+def unplanned(config: TrainConfig) -> TrainConfig:
+    """Return the configuration with ``updates`` set to 1, whatever the plan.
+
+    The learner holds the plan (`Learner.planned`). Compiled with this configuration, an update serves every plan.
+    """
+    return replace(config, updates=1)
+
+
+@dataclass
+class Session:
+    """Makes updates, records and shows their metrics, and saves."""
+
+    run: Run
+    street: Street
+    log: MetricsLog
+    progress: TrainingProgress
+    stop: Stop
+    page: WatchPage | None = None
+    """The page to watch the training on."""
+    begun: float = field(default_factory=time.monotonic)
+    """When the session began [s]."""
+    earlier: float = 0.0
+    """Time spent by earlier sessions [s]."""
+    saved: float = field(default_factory=time.monotonic)
+    """When the last checkpoint was written [s]."""
+
+    def __post_init__(self) -> None:
+        self._config = unplanned(self.run.experiment.train)
+
+    @property
+    def seconds(self) -> float:
+        """Time spent by all sessions [s]."""
+        return self.earlier + time.monotonic() - self.begun
+
+    def update(self, learner: Learner) -> tuple[Learner, Any]:
+        """Start an update; return the next learner and its metrics, which may still be on their way."""
+        return mappo.update(self.street, self._config, learner)
+
+    def record(self, metrics: Any, updates: int, before: Learner) -> None:
+        """Write and show the metrics of an update, waiting for them if need be.
+
+        If they are not finite, save the learner of ``before`` and raise DivergedError.
+        """
+        values = {name: float(value) for name, value in jax.device_get(metrics).items()}
+        if not values.pop("finite"):
+            self.save(before)
+            raise DivergedError(
+                f"{self.run.path}: update {updates} gave numbers that are not finite; checkpoint and policy of update "
+                f"{updates - 1} are kept. Train anew with a lower --learning-rate or --reward-scale, or another --seed"
+            )
+        values["steps"] = updates * self.run.experiment.steps_per_update
+        line = {"update": updates, "seconds": round(self.seconds, 3), **values}
+        self.log.write(line)
+        self.progress.show(updates, values)
+        if self.page is not None:
+            self.page.show(line)
+
+    def save(self, learner: Learner) -> None:
+        """Write a checkpoint and the policy of a learner whose last update was recorded: its numbers are finite."""
+        updates = int(learner.updates)
+        self.log.to_disk()  # a checkpoint without its metrics would leave a gap
+        if checkpoint.latest(self.run.checkpoints) != updates:
+            checkpoint.save(self.run.checkpoints, learner, updates=updates)
+        save_policy(self.run.policy, learner, policy_metadata(self.run, updates))
+        self.saved = time.monotonic()
+
+
+def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
+    """Return where a policy comes from, as its file says it."""
+    experiment = run.experiment
+    made = {"updates": updates, "steps": updates * experiment.steps_per_update}
+    chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}
+    chosen["maps"] = list(experiment.maps)
+    return chosen | made | asdict(provenance())

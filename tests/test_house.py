@@ -1,0 +1,262 @@
+"""The rules of the house that no other tool checks: sizes, names, circles, words. See CONTRIBUTING.md.
+
+Each rule has a set of exceptions, which must shrink: one that is no longer needed fails its test.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+SRC = Path(__file__).parents[1] / "src"
+FILES = sorted((SRC / "jaxwalk").rglob("*.py"))
+
+LINES, FUNCTION_LINES, PARAMETERS, NESTING = 300, 50, 6, 2
+"""The most lines of a module and of a function, parameters (``self`` apart), and compound statements in each other."""
+
+LONG_MODULES: set[str] = set()
+LONG_FUNCTIONS: set[str] = {
+    "jaxwalk.evaluation.counterfactual.counterfactuals",
+}  # fmt: skip
+MANY_PARAMETERS: set[str] = {
+    "jaxwalk.adapters.game.create", "jaxwalk.adapters.gymnasium.__init__", "jaxwalk.adapters.jaxmarl.__init__",
+    "jaxwalk.adapters.pettingzoo.__init__", "jaxwalk.evaluation.counterfactual._replay_all",
+    "jaxwalk.evaluation.counterfactual.counterfactuals", "jaxwalk.evaluation.game.play",
+    "jaxwalk.evaluation.results.compare", "jaxwalk.evaluation.results.make_cell",
+    "jaxwalk.evaluation.scenarios.evaluate", "jaxwalk.evaluation.scenarios.evaluate_batches",
+    "jaxwalk.exports.drawn_episode.draw_episode", "jaxwalk.exports.scenario_files.export_scenario",
+    "jaxwalk.exports.track_table.record_tracks", "jaxwalk.learning.advantages.generalised_advantage",
+    "jaxwalk.learning.fit.fit", "jaxwalk.learning.mappo._fit", "jaxwalk.report.figures.marks.points",
+}  # fmt: skip
+DEEP_FUNCTIONS: set[str] = {
+    "jaxwalk.bench.drawing.draw", "jaxwalk.bench.quantities._shares", "jaxwalk.bench.starting.watch",
+    "jaxwalk.cli.evaluate._play", "jaxwalk.evaluation.game._ask_and_play", "jaxwalk.evaluation.results.compare",
+    "jaxwalk.evaluation.scenarios.evaluate_batches", "jaxwalk.learning.checkpoint.save",
+    "jaxwalk.report.figures.surrogates.surrogates", "jaxwalk.report.tables.ablation",
+    "jaxwalk.report.tables.approach", "jaxwalk.report.tables.baselines", "jaxwalk.runs.study._do",
+    "jaxwalk.sim.reward.check_weights",
+}  # fmt: skip
+SAME_MODULES: set[str] = {
+    "distributions", "drivers", "game", "hidden_intent", "players", "tables",
+}  # fmt: skip
+SAME_CLASSES: set[str] = {
+    "Box", "Discrete", "Estimate", "Game", "Plan", "Rules",
+}  # fmt: skip
+CIRCLES: set[str] = set()
+ODD_DOCSTRINGS: set[str] = {
+    "jaxwalk.adapters.jaxmarl", "jaxwalk.adapters.seat", "jaxwalk.bench.__main__",
+    "jaxwalk.bench.benchmark_settings", "jaxwalk.bench.drawing", "jaxwalk.bench.showing", "jaxwalk.bench.simulation",
+    "jaxwalk.cli.tracks", "jaxwalk.evaluation.counterfactual", "jaxwalk.evaluation.incidents",
+    "jaxwalk.evaluation.results", "jaxwalk.evaluation.training_seeds", "jaxwalk.experiments.hidden_intent",
+    "jaxwalk.experiments.reproduce", "jaxwalk.exports.gallery", "jaxwalk.exports.onnx_policy",
+    "jaxwalk.exports.replays", "jaxwalk.exports.sharing", "jaxwalk.learning.config", "jaxwalk.learning.critics",
+    "jaxwalk.learning.distributions", "jaxwalk.learning.fit", "jaxwalk.learning.flops", "jaxwalk.learning.mappo",
+    "jaxwalk.learning.players", "jaxwalk.metrics.conflict_areas", "jaxwalk.metrics.distributions",
+    "jaxwalk.metrics.identifiability", "jaxwalk.metrics.outcomes", "jaxwalk.metrics.speed_differential",
+    "jaxwalk.metrics.surrogate", "jaxwalk.metrics.waiting", "jaxwalk.report.figures.learning_curves",
+    "jaxwalk.report.figures.surrogates", "jaxwalk.report.material", "jaxwalk.report.style",
+    "jaxwalk.report.surprise", "jaxwalk.report.tables", "jaxwalk.runs.study", "jaxwalk.runs.watch", "jaxwalk.shards",
+    "jaxwalk.sim.bounds",
+}  # fmt: skip
+ODD_WORDS: set[str] = {
+    "jaxwalk/adapters/game.py", "jaxwalk/adapters/jaxmarl.py", "jaxwalk/bench/products.py",
+    "jaxwalk/bench/quantities.py", "jaxwalk/bench/simulation.py", "jaxwalk/bench/starting.py",
+    "jaxwalk/cli/options/for_playing.py", "jaxwalk/evaluation/counterfactual.py", "jaxwalk/evaluation/game.py",
+    "jaxwalk/evaluation/ghosts.py", "jaxwalk/experiments/driver_report.py", "jaxwalk/experiments/reproduce.py",
+    "jaxwalk/experiments/tournament.py", "jaxwalk/learning/actor.py", "jaxwalk/learning/checkpoint.py",
+    "jaxwalk/learning/config.py", "jaxwalk/learning/fit.py", "jaxwalk/learning/flops.py",
+    "jaxwalk/learning/players.py", "jaxwalk/metrics/distributions.py", "jaxwalk/metrics/identifiability.py",
+    "jaxwalk/metrics/measurement.py", "jaxwalk/metrics/speed_differential.py",
+    "jaxwalk/report/figures/learning_curves.py", "jaxwalk/report/material.py", "jaxwalk/report/published.py",
+    "jaxwalk/report/sections.py", "jaxwalk/report/style.py", "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py",
+    "jaxwalk/report/tables.py", "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py", "jaxwalk/runs/study.py",
+    "jaxwalk/runs/watch.py", "jaxwalk/shards.py", "jaxwalk/sim/belief.py", "jaxwalk/sim/observation.py",
+    "jaxwalk/sim/trajectory.py", "jaxwalk/viewer/page/drawing.js", "jaxwalk/viewer/page/gallery.js",
+}  # fmt: skip
+
+FORBIDDEN = re.compile(r"\b(so many|whom|mend|mends|mended|glance|glances|gone on with)\b", re.IGNORECASE)
+"""Words for which there are plainer ones."""
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+COMPOUND = (ast.For, ast.AsyncFor, ast.While, ast.If, ast.With, ast.AsyncWith, ast.Try, ast.TryStar, ast.Match)
+
+
+@cache
+def _tree(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
+def _module(file: Path) -> str:
+    """The name that imports it."""
+    parts = file.relative_to(SRC).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _functions() -> Iterator[tuple[str, Function]]:
+    """Every function with its place."""
+    for file in FILES:
+        for node in ast.walk(_tree(file)):
+            if isinstance(node, Function):
+                yield f"{_module(file)}.{node.name}", node
+
+
+def _agree(found: set[str], allowed: set[str], rule: str) -> None:
+    """Fail for what breaks a rule without being an exception, and for exceptions that are no longer needed."""
+    assert not found - allowed, f"{rule}: {sorted(found - allowed)}"
+    assert not allowed - found, f"no exception any more, take it out of the list: {sorted(allowed - found)}"
+
+
+def test_no_module_is_long():
+    found = {_module(file) for file in FILES if len(file.read_text(encoding="utf-8").splitlines()) > LINES}
+    _agree(found, LONG_MODULES, f"modules of more than {LINES} lines")
+
+
+def test_no_function_is_long():
+    found = {name for name, node in _functions() if (node.end_lineno or 0) - node.lineno + 1 > FUNCTION_LINES}
+    _agree(found, LONG_FUNCTIONS, f"functions of more than {FUNCTION_LINES} lines")
+
+
+def test_no_function_has_many_parameters():
+    found = {name for name, node in _functions() if _parameters(node) > PARAMETERS}
+    _agree(found, MANY_PARAMETERS, f"functions of more than {PARAMETERS} parameters")
+
+
+def _parameters(node: Function) -> int:
+    given = node.args
+    names = [x.arg for x in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+    return len(names) - (names[:1] in (["self"], ["cls"]))
+
+
+def test_statements_are_not_nested_deeply():
+    found = {name for name, node in _functions() if _depth(node.body) > NESTING}
+    _agree(found, DEEP_FUNCTIONS, f"functions with compound statements nested more than {NESTING} deep")
+
+
+def _depth(body: list[ast.stmt]) -> int:
+    """How deeply compound statements are nested; an ``elif`` is as deep as its ``if``. Functions inside count anew."""
+    return max((1 + _depth_inside(node) for node in body if isinstance(node, COMPOUND)), default=0)
+
+
+def _depth_inside(node: ast.stmt) -> int:
+    deepest = 0
+    for name, value in ast.iter_fields(node):
+        if isinstance(node, ast.If) and name == "orelse" and len(value) == 1 and isinstance(value[0], ast.If):
+            deepest = max(deepest, _depth(value) - 1)
+        elif name in ("body", "orelse", "finalbody"):
+            deepest = max(deepest, _depth(value))
+        elif name in ("handlers", "cases"):
+            deepest = max([deepest, *(_depth(part.body) for part in value)])
+    return deepest
+
+
+def test_no_two_modules_of_one_name():
+    """Commands apart: they are named after what they run."""
+    places = defaultdict(set)
+    for file in FILES:
+        name = _module(file)
+        if file.stem != "__main__" and file.parent.name != "cli":
+            places[name.rpartition(".")[2]].add(name)
+    _agree({name for name, found in places.items() if len(found) > 1}, SAME_MODULES, "modules of one name")
+
+
+def test_no_two_classes_of_one_name():
+    """Options of commands apart: they are named after their commands."""
+    places = defaultdict(list)
+    for file in FILES:
+        for node in ast.walk(_tree(file)):
+            if isinstance(node, ast.ClassDef) and "options" not in file.parts:
+                places[node.name].append(_module(file))
+    _agree({name for name, found in places.items() if len(found) > 1}, SAME_CLASSES, "classes of one name")
+
+
+def test_no_circle_of_imports():
+    """Also between modules of one room, and through imports inside functions; ``import-linter`` has the floors."""
+    imports = _imports()
+    found = {" ".join(sorted(circle)) for circle in _circles(imports)}
+    _agree(found, CIRCLES, "modules that import each other in a circle")
+
+
+def _imports() -> dict[str, set[str]]:
+    """By module, the modules that it imports by name, wherever it does; not those only for type checkers."""
+    modules = {_module(file) for file in FILES}
+    found: dict[str, set[str]] = {}
+    for file in FILES:
+        tree = _tree(file)
+        skipped = {id(part) for node in ast.walk(tree) if _for_types(node) for part in ast.walk(node)}
+        names = {name for node in ast.walk(tree) if id(node) not in skipped for name in _imported(node, modules)}
+        found[_module(file)] = names - {_module(file)}
+    return found
+
+
+def _for_types(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+
+
+def _imported(node: ast.AST, modules: set[str]) -> set[str]:
+    """The modules of ours that a statement imports: ``from room import module`` is the module, not the room."""
+    if isinstance(node, ast.Import):
+        return {alias.name for alias in node.names} & modules
+    if isinstance(node, ast.ImportFrom) and node.module in modules:
+        inner = {f"{node.module}.{alias.name}" for alias in node.names}
+        return (inner & modules) | ({node.module} if inner - modules else set())
+    return set()
+
+
+def _circles(imports: dict[str, set[str]]) -> list[set[str]]:
+    """Groups of modules each of which reaches all others of its group."""
+    reach = {name: _reached(name, imports) for name in imports}
+    groups = {frozenset(other for other in reach[name] if name in reach[other]) for name in imports}
+    return [set(group) for group in groups if group]
+
+
+def _reached(start: str, imports: dict[str, set[str]]) -> set[str]:
+    found, rest = set(), [start]
+    while rest:
+        new = imports[rest.pop()] - found
+        found |= new
+        rest += new
+    return found
+
+
+def _docstrings(file: Path) -> Iterator[tuple[int, str]]:
+    """Every string that stands on its own: docstrings, also those of fields and constants."""
+    for node in ast.walk(_tree(file)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            yield node.lineno, node.value.value
+
+
+def test_no_docstring_begins_with_of():
+    found = {_module(file) for file in FILES for _, text in _docstrings(file) if text.startswith("Of ")}
+    _agree(found, ODD_DOCSTRINGS, 'modules with docstrings that begin with "Of "')
+
+
+def test_plain_words():
+    """In code, comments, messages and what stands beside the code."""
+    beside = [path for kind in ("html", "js", "css", "toml") for path in (SRC / "jaxwalk").rglob(f"*.{kind}")]
+    texts = {str(path.relative_to(SRC)): path.read_text(encoding="utf-8") for path in [*FILES, *beside]}
+    _agree({name for name, text in texts.items() if FORBIDDEN.search(text)}, ODD_WORDS, f"words ({FORBIDDEN.pattern})")
+
+
+@pytest.mark.parametrize(
+    ("code", "depth"),
+    [
+        ("x = 1", 0),
+        ("if a:\n    b", 1),
+        ("if a:\n    b\nelif c:\n    d\nelif e:\n    f", 1),
+        ("if a:\n    b\nelse:\n    if c:\n        d\n    e", 2),
+        ("for a in b:\n with c:\n  try:\n   d\n  except E:\n   if f:\n    g", 4),
+        ("def a():\n    if b:\n        c", 0),
+    ],
+)
+def test_depth_is_counted(code, depth):
+    assert _depth(ast.parse(code).body) == depth
+
+
+def test_a_circle_is_found():
+    assert _circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == [{"b", "c"}]
