@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 
 import equinox as eqx
@@ -10,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.interfaces import Box, Discrete, Environment, Outcome, RoleSpec
+from jaxwalk.interfaces import Box, Discrete, Environment, Moment, Outcome, RoleSpec
 from jaxwalk.rollout import (
     EVALUATION,
     RESTART_EVERY,
@@ -23,6 +24,16 @@ from jaxwalk.rollout import (
     start,
     waiting,
 )
+
+
+@dataclass(frozen=True)
+class Time:
+    agents: tuple[int, ...]
+    name: str = "time"
+
+    def __call__(self, moment):
+        time = moment.state.reshape(1, *(1,) * len(self.agents), *moment.state.shape).astype(jnp.float32)
+        return jnp.broadcast_to(time, (1, *self.agents, *moment.state.shape))
 
 
 class Clock(eqx.Module):
@@ -39,8 +50,13 @@ class Clock(eqx.Module):
     def reset(self, scenario):
         return jnp.zeros_like(scenario["length"])
 
-    def observe(self, scenario, state, role, name):
-        return state[None].astype(jnp.float32)
+    def view(self, role, name):
+        if name != "time":
+            raise ValueError(f"no view {name}")
+        return Time(self.roles[role].agents)
+
+    def observe(self, scenario, state, view):
+        return view(Moment(None, scenario, state))
 
     def global_state(self, scenario, state):
         return state[None].astype(jnp.float32)
@@ -50,10 +66,8 @@ class Clock(eqx.Module):
         over = state == scenario["length"]
         people = jnp.broadcast_to(over[None], (2, *over.shape))
         rewards = {"driver": {"action": actions["driver"][0]}, "pedestrian": {}}
-        terminated, truncated = (
-            {"driver": over, "pedestrian": people},
-            {"driver": over & False, "pedestrian": people & False},
-        )
+        terminated = {"driver": over, "pedestrian": people}
+        truncated = {"driver": over & False, "pedestrian": people & False}
         return state, Outcome(rewards, terminated, truncated, over, {"state": state})
 
 

@@ -232,8 +232,4 @@ def test_impossible_actions_and_seeds_are_named(three):
     with pytest.raises(AdapterError, match="NextStep or SameStep, not Disabled"):
         make_many(autoreset_mode="Disabled")
 
-
-def test_roles_come_in_the_order_of_byrole():
-    from jaxwalk.adapters.game import ROLES
-
     assert tuple(vars(ByRole(0, 1))) == ROLES

@@ -11,14 +11,14 @@ from rich.console import Console
 from jaxwalk.evaluation import compare, evaluate
 from jaxwalk.experiments import hidden_intent as module
 from jaxwalk.experiments import tournament
-from jaxwalk.experiments.hidden_intent import Plan, hidden_intent
+from jaxwalk.experiments.hidden_intent import IntentEffort, hidden_intent
 from jaxwalk.policies import read_metadata
 from jaxwalk.recipes import single_agent
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.sim.observation import BELIEF, TOLD
 
 pytestmark = pytest.mark.long
-PLAN = Plan(updates=2, episodes=8, seed=3, seeds=2)
+PLAN = IntentEffort(updates=2, episodes=8, seed=3, seeds=2)
 SEES = {"blind": "route", "belief": BELIEF, "told": TOLD}
 
 
@@ -43,7 +43,7 @@ def test_each_car_sees_its_own(made):
             metadata = read_metadata(run.policy)
             assert (metadata["seed"], metadata["single_agent"]) == (seed, True)
             assert metadata["roles"]["driver"]["observes"] == observes
-            assert run.experiment.train.driver.critic_observes == ("route", "global")
+            assert run.experiment.train.roles["driver"].critic_observes == ("route", "global")
             assert [line["update"] for line in run.metrics()] == [1, 2]
 
 

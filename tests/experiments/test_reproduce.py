@@ -123,7 +123,7 @@ def test_everybody_meets_the_pedestrians_of_the_seed(street, monkeypatch):
     monkeypatch.setattr(tournament, "play_rounds", play)
     people = {seed: AlwaysGo() for seed in (3, 4)}
     cars = {seed: {"single-agent": ConstantSpeed(), "co-trained": ConstantSpeed()} for seed in people}
-    trained = [tournament.Trained(seed, cars[seed], people[seed]) for seed in people]
+    trained = [tournament.TrainedPolicies(seed, cars[seed], people[seed]) for seed in people]
     for play_all in (tournament.tournament, tournament.ablation):
         with pytest.raises(Interrupted):
             play_all(street, trained, tournament.Scenarios(8, 0), print)

@@ -5,6 +5,7 @@ What a game pays is data, like a map: all games of one shape run through one com
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any
 
 import equinox as eqx
@@ -12,9 +13,30 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from jaxwalk.interfaces import Box, ByRole, Discrete, Outcome, RoleSpec
+from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec
+from jaxwalk.learning.config import RoleConfig, TrainConfig
 
 CHOICE = Discrete(2)
+ROLES = {"driver": RoleConfig(), "pedestrian": RoleConfig()}
+
+
+def with_roles(config: TrainConfig, **roles: RoleConfig) -> TrainConfig:
+    """The configuration with other ones of some roles."""
+    return replace(config, roles=config.roles | roles)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Everybody sees the scenario, the time and the first choice."""
+
+    agents: tuple[int, ...]
+    name: str = "paper"
+
+    def __call__(self, moment: Moment) -> Array:
+        scenario, state = moment.scenario, moment.state
+        seen = moment.world.shows * jnp.stack([scenario, state["time"].astype(jnp.float32), state["choice"]])
+        spread = seen.reshape(3, *(1,) * len(self.agents), *scenario.shape)
+        return jnp.broadcast_to(spread, (3, *self.agents, *scenario.shape))
 
 
 class Game(eqx.Module):
@@ -31,8 +53,8 @@ class Game(eqx.Module):
     driver: Box | Discrete
 
     @property
-    def roles(self) -> ByRole[RoleSpec]:
-        return ByRole(RoleSpec((), self.driver), RoleSpec((2,), Discrete(2)))
+    def roles(self) -> Roles[RoleSpec]:
+        return {"driver": RoleSpec((), self.driver), "pedestrian": RoleSpec((2,), Discrete(2))}
 
     def draw(self, key: Array) -> Array:
         return jnp.where(jax.random.bernoulli(key), 1.0, -1.0)
@@ -40,27 +62,33 @@ class Game(eqx.Module):
     def reset(self, scenario: Array) -> dict[str, Array]:
         return {"time": jnp.zeros(scenario.shape, jnp.int32), "choice": jnp.zeros(scenario.shape)}
 
-    def observe(self, scenario: Array, state: Any, role: str, name: str) -> Array:
-        seen = self.shows * jnp.stack([scenario, state["time"].astype(jnp.float32), state["choice"]])
-        return seen if role == "driver" else jnp.broadcast_to(seen[:, None], (3, 2, *scenario.shape))
+    def view(self, role: str, name: str) -> Shown:
+        return Shown(self.roles[role].agents)
+
+    def observe(self, scenario: Array, state: Any, view: Any) -> Array:
+        return view(Moment(self, scenario, state))
 
     def global_state(self, scenario: Array, state: Any) -> Array:
-        return self.observe(scenario, state, "driver", "paper")
+        return self.observe(scenario, state, Shown(()))
 
-    def step(self, scenario: Array, state: Any, actions: ByRole[Array]) -> tuple[Any, Outcome]:
-        chosen = actions.driver.astype(jnp.float32).reshape(-1, *scenario.shape)[0]
+    def step(self, scenario: Array, state: Any, actions: Roles[Array]) -> tuple[Any, Outcome]:
+        chosen = actions["driver"].astype(jnp.float32).reshape(-1, *scenario.shape)[0]
         driver, pedestrian = jnp.zeros_like(scenario), jnp.zeros((2, *scenario.shape))
         for name, rule in RULES.items():
-            to_driver, to_pedestrian = rule(scenario, state, chosen, actions.pedestrian.astype(jnp.float32))
+            to_driver, to_pedestrian = rule(scenario, state, chosen, actions["pedestrian"].astype(jnp.float32))
             driver += self.pays[name] * to_driver
             pedestrian += self.pays[name] * to_pedestrian
         after = {"time": state["time"] + 1, "choice": jnp.where(state["time"] == 0, chosen, state["choice"])}
         over = after["time"] >= self.length
         spread = lambda x: jnp.broadcast_to(x, (2, *x.shape))  # noqa: E731
         outcome = Outcome(
-            rewards=ByRole({"pay": driver}, {"pay": pedestrian, "nothing": jnp.zeros_like(pedestrian)}),
-            terminated=ByRole(over & ~self.timeout, spread(over & ~self.timeout)),
-            truncated=ByRole(over & self.timeout, spread(over & self.timeout)),
+            rewards={
+                "driver": {"pay": driver},
+                "pedestrian": {"pay": pedestrian, "nothing": jnp.zeros_like(pedestrian)},
+            },
+            terminated={"driver": over & ~self.timeout, "pedestrian": spread(over & ~self.timeout)},
+            truncated={"driver": over & self.timeout, "pedestrian": spread(over & self.timeout)},
+            ended=over,
             events={"goal": over & (driver > 0), "timeout": over & self.timeout},
         )
         return after, outcome

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.interfaces import Box, Discrete
-from jaxwalk.learning.actor import GLANCE_PART, decide, glance, make_actor, no_memory
+from jaxwalk.learning.actor import CHOSEN_PART, decide, make_actor, run_where
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.rollout import environment_keys
 
@@ -27,18 +27,18 @@ def observations(deciding):
     return jnp.asarray(seen.reshape(5, AGENTS, BATCH))
 
 
-@pytest.mark.parametrize("deciding", [0, 1, AGENTS * BATCH // GLANCE_PART, AGENTS * BATCH // GLANCE_PART + 1, 100, 192])
+@pytest.mark.parametrize("deciding", [0, 1, AGENTS * BATCH // CHOSEN_PART, AGENTS * BATCH // CHOSEN_PART + 1, 100, 192])
 def test_a_glance_sees_everybody_who_counts_and_nobody_else(deciding):
     seen, network = observations(deciding), gated().network
     where = np.asarray(seen[0] > 0)
-    quick, full = (np.asarray(x) for x in (jax.jit(glance)(network, seen, jnp.asarray(where)), network(seen)))
+    quick, full = (np.asarray(x) for x in (jax.jit(run_where)(network, seen, jnp.asarray(where)), network(seen)))
     np.testing.assert_allclose(quick[:, where], full[:, where], atol=1e-7)
     assert not quick[:, ~where].any()
 
 
 def test_a_gated_choice_is_as_likely_as_the_network_says_and_go_elsewhere():
     seen, actor = observations(60), gated()
-    choice, _ = decide(actor, KEYS, no_memory(actor, (AGENTS,), (BATCH,)), seen, sample=True)
+    choice, _ = decide(actor, KEYS, actor.init((AGENTS,), (BATCH,)), seen, sample=True)
     where = np.asarray(seen[0] > 0)
     np.testing.assert_array_equal(choice.decided, where)
     np.testing.assert_allclose(choice.log_prob[where], actor(seen).log_prob(choice.raw)[where], atol=1e-6)
@@ -49,7 +49,7 @@ def test_a_gated_choice_is_as_likely_as_the_network_says_and_go_elsewhere():
 def test_a_decision_stands_for_its_time_and_no_longer_than_there_is_anything_to_decide():
     actor = gated(hold=3)
     may = np.array([[1, 1], [1, 1], [1, 0], [1, 1], [1, 1], [1, 1], [1, 1]])  # (step, agent)
-    memory, decided, actions = no_memory(actor, (2,), ()), [], []
+    memory, decided, actions = actor.init((2,), ()), [], []
     for step, row in enumerate(may):
         seen = jnp.concatenate([jnp.asarray(row[None], jnp.float32), jnp.full((4, 2), float(step))])
         choice, memory = decide(actor, jax.random.key(step), memory, seen, sample=True)
@@ -65,7 +65,7 @@ def test_a_decision_stands_for_its_time_and_no_longer_than_there_is_anything_to_
 
 def test_other_kinds_decide_always_and_remember_nothing():
     actor = make_actor(jax.random.key(0), 5, Box(2), RoleConfig(actor_hidden=(8,)))
-    assert no_memory(actor, (), (BATCH,)) is None
+    assert actor.init((), (BATCH,)) is None
     seen = observations(3)[:, 0]
     choice, memory = decide(actor, KEYS, None, seen, sample=False)
     np.testing.assert_array_equal(choice.raw, actor(seen).mean)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jaxwalk.learning.advantages import generalised_advantage, normalised
+from jaxwalk.learning.advantages import Transitions, generalised_advantage, normalised
 
 NO = jnp.zeros(3, bool)
 YES = jnp.ones(3, bool)
@@ -16,7 +16,7 @@ VALUE = jnp.array([10.0, 20.0, 30.0, 40.0])
 
 def advantage(terminated=NO, truncated=NO, valid=YES, discount=0.5, gae_lambda=0.5):
     return generalised_advantage(
-        REWARD, VALUE, terminated, truncated, valid, discount=discount, gae_lambda=gae_lambda
+        Transitions(REWARD, terminated, truncated, valid), VALUE, discount=discount, gae_lambda=gae_lambda
     ).advantage.tolist()
 
 
@@ -47,14 +47,14 @@ def test_nothing_flows_over_a_restart_even_if_its_numbers_are_nonsense():
     ends, valid = jnp.array([False, True, False, False]), jnp.array([True, True, False, True])
     reward = jnp.array([1.0, 2.0, jnp.nan, 4.0])
     value = jnp.array([10.0, 20.0, 30.0, 40.0, 50.0])
-    out = generalised_advantage(reward, value, ends, ~ends & False, valid, discount=0.5, gae_lambda=0.5)
+    out = generalised_advantage(Transitions(reward, ends, ~ends & False, valid), value, discount=0.5, gae_lambda=0.5)
     assert out.advantage.tolist() == [1 - 18 / 4, -18, 0, 4 + 25 - 40]
 
 
 def test_one_agent_terminates_while_another_is_truncated():
     terminated = jnp.array([[True, False]])[..., None]
     out = generalised_advantage(
-        jnp.ones((1, 2, 1)), jnp.full((2, 2, 1), 10.0), terminated, ~terminated, jnp.ones((1, 1, 1), bool),
+        Transitions(jnp.ones((1, 2, 1)), terminated, ~terminated, jnp.ones((1, 1, 1), bool)), jnp.full((2, 2, 1), 10.0),
         discount=0.5, gae_lambda=0.9,
     )  # fmt: skip
     assert out.advantage[0, :, 0].tolist() == [-9, -4]
@@ -64,7 +64,7 @@ def test_a_decision_lasts_until_the_next_one_by_hand():
     # decided in steps 0 and 2, each worth 10 and 30 there; values elsewhere are never asked
     decided = jnp.array([True, False, True])
     value = jnp.array([10.0, jnp.nan, 30.0, 40.0])
-    out = generalised_advantage(REWARD, value, NO, NO, YES, decided, discount=0.5, gae_lambda=0.1)
+    out = generalised_advantage(Transitions(REWARD, NO, NO, YES, decided), value, discount=0.5, gae_lambda=0.1)
     second = 3 + 20 - 30
     first = 1 + 0.5 * 2 + 0.25 * 30 - 10 + 0.1 * 0.25 * second
     np.testing.assert_allclose(out.advantage[jnp.array([0, 2])], [first, second])
@@ -73,7 +73,7 @@ def test_a_decision_lasts_until_the_next_one_by_hand():
 
 def test_what_a_step_between_decisions_should_have_expected():
     decided = jnp.array([True, False, True])
-    out = generalised_advantage(REWARD, VALUE, NO, NO, YES, decided, discount=0.5, gae_lambda=0.1)
+    out = generalised_advantage(Transitions(REWARD, NO, NO, YES, decided), VALUE, discount=0.5, gae_lambda=0.1)
     assert float(out.target[1]) == pytest.approx(2 + 0.5 * 30 + 0.1 * 0.5 * (3 + 20 - 30))
 
 
@@ -83,8 +83,8 @@ def test_a_decision_ends_with_the_episode(ends):
     no, over = jnp.zeros(3, bool), jnp.array([False, True, False])
     flags = {"terminated": no, "truncated": no} | {ends: over}
     out = generalised_advantage(
-        REWARD, VALUE, **flags, valid=jnp.array([True, True, False]), decided=jnp.array([True, False, True]),
-        discount=0.5, gae_lambda=1.0,
+        Transitions(REWARD, **flags, valid=jnp.array([True, True, False]), decided=jnp.array([True, False, True])),
+        VALUE, discount=0.5, gae_lambda=1.0,
     )  # fmt: skip
     assert float(out.advantage[0]) == 1 + 0.5 * 2 + (0.25 * 30 if ends == "truncated" else 0) - 10
 
@@ -97,7 +97,7 @@ numbers = st.lists(st.floats(-10, 10, width=32), min_size=2, max_size=12)
 def test_lambda_zero_is_the_residual(rewards, discount):
     reward, value = jnp.array(rewards), jnp.arange(len(rewards) + 1.0)
     no, yes = jnp.zeros(len(rewards), bool), jnp.ones(len(rewards), bool)
-    out = generalised_advantage(reward, value, no, no, yes, discount=discount, gae_lambda=0.0)
+    out = generalised_advantage(Transitions(reward, no, no, yes), value, discount=discount, gae_lambda=0.0)
     expected = reward + discount * value[1:] - value[:-1]
     np.testing.assert_allclose(out.advantage, expected, rtol=1e-5, atol=1e-5)
 
@@ -107,7 +107,7 @@ def test_lambda_zero_is_the_residual(rewards, discount):
 def test_lambda_one_is_the_discounted_return_less_the_value(rewards, discount):
     reward, value = jnp.array(rewards), jnp.arange(len(rewards) + 1.0)
     no, yes = jnp.zeros(len(rewards), bool), jnp.ones(len(rewards), bool)
-    out = generalised_advantage(reward, value, no, no, yes, discount=discount, gae_lambda=1.0)
+    out = generalised_advantage(Transitions(reward, no, no, yes), value, discount=discount, gae_lambda=1.0)
     returned = float(value[-1])
     for reward_, value_, got in zip(rewards[::-1], value[:-1][::-1], out.advantage[::-1], strict=True):
         returned = reward_ + discount * returned

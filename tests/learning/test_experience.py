@@ -6,24 +6,25 @@ import jax
 import numpy as np
 import pytest
 
-from jaxwalk.interfaces import ByRole
+from jaxwalk.acting import fresh_memory
+from jaxwalk.learning.casting import learning_cast, whole
 from jaxwalk.learning.config import RoleConfig, TrainConfig
-from jaxwalk.learning.experience import fresh_memory, make_act
+from jaxwalk.learning.experience import recording_act
 from jaxwalk.learning.mappo import init
 from jaxwalk.rollout import RESTART_EVERY, rollout
 from learning import games
 
 ROLE = RoleConfig(actor_hidden=(4,), critic_hidden=(4,))
-CONFIG = TrainConfig(driver=ROLE, pedestrian=ROLE, environments=3, steps=8 * RESTART_EVERY)
+CONFIG = TrainConfig(roles={"driver": ROLE, "pedestrian": ROLE}, environments=3, steps=8 * RESTART_EVERY)
 
 
 @pytest.mark.parametrize("length", [1, 3, RESTART_EVERY - 1, RESTART_EVERY, RESTART_EVERY + 1, 2 * RESTART_EVERY])
 def test_the_step_after_an_episodes_last_shows_its_final_state_and_does_not_count(length):
     game = games.game("bandit", length=length, timeout=True)
     learner = init(game, CONFIG, jax.random.key(0))
-    others = ByRole(None, None)
-    act = make_act(game, CONFIG, learner.actors, learner.early, others)
-    memory = fresh_memory(game, CONFIG, learner.actors, others)
+    shard = whole(CONFIG)
+    cast = learning_cast(game, shard, learner.actors, learner.early, learner.others)
+    act, memory = recording_act(game, shard, cast), fresh_memory(game, cast, (CONFIG.environments,))
     _, played = rollout(game, act, learner.stream, CONFIG.steps, fresh_memory=memory)
     time = np.asarray(played.record.views["driver"]["paper"])[:, 1]
     last = np.asarray(played.outcome.ended & played.valid)[:-1]

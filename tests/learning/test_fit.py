@@ -15,16 +15,18 @@ from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig, TrainConfig
 from jaxwalk.learning.fit import (
     Chunks,
+    Fit,
     descend,
     fit,
     learning_rate,
     map_chunks,
     mean_gradient,
-    only_weighty,
     optimiser,
+    pack_weighted,
     plan_chunks,
 )
 from jaxwalk.learning.losses import Actions, actor_loss
+from learning.games import ROLES
 
 STEPS, ENVS = 8, 6
 
@@ -64,7 +66,7 @@ def test_entries_with_weight_give_the_gradient_of_all(columns):
     actor, data = rollout_of((3,), Discrete(2))
     weight = jnp.zeros((STEPS, 3, ENVS)).at[2, 1].set(1.0).at[5, :, 2].set(1.0)
     data = Actions(data.observation, data.raw, data.log_prob, data.advantage, weight)
-    few = only_weighty(data, columns=columns)
+    few = pack_weighted(data, columns=columns)
     assert few.observation.shape == (STEPS, 5, columns)
     assert float(few.weight.sum()) == float(weight.sum()) == 9
     loss = partial(actor_loss, clip=0.2, entropy=0.1)
@@ -95,7 +97,7 @@ def test_mapping_over_chunks_keeps_every_entry_in_its_place(chunks):
 
 
 def test_every_epoch_sees_every_step_once_in_its_own_order():
-    config = TrainConfig(steps=STEPS, environments=ENVS, minibatches=4)
+    config = TrainConfig(ROLES, steps=STEPS, environments=ENVS, minibatches=4)
     seen = []
 
     def loss(network, chunk):
@@ -105,8 +107,8 @@ def test_every_epoch_sees_every_step_once_in_its_own_order():
     times = jnp.broadcast_to(jnp.arange(STEPS, dtype=jnp.float32)[:, None], (STEPS, ENVS))
     network = jnp.ones(())
     out = fit(
-        loss, network, optimiser(config).init(network), times,
-        key=jax.random.key(0), rate=jnp.float32(0.1), environments=ENVS, epochs=2, agents=1, config=config,
+        Fit(config, jnp.float32(0.1), epochs=2, agents=1, environments=ENVS), loss, network,
+        optimiser(config).init(network), times, jax.random.key(0),
     )  # fmt: skip
     jax.block_until_ready(out)
     jax.effects_barrier()
@@ -116,7 +118,7 @@ def test_every_epoch_sees_every_step_once_in_its_own_order():
 
 
 def test_every_parameter_goes_against_its_own_gradient():
-    config = TrainConfig(steps=STEPS, environments=ENVS, minibatches=1, adam_epsilon=1e-12)
+    config = TrainConfig(ROLES, steps=STEPS, environments=ENVS, minibatches=1, adam_epsilon=1e-12)
     signs = {"a": jnp.array([[1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]]), "b": jnp.array([-1.0, 1.0])}
     network = jax.tree.map(jnp.zeros_like, signs)
 
@@ -125,8 +127,8 @@ def test_every_parameter_goes_against_its_own_gradient():
         return slope * chunk.size, {"weight": jnp.float32(chunk.size)}
 
     moved, memory, report = fit(
-        loss, network, optimiser(config).init(network), jnp.zeros((STEPS, ENVS)),
-        key=jax.random.key(0), rate=jnp.float32(0.1), environments=ENVS, epochs=1, agents=1, config=config,
+        Fit(config, jnp.float32(0.1), epochs=1, agents=1, environments=ENVS), loss, network,
+        optimiser(config).init(network), jnp.zeros((STEPS, ENVS)), jax.random.key(0),
     )  # fmt: skip
     assert {x.shape for x in jax.tree.leaves(memory)} == {(), (8,)}
     assert float(report["gradient_norm"]) == pytest.approx(8**0.5)
@@ -134,13 +136,13 @@ def test_every_parameter_goes_against_its_own_gradient():
 
 
 def test_annealing():
-    config = TrainConfig(updates=10, learning_rate=0.5, anneal=True)
+    config = TrainConfig(ROLES, updates=10, learning_rate=0.5, anneal=True)
     assert [float(learning_rate(config, jnp.int32(n))) for n in (0, 5, 10, 11)] == [0.5, 0.25, 0, 0]
-    assert float(learning_rate(TrainConfig(learning_rate=0.5), jnp.int32(9999))) == 0.5
+    assert float(learning_rate(TrainConfig(ROLES, learning_rate=0.5), jnp.int32(9999))) == 0.5
 
 
 def test_adams_first_step_has_the_size_of_the_rate_and_ignores_the_gradients_size():
-    config = TrainConfig(adam_epsilon=1e-12)
+    config = TrainConfig(ROLES, adam_epsilon=1e-12)
     parameters, gradient = jnp.array([1.0, 2.0, 3.0]), jnp.array([1e6, -1e6, 1e6])
     memory = optimiser(config).init(parameters)
     moved, _ = descend(parameters, memory, gradient, rate=jnp.float32(0.1), config=config)

@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from jaxwalk.learning.actor import GLANCE_PART
+from jaxwalk.learning.actor import CHOSEN_PART
 from jaxwalk.learning.config import RoleConfig, TrainConfig
 from jaxwalk.learning.flops import Sizes, fit_flops, forward_flops, network_flops, passes, sizes_of
 from jaxwalk.recipes import FAST, PAPER
+from learning.games import ROLES, with_roles
 
 SIZES = Sizes(
     observations={"driver": {"paper": 5, "global": 7}, "pedestrian": {"paper": 3}},
@@ -26,13 +27,13 @@ def test_one_row():
 
 @pytest.mark.parametrize(("epochs", "made"), [(4, 4.0), (0.5, 0.5), (0.3, 0.25), (0.01, 0.25), (1.5, 1.5)])
 def test_a_broken_epoch_is_whole_minibatches(epochs, made):
-    assert passes(TrainConfig(**SMALL), epochs) == made
+    assert passes(TrainConfig(ROLES, **SMALL), epochs) == made
 
 
 def test_individual_credit():
     driver = RoleConfig(actor_hidden=(4,), critic_hidden=(6,), critic_observes=("paper", "global"), epochs=2)
     pedestrian = RoleConfig(actor_hidden=(8,), critic_hidden=(2,), epochs=1)
-    found = network_flops(TrainConfig(driver=driver, pedestrian=pedestrian, **SMALL), SIZES)
+    found = network_flops(TrainConfig({"driver": driver, "pedestrian": pedestrian}, **SMALL), SIZES)
     # layers: 5-4-2 and 3-8-2 act, 12-6-1 and 3-2-1 judge
     assert found.acting == 2 * (20 + 8) + 4 * 2 * (24 + 16)
     assert found.judging == pytest.approx(9 / 8 * (2 * (72 + 6) + 4 * 2 * (6 + 2)))
@@ -47,10 +48,10 @@ def test_individual_credit():
 
 def test_a_gated_role_costs_part_of_its_rows():
     pedestrian = RoleConfig(actor_hidden=(8,), gated=True, epochs=1)
-    config = TrainConfig(pedestrian=pedestrian, **SMALL)
-    whole, found = network_flops(TrainConfig(**SMALL), SIZES), network_flops(config, SIZES)
+    config = TrainConfig(ROLES | {"pedestrian": pedestrian}, **SMALL)
+    whole, found = network_flops(TrainConfig(ROLES, **SMALL), SIZES), network_flops(config, SIZES)
     driver = whole.acting - 4 * forward_flops((3, 128, 128, 2))
-    glanced, fitted = -(-40 // GLANCE_PART) / 10, 10 / 10  # room for the first of 8 steps, twice: a quarter
+    glanced, fitted = -(-40 // CHOSEN_PART) / 10, 10 / 10  # room for the first of 8 steps, twice: a quarter
     assert found.acting == pytest.approx(driver + glanced * 2 * (24 + 16))
     assert found.fits["pedestrian"] == pytest.approx(fitted * 2 * (2 * 24 + 3 * 16))
     assert found.fits["pedestrian critic"] == pytest.approx(fitted * fit_flops((3, 128, 128, 1)))
@@ -60,14 +61,14 @@ def test_a_gated_role_costs_part_of_its_rows():
 
 def test_stand_ins_leave_fewer_rows():
     driver = RoleConfig(actor_hidden=(4,), fixed=0.2, early=0.3)
-    found = network_flops(TrainConfig(driver=driver, **SMALL), SIZES)
-    whole = network_flops(TrainConfig(driver=replace(driver, fixed=0.0, early=0.0), **SMALL), SIZES)
+    found = network_flops(TrainConfig(ROLES | {"driver": driver}, **SMALL), SIZES)
+    whole = network_flops(TrainConfig(ROLES | {"driver": replace(driver, fixed=0.0, early=0.0)}, **SMALL), SIZES)
     assert found.fits["driver"] == 0.5 * whole.fits["driver"]
     assert whole.acting - found.acting == pytest.approx(0.2 * 2 * (20 + 8))
 
 
 def test_a_role_that_does_not_learn_costs_nothing():
-    alone = TrainConfig(pedestrian=RoleConfig(fixed=1.0), **SMALL)
+    alone = TrainConfig(ROLES | {"pedestrian": RoleConfig(fixed=1.0)}, **SMALL)
     assert set(network_flops(alone, SIZES).fits) == {"driver", "driver critic"}
 
 
@@ -90,5 +91,5 @@ def test_sizes_are_those_of_what_is_read(street):
     }
     assert sizes.agents == {"driver": 1, "pedestrian": 12}
     assert sizes.actions == {"driver": 2, "pedestrian": 2}
-    no_world = replace(fast, driver=replace(fast.driver, critic_observes=("route",)))
+    no_world = with_roles(fast, driver=replace(fast.roles["driver"], critic_observes=("route",)))
     assert set(sizes_of(street, no_world).observations["driver"]) == {"route"}

@@ -10,27 +10,27 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.interfaces import Box, ByRole
-from jaxwalk.learning.actor import decide, no_memory
+from jaxwalk.interfaces import Box
+from jaxwalk.learning.actor import decide
+from jaxwalk.learning.casting import whole
 from jaxwalk.learning.checkpoint import CheckpointError, latest, restore, save
 from jaxwalk.learning.config import RoleConfig, TrainConfig
 from jaxwalk.learning.critics import blended_reward
-from jaxwalk.learning.experience import look
+from jaxwalk.learning.experience import gather_views
 from jaxwalk.learning.mappo import init, update
 from jaxwalk.shards import ShardsError
 from learning import games
 
 ROLE = RoleConfig(actor_hidden=(16,), critic_hidden=(16,), entropy=0.003)
 CONFIG = TrainConfig(
-    driver=ROLE, pedestrian=dataclasses.replace(ROLE, epochs=2), environments=32, steps=16, minibatches=4,
+    roles={"driver": ROLE, "pedestrian": dataclasses.replace(ROLE, epochs=2)}, environments=32, steps=16, minibatches=4,
     updates=40, learning_rate=5e-3, discount=0.9, shared_critic_hidden=(16,), chunk_rows=64,
 )  # fmt: skip
 
 
 def both(config, **changes):
     """The configuration with the same changes in both roles."""
-    driver, pedestrian = (dataclasses.replace(config.role(role), **changes) for role in ("driver", "pedestrian"))
-    return dataclasses.replace(config, driver=driver, pedestrian=pedestrian)
+    return games.with_roles(config, **{role: dataclasses.replace(x, **changes) for role, x in config.roles.items()})
 
 
 def play(game, config=CONFIG, *, updates=40, seed=0):
@@ -42,14 +42,14 @@ def play(game, config=CONFIG, *, updates=40, seed=0):
 
 def values(game, config, learner, critic):
     """What a critic says of its environments' present states."""
-    seen = look(game, config, learner.stream.scenario, learner.stream.state)
+    seen = gather_views(game, whole(config), learner.stream.scenario, learner.stream.state)
     return np.asarray(learner.critics[critic](seen))
 
 
 class AlwaysGo(eqx.Module):
     """A fixed policy that remembers how often it was asked since the episode began."""
 
-    observes: str = eqx.field(static=True, default="paper")
+    view: games.Shown = eqx.field(static=True, default=games.Shown((2,)))
 
     def init(self, agents, batch):
         return jnp.zeros((*agents, *batch), jnp.int32)
@@ -68,10 +68,10 @@ def test_bandit(credit):
 
 
 def test_gated_people_decide_only_where_they_may():
-    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(CONFIG.pedestrian, gated=True))
+    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(CONFIG.roles["pedestrian"], gated=True))
     learner, metrics = play(games.game("holding"), config)
     actor, may = learner.actors["pedestrian"], jnp.array([[1.0, -1.0], [0.0, 0.0], [0.0, 0.0]])  # the first one may
-    wait, _ = decide(actor, jax.random.key(0), no_memory(actor, (2,), ()), may, sample=False)
+    wait, _ = decide(actor, jax.random.key(0), actor.init((2,), ()), may, sample=False)
     assert wait.action.tolist() == [0, 1]
     assert wait.decided.tolist() == [True, False]
     assert float(jnp.exp(wait.log_prob)[0]) > 0.95
@@ -121,24 +121,26 @@ def test_the_driver_learns_to_match_what_people_do():
 
 @pytest.mark.parametrize("credit", ["individual", "shared"])
 def test_a_role_that_does_not_learn_has_no_networks_and_pays_nobody(credit):
-    config = dataclasses.replace(CONFIG, pedestrian=dataclasses.replace(ROLE, fixed=1.0), credit=credit)
+    config = games.with_roles(
+        dataclasses.replace(CONFIG, credit=credit), pedestrian=dataclasses.replace(ROLE, fixed=1.0)
+    )
     game = games.game("bandit", length=3)
-    learner = init(game, config, jax.random.key(0), others=ByRole(None, AlwaysGo()))
+    learner = init(game, config, jax.random.key(0), others={"pedestrian": AlwaysGo()})
     for _ in range(3):
         learner, metrics = update(game, config, learner)
     assert set(learner.actors) == {"driver"}
     assert set(learner.critics) == {"shared" if credit == "shared" else "driver"}
     assert float(metrics["reward/pedestrian"]) == 1
     # its memory starts anew with every episode
-    assert (learner.stream.memory.pedestrian[0] == learner.stream.state["time"]).all()
+    assert (learner.stream.memory["pedestrian"][0] == learner.stream.state["time"]).all()
 
 
 def test_who_plays_must_be_said_exactly_once():
     game, idle = games.game("bandit"), dataclasses.replace(ROLE, fixed=1.0)
     with pytest.raises(ValueError, match="pedestrian learns"):
-        init(game, CONFIG, jax.random.key(0), others=ByRole(None, AlwaysGo()))
+        init(game, CONFIG, jax.random.key(0), others={"pedestrian": AlwaysGo()})
     with pytest.raises(ValueError, match="must play the pedestrian"):
-        init(game, dataclasses.replace(CONFIG, pedestrian=idle), jax.random.key(0))
+        init(game, games.with_roles(CONFIG, pedestrian=idle), jax.random.key(0))
 
 
 def test_blended_reward_by_hand():
@@ -186,11 +188,11 @@ def test_shared_out_environments_learn_the_same(credit):
 
 
 def test_every_shard_has_its_stand_ins():
-    role = dataclasses.replace(CONFIG.pedestrian, fixed=0.5)
-    config = dataclasses.replace(CONFIG, pedestrian=role, shards=2)
-    learner = init(games.game("bandit"), config, jax.random.key(0), others=ByRole(None, AlwaysGo()))
+    role = dataclasses.replace(CONFIG.roles["pedestrian"], fixed=0.5)
+    config = games.with_roles(dataclasses.replace(CONFIG, shards=2), pedestrian=role)
+    learner = init(games.game("bandit"), config, jax.random.key(0), others={"pedestrian": AlwaysGo()})
     learner, _ = update(games.game("bandit"), config, learner)
-    (asked,) = (x for x in jax.tree.leaves(learner.stream.memory.pedestrian) if x.dtype == jnp.int32)
+    (asked,) = (x for x in jax.tree.leaves(learner.stream.memory["pedestrian"]) if x.dtype == jnp.int32)
     half = config.environments // 2
     for share in (asked[..., :half], asked[..., half:]):
         assert (share[..., : half // 2] == 0).all()

@@ -157,7 +157,7 @@ def test_the_scenario_names_its_map(three_maps, on_three_maps):
     numbers, played = on_three_maps
     for number in range(3):
         x, y = played["x"][..., numbers == number], played["y"][..., numbers == number]
-        ground = np.concatenate([three_maps.maps.sidewalks[number], three_maps.maps.roads[number]])
+        ground = np.concatenate([three_maps.world.maps.sidewalks[number], three_maps.world.maps.roads[number]])
         assert inside(ground, x, y, margin=-1e-3).all()
         assert (x.max() > 125) == (number == 1)
     drawn = np.asarray(draw(three_maps, 1, 0, 0).map)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from jaxwalk.cli.errors import bad_values
 from jaxwalk.cli.interruption import until_interrupted
 from jaxwalk.cli.options import HiddenIntent
-from jaxwalk.experiments.hidden_intent import Plan, hidden_intent
+from jaxwalk.experiments.hidden_intent import IntentEffort, hidden_intent
 
 
 def run(options: HiddenIntent) -> int:
     """Make everything that is missing; 130 if Ctrl-C ended it."""
     with bad_values():
-        plan = Plan(updates=options.updates, episodes=options.episodes, seed=options.seed, seeds=options.seeds)
+        plan = IntentEffort(updates=options.updates, episodes=options.episodes, seed=options.seed, seeds=options.seeds)
     return until_interrupted(lambda: f"Read {hidden_intent(options.out, plan)}")

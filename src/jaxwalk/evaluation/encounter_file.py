@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from jaxwalk.evaluation.results import CONTACT_NAMES
+from jaxwalk.evaluation.episode_file import CONTACT_NAMES
 from jaxwalk.metrics import ENCOUNTERS, SURROGATES, Rows
 from jaxwalk.metrics.braking import NAMES
 from jaxwalk.writing import whole

@@ -1,15 +1,11 @@
-"""The results of an evaluation: a cell for each driver among each population, one JSON document, a row per episode."""
+"""The results of an evaluation: a cell for each driver among each population, and one JSON document of all."""
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
-from decimal import Decimal
 from functools import partial
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,18 +19,10 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
-from jaxwalk.sim.crossing_kind import CONTACTS
 from jaxwalk.sim.environment import Street
-from jaxwalk.writing import write_whole
 
 SCHEMA = 3
 """Version of the JSON document; it changes when something is added that reports need."""
-CONTACT_NAMES = ("", *(kind.word for kind in CONTACTS))
-"""Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
-NAMES = ("driver", "pedestrians")
-"""What a row of the file with a row per episode is of, unless told otherwise."""
-ENDING = ("outcome", "contact", "impact_speed", "duration")
-"""How it went; speeds in m/s, durations in s."""
 
 
 HEADLINE = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
@@ -274,32 +262,3 @@ def make_cell(
         pedestrian_observes=people.view.name,
         driver_ms_per_step=driver_ms_per_step,
     )
-
-
-def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tuple[str, ...] = NAMES) -> None:
-    """Write a CSV file with a row per episode; it appears whole or not at all.
-
-    The columns are ``scenario``, the names and `ENDING`; without a collision, contact and impact speed are empty.
-
-    Args:
-        path: the file.
-        cells: for each, a value for every name (None: empty), and last its `Rows`.
-        names: columns that tell cells apart.
-    """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("scenario", *names, *ENDING))
-    for *values, rows in cells:
-        writer.writerows(_episode_rows(values, rows))
-    write_whole(path, text.getvalue())
-
-
-def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
-    table, step = rows[OUTCOMES], Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
-    digits = max(1, -int(step.exponent))  # as many as a step has
-    outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
-    for i in range(len(outcome)):
-        contact = CONTACT_NAMES[table.contact[i]]
-        impact = f"{table.impact_speed[i]:.3f}" if table.collision[i] else ""
-        duration = f"{table.steps[i] * rows.dt:.{digits}f}"
-        yield int(table.scenario[i]), *values, str(outcome[i]), contact, impact, duration

@@ -31,7 +31,7 @@ def with_mode(policy: P, *, sample: bool) -> P:
 
 
 def with_jaywalk_multiplier(street: Street, multiplier: float) -> Street:
-    """The same street with P(jaywalk | decision) = tendency x ``multiplier``; nothing is compiled anew for it.
+    """Return the street with P(jaywalk | decision) = tendency x ``multiplier``, without compiling anything anew.
 
     Raises ValueError for a negative or infinite multiplier.
     """

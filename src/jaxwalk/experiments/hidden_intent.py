@@ -47,7 +47,7 @@ RESULT, PAGE = "hidden-intent.json", "hidden-intent.md"
 
 
 @dataclass(frozen=True)
-class Plan(Effort):
+class IntentEffort(Effort):
     """How thoroughly."""
 
     updates: int = 200
@@ -55,18 +55,20 @@ class Plan(Effort):
     seeds: int = 5
 
 
-class HiddenIntent(Work[Plan]):
+class IntentWork(Work[IntentEffort]):
     """The experiment in a folder."""
 
     command = "hidden-intent"
 
 
-def hidden_intent(folder: Path, plan: Plan, *, console: Console | None = None, base: Experiment | None = None) -> Path:
+def hidden_intent(
+    folder: Path, plan: IntentEffort, *, console: Console | None = None, base: Experiment | None = None
+) -> Path:
     """Make whatever is missing in the folder; returns the page's path. Raises Interrupted on Ctrl-C.
 
     ``base``: what to train instead of the car of recipe ``fast`` alone; its driver's observation set is replaced.
     """
-    work = HiddenIntent(folder, plan, console or Console(stderr=True), base or single_agent(RECIPES["fast"]))
+    work = IntentWork(folder, plan, console or Console(stderr=True), base or single_agent(RECIPES["fast"]))
     work.do(
         [
             ("training the car, blind, believing and told", _train),
@@ -77,7 +79,7 @@ def hidden_intent(folder: Path, plan: Plan, *, console: Console | None = None, b
     return folder / PAGE
 
 
-def _train(work: HiddenIntent) -> None:
+def _train(work: IntentWork) -> None:
     for seed in work.plan.training_seeds:
         for name, observes in DRIVERS.items():
             roles = work.base.train.roles
@@ -85,7 +87,7 @@ def _train(work: HiddenIntent) -> None:
             work.train(name, with_training(work.base, roles=roles, updates=work.plan.updates), seed)
 
 
-def _evaluate(work: HiddenIntent) -> None:
+def _evaluate(work: IntentWork) -> None:
     if work.json(RESULT) is not None:
         work.say("    there already")
         return
@@ -144,6 +146,6 @@ def _crossings(rows: Rows, people: int) -> np.ndarray:
     return crossings_of_people(rows[CROSSINGS], episodes=episodes, people=people).reshape(episodes, people)
 
 
-def _write(work: HiddenIntent) -> None:
+def _write(work: IntentWork) -> None:
     origin = Origin(work.folder / RESULT, f"delete it and run `jaxwalk {work.command}` again")
     write_whole(work.folder / PAGE, page(as_intent_document(work.json(RESULT), origin)))

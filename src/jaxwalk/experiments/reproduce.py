@@ -24,7 +24,7 @@ from jaxwalk.evaluation import evaluate, write_rows
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.experiments.curves import learning_curve
-from jaxwalk.experiments.tournament import Scenarios, Trained, ablation, load_trained, tournament
+from jaxwalk.experiments.tournament import Scenarios, TrainedPolicies, ablation, load_trained, tournament
 from jaxwalk.exports.drawn_episode import draw_episode
 from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.interfaces import Policy
@@ -52,11 +52,11 @@ from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
 
 ABLATED = 2000
-"""The ablation, which has ten cells for each training seed, takes at most so many scenarios."""
+"""The ablation, which has ten cells for each training seed, takes at most this many scenarios."""
 WATCHED, INCIDENTS = 500, 20
 """The gallery has this many incidents of each kind for each driver and population, found in the first scenarios."""
 INTERESTING = 200
-"""The episode to be drawn is chosen among so many scenarios."""
+"""The episode to be drawn is chosen among this many scenarios."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Plan(Effort):
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     recipe: str = "fast"
-    """Of all trainings."""
+    """Recipe of all trainings."""
     minutes: float = 4.0
     """For the first co-training [min]; all others make as many updates. Ignored where ``updates`` is given."""
 
@@ -125,7 +125,7 @@ def _made(work: Reproduction) -> int:
     return Run.open(work.run(CO_TRAINED, work.plan.seed)).experiment.train.updates
 
 
-def _trained(work: Reproduction, street: Street, seed: int) -> Trained:
+def _trained(work: Reproduction, street: Street, seed: int) -> TrainedPolicies:
     return load_trained(street, seed, {name: work.run(name, seed) for name in (SINGLE_AGENT, CO_TRAINED)})
 
 
@@ -151,7 +151,7 @@ def _ablate(work: Reproduction) -> None:
 
 
 def _collect(work: Reproduction) -> None:
-    """Of the first training seed: what its drivers, and the one that heeds nobody, did worst."""
+    """Collect what the first training seed's drivers, and the driver that heeds nobody, did worst."""
     if work.json("gallery.json") is not None:
         work.say("    there already")
         return
@@ -170,7 +170,7 @@ def _collect(work: Reproduction) -> None:
 
 
 def _draw(work: Reproduction) -> None:
-    """Of the first training seed: the scenario in which the car came nearest to a jaywalker and still arrived."""
+    """Draw the scenario in which the first training seed's car came nearest to a jaywalker and still arrived."""
     if (work.folder / "episode.json").is_file():
         return
     street, seed = work.street(), work.plan.seed

@@ -37,7 +37,7 @@ Round = tuple[int | None, Mapping[str, Policy], Mapping[str, Policy]]
 
 
 @dataclass(frozen=True)
-class Trained:
+class TrainedPolicies:
     """The policies of one training seed."""
 
     seed: int
@@ -55,14 +55,14 @@ class Scenarios:
     seed: int
 
 
-def load_trained(street: Street, seed: int, folders: Mapping[str, Path]) -> Trained:
+def load_trained(street: Street, seed: int, folders: Mapping[str, Path]) -> TrainedPolicies:
     """Load the policies of a training seed from its run folders, given by the names of the trained drivers."""
     drivers = {name: contestant(street, "driver", str(folders[name])) for name in (SINGLE_AGENT, CO_TRAINED)}
-    return Trained(seed, drivers, contestant(street, "pedestrian", str(folders[CO_TRAINED])))
+    return TrainedPolicies(seed, drivers, contestant(street, "pedestrian", str(folders[CO_TRAINED])))
 
 
 def tournament(
-    street: Street, trained: Sequence[Trained], scenarios: Scenarios, say: Say
+    street: Street, trained: Sequence[TrainedPolicies], scenarios: Scenarios, say: Say
 ) -> tuple[Results, list[Match]]:
     """Play all drivers among both populations; return the results of ``results.json``, and the matches.
 
@@ -81,7 +81,7 @@ def tournament(
     return results_of(chosen, matches, paired=_pairs(matches)), matches
 
 
-def ablation(street: Street, trained: Sequence[Trained], scenarios: Scenarios, say: Say) -> Results:
+def ablation(street: Street, trained: Sequence[TrainedPolicies], scenarios: Scenarios, say: Say) -> Results:
     """Play the co-trained drivers with other jaywalk multipliers; return the results of ``ablation.json``."""
     always_go = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
     rounds: list[Round] = [

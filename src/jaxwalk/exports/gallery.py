@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import chain
 
 from jaxwalk.evaluation import Incidents, ReplayError, counterfactuals, describe, find_hits, find_incidents, replay
-from jaxwalk.evaluation.results import CONTACT_NAMES
+from jaxwalk.evaluation.episode_file import CONTACT_NAMES
 from jaxwalk.evaluation.scenarios import AT_ONCE
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy

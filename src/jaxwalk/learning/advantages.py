@@ -35,7 +35,7 @@ class Advantages(NamedTuple):
 
 
 def generalised_advantage(
-    steps: Transitions, value: Float[Array, "time+1 ..."], *, discount: float, gae_lambda: float
+    steps: Transitions, value: Float[Array, "after ..."], *, discount: float, gae_lambda: float
 ) -> Advantages:
     """Sum temporal differences, each later one weighted by lambda (Schulman 2016, eq. 16).
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -126,16 +127,18 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
     wanted = _named_arrays(like)
     with _manager(path, create=False) as manager:
         try:
-            stored = {name: tuple(x.shape) for name, x in manager.item_metadata(step).items()}
-            _check_same(path, wanted, stored)
-            found = manager.restore(step, args=StandardRestore(jax.tree.map(_abstract, wanted)))
+            metadata = manager.item_metadata(step)
+            stored = {_name_now(name): name for name in metadata}
+            _check_same(path, wanted, {name: tuple(metadata[old].shape) for name, old in stored.items()})
+            asked = {stored[name]: _abstract(x) for name, x in wanted.items()}
+            found = manager.restore(step, args=StandardRestore(asked))
         except CheckpointError:
             raise
         except Exception as error:  # orbax raises many kinds
             raise DamagedError(f"{path}: checkpoint {step} can't be read ({type(error).__name__})") from error
     arrays, rest = eqx.partition(like, eqx.is_array)
     names, structure = _names(arrays), jax.tree.structure(arrays)
-    return eqx.combine(jax.tree.unflatten(structure, [found[name] for name in names]), rest)
+    return eqx.combine(jax.tree.unflatten(structure, [found[stored[name]] for name in names]), rest)
 
 
 def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tuple[int, ...]]) -> None:
@@ -174,6 +177,11 @@ def _manager(path: str | Path, *, create: bool) -> Any:
         max_to_keep=KEPT, create=create, enable_async_checkpointing=False, cleanup_tmp_directories=create
     )
     return ocp.CheckpointManager(Path(path).resolve(), options=options, item_handlers=ocp.StandardCheckpointHandler())
+
+
+def _name_now(name: str) -> str:
+    """Return today's name of an array; 0.1 had an attribute for each role where there is a mapping now."""
+    return re.sub(r"^\.stream\.memory\.(driver|pedestrian)", r".stream.memory['\1']", name)
 
 
 def _names(arrays: Any) -> list[str]:

@@ -177,6 +177,7 @@ class Fit(NamedTuple):
     """Passes over the rollout; a broken number leaves out the last minibatches."""
     agents: int
     """Rows that the data has for each step of an environment."""
+    environments: int
     axis: Axis = ()
     """With it, gradients are those of all shards' data."""
 
@@ -189,10 +190,10 @@ def fit(
     Returns the network, what the optimiser remembers, and the means of what is reported. Minibatches are sets of time
     steps: permuting every row instead costs more than the update itself.
     """
-    config, epochs, environments = how.config, how.epochs, data.weight.shape[-1]
+    config, epochs = how.config, how.epochs
     steps = len(jax.tree.leaves(data)[0])
     length = steps // config.minibatches
-    chunks = plan_chunks(agents=how.agents, environments=environments, steps=length, rows=config.chunk_rows)
+    chunks = plan_chunks(agents=how.agents, environments=how.environments, steps=length, rows=config.chunk_rows)
     whole = math.ceil(epochs)
     order = jnp.argsort(jax.random.bits(key, (whole, steps)), axis=1)  # a permutation for each epoch
     batches = order.reshape(-1, length)[: max(round(epochs * config.minibatches), 1)]

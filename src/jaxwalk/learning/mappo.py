@@ -222,7 +222,7 @@ def _improve_actors(
             weight=counts,
         )
         loss = partial(actor_loss, clip=config.clip, entropy=config.roles[role].entropy)
-        how = _how(config, learner, config.roles[role].epochs, environment.roles[role].agents)
+        how = _how(config, learner, config.roles[role].epochs, environment.roles[role].agents, data)
         data, how = _only_decisions(data, how) if actor.kind == GATED else (data, how)
         actors[role], memories[role], report = fit(how, loss, actor, learner.actor_memories[role], data, key)
         metrics |= {f"{role}/{name}": x for name, x in report.items()}
@@ -243,7 +243,7 @@ def _improve_critics(
         roles = config.learning_roles if name == SHARED else (name,)
         loss = partial(critic_loss, coefficient=config.value_coefficient)
         data = Targets(critic.select(played.record.views), found.target, found.weight)
-        how = _how(config, learner, max(config.roles[role].epochs for role in roles), critic.agents)
+        how = _how(config, learner, max(config.roles[role].epochs for role in roles), critic.agents, data)
         data, how = _only_decisions(data, how) if name != SHARED and config.roles[name].gated else (data, how)
         critics[name], memories[name], report = fit(how, loss, critic, learner.critic_memories[name], data, key)
         metrics |= {f"{name}/critic_{key}": x for key, x in report.items()}
@@ -251,13 +251,15 @@ def _improve_critics(
     return critics, memories, metrics
 
 
-def _how(config: TrainConfig, learner: Learner, epochs: int | float, agents: tuple[int, ...]) -> Fit:
-    """Return how this update fits a network whose data has those agent axes."""
+def _how(
+    config: TrainConfig, learner: Learner, epochs: int | float, agents: tuple[int, ...], data: Actions | Targets
+) -> Fit:
+    """Return how this update fits a network to data with those agent axes."""
     rate = learning_rate(config, learner.updates, learner.planned)
-    return Fit(config, rate, epochs, math.prod(agents), SHARDS)
+    return Fit(config, rate, epochs, math.prod(agents), data.weight.shape[-1], SHARDS)
 
 
 def _only_decisions(data: Entries, how: Fit) -> tuple[Entries, Fit]:
     """Return a gated role's data without what it doesn't learn from, and how to fit a network to that."""
-    columns = -(-how.agents * data.weight.shape[-1] // gated_part(how.config))
-    return pack_weighted(data, columns=columns), how._replace(agents=1)
+    columns = -(-how.agents * how.environments // gated_part(how.config))
+    return pack_weighted(data, columns=columns), how._replace(agents=1, environments=columns)

@@ -42,7 +42,7 @@ def matrix(material: Material) -> Table:
 
 
 def _columns(material: Material, rate: str) -> tuple[str, ...]:
-    """Of a rate: the mean over training seeds and, if there are several, their interquartile mean."""
+    """Return a rate's column names: its mean over training seeds and, of several, their interquartile mean."""
     return (f"{rate} %", f"{rate} %, IQM") if material.several else (f"{rate} %",)
 
 
@@ -131,7 +131,7 @@ def attribution(material: Material) -> Table:
 
 
 def contacts(material: Material) -> Table:
-    """What the people whom the subject hit were doing, and whether the car was moving."""
+    """Return what the people that the subject hit were doing, and whether the car was moving."""
     columns = (
         "pedestrians",
         "contact",
@@ -177,7 +177,7 @@ def quarters(material: Material) -> Table:
 
 
 def waiting(material: Material) -> Table:
-    """Whether learned pedestrians wait at the kerb, before whom, and at what price."""
+    """Return whether learned pedestrians wait at the kerb, before which driver, and at what price."""
     rates = ("waits in danger %", "moments", "else near %", "harmless %", "moments")
     price = ("waits of all steps %", "pace [m/s]", "of always-go's %", "longest stand on a roadway [steps]")
     rows = []

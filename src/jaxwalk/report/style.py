@@ -25,7 +25,7 @@ PAPER = INK
 FULL, COLUMN = 7.1, 3.5
 """Widths of a journal's page and of one of its two columns [inches]: 180 and 89 mm."""
 RESOLUTION = 300
-"""Of PNG files [dots per inch]."""
+"""Resolution of PNG files [dots per inch]."""
 SCREEN = 1.25
 """A page shows drawings so much larger than they are printed: small print is hard to read on a screen."""
 
@@ -69,7 +69,7 @@ def drawing(name: str) -> Iterator[None]:
 def panels(
     count: int, *, rows: int = 1, width: float = FULL, height: float = 3.0, **options
 ) -> tuple[Figure, list[Axes]]:
-    """A figure of so many panels side by side, in each of ``rows`` [inches]; they come row by row."""
+    """Return a figure [inches] with ``rows`` rows of ``count`` panels side by side, and its panels row by row."""
     figure = Figure(figsize=(width, height))
     axes = figure.subplots(rows, count, squeeze=False, **options)
     return figure, list(axes.flat)

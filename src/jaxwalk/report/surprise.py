@@ -10,7 +10,7 @@ from jaxwalk.metrics.statistics import Estimate
 from jaxwalk.report.table import NONE, shown
 
 COLUMNS = ("distance [m]", "weight", "near crosswalk users [m/s]", "near jaywalkers [m/s]", "difference", "n")
-"""Of the rows of `four_ways`."""
+"""Columns of the rows of `four_ways`."""
 FEWEST = 20
 """With fewer encounters of either type at a distance, nothing is said of it: a bootstrap of so few is too sure."""
 NOTHING = 0.01
@@ -31,7 +31,7 @@ def four_ways(bins: Sequence[SpeedBin]) -> list[tuple[str, ...]]:
 
 
 def place(found: SpeedBin) -> str:
-    """As in ``0 to 3``."""
+    """Return a bin's distances as in ``0 to 3``."""
     return f"{found.near:g} to {found.far:g}"
 
 
@@ -69,7 +69,7 @@ def in_words(bins: Sequence[SpeedBin]) -> str:
 
 
 def _said(bins: Sequence[SpeedBin], find: Callable[[SpeedBin], Number]) -> str:
-    """As in ``faster at 0 to 3 m``: where a number's interval is above or below 0; empty if nowhere."""
+    """Return words such as ``faster at 0 to 3 m``: where a number's interval is above or below 0; empty if nowhere."""
     sides = _sides(bins, find)
     return " and ".join(f"{side} at {', '.join(places)} m" for side, places in sides.items() if places)
 

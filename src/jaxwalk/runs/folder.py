@@ -176,6 +176,18 @@ def _experiments() -> Any:
     return TypeAdapter(Experiment)
 
 
+def _with_roles(text: bytes) -> bytes:
+    """Return a configuration with its roles in one mapping; 0.1 had a field of ``train`` for each."""
+    try:
+        document = json.loads(text)
+        train = document["train"]
+        if "roles" not in train:
+            train["roles"] = {role: train.pop(role) for role in ("driver", "pedestrian")}
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return text  # whoever validates it says what is wrong
+    return json.dumps(document).encode()
+
+
 def _read_experiment(path: Path) -> Experiment:
     mend = "mend it, or copy it again from where the run was made"
     try:
@@ -187,16 +199,3 @@ def _read_experiment(path: Path) -> Experiment:
         raise RunError(f"{path}: {what}; {mend}") from error
     except OSError as error:
         raise RunError(f"{path}: can't be read ({error.strerror}); check its permissions") from error
-
-
-def _with_roles(text: bytes) -> bytes:
-    """Put the roles of a configuration of 0.1, which are fields of ``train``, into ``train.roles``."""
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError):
-        return text  # validation says what is wrong with it
-    train = document.get("train") if isinstance(document, dict) else None
-    if not isinstance(train, dict) or "roles" in train or not {"driver", "pedestrian"} <= train.keys():
-        return text
-    train["roles"] = {role: train.pop(role) for role in ("driver", "pedestrian")}
-    return json.dumps(document).encode()

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from jaxwalk.evaluation.document_parts import SeedNumbers
 from jaxwalk.metrics import OverSeeds
 from jaxwalk.report import published
-from jaxwalk.report.figures.marks import DIAMOND, points, populations
+from jaxwalk.report.figures.marks import DIAMOND, PointStyle, points, populations
 from jaxwalk.report.material import Material
 from jaxwalk.report.style import INK, panels
 
@@ -32,7 +32,7 @@ def baselines(material: Material) -> Figure:
             ours = [rate(material.over_seeds(name, people)) for name in names]
             where = [i + aside for i in range(len(names))]
             means, label = [number.mean for number in ours], f"ours, among {people}"
-            points(axis, means, where, color=colour, label=label, scale=100.0, flat=True)
+            points(axis, means, where, PointStyle(color=colour, label=label, scale=100.0, flat=True))
             first = people == material.populations[0]
             _each_seed(axis, ours, where, "each training seed" if first and material.several else None)
         for i, name in enumerate(names):
@@ -66,7 +66,7 @@ def ablation(material: Material) -> Figure:
         for people, colour, aside in populations(material, spread=0.02):
             ours = [rate(material.ablated(m, people)).mean for m in material.multipliers]
             where = [m + aside for m in material.multipliers]
-            points(axis, ours, where, color=colour, label=f"ours, among {people}", scale=100.0, line=True)
+            points(axis, ours, where, PointStyle(color=colour, label=f"ours, among {people}", scale=100.0, line=True))
         theirs = [pair[place] for pair in published.ABLATION.values()]
         style: dict[str, Any] = DIAMOND | {"linestyle": ":", "label": "paper, among always-go"}
         axis.plot(list(published.ABLATION), theirs, **style)

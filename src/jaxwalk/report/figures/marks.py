@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -22,7 +23,7 @@ DIAMOND: dict[str, Any] = {
     "linestyle": "none",
     "zorder": 4,
 }
-"""How the paper's numbers look."""
+"""How the paper's numbers drawn_as."""
 
 
 def populations(material: Material, *, spread: float) -> list[tuple[str, str, float]]:
@@ -33,21 +34,39 @@ def populations(material: Material, *, spread: float) -> list[tuple[str, str, fl
     return [(name, colours[k % len(colours)], step * (k - (len(names) - 1) / 2)) for k, name in enumerate(names)]
 
 
-def points(
-    axis: Axes, ours: Iterable[Number], where: Iterable[float], *,
-    color: str, label: str, scale: float, marker: str = "o", flat: bool = False, line: bool = False,
-) -> None:  # fmt: skip
-    """Numbers with their intervals; ``flat``: values go to the right, places up."""
+@dataclass(frozen=True)
+class PointStyle:
+    """How a row of numbers is drawn."""
+
+    color: str
+    label: str | None
+    scale: float
+    """Numbers are multiplied by this."""
+    marker: str = "o"
+    flat: bool = False
+    """Values go to the right, places up."""
+    line: bool = False
+    """Whether a line joins the numbers."""
+
+
+def points(axis: Axes, ours: Iterable[Number], where: Iterable[float], drawn_as: PointStyle) -> None:
+    """Draw numbers at their places, with their intervals."""
     placed = zip(where, ours, strict=True)
     shown = [(place, n.value, n.low, n.high) for place, n in placed if n.value is not None]
     places = [place for place, *_ in shown]
-    values = [scale * value for _, value, *_ in shown]
-    below = [0.0 if low is None else scale * max(value - low, 0.0) for _, value, low, _ in shown]
-    above = [0.0 if high is None else scale * max(high - value, 0.0) for _, value, _, high in shown]
+    values = [drawn_as.scale * value for _, value, *_ in shown]
+    below = [0.0 if low is None else drawn_as.scale * max(value - low, 0.0) for _, value, low, _ in shown]
+    above = [0.0 if high is None else drawn_as.scale * max(high - value, 0.0) for _, value, _, high in shown]
     bars = [below, above]
-    style: dict[str, Any] = {"color": color, "marker": marker, "markersize": 4, "capsize": 2, "label": label}
-    style["linestyle"] = "-" if line else "none"
-    if flat:
+    style: dict[str, Any] = {
+        "color": drawn_as.color,
+        "marker": drawn_as.marker,
+        "markersize": 4,
+        "capsize": 2,
+        "label": drawn_as.label,
+    }
+    style["linestyle"] = "-" if drawn_as.line else "none"
+    if drawn_as.flat:
         axis.errorbar(values, places, xerr=bars, **style)
     else:
         axis.errorbar(places, values, yerr=bars, **style)

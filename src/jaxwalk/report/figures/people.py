@@ -11,7 +11,7 @@ from jaxwalk.metrics import ATTRIBUTION, JAYWALK_RATE, WAITING
 from jaxwalk.metrics.attribution import Attribution
 from jaxwalk.metrics.waiting import WaitBin, Waiting
 from jaxwalk.report import published
-from jaxwalk.report.figures.marks import DIAMOND, points, populations
+from jaxwalk.report.figures.marks import DIAMOND, PointStyle, points, populations
 from jaxwalk.report.material import ROUTE_FOLLOWER, Material
 from jaxwalk.report.style import BLUE, COLUMN, GRID, ORANGE, RED, SKY, panels
 
@@ -33,7 +33,7 @@ def attribution(material: Material) -> Figure:
         found = material.cell(material.subject, people).summary[ATTRIBUTION]
         ours = [find(found) for find in SHARES.values()]
         where = [i + aside for i in range(len(names))]
-        points(axis, ours, where, color=colour, label=f"ours, among {people}", scale=100.0, flat=True)
+        points(axis, ours, where, PointStyle(color=colour, label=f"ours, among {people}", scale=100.0, flat=True))
     for i, value in ((0, published.COLLISIONS_JAYWALK), (1, published.CROSSINGS_JAYWALK)):
         axis.plot(value, i, **DIAMOND, label="paper" if i == 0 else None)
     axis.set_yticks(range(len(names)), names)
@@ -47,7 +47,7 @@ def quarters(material: Material) -> Figure:
     """Jaywalk rate by quarter of the trait."""
     figure, (axis,) = panels(1, width=COLUMN, height=2.6)
     found = material.cell(material.subject, material.crowd).summary[JAYWALK_RATE].quarters
-    points(axis, found, [0.0, 1.0, 2.0, 3.0], color=BLUE, label="ours", scale=100.0)
+    points(axis, found, [0.0, 1.0, 2.0, 3.0], PointStyle(color=BLUE, label="ours", scale=100.0))
     for i, value in enumerate(published.QUARTERS):
         axis.plot(i + 0.12, value, **DIAMOND, label="paper" if i == 0 else None)
     axis.set_xticks(range(4), ["0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1"])
@@ -76,9 +76,10 @@ def waiting(material: Material) -> Figure:
         bins = KERB_AXES[label](material.cell(driver, material.crowd).summary[WAITING])
         width = bins[0].end - bins[0].begin
         for k, (name, colour) in enumerate(MISSES.items()):
+            drawn_as = PointStyle(color=colour, label=name, scale=100.0, line=True)
             known = [b for b in bins if b.rates[k].count >= FEWEST]
             where = [(b.begin + b.end) / 2 + 0.08 * width * (k - 1.5) for b in known]
-            points(axis, [b.rates[k] for b in known], where, color=colour, label=name, scale=100.0, line=True)
+            points(axis, [b.rates[k] for b in known], where, drawn_as)
         axis.set(title=f"before {driver}", xlabel=label, ylim=(-3, 103))
         edges = [0, *(b.end for b in bins)]
         axis.set_xticks(edges, [f"{x:g}" for x in edges])

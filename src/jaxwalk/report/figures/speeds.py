@@ -12,7 +12,7 @@ from jaxwalk.evaluation.document_parts import Number
 from jaxwalk.metrics import SPEED_DIFFERENTIAL
 from jaxwalk.metrics.speed_differential import SpeedBin, SpeedGap
 from jaxwalk.report import published
-from jaxwalk.report.figures.marks import DIAMOND, TYPES, points
+from jaxwalk.report.figures.marks import DIAMOND, TYPES, PointStyle, points
 from jaxwalk.report.material import Material
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, PURPLE, RED, SKY, panels
 from jaxwalk.report.surprise import FEWEST
@@ -52,7 +52,7 @@ def _speeds(axis: Axes, gaps: Sequence[SpeedGap], middles: list[float]) -> None:
     near, lines = {"crosswalk": [g.crosswalk for g in gaps], "jaywalk": [g.jaywalk for g in gaps]}, {}
     for k, (kind, colour) in enumerate(TYPES.items()):
         where = [m + 0.16 * (2 * k - 1) for m in middles]
-        points(axis, near[kind], where, color=colour, label=f"near {kind}", scale=1.0, line=True)
+        points(axis, near[kind], where, PointStyle(color=colour, label=f"near {kind}", scale=1.0, line=True))
         lines[kind] = [math.nan if x.value is None else x.value for x in near[kind]]
     axis.fill_between(middles, lines["crosswalk"], lines["jaywalk"], color=GRID, alpha=0.25, label="gap", lw=0)
 
@@ -62,7 +62,7 @@ def _gaps(axis: Axes, bins: Sequence[SpeedBin]) -> None:
     for k, (title, (gap, colour)) in enumerate(WEIGHTS.items()):
         ours = [gap(b).difference for b in bins]
         where = [_middle(b) + 0.16 * (2 * k - 1) for b in bins]
-        points(axis, ours, where, color=colour, label=title, scale=1.0, line=True)
+        points(axis, ours, where, PointStyle(color=colour, label=title, scale=1.0, line=True))
     axis.plot(_middle(bins[0]), published.SPEED_GAP, **DIAMOND)
     low, high = published.SPEED_GAP_FARTHER
     axis.fill_between([bins[1].near, bins[-1].far], low, high, alpha=0.25, color=SKY, lw=0, label="paper, 3-12 m")
@@ -78,7 +78,7 @@ def surprise(material: Material) -> Figure:
         bins = [b for b in found if b.by_encounter.difference.count >= FEWEST]
         for k, (name, (find, colour, marker)) in enumerate(WAYS.items()):
             where = [_middle(b) + 0.3 * (k - 2) for b in bins]
-            points(axis, [find(b) for b in bins], where, color=colour, label=name, scale=1.0, marker=marker)
+            points(axis, [find(b) for b in bins], where, PointStyle(color=colour, label=name, scale=1.0, marker=marker))
         axis.axhline(0, color=INK, lw=0.8)
         edges = [0, *(b.far for b in found)]
         axis.set(title=f"among {people}", xlim=(0, edges[-1]), xticks=edges)

@@ -25,7 +25,7 @@ MEASURES: dict[str, tuple[Callable[[Distributions], Distribution], float, str]] 
 }
 """The measures: where each distribution stands, the value beyond which an encounter is critical, and its name."""
 FEWEST = 20
-"""Of fewer encounters no curve is drawn."""
+"""A curve of fewer encounters is not drawn."""
 
 
 def surrogates(material: Material) -> Figure:

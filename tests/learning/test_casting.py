@@ -8,19 +8,20 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.interfaces import ByRole, Discrete
+from jaxwalk.acting import fresh_memory
+from jaxwalk.interfaces import Discrete
 from jaxwalk.learning.actor import make_actor
+from jaxwalk.learning.casting import learning_cast, remember, whole
 from jaxwalk.learning.config import SNAPSHOTS, RoleConfig, TrainConfig
-from jaxwalk.learning.experience import fresh_memory, make_act
+from jaxwalk.learning.experience import recording_act
 from jaxwalk.learning.mappo import init, update
-from jaxwalk.learning.players import columns_of, remember
 from jaxwalk.rollout import rollout
 from learning import games
 
 ROLE = RoleConfig(actor_hidden=(8,), critic_hidden=(8,))
 CONFIG = TrainConfig(
-    driver=replace(ROLE, fixed=0.25, early=0.25), pedestrian=replace(ROLE, fixed=0.5), environments=16, steps=8,
-    minibatches=4, learning_rate=1e-2, discount=0.9,
+    roles={"driver": replace(ROLE, fixed=0.25, early=0.25), "pedestrian": replace(ROLE, fixed=0.5)},
+    environments=16, steps=8, minibatches=4, learning_rate=1e-2, discount=0.9,
 )  # fmt: skip
 
 
@@ -28,7 +29,7 @@ class Always(eqx.Module):
     """Always the same choice; remembers how often it was made."""
 
     choice: int
-    observes: str = eqx.field(static=True, default="paper")
+    view: games.Shown = eqx.field(static=True, default=games.Shown((2,)))
 
     def init(self, agents, batch):
         return jnp.zeros((*agents, *batch), jnp.int32)
@@ -37,30 +38,29 @@ class Always(eqx.Module):
         return jnp.full(observation.shape[1:], self.choice, jnp.int32), memory + 1
 
 
-OTHERS = ByRole(Always(0), Always(1))
+OTHERS = {"driver": Always(0, games.Shown(())), "pedestrian": Always(1)}
 
 
 def test_stand_ins_of_the_two_roles_are_at_different_ends():
-    driver, pedestrian = columns_of(CONFIG, "driver"), columns_of(CONFIG, "pedestrian")
+    driver, pedestrian = whole(CONFIG).columns.values()
     assert (driver.fixed, driver.own) == (slice(0, 4), slice(8, 16))
     assert driver.early == (slice(4, 6), slice(6, 8))
     assert (pedestrian.own, pedestrian.fixed) == (slice(0, 8), slice(8, 16))
-    assert columns_of(replace(CONFIG, driver=ROLE), "driver").own == slice(0, 16)
+    assert whole(games.with_roles(CONFIG, driver=ROLE)).columns["driver"].own == slice(0, 16)
 
 
 def test_each_plays_its_environments_and_only_the_learners_are_recorded():
     game = games.game("bandit", length=3)
     learner = init(game, CONFIG, jax.random.key(0), others=OTHERS)
-    act = make_act(game, CONFIG, learner.actors, learner.early, OTHERS)
-    memory = fresh_memory(game, CONFIG, learner.actors, OTHERS)
+    shard = whole(CONFIG)
+    cast = learning_cast(game, shard, learner.actors, learner.early, OTHERS)
+    act, memory = recording_act(game, shard, cast), fresh_memory(game, cast, (CONFIG.environments,))
     _, played = rollout(game, act, learner.stream, 2, fresh_memory=memory)
-    paid = ByRole(
-        *(np.asarray(terms["pay"]) for terms in (played.outcome.rewards.driver, played.outcome.rewards.pedestrian))
-    )
-    assert not paid.driver[:, :4].any()
-    assert paid.pedestrian[..., 8:].all()
+    paid = {role: np.asarray(terms["pay"]) for role, terms in played.outcome.rewards.items()}
+    assert not paid["driver"][:, :4].any()
+    assert paid["pedestrian"][..., 8:].all()
     for role, own in (("driver", slice(8, 16)), ("pedestrian", slice(0, 8))):
-        np.testing.assert_array_equal(played.record.choices[role].raw, getattr(paid, role)[..., own])
+        np.testing.assert_array_equal(played.record.choices[role].raw, paid[role][..., own])
         assert played.record.views[role]["paper"].shape[-1] == 8
 
 
@@ -71,7 +71,7 @@ def test_learning_goes_on_beside_stand_ins():
         learner, metrics = update(game, CONFIG, learner)
     assert float(metrics["reward/driver/pay"]) > 0.9
     assert float(metrics["reward/pedestrian/pay"]) > 0.9
-    fixed, *_ = learner.stream.memory.driver
+    fixed, *_ = learner.stream.memory["driver"]
     assert (fixed[:4] == learner.stream.state["time"][:4]).all()  # a stand-in's memory starts anew with every episode
     assert len(learner.early["driver"]) == len(SNAPSHOTS)
     assert learner.early["pedestrian"] == ()
@@ -100,6 +100,6 @@ def test_impossible_shares(changes, message):
 
 def test_shared_credit_goes_without_stand_ins():
     with pytest.raises(ValueError, match="fixed"):
-        replace(CONFIG, credit="shared", driver=replace(ROLE, fixed=0.25))
+        replace(CONFIG, credit="shared", roles={"driver": replace(ROLE, fixed=0.25), "pedestrian": ROLE})
     with pytest.raises(ValueError, match="early"):
-        replace(CONFIG, credit="shared", driver=replace(ROLE, early=0.25), pedestrian=ROLE)
+        replace(CONFIG, credit="shared", roles={"driver": replace(ROLE, early=0.25), "pedestrian": ROLE})

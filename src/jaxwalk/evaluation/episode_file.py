@@ -1,0 +1,52 @@
+"""All episodes of an evaluation as a CSV file."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxwalk.metrics import Rows
+from jaxwalk.sim.crossing_kind import CONTACTS
+from jaxwalk.writing import write_whole
+
+CONTACT_NAMES = ("", *(kind.word for kind in CONTACTS))
+"""Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
+NAMES = ("driver", "pedestrians")
+"""Columns that tell cells apart, by default."""
+ENDING = ("outcome", "contact", "impact_speed", "duration")
+"""Columns that say how an episode went; speeds in m/s, durations in s."""
+
+
+def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tuple[str, ...] = NAMES) -> None:
+    """Write a CSV file with a row per episode; it appears whole or not at all.
+
+    The columns are ``scenario``, the names and `ENDING`; without a collision, contact and impact speed are empty.
+
+    Args:
+        path: the file.
+        cells: for each, a value for every name (None: empty), and last its `Rows`.
+        names: columns that tell cells apart.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("scenario", *names, *ENDING))
+    for *values, rows in cells:
+        writer.writerows(_episode_rows(values, rows))
+    write_whole(path, text.getvalue())
+
+
+def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
+    table, step = rows.episodes, Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
+    digits = max(1, -int(step.exponent))  # as many as a step has
+    outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
+    for i in range(len(outcome)):
+        contact = CONTACT_NAMES[table.contact[i]]
+        impact = f"{table.impact_speed[i]:.3f}" if table.collision[i] else ""
+        duration = f"{table.steps[i] * rows.dt:.{digits}f}"
+        yield int(table.scenario[i]), *values, str(outcome[i]), contact, impact, duration

@@ -1,0 +1,18 @@
+"""What anybody's own part must do to work with the rest: call a check, and it says in words what doesn't hold.
+
+Our own environments, drivers, pedestrians, metrics and sources pass the same checks.
+"""
+
+from jaxwalk.testing.environment_contract import check_environment
+from jaxwalk.testing.policy_contract import check_driver, check_pedestrians, check_policy
+from jaxwalk.testing.requirement import ContractError
+from jaxwalk.testing.source_contract import check_source
+
+__all__ = [
+    "ContractError",
+    "check_driver",
+    "check_environment",
+    "check_pedestrians",
+    "check_policy",
+    "check_source",
+]

@@ -1,0 +1,144 @@
+"""What an environment must do, so that learner, evaluation and adapters can play it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Key
+
+from jaxwalk.interfaces import Box, Discrete, Environment, Outcome, Roles, RoleSpec
+from jaxwalk.rollout import draw_batch
+from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same
+
+BATCH = 4
+"""Episodes that are checked together."""
+ROUNDING = 1e-5
+"""One episode alone may round differently than in a batch."""
+
+
+def check_environment(
+    environment: Environment, views: Mapping[str, Sequence[str]], *, steps: int = 8, seed: int = 0
+) -> None:
+    """Play an environment with random actions and check everything that others rely on.
+
+    Args:
+        environment: what to check.
+        views: names of flat views to check, by role.
+        steps: how many steps to play.
+        seed: of scenarios and actions.
+
+    Raises:
+        ContractError: something doesn't hold; the message says what.
+    """
+    roles = environment.roles
+    require(roles, "roles: an environment has at least one role")
+    require(list(roles) == list(environment.roles), "roles: they must always come in the same order")
+    for role, spec in roles.items():
+        require(isinstance(spec, RoleSpec), f"roles: {role} must be a RoleSpec, not {type(spec).__name__}")
+    draw_key, action_key = jax.random.split(jax.random.key(seed))
+    keys = jax.random.split(draw_key, BATCH)
+    scenario = draw_batch(environment, keys)
+    require(same(scenario, draw_batch(environment, keys)), "draw: equal keys must give equal scenarios")
+    _check_batch("draw", scenario)
+    state = environment.reset(scenario)
+    require(same(state, environment.reset(scenario)), "reset: it must be deterministic")
+    _check_batch("reset", state)
+    _check_unknown_view(environment)
+    for number in range(steps):
+        _check_views(environment, views, scenario, state)
+        actions = random_actions(roles, jax.random.fold_in(action_key, number), BATCH)
+        state = _check_step(environment, scenario, state, actions)
+
+
+def random_actions(roles: Roles[RoleSpec], key: Key[Array, ""], batch: int) -> Roles[Array]:
+    """Return uniformly random actions of everybody."""
+    found = {}
+    for place, (role, spec) in enumerate(roles.items()):
+        own, shape = jax.random.fold_in(key, place), (*spec.agents, batch)
+        if isinstance(spec.action, Discrete):
+            found[role] = jax.random.randint(own, shape, 0, spec.action.n)
+        else:
+            found[role] = jax.random.uniform(own, (spec.action.size, *shape), minval=-1, maxval=1)
+    return found
+
+
+def _check_batch(where: str, tree: Any) -> None:
+    """Raise unless every array ends in the batch axis."""
+    for path, x in jax.tree_util.tree_leaves_with_path(eqx.filter(tree, eqx.is_array)):
+        name = jax.tree_util.keystr(path)
+        require(x.shape[-1:] == (BATCH,), f"{where}: {name} has shape {x.shape}; arrays must end in the batch axis")
+
+
+def _check_unknown_view(environment: Environment) -> None:
+    role = next(iter(environment.roles))
+    try:
+        environment.view(role, "no view has this name")
+    except ValueError:
+        return
+    raise ContractError("view: it must raise ValueError for a name that there isn't")
+
+
+def _check_views(environment: Environment, views: Mapping[str, Sequence[str]], scenario: Any, state: Any) -> None:
+    for role, names in views.items():
+        agents = environment.roles[role].agents
+        for name in names:
+            view = environment.view(role, name)
+            require(view == environment.view(role, name), f"view: {role} {name} must equal itself when made again")
+            seen = environment.observe(scenario, state, view)
+            wanted = (*agents, BATCH)
+            message = (
+                f"observe: {role} {name} has shape {seen.shape}; it must be (feature, {', '.join(map(str, wanted))})"
+            )
+            require(seen.shape[1:] == wanted, message)
+            require(finite(seen), f"observe: {role} {name} has a number that isn't finite")
+    whole = environment.global_state(scenario, state)
+    require(whole.shape[1:] == (BATCH,), f"global_state: it has shape {whole.shape}; it must be (feature, {BATCH})")
+    require(finite(whole), "global_state: it has a number that isn't finite")
+
+
+def _check_step(environment: Environment, scenario: Any, state: Any, actions: Roles[Array]) -> Any:
+    """Check one step; returns the state after it."""
+    after, outcome = environment.step(scenario, state, actions)
+    again, outcome_again = environment.step(scenario, state, actions)
+    require(
+        same((after, outcome), (again, outcome_again)), "step: it must be deterministic; all chance is in the scenario"
+    )
+    require(
+        form(after) == form(state), "step: it must keep the state's structure, shapes and types, for a scan over time"
+    )
+    _check_outcome(environment, outcome)
+    one = (episode(x, BATCH - 1) for x in (scenario, state, actions))
+    alone, _ = environment.step(*one)
+    message = "step: an episode must come out the same alone as in a batch; it may not look at other episodes"
+    require(same(alone, episode(after, BATCH - 1), tolerance=ROUNDING), message)
+    return after
+
+
+def _check_outcome(environment: Environment, outcome: Outcome) -> None:
+    roles = environment.roles
+    require(outcome.ended.shape == (BATCH,), f"ended: it has shape {outcome.ended.shape}; it must be ({BATCH},)")
+    for part in ("rewards", "terminated", "truncated"):
+        found = getattr(outcome, part)
+        require(set(found) == set(roles), f"{part}: it must have the roles {', '.join(roles)}, not {', '.join(found)}")
+    for role, spec in roles.items():
+        shape = (*spec.agents, BATCH)
+        for name, term in outcome.rewards[role].items():
+            require(term.shape == shape, f"rewards: {role} {name} has shape {term.shape}; it must be {shape}")
+            require(finite(term), f"rewards: {role} {name} has a number that isn't finite")
+        over = outcome.terminated[role] | outcome.truncated[role]
+        require(over.shape == shape, f"terminated, truncated: {role}'s must have shape {shape}, not {over.shape}")
+        require(over.dtype == jnp.bool_, f"terminated, truncated: {role}'s must be true or false, not {over.dtype}")
+        both = outcome.terminated[role] & outcome.truncated[role]
+        require(not both.any(), f"terminated, truncated: an agent of {role} is both at once")
+        message = f"ended: an episode ends for everybody at once, but not for {role}"
+        require(np.array_equal(over, np.broadcast_to(outcome.ended, shape)), message)
+
+
+def describes(action: Box | Discrete) -> str:
+    """Return what an action of that kind must be, in words."""
+    return f"integers in [0, {action.n})" if isinstance(action, Discrete) else f"{action.size} numbers"

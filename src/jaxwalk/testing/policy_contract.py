@@ -1,0 +1,104 @@
+"""What a policy must do, so that training, evaluation, adapters and export can let it act."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Key
+
+from jaxwalk.interfaces import Discrete, Environment, Moment, Policy, View
+from jaxwalk.rollout import draw_batch
+from jaxwalk.testing.environment_contract import describes, random_actions
+from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same
+
+BATCH = 4
+"""Episodes that are checked together."""
+BEYOND = 1e-4
+"""Numbers may exceed [-1, 1] by this much, by rounding."""
+ROUNDING = 1e-5
+"""One episode alone may round differently than in a batch."""
+
+
+def check_driver(policy: Policy, environment: Environment, *, steps: int = 8, seed: int = 0) -> None:
+    """Check a policy that plays ``driver``: see `check_policy`."""
+    check_policy(policy, environment, "driver", steps=steps, seed=seed)
+
+
+def check_pedestrians(policy: Policy, environment: Environment, *, steps: int = 8, seed: int = 0) -> None:
+    """Check a policy that plays ``pedestrian``: see `check_policy`."""
+    check_policy(policy, environment, "pedestrian", steps=steps, seed=seed)
+
+
+def check_policy(policy: Policy, environment: Environment, role: str, *, steps: int = 8, seed: int = 0) -> None:
+    """Let a policy play a role beside random others, and check everything that others rely on.
+
+    Args:
+        policy: what to check.
+        environment: where it plays.
+        role: the role it plays.
+        steps: how many steps to play.
+        seed: of scenarios, actions and keys.
+
+    Raises:
+        ContractError: something doesn't hold; the message says what.
+    """
+    spec = environment.roles[role]
+    _check_view(policy.view)
+    root = jax.random.key(seed)
+    scenario = draw_batch(environment, jax.random.split(root, BATCH))
+    state, memory = environment.reset(scenario), policy.init(spec.agents, (BATCH,))
+    require(same(memory, policy.init(spec.agents, (BATCH,))), "init: it must always give the same memory")
+    for number in range(steps):
+        own = jax.random.fold_in(root, number)
+        seen = environment.observe(scenario, state, policy.view)
+        action, after = _check_act(policy, jax.random.split(own, BATCH), memory, seen)
+        _check_action(action, environment, role)
+        message = "act: the memory must keep its structure, shapes and types, for a scan over time"
+        require(form(after) == form(memory), message)
+        others = random_actions(environment.roles, own, BATCH)
+        state, _ = environment.step(scenario, state, others | {role: action})
+        memory = after
+
+
+def _check_view(view: View) -> None:
+    require(isinstance(view.name, str) and view.name, "view: it must have a name, for results")
+    require(callable(view), f"view: {view.name} must be a function of a {Moment.__name__}")
+    try:
+        hash(view)
+    except TypeError as error:
+        raise ContractError(f"view: {view.name} must be hashable: make it a frozen dataclass ({error})") from error
+
+
+def _check_act(policy: Policy, keys: Key[Array, "episode"], memory: Any, seen: Any) -> tuple[Array, Any]:
+    """Check one call of ``act``; returns what it returned."""
+    action, after = policy.act(keys, memory, seen)
+    again = policy.act(keys, memory, seen)
+    require(same((action, after), again), "act: equal keys, memories and views must give equal actions")
+    batched = all(np.ndim(x) and np.shape(x)[-1] == BATCH for x in jax.tree.leaves((memory, seen)))
+    require(batched, "init, view: every array must end in the batch axis")
+    one, _ = policy.act(keys[-1:], episode(memory, BATCH - 1), episode(seen, BATCH - 1))
+    message = "act: an episode's action must be the same alone as in a batch; it may not look at other episodes"
+    require(same(one, action[..., -1:], tolerance=ROUNDING), message)
+    return action, after
+
+
+def _check_action(action: Array, environment: Environment, role: str) -> None:
+    spec = environment.roles[role]
+    choice = isinstance(spec.action, Discrete)
+    wanted = (*spec.agents, BATCH) if isinstance(spec.action, Discrete) else (spec.action.size, *spec.agents, BATCH)
+    shape = f"act: the {role}'s action has shape {action.shape}; it must be {wanted}: {describes(spec.action)} each"
+    require(action.shape == wanted, shape)
+    require(finite(action), f"act: the {role}'s action has a number that isn't finite")
+    kind = jnp.issubdtype(action.dtype, jnp.integer if choice else jnp.floating)
+    require(kind, f"act: the {role}'s action is {action.dtype}; it must be {'integers' if choice else 'floats'}")
+    if isinstance(spec.action, Discrete):
+        inside = (action >= 0) & (action < spec.action.n)
+        require(inside.all(), f"act: the {role}'s action must lie in [0, {spec.action.n})")
+    else:
+        inside = jnp.abs(action) <= 1 + BEYOND
+        require(
+            inside.all(), f"act: the {role}'s action must lie in [-1, 1], not up to {float(jnp.abs(action).max()):g}"
+        )

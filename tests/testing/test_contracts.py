@@ -1,0 +1,210 @@
+"""Our own parts pass the contracts that ship, and whatever breaks one is told in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk import Street
+from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, RoleSpec
+from jaxwalk.policies import AlwaysGo, Random, RouteFollower, load_policy, shipped_policy
+from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.testing import (
+    ContractError,
+    check_driver,
+    check_environment,
+    check_pedestrians,
+    check_policy,
+    check_source,
+)
+
+FEW = 3
+
+
+@pytest.fixture(scope="module")
+def small():
+    return Street.create(config=SimConfig(horizon=2, pedestrians=3))
+
+
+@dataclass(frozen=True)
+class Place:
+    agents: tuple[int, ...] = ()
+    name: str = "place"
+
+    def __call__(self, moment):
+        return jnp.broadcast_to(moment.state, (1, *self.agents, *moment.state.shape[-1:]))
+
+
+@dataclass(frozen=True)
+class Line:
+    """A walker and two dogs on a line; ``broken`` names what is wrong with it."""
+
+    broken: str = ""
+
+    @property
+    def roles(self):
+        return {"walker": RoleSpec((), Box(1)), "dog": RoleSpec((2,), Discrete(3))}
+
+    def draw(self, key):
+        return jax.random.uniform(key)
+
+    def reset(self, scenario):
+        return scenario[..., None] if self.broken == "batch" else scenario * 1.0
+
+    def view(self, role, name):
+        if name != "place" and self.broken != "view":
+            raise ValueError(f"no view {name}")
+        return Place(self.roles[role].agents if self.broken != "observe" else (5,))
+
+    def observe(self, scenario, state, view):
+        return view(Moment(self, scenario, state))
+
+    def global_state(self, scenario, state):
+        return state[None] / (0.0 if self.broken == "global" else 1.0)
+
+    def step(self, scenario, state, actions):
+        after = state + (jnp.cumsum(actions["walker"][0]) if self.broken == "alone" else actions["walker"][0])
+        after = after.astype(jnp.float16) if self.broken == "types" else after
+        over = after > 1
+        dogs = jnp.broadcast_to(over, (2, *over.shape))
+        terminated = {"walker": over, "dog": dogs & (self.broken != "ended")}
+        truncated = {"walker": over & (self.broken == "both"), "dog": dogs & False}
+        rewards: Any = {
+            "walker": {"pay": after * 1.0},
+            "dog": {"pay": dogs[0] * 1.0 if self.broken == "pay" else dogs * 1.0},
+        }
+        return after, Outcome(rewards, terminated, truncated, over, None)
+
+
+class Sleepy(eqx.Module):
+    """Does nothing, but for what ``broken`` names."""
+
+    broken: str = eqx.field(static=True, default="")
+    view: Any = eqx.field(static=True, default=Place())
+
+    def init(self, agents, batch):
+        return jnp.zeros((*agents, *batch))
+
+    def act(self, key, memory, seen):
+        action = {
+            "size": jnp.zeros((2, *memory.shape)),
+            "range": jnp.full((1, *memory.shape), 2.0),
+            "finite": jnp.full((1, *memory.shape), jnp.nan),
+            "kind": jnp.zeros((1, *memory.shape), int),
+            "neighbours": jnp.zeros((1, *memory.shape)) + jnp.arange(memory.size) / 9,
+            "chance": jnp.full((1, *memory.shape), np.random.default_rng().uniform()),
+        }.get(self.broken, jnp.zeros((1, *memory.shape)))
+        return action, memory.astype(int) if self.broken == "memory" else memory
+
+
+def test_our_street_passes(small):
+    check_environment(small, {"driver": ["route", "paper"], "pedestrian": ["kerb"]}, steps=FEW)
+
+
+def test_our_policies_pass(small):
+    for driver in (RouteFollower(), Random(), load_policy(shipped_policy("driver", "co-trained"), "driver")):
+        check_driver(driver, small, steps=FEW)
+    people = load_policy(shipped_policy("pedestrian", "learned"), "pedestrian", sample=True)
+    for policy in (AlwaysGo(), people):
+        check_pedestrians(policy, small, steps=FEW)
+
+
+def test_our_sources_pass(small):
+    check_source(Drawn(small, 3, 6))
+
+
+def test_a_sound_environment_and_policy_pass():
+    check_environment(Line(), {"walker": ["place"], "dog": ["place"]})
+    check_policy(Sleepy(), Line(), "walker")
+
+
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        ("batch", r"reset:  has shape \(4, 1\); arrays must end in the batch axis"),
+        ("view", "view: it must raise ValueError for a name that there isn't"),
+        ("observe", r"observe: walker place has shape \(1, 5, 4\)"),
+        ("global", "global_state: it has a number that isn't finite"),
+        ("alone", "step: an episode must come out the same alone as in a batch"),
+        ("types", "step: it must keep the state's structure, shapes and types"),
+        ("ended", "ended: an episode ends for everybody at once, but not for dog"),
+        ("both", "an agent of walker is both at once"),
+        ("pay", r"rewards: dog pay has shape \(4,\); it must be \(2, 4\)"),
+    ],
+)
+def test_a_broken_environment_is_told_what_it_breaks(broken, message):
+    with pytest.raises(ContractError, match=message):
+        check_environment(Line(broken), {"walker": ["place"], "dog": ["place"]}, steps=12)
+
+
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        ("size", r"act: the walker's action has shape \(2, 4\); it must be \(1, 4\): 1 numbers each"),
+        ("range", r"act: the walker's action must lie in \[-1, 1\], not up to 2"),
+        ("finite", "act: the walker's action has a number that isn't finite"),
+        ("kind", "act: the walker's action is int32; it must be floats"),
+        ("neighbours", "act: an episode's action must be the same alone as in a batch"),
+        ("chance", "act: equal keys, memories and views must give equal actions"),
+        ("memory", "act: the memory must keep its structure, shapes and types"),
+    ],
+)
+def test_a_broken_policy_is_told_what_it_breaks(broken, message):
+    with pytest.raises(ContractError, match=message):
+        check_policy(Sleepy(broken), Line(), "walker")
+
+
+def test_a_view_must_be_hashable_and_have_a_name():
+    class Loose(Place):
+        __hash__ = None
+
+    with pytest.raises(ContractError, match="view: place must be hashable"):
+        check_policy(Sleepy(view=Loose()), Line(), "walker")
+    with pytest.raises(ContractError, match="view: it must have a name"):
+        check_policy(Sleepy(view=Place(name="")), Line(), "walker")
+
+
+class Numbers:
+    """A source of plain numbers; ``broken`` names what is wrong with it."""
+
+    def __init__(self, broken=""):
+        self.broken, self.hashed = broken, 0
+
+    def __len__(self):
+        return 6
+
+    def take(self, numbers):
+        if self.broken != "range" and ((numbers < 0) | (numbers >= 6)).any():
+            raise ValueError("no such number")
+        values = jnp.asarray(numbers) + (jnp.arange(len(numbers)) if self.broken == "place" else 0)
+        return values, jax.vmap(jax.random.key)(jnp.asarray(numbers))
+
+    def hash(self):
+        self.hashed += 1
+        return "0" * 15 + (str(self.hashed) if self.broken == "hash" else "z" if self.broken == "digits" else "f")
+
+    def describe(self):
+        return {"kind": {1} if self.broken == "json" else "numbers"}
+
+
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        ("range", r"take: it must raise ValueError for -1, which isn't in \[0, 6\)"),
+        ("place", "take: a scenario must not depend on what is taken with it"),
+        ("hash", "hash: it must always be the same"),
+        ("digits", "hash: it must be 16 hexadecimal digits"),
+        ("json", "describe: it must return plain JSON"),
+    ],
+)
+def test_a_broken_source_is_told_what_it_breaks(broken, message):
+    check_source(Numbers())
+    with pytest.raises(ContractError, match=message):
+        check_source(Numbers(broken))
