@@ -5,6 +5,7 @@ import json
 import pytest
 
 from jaxwalk.evaluation import compare
+from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.exports.sharing import share
 from jaxwalk.policies import SHIPPED, read_metadata, shipped_policy
 from jaxwalk.report.table import shown
@@ -49,7 +50,7 @@ def test_what_is_shipped_loads_and_has_its_card(street, role, name):
     assert policy.view.name
     about = read_metadata(file)
     rates = about["results"]["among"]["always-go"]["goal_rate"]
-    assert f"| {shown(rates)} |" in file.with_suffix(".md").read_text()
+    assert f"| {shown(Interval(**rates))} |" in file.with_suffix(".md").read_text()
     assert about["recipe"] == file.stem.split("-")[0]
 
 
