@@ -14,6 +14,7 @@ import numpy as np
 from jaxwalk import Street
 from jaxwalk.evaluation import evaluate, play
 from jaxwalk.exports.onnx_policy import export
+from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, load_policy, shipped_policy
 from jaxwalk.policies.host import HostDriver, load_host_driver
 from jaxwalk.scenarios import Drawn
@@ -71,7 +72,7 @@ def trace(driver, scenario):
 
 
 def ending(rows):
-    return np.select([rows.episodes.goal, rows.episodes.collision], ["goal", "collision"], "timeout")
+    return np.select([rows[OUTCOMES].goal, rows[OUTCOMES].collision], ["goal", "collision"], "timeout")
 
 
 with tempfile.TemporaryDirectory() as folder:

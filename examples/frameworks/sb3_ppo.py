@@ -19,6 +19,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 import jaxwalk.adapters.gymnasium
 from jaxwalk import Street, evaluate, summarise
+from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.recipes import RECIPES
 from jaxwalk.scenarios import Drawn
@@ -133,7 +134,7 @@ print(f"PPO:            goals {goals:.1%}, collisions {collisions:.1%}")
 rows = evaluate(
     Street.create(), {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(Street.create(), 0, options.scenarios)
 )
-rule = summarise(rows).outcomes
+rule = summarise(rows)[OUTCOMES]
 print(f"route-follower: goals {rule.goal.value:.1%}, collisions {rule.collision.value:.1%}")
 if not options.brief and not (goals > rule.goal.value and collisions < rule.collision.value):
     raise SystemExit("PPO has not learned to drive better than the rule")

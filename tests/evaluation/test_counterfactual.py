@@ -22,7 +22,7 @@ from jaxwalk.evaluation import (
 )
 from jaxwalk.evaluation.counterfactual import find_hits
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
-from jaxwalk.metrics import measure
+from jaxwalk.metrics import OUTCOMES, measure
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
@@ -121,10 +121,10 @@ def test_a_place_in_the_batch_changes_nothing_to_the_last_bit(often, played):
 
 
 def test_people_who_toss_coins_toss_the_same_ones_again(street, driver, undecided, rows):
-    chosen = np.resize(np.flatnonzero(rows.episodes.collision), BATCH)
+    chosen = np.resize(np.flatnonzero(rows[OUTCOMES].collision), BATCH)
     again = play(street, {"driver": driver, "pedestrian": undecided}, *Drawn(street, 7).take(chosen))
     assert again.collision.all()
-    np.testing.assert_array_equal(again.length, rows.episodes.steps[chosen])
+    np.testing.assert_array_equal(again.length, rows[OUTCOMES].steps[chosen])
 
 
 def test_an_episode_can_be_stopped(often, batch, played):

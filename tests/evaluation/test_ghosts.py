@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation import evaluate, play, walk_ghosts
+from jaxwalk.metrics import OUTCOMES, PLACEBO
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, RouteFollower
 from jaxwalk.rollout import SCENARIO_KEYS
 from jaxwalk.scenarios import Drawn
@@ -51,8 +52,8 @@ def test_ghosts_change_nothing_of_the_episodes(street, drawn):
     scenarios, keys = drawn
     played = play(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, scenarios, keys)
     rows = evaluate(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(street, 7, BATCH), batch=BATCH)
-    np.testing.assert_array_equal(rows.episodes.steps, played.length)
-    assert rows.placebo.ghost_frames.sum() > 0
+    np.testing.assert_array_equal(rows[OUTCOMES].steps, played.length)
+    assert rows[PLACEBO].ghost_frames.sum() > 0
 
 
 def test_asking_for_fewer_episodes_changes_no_ghost(street):
@@ -60,4 +61,4 @@ def test_asking_for_fewer_episodes_changes_no_ghost(street):
         evaluate(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(street, 7, n), batch=BATCH)
         for n in (24, 20)
     )
-    np.testing.assert_array_equal(many.placebo.ghost_speed_sum[:20], few.placebo.ghost_speed_sum)
+    np.testing.assert_array_equal(many[PLACEBO].ghost_speed_sum[:20], few[PLACEBO].ghost_speed_sum)

@@ -10,6 +10,7 @@ import pytest
 
 from jaxwalk.evaluation import Stopped, compare, evaluate, play
 from jaxwalk.evaluation.interventions import Brake
+from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Drawn
@@ -67,8 +68,8 @@ def test_every_batch_is_its_own_although_two_are_under_way(street, rows, undecid
     begins = np.flatnonzero(np.array(steps) == 1)
     assert len(begins) == 3  # batches
     assert all(later in (1, now + 1) for now, later in pairwise(steps))
-    np.testing.assert_array_equal(found.episodes.goal, rows.episodes.goal)
-    np.testing.assert_array_equal(found.episodes.collision, rows.episodes.collision)
+    np.testing.assert_array_equal(found[OUTCOMES].goal, rows[OUTCOMES].goal)
+    np.testing.assert_array_equal(found[OUTCOMES].collision, rows[OUTCOMES].collision)
     assert mine.steps_made == len(steps)
 
 
@@ -91,7 +92,7 @@ def test_a_failure_names_scenario_and_step_and_keeps_whole_batches(street, drive
             street, {"jax": driver, "mine": hosted(fails)}, {"undecided": undecided},
             Drawn(street, 7, 40), batch=BATCH,
         )  # fmt: skip
-    kept = {pair: len(rows.episodes.scenario) for pair, rows in stopped.value.rows.items()}
+    kept = {pair: rows.episodes for pair, rows in stopped.value.rows.items()}
     # of two batches that wait, either's turn may come; after a failure the other is refused
     assert kept == {("jax", "undecided"): 40, ("mine", "undecided"): BATCH}
 

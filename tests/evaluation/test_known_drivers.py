@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import pytest
 
 from jaxwalk.evaluation import evaluate
-from jaxwalk.metrics import summarise
+from jaxwalk.metrics import SPEED_DIFFERENTIAL, summarise
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.scenarios import Drawn
@@ -73,7 +73,7 @@ def found():
         return {
             what: summarise(
                 evaluate(street, {"driver": Known(what), "pedestrian": AlwaysGo()}, Drawn(street, 2, EPISODES))
-            ).speed_differential
+            )[SPEED_DIFFERENTIAL]
             for what in (BLIND, CROSSWALKS, CROSSWALK_USERS)
         }
     finally:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation import play, with_jaywalk_multiplier
-from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics import WAITING, measure, summarise
 from jaxwalk.policies import AlwaysGo, ConstantSpeed
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import pedestrian, prediction
@@ -85,7 +85,7 @@ class Careful(AlwaysGo):
 
 
 def test_who_waits_in_danger_alone_is_measured_so(short, driver, batch):
-    found = summarise(measure(play(short, {"driver": driver, "pedestrian": Careful()}, *batch))).waiting
+    found = summarise(measure(play(short, {"driver": driver, "pedestrian": Careful()}, *batch)))[WAITING]
     assert (found.danger.value, found.harmless.value) == (1, 0)
     assert min(found.danger.count, found.harmless.count) > 10
     assert found.longest_stand == 0

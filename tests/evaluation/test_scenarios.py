@@ -8,22 +8,23 @@ import pytest
 
 from jaxwalk import rollout
 from jaxwalk.evaluation import evaluate, replay, with_jaywalk_multiplier
+from jaxwalk.metrics import OUTCOMES
 from jaxwalk.scenarios import Drawn
 
 
 def test_how_many_are_asked_for_changes_no_row(street, driver, undecided, rows):
-    assert rows.episodes.scenario.tolist() == list(range(40))
+    assert rows[OUTCOMES].scenario.tolist() == list(range(40))
     for count in (3, 17):
         fewer = evaluate(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 7, count), batch=16)
-        for field in dataclasses.fields(rows.episodes):
-            a, b = getattr(fewer.episodes, field.name), getattr(rows.episodes, field.name)[:count]
+        for field in dataclasses.fields(rows[OUTCOMES]):
+            a, b = getattr(fewer[OUTCOMES], field.name), getattr(rows[OUTCOMES], field.name)[:count]
             np.testing.assert_array_equal(a, b, err_msg=field.name)
 
 
 def test_the_batch_size_changes_roundings_at_most(street, driver, undecided, rows):
     other = evaluate(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 7, 40), batch=25)
-    for field in dataclasses.fields(rows.episodes):
-        a, b = getattr(other.episodes, field.name), getattr(rows.episodes, field.name)
+    for field in dataclasses.fields(rows[OUTCOMES]):
+        a, b = getattr(other[OUTCOMES], field.name), getattr(rows[OUTCOMES], field.name)
         np.testing.assert_allclose(a, b, rtol=1e-5, err_msg=field.name)
 
 
@@ -31,8 +32,8 @@ def test_an_evaluation_can_be_replayed(street, driver, undecided, rows):
     for scenario in (0, 18, 39):
         episode = replay(street, {"driver": driver, "pedestrian": undecided}, Drawn(street, 7), [scenario], batch=16)
         assert episode.scenario.tolist() == [scenario]
-        assert episode.length[0] == rows.episodes.steps[scenario]
-        assert episode.goal[0] == rows.episodes.goal[scenario]
+        assert episode.length[0] == rows[OUTCOMES].steps[scenario]
+        assert episode.goal[0] == rows[OUTCOMES].goal[scenario]
         assert episode.car_x.shape == (episode.length[0] + 1, 1)
         assert episode.ped_x.shape == (episode.length[0] + 1, 1, 12)
 

@@ -9,7 +9,7 @@ import pytest
 
 from jaxwalk.evaluation import Match, over_training_seeds, paired, paired_over_seeds
 from jaxwalk.evaluation.training_seeds import SEED_RATIOS
-from jaxwalk.metrics import Estimate, OverSeeds, over_seeds
+from jaxwalk.metrics import OUTCOMES, Estimate, OverSeeds, over_seeds
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def test_numbers_over_seeds(matches):
     assert list(document) == [*names, *SEED_RATIOS]
     assert [document[name] for name in names] == ["learner", "always-go", 0.25, (3, 4, 5)]
     goal = found.goal_rate
-    rates = [match.rows.episodes.goal.mean() for match in matches]
+    rates = [match.rows[OUTCOMES].goal.mean() for match in matches]
     assert list(goal.each) == pytest.approx(rates)
     assert goal.mean.value == pytest.approx(sum(rates) / 3)
     assert goal.mean.low < goal.mean.value < goal.mean.high
@@ -49,7 +49,7 @@ def test_numbers_over_seeds(matches):
 
 def test_one_seed_keeps_the_cells_intervals(matches):
     (found,) = over_training_seeds(matches[:1])
-    rate = matches[0].cell.summary.outcomes.goal
+    rate = matches[0].cell.summary[OUTCOMES].goal
     assert found.goal_rate.mean == Estimate(rate.value, rate.low, rate.high, 1)
     assert found.goal_rate.iqm == found.goal_rate.mean
 
@@ -57,7 +57,7 @@ def test_one_seed_keeps_the_cells_intervals(matches):
 def test_what_never_happens_has_the_interval_of_one_seed(matches):
     """A bootstrap of zeros would end at zero, as if the rate were known to be none."""
     follower = matches[0]
-    rate = follower.cell.summary.outcomes.timeout
+    rate = follower.cell.summary[OUTCOMES].timeout
     assert rate.value == 0
     cells = [dataclasses.replace(follower.cell, training_seed=seed) for seed in (1, 2, 3)]
     (found,) = over_training_seeds([Match(cell, follower.rows) for cell in cells])

@@ -11,6 +11,7 @@ from jaxwalk.formats.layouts import open_tracks
 from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.track_file import TrackFile, write_tracks
 from jaxwalk.formats.tracks import TracksError
+from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, SURROGATES
 from jaxwalk.sim.sim_config import SimConfig
 
 HEAD = (
@@ -54,9 +55,9 @@ def test_ind(tmp_path):
     assert tracks.t[mine][-1] == pytest.approx(99 / 25)
     assert (tracks.width[mine][0], tracks.length[mine][0]) == (1.9, 4.6)
     rows = measure_all([(tracks, None)], config=SimConfig()).rows
-    assert rows.episodes.scenario.tolist() == [7], "the one car; a bicycle drives no episode and is no pedestrian"
+    assert rows[OUTCOMES].scenario.tolist() == [7], "the one car; a bicycle drives no episode and is no pedestrian"
     left = 45 - 8 * 3.9  # 3.96 s are seen: the last step of 0.1 s ends at 3.9 s
-    assert rows.surrogates.ttc == pytest.approx([(left - 1.5) / 8], abs=1e-5)
+    assert rows[SURROGATES].ttc == pytest.approx([(left - 1.5) / 8], abs=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -94,11 +95,11 @@ def test_dut(tmp_path):
     assert tracks.episode == 4
     assert set(zip(tracks.id.tolist(), tracks.type.tolist(), strict=True)) == {(0, "car"), (1, "pedestrian")}
     rows = measure_all([(tracks, parse_areas(STREET, "street"))], config=SimConfig()).rows
-    assert rows.crossings.type.tolist() == [1]
-    assert rows.crossings.enter * 0.1 == pytest.approx([2 / 1.2], abs=0.1), "from y = -6 to the kerb at -4"
-    assert rows.encounters.entry_speed == pytest.approx([6.0])
+    assert rows[CROSSINGS].type.tolist() == [1]
+    assert rows[CROSSINGS].enter * 0.1 == pytest.approx([2 / 1.2], abs=0.1), "from y = -6 to the kerb at -4"
+    assert rows[ENCOUNTERS].entry_speed == pytest.approx([6.0])
     distance = np.hypot(50 + 6 * (t := np.arange(30, 99) * 0.1) - 100, 1.0 - (-6 + 1.2 * t)).min()
-    assert rows.encounters.min_distance == pytest.approx([distance], abs=0.02)
+    assert rows[ENCOUNTERS].min_distance == pytest.approx([distance], abs=0.02)
 
 
 def test_dut_does_not_say_its_frame_rate(tmp_path):

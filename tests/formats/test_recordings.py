@@ -13,6 +13,7 @@ from jaxwalk.formats.areas import parse_areas, read_areas
 from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.recordings import _crossing_numbers, cars_in_view, trajectory_of
 from jaxwalk.formats.tracks import TracksError
+from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, SURROGATES
 from jaxwalk.metrics.braking import NEVER, ONSET, UNSEEN
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -27,31 +28,31 @@ def _rows(tracks, areas=GROUND):
 def test_surrogates_by_hand():
     """Standing on the road 10 m ahead of where a car at 10 m/s goes out of view: TTC (10 - 1.5) / 10 s."""
     rows = _rows(recording(car(0, 4, 0, 0, 10.0), person(0, 4, 50, 0)))
-    assert rows.encounters.start.tolist() == [30], "within 20 m from 3 s on"
-    assert rows.surrogates.ttc == pytest.approx([0.85], abs=1e-6)
-    assert rows.surrogates.drac == pytest.approx([10**2 / (2 * 8.5)], rel=1e-5)
-    assert rows.surrogates.exposed_time == pytest.approx([0.7], abs=1e-6), "below 1.5 s from 16.5 m on: 7 frames"
-    assert rows.encounters.min_distance == pytest.approx([10.0], abs=1e-5)
-    assert rows.encounters.braking.tolist() == [UNSEEN]
-    assert np.isnan(rows.encounters.braking_time).all()
+    assert rows[ENCOUNTERS].start.tolist() == [30], "within 20 m from 3 s on"
+    assert rows[SURROGATES].ttc == pytest.approx([0.85], abs=1e-6)
+    assert rows[SURROGATES].drac == pytest.approx([10**2 / (2 * 8.5)], rel=1e-5)
+    assert rows[SURROGATES].exposed_time == pytest.approx([0.7], abs=1e-6), "below 1.5 s from 16.5 m on: 7 frames"
+    assert rows[ENCOUNTERS].min_distance == pytest.approx([10.0], abs=1e-5)
+    assert rows[ENCOUNTERS].braking.tolist() == [UNSEEN]
+    assert np.isnan(rows[ENCOUNTERS].braking_time).all()
 
 
 def test_who_crosses_where():
     """Up from y = -5 at 1 m/s: on the road from 1 s on. One on the crosswalk, one 1 m beside it."""
     rows = _rows(recording(car(0, 9, 0, 2, 5.0), person(0, 9, 100, -5, vy=1.0), person(0, 9, 103, -5, vy=1.0)))
-    assert rows.crossings.type.tolist() == [1, 2]
-    assert rows.crossings.enter.tolist() == [11, 11], "a kerb is no roadway"
-    assert rows.crossings.last.tolist() == [89, 89]
-    assert rows.crossings.entry_seen.tolist() == [True, True]
+    assert rows[CROSSINGS].type.tolist() == [1, 2]
+    assert rows[CROSSINGS].enter.tolist() == [11, 11], "a kerb is no roadway"
+    assert rows[CROSSINGS].last.tolist() == [89, 89]
+    assert rows[CROSSINGS].entry_seen.tolist() == [True, True]
 
 
 def test_every_car_has_its_episode_and_its_people():
     early, late = person(0, 5, 60, 1), person(20, 26, 60, 1)
     tracks = recording(car(0, 6, 0, 0, 10.0), car(20, 25, 10, 0, 10.0), early, late)
     rows = _rows(tracks)
-    assert rows.episodes.steps.tolist() == [60, 50]
-    assert rows.encounters.episode.tolist() == [0, 1]
-    assert rows.encounters.ped.tolist() == [0, 0]
+    assert rows[OUTCOMES].steps.tolist() == [60, 50]
+    assert rows[ENCOUNTERS].episode.tolist() == [0, 1]
+    assert rows[ENCOUNTERS].ped.tolist() == [0, 0]
     assert [len(view.people) for view in cars_in_view(tracks, CONFIG)] == [1, 1]
 
 
@@ -66,7 +67,7 @@ def test_who_is_out_of_view_is_nowhere():
     trajectory = trajectory_of(next(cars_in_view(says_so, CONFIG)), areas=None, config=CONFIG)
     assert np.array_equal(trajectory.on_crosswalk[:, 0], seen), "on a crosswalk in every row, and nowhere without one"
     rows = _rows(tracks)
-    assert rows.encounters.min_distance == pytest.approx([np.hypot(18, 1)], abs=1e-4), (
+    assert rows[ENCOUNTERS].min_distance == pytest.approx([np.hypot(18, 1)], abs=1e-4), (
         "at 4 s, though the car drives up to it"
     )
 
@@ -74,8 +75,8 @@ def test_who_is_out_of_view_is_nowhere():
 def test_who_appears_on_the_roadway_was_not_seen_to_enter_it():
     enters, appears = person(0, 6, 60, -5, vy=1.0), person(2, 6, 70, 0)
     rows = _rows(recording(car(0, 6, 0, 0, 10.0), enters, appears))
-    assert rows.encounters.braking.tolist() == [NEVER, UNSEEN]
-    assert rows.crossings.entry_seen.tolist() == [True, False]
+    assert rows[ENCOUNTERS].braking.tolist() == [NEVER, UNSEEN]
+    assert rows[CROSSINGS].entry_seen.tolist() == [True, False]
 
 
 def test_after_a_gap_it_is_somebody_else():
@@ -87,14 +88,14 @@ def test_after_a_gap_it_is_somebody_else():
 
 def test_parked_cars_are_left_out():
     tracks = recording(car(0, 60, 55, 6), car(0, 6, 0, 0, 10.0), person(0, 6, 60, 1))
-    assert _rows(tracks).episodes.steps.tolist() == [60]
+    assert _rows(tracks)[OUTCOMES].steps.tolist() == [60]
     with pytest.raises(TracksError, match="no car moves"):
         _rows(recording(car(0, 60, 55, 6), person(0, 6, 60, 1)))
 
 
 def test_a_car_that_backs_up_moves_backwards():
     rows = _rows(recording(car(0, 3, 80, 0, -5.0, heading=0.0), person(0, 3, 60, 0)))
-    assert rows.surrogates.ttc == pytest.approx([(5 - 1.5) / 5], abs=1e-6)
+    assert rows[SURROGATES].ttc == pytest.approx([(5 - 1.5) / 5], abs=1e-6)
 
 
 def test_y_may_point_down():
@@ -102,11 +103,11 @@ def test_y_may_point_down():
     tracks = recording(car(0, 9, 0, 2, 8.0, heading=0.02), person(0, 9, 62, -5, vy=1.2), person(0, 9, 101, 5, vy=-1.0))
     mirrored = replace(tracks, y=-tracks.y, vy=-tracks.vy, heading=-tracks.heading)
     rows, other = _rows(tracks), _rows(mirrored)
-    assert rows.crossings.type.tolist() == other.crossings.type.tolist() == [2, 1]
+    assert rows[CROSSINGS].type.tolist() == other[CROSSINGS].type.tolist() == [2, 1]
     for name in ("ttc", "pet", "t2", "drac", "exposed_time"):
-        values = getattr(rows.surrogates, name)
-        assert np.allclose(values, getattr(other.surrogates, name), equal_nan=True), name
-    assert np.isfinite(rows.surrogates.pet).any()
+        values = getattr(rows[SURROGATES], name)
+        assert np.allclose(values, getattr(other[SURROGATES], name), equal_nan=True), name
+    assert np.isfinite(rows[SURROGATES].pet).any()
 
 
 def test_braking_is_read_from_the_speed():
@@ -119,9 +120,9 @@ def test_braking_is_read_from_the_speed():
         tracks, vx=np.where(mine, 10 - 4 * late, tracks.vx), x=np.where(mine, tracks.x - 2 * late**2, tracks.x)
     )
     rows = _rows(slower)
-    assert rows.encounters.enter.tolist() == [11]
-    assert rows.encounters.braking.tolist() == [ONSET]
-    assert rows.encounters.braking_time == pytest.approx([0.9])
+    assert rows[ENCOUNTERS].enter.tolist() == [11]
+    assert rows[ENCOUNTERS].braking.tolist() == [ONSET]
+    assert rows[ENCOUNTERS].braking_time == pytest.approx([0.9])
 
 
 @pytest.mark.parametrize("rate", [8.0, 23.976, 25.0, 29.97])
@@ -129,9 +130,9 @@ def test_any_frame_rate_is_resampled_to_the_same(rate):
     walks = person(0, 4, 90, -5, vy=1.0)
     rows = _rows(recording(car(0, 4, 0, 0, 10.0), person(0, 4, 50, 0), walks, rate=rate))
     assert rows.dt == 0.1
-    assert rows.episodes.steps.tolist() == [40]
-    assert rows.surrogates.ttc == pytest.approx([0.85], abs=1e-6)
-    assert rows.crossings.enter.tolist() == [0, 11]
+    assert rows[OUTCOMES].steps.tolist() == [40]
+    assert rows[SURROGATES].ttc == pytest.approx([0.85], abs=1e-6)
+    assert rows[CROSSINGS].enter.tolist() == [0, 11]
 
 
 def test_what_cannot_be_told_is_left_out():

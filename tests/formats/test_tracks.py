@@ -15,7 +15,7 @@ from jaxwalk.formats.areas import areas_of
 from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.track_file import TrackFile, write_tracks
 from jaxwalk.formats.tracks import OF_CARS, OF_PEOPLE, REQUIRED, TracksError, tracks_of
-from jaxwalk.metrics import Rows, measure, summarise
+from jaxwalk.metrics import CROSSINGS, SURROGATES, Rows, measure, summarise
 from metrics.scenes import JAYWALK, Scene, Walk, trajectory
 
 
@@ -104,9 +104,9 @@ def test_places_tell_who_crosses_how(episodes, recorded, areas, street):
     found = measure_all(bare, config=street.config)
     native = measure(recorded, config=street.config)
     for name in ("episode", "ped", "type", "enter", "last"):
-        assert np.array_equal(getattr(found.rows.crossings, name), getattr(native.crossings, name)), name
-    assert np.allclose(found.rows.surrogates.pet, native.surrogates.pet, equal_nan=True)
-    assert set(found.rows.crossings.type.tolist()) == {1, 2}
+        assert np.array_equal(getattr(found.rows[CROSSINGS], name), getattr(native[CROSSINGS], name)), name
+    assert np.allclose(found.rows[SURROGATES].pet, native[SURROGATES].pet, equal_nan=True)
+    assert set(found.rows[CROSSINGS].type.tolist()) == {1, 2}
     document = found.as_dict()
     assert document.keys() == {
         "episodes", "kilometres", "hours", "speed_differential", "encounters", "surrogates", "surrogate_distributions",

@@ -6,14 +6,14 @@ import math
 
 import pytest
 
-from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, measure, summarise
 from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, changed, trajectory
 
 
 def encountered(scene: Scene):
-    return measure(trajectory(scene)).encounters
+    return measure(trajectory(scene))[ENCOUNTERS]
 
 
 def test_head_on():
@@ -42,8 +42,8 @@ def test_the_smallest_distance_counts_only_on_the_roadway():
 
 def test_crossing_behind_the_car_is_a_crossing_but_no_encounter():
     rows = measure(trajectory(Scene(40, [Walk(-5, -4, vy=2, crossings=[(1, 39, JAYWALK)])])))
-    assert len(rows.crossings.episode) == 1
-    assert len(rows.encounters.episode) == 0
+    assert len(rows[CROSSINGS].episode) == 1
+    assert len(rows[ENCOUNTERS].episode) == 0
 
 
 def test_a_car_beyond_20_m_is_no_encounter():
@@ -70,12 +70,12 @@ def test_only_the_last_crossing_of_who_was_hit_collided():
 
 def test_a_crossing_under_way_at_the_end():
     rows = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 99, JAYWALK)])]), Scene(30, [Walk(99, 0)])))
-    assert (rows.crossings.last.tolist(), rows.crossings.completed.tolist()) == ([20], [False])
-    assert (rows.encounters.end.tolist(), rows.encounters.min_distance.tolist()) == ([20], [10.0])
+    assert (rows[CROSSINGS].last.tolist(), rows[CROSSINGS].completed.tolist()) == ([20], [False])
+    assert (rows[ENCOUNTERS].end.tolist(), rows[ENCOUNTERS].min_distance.tolist()) == ([20], [10.0])
 
 
 def test_a_crossing_that_ends_in_the_last_frame_but_one_is_complete():
-    crossings = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 19, JAYWALK)])]))).crossings
+    crossings = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 19, JAYWALK)])])))[CROSSINGS]
     assert crossings.completed.tolist() == [True]
 
 
@@ -83,8 +83,8 @@ def test_nobody_decided_the_place_tells_the_type():
     people = [Walk(9, 0, crossings=[(0, 9, CROSSWALK)]), Walk(9, 3, crossings=[(0, 9, JAYWALK)])]
     recorded = trajectory(Scene(9, people))
     rows = measure(changed(recorded, crossing=recorded.crossing * 0, decisions=recorded.decisions * 0))
-    assert rows.crossings.type.tolist() == [CROSSWALK, JAYWALK]
-    assert rows.crossings.entry_seen.tolist() == [False, False]
+    assert rows[CROSSINGS].type.tolist() == [CROSSWALK, JAYWALK]
+    assert rows[CROSSINGS].entry_seen.tolist() == [False, False]
 
 
 def scene(*, commands: dict[int, float], speed: float = 5.0, enter: int = 5, last: int = 25, length: int = 60) -> Scene:
@@ -137,13 +137,13 @@ def test_summary_of_braking_keeps_those_who_never_brake():
         scene(commands={4: -3, 5: -3, 6: -3}),
         scene(commands={}, speed=0.5, last=59),
     ]
-    braking = summarise(measure(trajectory(*cases)), resamples=50).encounters.crosswalk.braking
+    braking = summarise(measure(trajectory(*cases)), resamples=50)[ENCOUNTERS].crosswalk.braking
     counts = (braking.observed, braking.censored, braking.already, braking.standing, braking.unseen)
     assert counts == (2, 1, 1, 1, 0)
     # survival 1 -> 2/3 at 0.2 s -> 1/3 at 1.0 s
     assert (braking.median.value, braking.median.count) == (pytest.approx(1.0), 3)
     assert braking.mean_observed.value == pytest.approx(0.6)
-    nobody = summarise(measure(trajectory(*cases)), resamples=50).encounters.jaywalk
+    nobody = summarise(measure(trajectory(*cases)), resamples=50)[ENCOUNTERS].jaywalk
     assert (nobody.count, nobody.collided.value, nobody.minimum_approach.value) == (0, None, None)
     assert (nobody.braking.median.value, nobody.braking.mean_observed.value) == (None, None)
 
@@ -151,5 +151,5 @@ def test_summary_of_braking_keeps_those_who_never_brake():
 def test_minimum_approach_is_the_5th_percentile():
     # people standing at the roadside 2, 3, 4, 5, 6 m off the path of a car that passes them: linear, 2 + 0.05 * 4
     people = [Walk(10, y, crossings=[(1, 40, JAYWALK)]) for y in (2, 3, 4, 5, 6)]
-    approach = summarise(measure(trajectory(Scene(40, people))), resamples=0).encounters.jaywalk.minimum_approach
+    approach = summarise(measure(trajectory(Scene(40, people))), resamples=0)[ENCOUNTERS].jaywalk.minimum_approach
     assert (approach.value, approach.count) == (pytest.approx(2.2), 5)

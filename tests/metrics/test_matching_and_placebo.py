@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics import PLACEBO, SPEED_DIFFERENTIAL, measure, summarise
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, changed, ghosts_of, trajectory
 
@@ -16,7 +16,7 @@ def meeting(kind: int, speed: float, *, initial: float = 6.0, place: float = 0.0
 
 
 def near_six(*scenes: Scene):
-    return summarise(measure(trajectory(*scenes)), resamples=50).speed_differential[2]
+    return summarise(measure(trajectory(*scenes)), resamples=50)[SPEED_DIFFERENTIAL][2]
 
 
 def test_matched_differences_are_averaged_over_places():
@@ -48,7 +48,7 @@ def test_cars_with_another_heading_are_not_matched():
     back = np.where(np.arange(2) == 1, -1.0, 1.0)
     # the second car drives backwards in space, so that it still closes in: only its heading differs
     other = changed(recorded, car_cos=recorded.car_cos * back, car_speed=recorded.car_speed * back)
-    assert summarise(measure(other), resamples=5).speed_differential[2].matched.count == 0
+    assert summarise(measure(other), resamples=5)[SPEED_DIFFERENTIAL][2].matched.count == 0
 
 
 def test_without_ghosts_there_is_no_placebo():
@@ -61,7 +61,7 @@ def test_people_minus_ghosts():
     """The car does 6 and then 2 m/s near a jaywalker, 6 and 4 near a crosswalk user: -1. Near the ghosts, 0 and +1."""
     people = trajectory(meeting(JAYWALK, 2), meeting(CROSSWALK, 4))
     others = ghosts_of(trajectory(meeting(CROSSWALK, 2), meeting(JAYWALK, 4)))
-    found = summarise(measure(people, others), resamples=5).speed_differential[2].placebo
+    found = summarise(measure(people, others), resamples=5)[SPEED_DIFFERENTIAL][2].placebo
     assert found.people.difference.value == pytest.approx(4 - 5)
     assert found.ghosts.difference.value == pytest.approx(5 - 4)
     assert found.difference.value == pytest.approx(-2)
@@ -74,5 +74,5 @@ def test_the_first_touch_of_either_ends_the_view_of_both():
     for place, frames in ((1.0, 1), (4.0, 7), (40.0, 10)):  # 2.5 of 4 m are driven, and a bit more, in frame 6
         ghost = ghosts_of(trajectory(Scene(9, [Walk(place, 0, crossings=[(0, 9, JAYWALK)])])))
         rows = measure(recorded, ghost)
-        assert rows.placebo.frames.sum() == min(frames, 10), place
-        assert rows.near_speeds.frames.sum() == 10
+        assert rows[PLACEBO].frames.sum() == min(frames, 10), place
+        assert rows[SPEED_DIFFERENTIAL].frames.sum() == 10

@@ -7,7 +7,16 @@ import json
 import numpy as np
 import pytest
 
-from jaxwalk.metrics import Rows, measure, summarise
+from jaxwalk.metrics import (
+    ATTRIBUTION,
+    ENCOUNTERS,
+    JAYWALK_RATE,
+    OUTCOMES,
+    SPEED_DIFFERENTIAL,
+    Rows,
+    measure,
+    summarise,
+)
 from jaxwalk.metrics.outcomes import NO_CONTACT, SIDEWALK
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.sim_config import SimConfig
@@ -31,7 +40,7 @@ def recorded():
 
 
 def test_rows_of_episodes(recorded):
-    table = measure(recorded).episodes
+    table = measure(recorded)[OUTCOMES]
     assert table.driven == pytest.approx([20, 10, 25, 5, 3, 0, 3.8])
     assert table.contact.tolist() == [NO_CONTACT] * 3 + [JAYWALK, SIDEWALK, CROSSWALK, CROSSWALK]
     assert table.contact_ped.tolist() == [-1, -1, -1, 1, 1, 1, 0]
@@ -40,7 +49,7 @@ def test_rows_of_episodes(recorded):
 
 
 def test_outcomes(recorded):
-    outcomes = summarise(measure(recorded), resamples=200).outcomes
+    outcomes = summarise(measure(recorded), resamples=200)[OUTCOMES]
     assert [r.successes for r in (outcomes.goal, outcomes.collision, outcomes.timeout)] == [2, 4, 1]
     assert outcomes.goal.value == pytest.approx(2 / 7)
     assert (outcomes.time_to_goal.value, outcomes.time_to_goal.count) == (pytest.approx(3.0), 2)
@@ -56,7 +65,7 @@ def test_outcomes(recorded):
 
 
 def test_contacts(recorded):
-    outcomes = summarise(measure(recorded), resamples=0).outcomes
+    outcomes = summarise(measure(recorded), resamples=0)[OUTCOMES]
     contacts = [outcomes.crosswalk, outcomes.jaywalk, outcomes.sidewalk]
     assert [(c.share.successes, c.share.trials, c.moving, c.standing) for c in contacts] == [
         (2, 4, 1, 1),
@@ -67,7 +76,7 @@ def test_contacts(recorded):
 
 
 def test_attribution(recorded):
-    attribution = summarise(measure(recorded), resamples=0).attribution
+    attribution = summarise(measure(recorded), resamples=0)[ATTRIBUTION]
     assert (attribution.share.value, attribution.share.count) == (pytest.approx(1 / 3), 3)
     # crossings: 3 crosswalk, 1 jaywalk; on the road 3 x 1.0 s and 0.9 s; all but the one 40 m away are near
     risks = attribution.per_crossing, attribution.per_encounter, attribution.per_second, attribution.per_second_near
@@ -87,8 +96,8 @@ def test_attribution(recorded):
 def test_of_several_touched_the_nearest_counts():
     people = [Walk(3.8, 0, crossings=[(1, 10, CROSSWALK)]), Walk(6, 0)]  # the car is at 5
     rows = measure(trajectory(Scene(10, people, touched=[0, 1])))
-    assert (rows.episodes.contact.tolist(), rows.episodes.contact_ped.tolist()) == ([SIDEWALK], [1])
-    assert rows.encounters.collided.tolist() == [True]
+    assert (rows[OUTCOMES].contact.tolist(), rows[OUTCOMES].contact_ped.tolist()) == ([SIDEWALK], [1])
+    assert rows[ENCOUNTERS].collided.tolist() == [True]
 
 
 def test_a_collision_that_touched_nobody_is_named():
@@ -99,8 +108,8 @@ def test_a_collision_that_touched_nobody_is_named():
 
 def test_moving_begins_at_the_given_speed():
     recorded = trajectory(Scene(4, [Walk(1, 0)], touched=[0], speed=0.5))
-    assert measure(recorded).episodes.moving.tolist() == [True]
-    assert measure(recorded, config=SimConfig(moving_speed=0.6)).episodes.moving.tolist() == [False]
+    assert measure(recorded)[OUTCOMES].moving.tolist() == [True]
+    assert measure(recorded, config=SimConfig(moving_speed=0.6))[OUTCOMES].moving.tolist() == [False]
 
 
 def test_decisions_by_quarter_of_tau():
@@ -111,7 +120,7 @@ def test_decisions_by_quarter_of_tau():
         Walk(90, 50, tau=0.9, crossings=[(2, 4, JAYWALK), (8, 9, CROSSWALK)]),
         Walk(90, 50, tau=1.0, crossings=[(0, 4, JAYWALK)]),
     ]
-    rates = summarise(measure(trajectory(Scene(20, people))), resamples=0).jaywalk_rate
+    rates = summarise(measure(trajectory(Scene(20, people))), resamples=0)[JAYWALK_RATE]
     assert [(r.successes, r.trials) for r in rates.quarters] == [(0, 1), (1, 1), (0, 0), (2, 3)]
     assert (rates.all.successes, rates.all.trials, rates.unknown) == (3, 5, 0)
 
@@ -119,14 +128,14 @@ def test_decisions_by_quarter_of_tau():
 def test_several_decisions_in_a_frame_are_one_row_and_the_lost_ones_are_counted():
     recorded = trajectory(Scene(9, [Walk(90, 50, crossings=[(3, 5, JAYWALK)])]))
     rows = measure(changed(recorded, decisions=recorded.decisions * 3))
-    assert (rows.decisions.made.tolist(), rows.decisions.frame.tolist()) == ([3], [2])
-    rates = summarise(rows, resamples=0).jaywalk_rate
+    assert (rows[JAYWALK_RATE].made.tolist(), rows[JAYWALK_RATE].frame.tolist()) == ([3], [2])
+    rates = summarise(rows, resamples=0)[JAYWALK_RATE]
     assert (rates.all.successes, rates.all.trials, rates.unknown) == (1, 1, 2)
 
 
 def test_a_decision_after_the_end_is_not_seen():
     recorded = trajectory(Scene(5, [Walk(90, 50, crossings=[(7, 8, JAYWALK)])]), Scene(9, [AWAY]))
-    assert len(measure(recorded).decisions.frame) == 0
+    assert len(measure(recorded)[JAYWALK_RATE].frame) == 0
 
 
 @pytest.mark.parametrize("episodes", [0, 1])
@@ -134,11 +143,11 @@ def test_where_nothing_happens_numbers_are_none(episodes):
     recorded = pick(trajectory(Scene(9, [AWAY], speed=0.0)), episodes=slice(0, episodes))
     summary = summarise(measure(recorded), resamples=20)
     assert summary.episodes == episodes
-    assert (summary.outcomes.goal.value is None) == (episodes == 0)
-    assert summary.outcomes.all.per_km.value is None
-    assert summary.outcomes.time_to_goal.value is None
-    assert summary.attribution.per_crossing.ratio.value is None
-    assert summary.speed_differential[0].pooled.difference.value is None
+    assert (summary[OUTCOMES].goal.value is None) == (episodes == 0)
+    assert summary[OUTCOMES].all.per_km.value is None
+    assert summary[OUTCOMES].time_to_goal.value is None
+    assert summary[ATTRIBUTION].per_crossing.ratio.value is None
+    assert summary[SPEED_DIFFERENTIAL][0].pooled.difference.value is None
     json.dumps(summary.as_dict(), allow_nan=False)
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics import SPEED_DIFFERENTIAL, measure, summarise
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 
 def bins(*scenes: Scene):
-    return summarise(measure(trajectory(*scenes)), resamples=100).speed_differential
+    return summarise(measure(trajectory(*scenes)), resamples=100)[SPEED_DIFFERENTIAL]
 
 
 def test_a_jaywalker_and_a_crosswalk_user_at_once_give_each_frame_to_both():
@@ -64,6 +64,6 @@ def test_frames_outside_an_encounter_are_pooled_but_belong_to_no_encounter():
 def test_intervals_resample_episodes():
     # two kinds of episodes, 2 and 6 m/s, ten each: the mean is 4, and its interval is near 4 +- 1.96 * 2 / sqrt(20)
     scenes = [Scene(1, [Walk(0, 2, crossings=[(0, 1, JAYWALK)])], speed=[v, v]) for v in (2.0, 6.0) * 10]
-    estimate = summarise(measure(trajectory(*scenes)), resamples=2000).speed_differential[0].pooled.jaywalk
+    estimate = summarise(measure(trajectory(*scenes)), resamples=2000)[SPEED_DIFFERENTIAL][0].pooled.jaywalk
     assert estimate.value == pytest.approx(4.0)
     assert (estimate.low, estimate.high) == (pytest.approx(4 - 0.88, abs=0.15), pytest.approx(4 + 0.88, abs=0.15))

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics import SURROGATES, Rows, measure, summarise
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
 from jaxwalk.metrics.surrogate import Surrogates, required_deceleration, surrogate_columns, time_to_collision
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
@@ -24,7 +24,7 @@ number = st.integers(-2000, 2000).map(lambda n: n / 100)  # (no numbers whose sq
 
 def surrogates(scene: Scene) -> dict[str, float]:
     """Those of the scene's only encounter."""
-    table = measure(trajectory(scene)).surrogates
+    table = measure(trajectory(scene))[SURROGATES]
     assert len(table.episode) == 1
     return {name: float(getattr(table, name)[0]) for name in MEASURES}
 
@@ -129,7 +129,7 @@ def test_discs_touch_at_the_time_to_collision_and_not_before(dx, dy, dvx, dvy, r
 @few
 @given(trajectories)
 def test_surrogates_agree_with_the_reference(recorded):
-    table = measure(recorded).surrogates
+    table = measure(recorded)[SURROGATES]
     rows = list(zip(*(getattr(table, name) for name in MEASURES), strict=True))
     expected = reference.surrogates(recorded)
     assert len(rows) == len(expected)
@@ -142,7 +142,7 @@ def test_surrogates_agree_with_the_reference(recorded):
 def test_turning_the_scene_by_90_degrees_changes_nothing(recorded):
     pairs = (("car_x", "car_y"), ("car_cos", "car_sin"), ("ped_x", "ped_y"), ("ped_vx", "ped_vy"))
     turned = {x: -getattr(recorded, y) for x, y in pairs} | {y: getattr(recorded, x) for x, y in pairs}
-    before, after = (measure(t).surrogates for t in (recorded, changed(recorded, **turned)))
+    before, after = (measure(t)[SURROGATES] for t in (recorded, changed(recorded, **turned)))
     for column in fields(before):
         np.testing.assert_allclose(getattr(before, column.name), getattr(after, column.name), rtol=1e-5)
 
@@ -152,7 +152,8 @@ def test_limits_are_not_beyond_themselves_and_any_lead_is_one():
     rest = {name: np.full(3, np.nan) for name in MEASURES if name not in values}
     kinds = {"episode": np.zeros(3, int), "type": np.full(3, CROSSWALK)}
     table = Surrogates(**kinds, **{name: np.array(x, float) for name, x in values.items()}, **rest)
-    found = {name.removeprefix("surrogate_"): x[0, 0] for name, x in surrogate_columns(table, episodes=1).items()}
+    rows = Rows(dt=0.1, episodes=1, metrics=(SURROGATES,), tables={SURROGATES.name: table})
+    found = {name: x[0, 0] for name, x in surrogate_columns(rows).items()}
     counts = {"met": 3, "ttc_critical": 1, "pet_critical": 1, "pet_close": 2, "drac_critical": 1}
     assert {name: found[name] for name in counts} == counts
     assert (found["pedestrian_first"], found["one_first"], found["hit"]) == (2, 3, 0)
@@ -166,7 +167,7 @@ def test_summary():
         Scene(80, [Walk(10, -4, vy=1, crossings=crossing)]),  # PET -0.5 s
         Scene(48, [Walk(30, 0, vx=-1, crossings=[(3, 48, CROSSWALK)])], touched=[0]),  # hit at 5 m/s
     ]
-    found = summarise(measure(trajectory(*scenes)), resamples=200).surrogates
+    found = summarise(measure(trajectory(*scenes)), resamples=200)[SURROGATES]
     here = found.crosswalk
     shares = (here.ttc_critical, here.drac_critical, here.pet_critical, here.pet_close)
     assert [share.value for share in shares] == [0.25, 0.25, 0.75, 0.75]

@@ -15,12 +15,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from jaxwalk.metrics import measure
+from jaxwalk.metrics import ENCOUNTERS, SURROGATES, measure
 from jaxwalk.metrics.surrogate import required_deceleration, time_to_collision
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
-ENCOUNTERS = 1000
+COUNT = 1000
 RADIUS = 1.5
 
 
@@ -39,22 +39,22 @@ def random_encounters():
     """A trajectory of random crossings, at varying speeds, in front of or behind a car; and its rows."""
     rng = np.random.default_rng(0)
     scenes = []
-    for _ in range(2 * ENCOUNTERS):
+    for _ in range(2 * COUNT):
         place = {"x": rng.uniform(2, 22), "y": rng.uniform(-6, 0)}
         walk = Walk(**place, vx=rng.uniform(-1, 1), vy=rng.uniform(0.5, 2), crossings=[(1, 45, rng.integers(1, 3))])
         scenes.append(Scene(49, [walk], speed=np.clip(rng.uniform(0, 8) + np.cumsum(rng.normal(0, 0.3, 50)), 0, 9)))
     recorded = trajectory(*scenes)
     rows = measure(recorded)
-    assert len(rows.encounters.episode) > ENCOUNTERS
-    assert {CROSSWALK, JAYWALK} == set(rows.encounters.type)
+    assert len(rows[ENCOUNTERS].episode) > COUNT
+    assert {CROSSWALK, JAYWALK} == set(rows[ENCOUNTERS].type)
     return recorded, rows
 
 
 def test_time_to_collision_agrees_with_traffic_intelligence(moving):
     """`Point.timeToCollision` in two dimensions; states in touch are left out (there it gives when they will part)."""
     rng = np.random.default_rng(1)
-    dx, dy, dvx, dvy = rng.uniform(-12, 12, (4, 2 * ENCOUNTERS))
-    apart = np.flatnonzero(np.hypot(dx, dy) > RADIUS)[:ENCOUNTERS]
+    dx, dy, dvx, dvy = rng.uniform(-12, 12, (4, 2 * COUNT))
+    apart = np.flatnonzero(np.hypot(dx, dy) > RADIUS)[:COUNT]
     still = moving.Point(0, 0)
 
     def theirs(k: int) -> float:
@@ -63,8 +63,8 @@ def test_time_to_collision_agrees_with_traffic_intelligence(moving):
         return math.inf if ttc is None else ttc
 
     ours = time_to_collision(dx, dy, dvx, dvy, RADIUS)[apart]
-    assert len(ours) == ENCOUNTERS
-    assert 50 < np.isfinite(ours).sum() < ENCOUNTERS
+    assert len(ours) == COUNT
+    assert 50 < np.isfinite(ours).sum() < COUNT
     np.testing.assert_allclose(ours, [theirs(k) for k in apart], rtol=1e-9)
 
 
@@ -78,14 +78,14 @@ def test_post_encroachment_time_agrees_with_traffic_intelligence(moving, random_
         return moving.MovingObject(number, interval, moving.Trajectory.fromPointList(points))
 
     def theirs(row: int) -> float:
-        e, enter, start, end = (getattr(rows.encounters, name)[row] for name in ("episode", "enter", "start", "end"))
+        e, enter, start, end = (getattr(rows[ENCOUNTERS], name)[row] for name in ("episode", "enter", "start", "end"))
         car = walker(1, recorded.car_x[start:50, e], recorded.car_y[start:50, e], start)
         person = walker(2, recorded.ped_x[enter : end + 1, e, 0], recorded.ped_y[enter : end + 1, e, 0], enter)
         pet, car_frame, person_frame = moving.MovingObject.computePET(car, person, RADIUS)
         return math.nan if pet is None else math.copysign(pet, car_frame - person_frame) / 10
 
-    ours = rows.surrogates.pet[:ENCOUNTERS]
-    expected = np.array([theirs(row) for row in range(ENCOUNTERS)])
+    ours = rows[SURROGATES].pet[:COUNT]
+    expected = np.array([theirs(row) for row in range(COUNT)])
     assert min((ours > 0).sum(), (ours < 0).sum(), (ours == 0).sum(), np.isnan(ours).sum()) > 20
     np.testing.assert_allclose(ours, expected, rtol=1e-5)
 
@@ -123,13 +123,13 @@ def test_time_to_collision_and_required_deceleration_agree_with_sumo(tmp_path):
         warnings.simplefilter("ignore")
         sumo = pytest.importorskip("libsumo")
     rng = np.random.default_rng(2)
-    ahead, speed, other_speed = rng.uniform((2, 5, 0), (40, 15, 5), (ENCOUNTERS, 3)).T
+    ahead, speed, other_speed = rng.uniform((2, 5, 0), (40, 15, 5), (COUNT, 3)).T
     state = ahead, 0.0, other_speed - speed, 0.0, RADIUS
     ours = {"TTC": time_to_collision(*state), "DRAC": required_deceleration(*state)}
     log = sumo_log(sumo, tmp_path, ahead, speed, other_speed)
     conflicts = {conflict.get("ego"): conflict for conflict in log.iter("conflict")}
-    assert len(conflicts) == ENCOUNTERS
+    assert len(conflicts) == COUNT
     for name, values in ours.items():
-        spans = [conflicts[f"car{k}"].find(f"{name}Span") for k in range(ENCOUNTERS)]
+        spans = [conflicts[f"car{k}"].find(f"{name}Span") for k in range(COUNT)]
         theirs = [float(span.get("values").split()[0]) for span in spans]
         np.testing.assert_allclose(values, theirs, rtol=1e-6, atol=1e-8)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from jaxwalk.metrics import Rows, bootstrap_by_episode, measure, summarise
+from jaxwalk.metrics import WAITING, Rows, bootstrap_by_episode, measure, summarise
 from jaxwalk.metrics.waiting import DANGER, DISTANCES, HARMLESS, MISSES, OTHER, SPEEDS
 from jaxwalk.sim.crossing_kind import CROSSWALK
 from metrics.reference import kerb_moments
@@ -13,7 +13,7 @@ from metrics.test_properties import few, trajectories
 
 
 def waiting(*scenes):
-    return summarise(measure(trajectory(*scenes)), resamples=50).waiting
+    return summarise(measure(trajectory(*scenes)), resamples=50)[WAITING]
 
 
 def test_bins_are_those_of_results_made_before():
@@ -54,15 +54,15 @@ def test_a_wait_shows_in_the_next_frame():
 )
 def test_the_limits_of_danger(x, speed, miss, setting):
     rows = measure(trajectory(Scene(5, [Walk(x, 0.0, kerb=[0], miss=miss)], speed=speed)))
-    np.testing.assert_array_equal(rows.waiting.moments, [[s == setting for s in (DANGER, HARMLESS, OTHER)]])
+    np.testing.assert_array_equal(rows[WAITING].moments, [[s == setting for s in (DANGER, HARMLESS, OTHER)]])
 
 
 def test_no_moment_in_the_last_frame_after_it_or_before_a_turn():
     scene = Scene(5, [Walk(20.0, 0.0, kerb=[4, 5, 6, 7], waits=[5, 6, 7])])
     recorded = trajectory(scene, Scene(9, [Walk(20.0, 0.0)]))
-    assert measure(recorded).waiting.moments.sum() == 1
+    assert measure(recorded)[WAITING].moments.sum() == 1
     turning = changed(recorded, enters_roadway=np.zeros_like(recorded.at_kerb))
-    assert measure(turning).waiting.moments.sum() == 0
+    assert measure(turning)[WAITING].moments.sum() == 0
 
 
 def test_rates_by_distance_and_speed_and_predicted_miss():
@@ -93,7 +93,7 @@ def test_rates_by_distance_and_speed_and_predicted_miss():
 def test_counts_agree_with_the_reference(recorded):
     wide = {name: 4 * getattr(recorded, name) for name in ("car_x", "car_y", "ped_x", "ped_y", "car_speed")}
     recorded = changed(recorded, **wide)
-    table = measure(recorded).waiting
+    table = measure(recorded)[WAITING]
     expected = kerb_moments(recorded, DISTANCES, SPEEDS, MISSES)
     for name, cells in expected.items():
         counts = getattr(table, name)
@@ -119,7 +119,7 @@ def test_the_longest_stand_on_a_roadway():
         Walk(0.0, 9.0, waits=range(30)),  # on a sidewalk
     ]
     cut = Scene(14, people)  # its end comes after 5 of the 7 steps
-    assert measure(trajectory(Scene(40, people), cut)).waiting.longest_stand.tolist() == [7, 5]
+    assert measure(trajectory(Scene(40, people), cut))[WAITING].longest_stand.tolist() == [7, 5]
     assert waiting(Scene(40, people), cut).longest_stand == 7
     assert waiting(Scene(40, [Walk(0.0, 9.0, crossings=[(2, 20, CROSSWALK)])])).longest_stand == 0
 
@@ -127,7 +127,7 @@ def test_the_longest_stand_on_a_roadway():
 def test_intervals_are_over_episodes():
     patient, hasty = ([Walk(20.0, 0.0, kerb=range(k), waits=w, miss=1.0)] for k, w in ((3, range(9)), (2, [])))
     rows = measure(trajectory(*[Scene(9, patient), Scene(9, hasty)] * 10))
-    found = summarise(Rows.join([rows, rows])).waiting.danger
+    found = summarise(Rows.join([rows, rows]))[WAITING].danger
     expected = bootstrap_by_episode(np.array([3, 0] * 20), np.array([3, 2] * 20))
     assert (found.value, found.low, found.high) == (expected.value, expected.low, expected.high)
     assert (found.value, found.count) == (0.6, 100)

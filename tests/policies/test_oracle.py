@@ -12,6 +12,7 @@ import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.evaluation import compare, evaluate
+from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.features import SPEED
@@ -110,13 +111,13 @@ def test_it_stops_before_who_stays():
 @pytest.fixture(scope="module")
 def played(street):
     """Rows of 64 scenarios among always-go."""
-    return evaluate(street, {"driver": Oracle(), "pedestrian": AlwaysGo()}, Drawn(street, 3, 64), batch=64).episodes
+    return evaluate(street, {"driver": Oracle(), "pedestrian": AlwaysGo()}, Drawn(street, 3, 64), batch=64)[OUTCOMES]
 
 
 def test_among_always_go_it_always_arrives(street, played):
-    blind = evaluate(
-        street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(street, 3, 64), batch=64
-    ).episodes
+    blind = evaluate(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(street, 3, 64), batch=64)[
+        OUTCOMES
+    ]
     assert blind.collision.sum() > 10
     assert played.goal.all()
     both = blind.goal

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from jaxwalk.metrics import SURROGATE_DISTRIBUTIONS
 from jaxwalk.metrics.crossings import ByType
-from jaxwalk.metrics.distributions import Distribution, Distributions
+from jaxwalk.metrics.severity import Distribution, Distributions
 from jaxwalk.report.figures.surrogates import surrogates
 from report.material import material
 
@@ -17,7 +18,7 @@ def test_curves_of_surrogate_safety():
     share = {"threshold": (1.0, 2.0), "value": (0.25, 0.5), "low": (0.125, 0.25), "high": (0.5, 0.75)}
     many, few = (Distributions(*[Distribution(**share, count=count)] * 4) for count in (20, 19))
     summaries = (cell.summary for cell in found.results.cells)
-    seen = [replace(summary, surrogate_distributions=ByType(crosswalk=many, jaywalk=few)) for summary in summaries]
+    seen = [replace(x, numbers={**x.numbers, SURROGATE_DISTRIBUTIONS.name: ByType(many, few)}) for x in summaries]
     cells = tuple(replace(cell, summary=summary) for cell, summary in zip(found.results.cells, seen, strict=True))
     figure = surrogates(replace(found, results=replace(found.results, cells=cells)))
     for axis in figure.axes:

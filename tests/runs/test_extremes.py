@@ -12,7 +12,7 @@ from rich.console import Console
 
 from jaxwalk import Street
 from jaxwalk.evaluation import evaluate, with_jaywalk_multiplier, write_rows
-from jaxwalk.metrics import summarise
+from jaxwalk.metrics import JAYWALK_RATE, OUTCOMES, summarise
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
@@ -38,14 +38,14 @@ def test_a_crowd_that_never_and_one_that_nearly_always_jaywalks():
     """P(jaywalk) = min(1, 4 tau), with tau uniform, is 1 - 1 / 8 on average; beyond 1 / 4 it is certain."""
     street = Street.create(config=CROWDED)
     never, always = (_evaluated(with_jaywalk_multiplier(street, x)) for x in (0.0, 4.0))
-    rates = [summarise(rows).jaywalk_rate.all.value for rows in (never, always)]
+    rates = [summarise(rows)[JAYWALK_RATE].all.value for rows in (never, always)]
     assert rates[0] == 0
     assert rates[1] == pytest.approx(7 / 8, abs=0.06)
 
 
 def test_one_pedestrian_and_short_steps(tmp_path):
     rows = _evaluated(Street.create(config=LONELY))
-    times = (rows.episodes.steps * rows.dt).tolist()
+    times = (rows[OUTCOMES].steps * rows.dt).tolist()
     assert all(0 < time <= 12 for time in times), "600 steps of 0.02 s"
     assert summarise(rows).as_dict()["episodes"] == 4
     write_rows(tmp_path / "episodes.csv", [("a", "b", rows)])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxwalk.evaluation.document_parts import ComparedEnding
-from jaxwalk.metrics import Rows, holm, mcnemar, scenarios_needed
+from jaxwalk.metrics import OUTCOMES, Rows, holm, mcnemar, scenarios_needed
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def paired(rows_a: Rows, rows_b: Rows) -> Paired:
     Raises:
         ValueError: the scenarios are not the same ones in the same order.
     """
-    a, b = rows_a.episodes, rows_b.episodes
+    a, b = rows_a[OUTCOMES], rows_b[OUTCOMES]
     if not np.array_equal(a.scenario, b.scenario):
         raise ValueError("only evaluations of the same scenarios can be paired: use the same seed and episodes")
     return Paired(

@@ -19,7 +19,7 @@ from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_cross
 from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.scenarios import BATCH, Progress
 from jaxwalk.interfaces import Policy, Roles
-from jaxwalk.metrics import Rate, Rows, wilson
+from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, wilson
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
 from jaxwalk.policies import Oracle
 from jaxwalk.scenarios import Source
@@ -172,7 +172,7 @@ class Hits:
 
 def find_hits(rows: Rows) -> Hits:
     """The collisions of an evaluation, in the order of its episodes."""
-    table, crossings = rows.episodes, rows.crossings
+    table, crossings = rows[OUTCOMES], rows[CROSSINGS]
     whose = crossings.episode
     hit = (crossings.ped == table.contact_ped[whose]) & (crossings.last == table.steps[whose])
     enter = np.full(len(table.steps), -1)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.evaluation.episode_file import CONTACT_NAMES
-from jaxwalk.metrics import Rows
+from jaxwalk.metrics import ENCOUNTERS, SURROGATES, Rows
 from jaxwalk.metrics.braking import NAMES
 from jaxwalk.writing import whole
 
@@ -34,7 +34,7 @@ def check_parquet() -> None:
 
 def encounter_columns(rows: Rows) -> dict[str, Any]:
     """One row per encounter: times in s since the start of the episode; what does not exist is NaN (null in files)."""
-    table, surrogates = rows.encounters, rows.surrogates
+    table, surrogates = rows[ENCOUNTERS], rows[SURROGATES]
     seconds = {name: getattr(table, name) * rows.dt for name in ("enter", "start", "end")}
     return {
         "scenario": table.scenario,

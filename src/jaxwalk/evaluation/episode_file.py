@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from jaxwalk.metrics import Rows
+from jaxwalk.metrics import OUTCOMES, Rows
 from jaxwalk.sim.crossing_kind import CONTACTS
 from jaxwalk.writing import write_whole
 
@@ -42,7 +42,7 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
 
 
 def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
-    table, step = rows.episodes, Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
+    table, step = rows[OUTCOMES], Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
     digits = max(1, -int(step.exponent))  # as many as a step has
     outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
     for i in range(len(outcome)):

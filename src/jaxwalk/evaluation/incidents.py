@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
-from jaxwalk.metrics import Rows
+from jaxwalk.metrics import ENCOUNTERS, OUTCOMES, SURROGATES, Rows
 from jaxwalk.metrics.injury import monfort_mueller_mais3
 from jaxwalk.metrics.surrogate import TTC_CRITICAL
 from jaxwalk.sim.events import distance
@@ -64,7 +64,7 @@ def find_incidents(rows: Rows, *, most: int) -> Incidents:
 
 
 def _hits(rows: Rows, most: int) -> Incidents:
-    table = rows.episodes
+    table = rows[OUTCOMES]
     risk = np.where(table.moving, monfort_mueller_mais3(np.nan_to_num(table.impact_speed)), 0.0)
     hit = np.flatnonzero(table.collision)
     worst = hit[np.lexsort((table.scenario[hit], -risk[hit]))][:most]
@@ -77,8 +77,8 @@ def _hits(rows: Rows, most: int) -> Incidents:
 
 
 def _misses(rows: Rows, most: int) -> Incidents:
-    found, ttc = rows.encounters, rows.surrogates.ttc
-    missed = np.flatnonzero(~rows.episodes.collision[found.episode])
+    found, ttc = rows[ENCOUNTERS], rows[SURROGATES].ttc
+    missed = np.flatnonzero(~rows[OUTCOMES].collision[found.episode])
     missed = missed[ttc[missed] < TTC_CRITICAL]
     order = missed[np.lexsort((found.scenario[missed], found.min_distance[missed], ttc[missed]))]
     _, first = np.unique(found.scenario[order], return_index=True)

@@ -13,10 +13,10 @@ from pydantic import TypeAdapter, ValidationError
 
 from jaxwalk.evaluation.document_parts import SeedNumbers
 from jaxwalk.evaluation.results import HEADLINE, SCHEMA, Cell, Results
-from jaxwalk.metrics import OverSeeds
+from jaxwalk.metrics import JAYWALK_RATE, SPEED_DIFFERENTIAL, SURROGATE_DISTRIBUTIONS, WAITING, OverSeeds
 from jaxwalk.metrics.decisions import QUARTERS
-from jaxwalk.metrics.distributions import Distribution, Distributions
 from jaxwalk.metrics.meetings import BINS
+from jaxwalk.metrics.severity import Distribution, Distributions
 from jaxwalk.metrics.waiting import DISTANCES, MISSES, SPEEDS, WaitBin
 
 LARGEST = 1e39
@@ -117,12 +117,12 @@ def _check_headline(written: Mapping[str, Any], cell: Cell, origin: Origin) -> N
 def _check_sizes(cell: Cell, origin: Origin) -> None:
     """Raise DocumentError for a table of another size than the metrics give it."""
     summary = cell.summary
-    _check_size(summary.speed_differential, BINS, origin.inside("speed_differential"))
-    _check_size(summary.jaywalk_rate.quarters, QUARTERS, origin.inside("jaywalk_rate", "quarters"))
-    _check_wait_bins(summary.waiting.by_distance, DISTANCES, origin.inside("waiting", "by_distance"))
-    _check_wait_bins(summary.waiting.by_speed, SPEEDS, origin.inside("waiting", "by_speed"))
-    for kind, found in (("crosswalk", summary.surrogate_distributions.crosswalk),
-                        ("jaywalk", summary.surrogate_distributions.jaywalk)):  # fmt: skip
+    _check_size(summary[SPEED_DIFFERENTIAL], BINS, origin.inside("speed_differential"))
+    _check_size(summary[JAYWALK_RATE].quarters, QUARTERS, origin.inside("jaywalk_rate", "quarters"))
+    _check_wait_bins(summary[WAITING].by_distance, DISTANCES, origin.inside("waiting", "by_distance"))
+    _check_wait_bins(summary[WAITING].by_speed, SPEEDS, origin.inside("waiting", "by_speed"))
+    for kind, found in (("crosswalk", summary[SURROGATE_DISTRIBUTIONS].crosswalk),
+                        ("jaywalk", summary[SURROGATE_DISTRIBUTIONS].jaywalk)):  # fmt: skip
         for name, distribution in _distributions(found):
             for column in (distribution.value, distribution.low, distribution.high):
                 _check_size(column, len(distribution.threshold), origin.inside("surrogate_distributions", kind, name))

@@ -16,7 +16,7 @@ from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSe
 from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy
-from jaxwalk.metrics import Rows, Summary, summarise
+from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
@@ -56,22 +56,22 @@ class Cell:
     @property
     def goal_rate(self) -> Interval:
         """The share of episodes that reach the goal."""
-        return Interval.of(self.summary.outcomes.goal)
+        return Interval.of(self.summary[OUTCOMES].goal)
 
     @property
     def collision_rate(self) -> Interval:
         """The share of episodes that end in a collision."""
-        return Interval.of(self.summary.outcomes.collision)
+        return Interval.of(self.summary[OUTCOMES].collision)
 
     @property
     def timeout_rate(self) -> Interval:
         """The share of episodes that run out of time."""
-        return Interval.of(self.summary.outcomes.timeout)
+        return Interval.of(self.summary[OUTCOMES].timeout)
 
     @property
     def mean_time_to_goal(self) -> Interval:
         """Mean over the episodes that reach the goal [s]."""
-        return Interval.of(self.summary.outcomes.time_to_goal)
+        return Interval.of(self.summary[OUTCOMES].time_to_goal)
 
     def headline(self) -> dict[str, dict[str, float | None]]:
         """Return the numbers of `HEADLINE`, each with its interval."""

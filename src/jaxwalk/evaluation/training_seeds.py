@@ -11,7 +11,7 @@ import numpy as np
 from jaxwalk.evaluation.comparison import paired
 from jaxwalk.evaluation.document_parts import Interval, PairedSeeds, PairedSide, SeedNumbers
 from jaxwalk.evaluation.results import Cell
-from jaxwalk.metrics import Estimate, OverSeeds, Rate, Rows, Summary, over_seeds
+from jaxwalk.metrics import ATTRIBUTION, OUTCOMES, Estimate, OverSeeds, Rate, Rows, Summary, over_seeds
 from jaxwalk.metrics.statistics import FEWEST_SEEDS
 
 
@@ -39,25 +39,25 @@ class SeedRatio:
 
 
 def _rate(ending: Callable[[Rows], np.ndarray]) -> Callable[[Rows], tuple[np.ndarray, np.ndarray]]:
-    return lambda rows: (ending(rows), np.ones(len(rows.episodes.scenario)))
+    return lambda rows: (ending(rows), np.ones(rows.episodes))
 
 
 SEED_RATIOS: dict[str, SeedRatio] = {
-    "goal_rate": SeedRatio(lambda s: s.outcomes.goal, _rate(lambda rows: rows.episodes.goal)),
-    "collision_rate": SeedRatio(lambda s: s.outcomes.collision, _rate(lambda rows: rows.episodes.collision)),
+    "goal_rate": SeedRatio(lambda s: s[OUTCOMES].goal, _rate(lambda rows: rows[OUTCOMES].goal)),
+    "collision_rate": SeedRatio(lambda s: s[OUTCOMES].collision, _rate(lambda rows: rows[OUTCOMES].collision)),
     "timeout_rate": SeedRatio(
-        lambda s: s.outcomes.timeout, _rate(lambda rows: ~rows.episodes.goal & ~rows.episodes.collision)
+        lambda s: s[OUTCOMES].timeout, _rate(lambda rows: ~rows[OUTCOMES].goal & ~rows[OUTCOMES].collision)
     ),
     "collisions_per_km": SeedRatio(
-        lambda s: s.outcomes.all.per_km, lambda rows: (rows.episodes.collision, rows.episodes.driven / 1000)
+        lambda s: s[OUTCOMES].all.per_km, lambda rows: (rows[OUTCOMES].collision, rows[OUTCOMES].driven / 1000)
     ),
     "mean_time_to_goal": SeedRatio(
-        lambda s: s.outcomes.time_to_goal,
-        lambda rows: (rows.episodes.goal * rows.episodes.steps * rows.dt, rows.episodes.goal),
+        lambda s: s[OUTCOMES].time_to_goal,
+        lambda rows: (rows[OUTCOMES].goal * rows[OUTCOMES].steps * rows.dt, rows[OUTCOMES].goal),
     ),
     "jaywalk_share": SeedRatio(
-        lambda s: s.attribution.per_crossing.share,
-        lambda rows: (rows.exposure.crossings[:, 1], rows.exposure.crossings.sum(axis=1)),
+        lambda s: s[ATTRIBUTION].per_crossing.share,
+        lambda rows: (rows[ATTRIBUTION].crossings[:, 1], rows[ATTRIBUTION].crossings.sum(axis=1)),
     ),
 }
 """Numbers over training seeds, by their names in `SeedNumbers`."""
@@ -133,4 +133,4 @@ def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) ->
 
 def _ended(rows: Rows, ending: str) -> np.ndarray:
     """Return 1.0 for each episode that ended so, else 0.0."""
-    return (rows.episodes.goal if ending == "goal" else rows.episodes.collision).astype(float)
+    return (rows[OUTCOMES].goal if ending == "goal" else rows[OUTCOMES].collision).astype(float)

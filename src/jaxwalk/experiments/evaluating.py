@@ -143,7 +143,7 @@ def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tel
 
 def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
     """Write what was evaluated before a driver failed, in whole batches; return what became of it, in words."""
-    episodes = sum(len(found.episodes.scenario) for played in rows for found in played.values())
+    episodes = sum(found.episodes for played in rows for found in played.values())
     if not episodes:
         return "no batch had been finished before"
     if work.out is None:

@@ -22,7 +22,7 @@ from jaxwalk.evaluation.document_parts import PairedSeeds
 from jaxwalk.evaluation.reading import Origin
 from jaxwalk.evaluation.training_seeds import ENDINGS
 from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, results_of
-from jaxwalk.metrics import Rows
+from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
 from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
@@ -129,12 +129,12 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
     always_go = contestant(street, "pedestrian", ALWAYS_GO)
     source = Drawn(street, scenarios.seed, scenarios.episodes)
     stands = evaluate(street, {"driver": ConstantSpeed(throttle=0.0), "pedestrian": always_go}, source)
-    whole = _crossings(stands, people)[stands.episodes.steps == street.world.rules.horizon]
-    mean = blind.episodes.steps.mean() * blind.dt
+    whole = _crossings(stands, people)[stands[OUTCOMES].steps == street.world.rules.horizon]
+    mean = blind[OUTCOMES].steps.mean() * blind.dt
     cases = [
         (f"in a whole episode ({seconds:g} s)", whole.ravel()),
         (f"in an episode of the blind car ({mean:.1f} s)", _crossings(blind, people).ravel()),
-        ("before a crossing at which the blind car meets somebody", blind.encounters.number - 1),
+        ("before a crossing at which the blind car meets somebody", blind[ENCOUNTERS].number - 1),
         *((f"crossings of each: {number}", np.array([number])) for number in AFTER),
     ]
     return tuple(KnownIntent(seen, identifiability(count, multiplier) if len(count) else None) for seen, count in cases)
@@ -142,8 +142,8 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
 
 def _crossings(rows: Rows, people: int) -> np.ndarray:
     """(episode, ped)"""
-    episodes = len(rows.episodes.scenario)
-    return crossings_of_people(rows.crossings, episodes=episodes, people=people).reshape(episodes, people)
+    episodes = rows.episodes
+    return crossings_of_people(rows[CROSSINGS], episodes=episodes, people=people).reshape(episodes, people)
 
 
 def _write(work: IntentWork) -> None:

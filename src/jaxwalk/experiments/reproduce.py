@@ -28,6 +28,7 @@ from jaxwalk.experiments.tournament import Scenarios, TrainedPolicies, ablation,
 from jaxwalk.exports.drawn_episode import draw_episode
 from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.interfaces import Policy
+from jaxwalk.metrics import ENCOUNTERS, OUTCOMES
 from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import (
     ALWAYS_GO,
@@ -189,7 +190,7 @@ def _interesting(work: Reproduction, street: Street, driver: Policy, people: Pol
     """The scenario with the encounter that came nearest without a touch to a jaywalker, and the frame it began in."""
     source = Drawn(street, work.plan.seed, min(INTERESTING, work.plan.episodes))
     rows = evaluate(street, {"driver": driver, "pedestrian": people}, source)
-    found, reached = rows.encounters, rows.episodes.goal
+    found, reached = rows[ENCOUNTERS], rows[OUTCOMES].goal
     fit = [i for i in range(len(found.type)) if found.type[i] == JAYWALK and reached[found.episode[i]]]
     if not fit:
         return 0, 0

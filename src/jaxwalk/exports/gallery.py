@@ -12,7 +12,7 @@ from jaxwalk.evaluation.episode_file import CONTACT_NAMES
 from jaxwalk.evaluation.scenarios import AT_ONCE
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
-from jaxwalk.metrics import Rows
+from jaxwalk.metrics import OUTCOMES, Rows
 from jaxwalk.report.watched import Gallery, WatchedEpisode, WatchedIncident
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
@@ -60,7 +60,7 @@ def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, sa
 
     with ThreadPoolExecutor(AT_ONCE) as pool:  # most of the time goes into compiling, each on one core
         incidents = tuple(chain.from_iterable(pool.map(incidents_of, found)))
-    scenarios = max(len(rows.episodes.scenario) for rows in played.values())
+    scenarios = max(rows.episodes for rows in played.values())
     return Gallery(
         dt=document["dt"],
         maps=document["maps"],
@@ -84,7 +84,7 @@ def _incidents(
     replayed = counterfactuals(street, policies, source, find_hits(rows).among(hits))
     labels = dict(zip(replayed.scenario.tolist(), replayed.label.tolist(), strict=True))
     trajectory = replay(street, policies, source, some.scenario.tolist())
-    if (trajectory.length != rows.episodes.steps[some.scenario]).any():
+    if (trajectory.length != rows[OUTCOMES].steps[some.scenario]).any():
         raise ReplayError(f"{pair[0]} among {pair[1]} does not do the same again in the same scenario")
     how = describe(some, trajectory, moving_speed=street.config.moving_speed)
     return [

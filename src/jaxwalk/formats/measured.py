@@ -9,7 +9,7 @@ from typing import Any
 from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.recordings import GAP, measure_tracks
 from jaxwalk.formats.tracks import Tracks, TracksError
-from jaxwalk.metrics import Rows, summarise
+from jaxwalk.metrics import OUTCOMES, Rows, summarise
 from jaxwalk.sim.crossing_kind import CONTACTS
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -52,7 +52,7 @@ class Measured:
         if not self.ground:
             left_out["speed_differential, crosswalk and jaywalk, braking"] = "no areas say where roadway is"
             found = _of_anybody(found)
-        steps = self.rows.episodes.steps.sum() * self.rows.dt
+        steps = self.rows[OUTCOMES].steps.sum() * self.rows.dt
         return {
             "episodes": found.pop("episodes"),
             "kilometres": outcomes["kilometres"],

@@ -16,8 +16,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.formats.areas import Areas
-from jaxwalk.formats.tracks import CAR, COLLISION, CROSSINGS, GOAL, PEDESTRIAN, Tracks, TracksError
-from jaxwalk.metrics import Rows, measure
+from jaxwalk.formats.tracks import CAR, COLLISION, GOAL, PEDESTRIAN, Tracks, TracksError
+from jaxwalk.formats.tracks import CROSSINGS as CHOICES
+from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, Rows, measure
 from jaxwalk.metrics.braking import UNSEEN
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
@@ -157,11 +158,11 @@ def _people(view: CarInView, areas: Areas | None) -> dict[str, np.ndarray]:
 
 def _crossing_numbers(words: np.ndarray) -> Int[np.ndarray, "row"]:
     """Return the numbers of `jaxwalk.sim.trajectory` for words. Raises TracksError for an unknown word."""
-    strange = set(words.tolist()) - set(CROSSINGS)  # np.unique would need the memory of the longest word in every row
+    strange = set(words.tolist()) - set(CHOICES)  # np.unique would need the memory of the longest word in every row
     if strange:
         shown = shorten(repr(min(strange)), 100)
-        raise TracksError(f"column crossing: {shown}; it must be one of {', '.join(CROSSINGS)}")
-    return np.select([words == word for word in CROSSINGS], range(len(CROSSINGS))).astype(np.int8)
+        raise TracksError(f"column crossing: {shown}; it must be one of {', '.join(CHOICES)}")
+    return np.select([words == word for word in CHOICES], range(len(CHOICES))).astype(np.int8)
 
 
 def _between(times: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -182,11 +183,12 @@ def _without_unseen_entries(rows: Rows, trajectory: Trajectory) -> Rows:
     def unseen(enter: np.ndarray, ped: np.ndarray) -> Bool[np.ndarray, "row"]:
         return (enter == 0) | ~seen[np.maximum(enter - 1, 0), ped]
 
-    late = unseen(rows.encounters.enter, rows.encounters.ped)
+    late = unseen(rows[ENCOUNTERS].enter, rows[ENCOUNTERS].ped)
     encounters = replace(
-        rows.encounters,
-        braking=np.where(late, UNSEEN, rows.encounters.braking).astype(np.int8),
-        braking_time=np.where(late, np.nan, rows.encounters.braking_time),
+        rows[ENCOUNTERS],
+        braking=np.where(late, UNSEEN, rows[ENCOUNTERS].braking).astype(np.int8),
+        braking_time=np.where(late, np.nan, rows[ENCOUNTERS].braking_time),
     )
-    entry_seen = rows.crossings.entry_seen & ~unseen(rows.crossings.enter, rows.crossings.ped)
-    return replace(rows, encounters=encounters, crossings=replace(rows.crossings, entry_seen=entry_seen))
+    found = rows[CROSSINGS]
+    crossings = replace(found, entry_seen=found.entry_seen & ~unseen(found.enter, found.ped))
+    return rows.having(ENCOUNTERS, encounters).having(CROSSINGS, crossings)

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from jaxwalk.metrics.crossings import TYPES, Crossings, RoadSteps
+from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, Crossings, RoadSteps, count_by_type
+from jaxwalk.metrics.encounters import ENCOUNTERS
+from jaxwalk.metrics.metric import Metric, Rows, Sums
+from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
@@ -60,37 +63,32 @@ def measure_exposure(trajectory: Trajectory, crossings: Crossings, steps: RoadSt
     episodes = len(trajectory.length)
     near = steps.distance <= events.ENCOUNTER_DISTANCE
     return Exposure(
-        crossings=_by_type(crossings.episode, crossings.type, episodes),
-        road_frames=_by_type(steps.episode, steps.type, episodes),
-        near_frames=_by_type(steps.episode[near], steps.type[near], episodes),
+        crossings=count_by_type(crossings.episode, crossings.type, episodes).astype(np.int32),
+        road_frames=count_by_type(steps.episode, steps.type, episodes).astype(np.int32),
+        near_frames=count_by_type(steps.episode[near], steps.type[near], episodes).astype(np.int32),
     )
 
 
-def _by_type(episode: np.ndarray, kind: np.ndarray, episodes: int) -> Int[np.ndarray, "episode type"]:
-    """How many rows each episode has of each type."""
-    count = np.bincount(episode.astype(np.int64) * len(TYPES) + kind - 1, minlength=episodes * len(TYPES))
-    return count.reshape(episodes, len(TYPES)).astype(np.int32)
-
-
-def exposure_columns(table: Exposure, *, dt: float) -> dict[str, np.ndarray]:
-    """The columns to be resampled, each (episode, type)."""
+def exposure_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return exposures, each (episode, type), times in s."""
+    table = rows[ATTRIBUTION]
     return {
         "crossings": table.crossings,
-        "road_time": table.road_frames * dt,
-        "near_time": table.near_frames * dt,
+        "road_time": table.road_frames * rows.dt,
+        "near_time": table.near_frames * rows.dt,
     }
 
 
-def summarise_attribution(sums: dict[str, np.ndarray]) -> Attribution:
-    """Attribution; ``sums`` are the resampled sums of ``exposure_columns``, outcome and encounter columns."""
-    hits = sums["contacts"][:, : len(TYPES)]
+def summarise_attribution(rows: Rows, sums: Sums) -> Attribution:
+    """Return jaywalking's share of the collisions, and the risks on each scale of exposure."""
+    own, hits = sums[ATTRIBUTION], sums[OUTCOMES]["contacts"][:, : len(TYPES)]
     both = hits.sum(axis=1)
     return Attribution(
         share=interval(ratio(hits[:, JAYWALK - 1], both), both[0]),
-        per_crossing=_risk(hits, sums["crossings"]),
-        per_encounter=_risk(hits, sums["encounters"]),
-        per_second=_risk(hits, sums["road_time"]),
-        per_second_near=_risk(hits, sums["near_time"]),
+        per_crossing=_risk(hits, own["crossings"]),
+        per_encounter=_risk(hits, sums[ENCOUNTERS]["encounters"]),
+        per_second=_risk(hits, own["road_time"]),
+        per_second_near=_risk(hits, own["near_time"]),
     )
 
 
@@ -107,3 +105,12 @@ def _risk(hits: np.ndarray, exposure: np.ndarray) -> Risk:
         jaywalk=interval(jaywalk, hits[0, JAYWALK - 1]),
         ratio=interval(ratio(jaywalk, crosswalk), hits[0].sum()),
     )
+
+
+ATTRIBUTION = Metric(
+    name="attribution",
+    measure=lambda recording: measure_exposure(recording.trajectory, recording[CROSSINGS], recording[ROAD][1]),
+    needs=(ROAD, CROSSINGS, ENCOUNTERS, OUTCOMES),
+    columns=exposure_columns,
+    summarise=summarise_attribution,
+)

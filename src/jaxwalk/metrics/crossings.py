@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Shaped
 
+from jaxwalk.metrics.metric import Finding, MetricTable
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
 from jaxwalk.sim.trajectory import Trajectory
@@ -136,3 +137,16 @@ def _approach(trajectory, episode, ped, frame) -> tuple[np.ndarray, np.ndarray]:
     dvx = trajectory.ped_vx[person] - speed * trajectory.car_cos[car]
     dvy = trajectory.ped_vy[person] - speed * trajectory.car_sin[car]
     return events.distance(dx, dy), events.closes_in(dx, dy, dvx, dvy)
+
+
+def count_by_type(
+    episode: Int[np.ndarray, "row"], kind: Int[np.ndarray, "row"], episodes: int, weights: np.ndarray | None = None
+) -> Shaped[np.ndarray, "episode type"]:
+    """Return how many rows each episode has of each type of crossing, or the sum of their weights."""
+    cell = episode.astype(np.int64) * len(TYPES) + kind - 1
+    return np.bincount(cell, weights, minlength=episodes * len(TYPES)).reshape(episodes, len(TYPES))
+
+
+ROAD = Finding(name="road", measure=lambda recording: find_crossings(recording.trajectory))
+"""Crossings, and every step of them."""
+CROSSINGS = MetricTable(name="crossings", measure=lambda recording: recording[ROAD][0], needs=(ROAD,))

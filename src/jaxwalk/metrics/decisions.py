@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from jaxwalk.metrics.crossings import real_frames
+from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Rate, wilson
 from jaxwalk.sim.crossing_kind import JAYWALK, NO_CROSSING
 from jaxwalk.sim.trajectory import Trajectory
@@ -58,8 +59,9 @@ def find_decisions(trajectory: Trajectory) -> Decisions:
     )
 
 
-def summarise_decisions(table: Decisions) -> JaywalkRate:
-    """Jaywalk rates over the decisions of known type."""
+def summarise_decisions(rows: Rows, sums: Sums) -> JaywalkRate:
+    """Return jaywalk rates over the decisions of known type."""
+    table = rows[JAYWALK_RATE]
     known = table.type != NO_CROSSING
     jaywalk = table.type[known] == JAYWALK
     quarter = np.clip(np.floor(table.tau[known] * QUARTERS), 0, QUARTERS - 1)
@@ -68,3 +70,10 @@ def summarise_decisions(table: Decisions) -> JaywalkRate:
         quarters=tuple(wilson(jaywalk[quarter == q].sum(), (quarter == q).sum()) for q in range(QUARTERS)),
         unknown=int(table.made.sum()) - len(jaywalk),
     )
+
+
+JAYWALK_RATE = Metric(
+    name="jaywalk_rate",
+    measure=lambda recording: find_decisions(recording.trajectory),
+    summarise=summarise_decisions,
+)

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN, braking_times
-from jaxwalk.metrics.crossings import TYPES, ByType, Crossings, RoadSteps
+from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, ByType, Crossings, RoadSteps, count_by_type
+from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio, wilson
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -107,21 +108,22 @@ class EncounterSummary:
     braking: Braking
 
 
-def encounter_columns(table: Encounters, *, episodes: int) -> dict[str, np.ndarray]:
-    """Per episode and type: encounters, braking onsets and the sum of their times [s]."""
-    cell = table.episode.astype(np.int64) * len(TYPES) + table.type - 1
+def encounter_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return, per episode and type, encounters, braking onsets and the sum of their times [s]."""
+    table = rows[ENCOUNTERS]
     braked = table.braking == ONSET
-    size = episodes * len(TYPES)
-    counts = np.bincount(cell, minlength=size)
-    onsets = np.bincount(cell[braked], minlength=size)
-    times = np.bincount(cell[braked], weights=table.braking_time[braked], minlength=size)
-    names = ("encounters", "onsets", "onset_time")
-    return {name: c.reshape(episodes, len(TYPES)) for name, c in zip(names, (counts, onsets, times), strict=True)}
+    onsets = table.episode[braked], table.type[braked], rows.episodes
+    return {
+        "encounters": count_by_type(table.episode, table.type, rows.episodes),
+        "onsets": count_by_type(*onsets),
+        "onset_time": count_by_type(*onsets, weights=table.braking_time[braked]),
+    }
 
 
-def summarise_encounters(table: Encounters, sums: dict[str, np.ndarray]) -> ByType[EncounterSummary]:
-    """Encounters by type; ``sums`` are the resampled sums of ``encounter_columns``."""
-    means = ratio(sums["onset_time"], sums["onsets"])
+def summarise_encounters(rows: Rows, sums: Sums) -> ByType[EncounterSummary]:
+    """Return the numbers of encounters, by type."""
+    table, own = rows[ENCOUNTERS], sums[ENCOUNTERS]
+    means = ratio(own["onset_time"], own["onsets"])
     return ByType(*(_summarise_type(table, kind, means[:, kind - 1]) for kind in TYPES))
 
 
@@ -145,3 +147,12 @@ def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> Encounter
             unseen=counts[UNSEEN],
         ),
     )
+
+
+ENCOUNTERS = Metric(
+    name="encounters",
+    measure=lambda recording: find_encounters(recording.trajectory, recording[CROSSINGS], recording[ROAD][1]),
+    needs=(ROAD, CROSSINGS),
+    columns=encounter_columns,
+    summarise=summarise_encounters,
+)

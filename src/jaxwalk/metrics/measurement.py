@@ -2,111 +2,126 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from functools import cache
+from typing import Any, TypeVar
 
-from jaxwalk.metrics.attribution import Attribution, exposure_columns, measure_exposure, summarise_attribution
-from jaxwalk.metrics.crossings import ByType, find_crossings
-from jaxwalk.metrics.decisions import JaywalkRate, find_decisions, summarise_decisions
-from jaxwalk.metrics.distributions import Distributions, distribution_columns, summarise_distributions
-from jaxwalk.metrics.encounters import EncounterSummary, encounter_columns, find_encounters, summarise_encounters
-from jaxwalk.metrics.meetings import find_meetings, matched_differences, meeting_columns
-from jaxwalk.metrics.outcomes import Outcomes, measure_outcomes, outcome_columns, summarise_outcomes
-from jaxwalk.metrics.rows import Rows
-from jaxwalk.metrics.speed_differential import (
-    SpeedBin,
-    measure_near_speeds,
-    measure_placebo,
-    speed_columns,
-    summarise_speeds,
-)
+import pydantic
+from pydantic_core import core_schema
+
+from jaxwalk.metrics.metric import Metric, MetricTable, Numbers, Recording, Rows, Sums, with_needs
+from jaxwalk.metrics.registry import METRICS
 from jaxwalk.metrics.statistics import RESAMPLES, episode_sums
-from jaxwalk.metrics.surrogate import (
-    SurrogateSummary,
-    measure_surrogates,
-    summarise_surrogates,
-    surrogate_columns,
-)
-from jaxwalk.metrics.waiting import Waiting, measure_waiting, summarise_waiting, waiting_columns
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Summary:
-    """All metrics, with 95 % intervals and counts. What does not exist is None."""
+    """The numbers of all metrics, with 95 % intervals and counts; what does not exist is None.
+
+    ``summary[OUTCOMES]`` has the numbers of `OUTCOMES`, with their type.
+    """
 
     episodes: int
-    outcomes: Outcomes
-    speed_differential: tuple[SpeedBin, ...]
-    """From the nearest bin to the farthest."""
-    attribution: Attribution
-    encounters: ByType[EncounterSummary]
-    surrogates: ByType[SurrogateSummary]
-    surrogate_distributions: ByType[Distributions]
-    jaywalk_rate: JaywalkRate
-    waiting: Waiting
+    numbers: Mapping[str, Any]
+    """By name of the metric."""
+
+    def __getitem__(self, metric: Metric[T, Numbers]) -> Numbers:
+        """Return the numbers of a metric; raises KeyError if it was not measured."""
+        if metric.name not in self.numbers:
+            raise KeyError(f"{metric.name} was not measured; there are {', '.join(self.numbers)}")
+        return self.numbers[metric.name]
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain nested dicts, tuples, numbers and None: ready for JSON."""
-        return asdict(self)
+        """Return plain nested dicts, tuples, numbers and None: ready for JSON."""
+        return {"episodes": self.episodes, **asdict(self)["numbers"]}
+
+    @staticmethod
+    def from_dict(document: Mapping[str, Any], *, metrics: Sequence[Metric[Any, Any]] = METRICS) -> Summary:
+        """Return the summary that `as_dict` made the document of, also after a way through JSON.
+
+        Raises:
+            ValueError: a part is unknown, missing or of another type; the message names the first such part.
+        """
+        try:
+            found = _model(tuple(metrics)).model_validate_json(json.dumps(document), strict=True)
+        except pydantic.ValidationError as error:
+            fault = error.errors()[0]
+            raise ValueError(f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
+        return _summary(found)
+
+    @classmethod
+    def __get_pydantic_core_schema__(
+        cls, source: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        """Let a type that has a summary be read by pydantic: a summary is read from what `as_dict` gives."""
+        return core_schema.no_info_after_validator_function(_summary, handler.generate_schema(_model(METRICS)))
 
 
-def measure(trajectory: Trajectory, ghosts: Ghosts | None = None, *, config: SimConfig | None = None) -> Rows:
-    """The rows of all episodes of a trajectory; rows of several are put together by ``Rows.join``.
+def _summary(found: pydantic.BaseModel) -> Summary:
+    """Return the summary that a document of `_model` holds."""
+    numbers = dict(vars(found))
+    return Summary(numbers.pop("episodes"), numbers)
+
+
+@cache
+def _model(metrics: tuple[Metric[Any, Any], ...]) -> type[pydantic.BaseModel]:
+    """Return the type of a document with the numbers of these metrics and nothing else."""
+    ordered = sorted(metrics, key=lambda metric: not metric.headline)
+    parts: dict[str, Any] = {metric.name: (metric.numbers, ...) for metric in ordered}
+    return pydantic.create_model("Document", __config__={"extra": "forbid"}, episodes=(int, ...), **parts)
+
+
+def measure(
+    trajectory: Trajectory,
+    ghosts: Ghosts | None = None,
+    *,
+    config: SimConfig | None = None,
+    metrics: Sequence[Metric[Any, Any]] = METRICS,
+) -> Rows:
+    """Return the rows of all episodes of a trajectory; ``Rows.join`` joins those of several.
 
     Args:
         trajectory: recorded episodes; frames after their ``length`` are ignored.
-        ghosts: whom the cars could not see, for the placebo.
+        ghosts: people whom the cars could not see, for the placebo.
         config: when a car is moving, and what is a touch (default: `SimConfig`'s).
+        metrics: what to measure; metrics that these need are measured too.
+
+    Raises:
+        ValueError: an episode is longer than the trajectory, or two metrics have one name.
     """
-    config = config or SimConfig()
     frames = len(trajectory.car_x)
     if trajectory.length.size and trajectory.length.max() >= frames:
         raise ValueError(f"length {trajectory.length.max()} needs one frame more than the trajectory's {frames}")
-    crossings, steps = find_crossings(trajectory)
-    encounters = find_encounters(trajectory, crossings, steps)
+    findings = with_needs(metrics)
+    recording = Recording(trajectory, ghosts, config or SimConfig(), found={})
+    for finding in findings:
+        recording.found[finding.name] = finding.measure(recording)
     return Rows(
         dt=float(trajectory.dt),
-        episodes=measure_outcomes(trajectory, moving_speed=config.moving_speed),
-        exposure=measure_exposure(trajectory, crossings, steps),
-        near_speeds=measure_near_speeds(trajectory, steps),
-        placebo=measure_placebo(trajectory, ghosts, collision_distance=config.collision_distance),
-        waiting=measure_waiting(trajectory),
-        crossings=crossings,
-        encounters=encounters,
-        meetings=find_meetings(trajectory, steps),
-        surrogates=measure_surrogates(
-            trajectory,
-            encounters,
-            collision_distance=config.collision_distance,
-            moving_speed=config.moving_speed,
-        ),
-        decisions=find_decisions(trajectory),
+        episodes=len(trajectory.length),
+        metrics=tuple(dict.fromkeys([*metrics, *(x for x in findings if isinstance(x, Metric))])),
+        tables={x.name: recording[x] for x in findings if isinstance(x, MetricTable)},
     )
 
 
 def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summary:
-    """All metrics of the rows; the bootstrap's draws come from ``seed``."""
-    episodes = len(rows.episodes.scenario)
-    columns = outcome_columns(rows.episodes, dt=rows.dt)
-    columns |= exposure_columns(rows.exposure, dt=rows.dt)
-    columns |= encounter_columns(rows.encounters, episodes=episodes)
-    columns |= surrogate_columns(rows.surrogates, episodes=episodes)
-    columns |= distribution_columns(rows.surrogates, rows.encounters, episodes=episodes)
-    columns |= speed_columns(rows.near_speeds, rows.placebo)
-    columns |= meeting_columns(rows.meetings, episodes=episodes)
-    columns |= waiting_columns(rows.waiting, dt=rows.dt)
-    sums = episode_sums(columns, resamples=resamples, seed=seed)
-    matched = matched_differences(rows.meetings, episodes=episodes, resamples=resamples, seed=seed)
-    return Summary(
-        episodes=episodes,
-        outcomes=summarise_outcomes(rows.episodes, sums, dt=rows.dt),
-        speed_differential=summarise_speeds(sums, matched),
-        attribution=summarise_attribution(sums),
-        encounters=summarise_encounters(rows.encounters, sums),
-        surrogates=summarise_surrogates(rows.surrogates, sums),
-        surrogate_distributions=summarise_distributions(sums),
-        jaywalk_rate=summarise_decisions(rows.decisions),
-        waiting=summarise_waiting(rows.waiting, sums),
-    )
+    """Return the numbers of all metrics of the rows.
+
+    Args:
+        rows: what `measure` gave.
+        resamples: of the bootstrap over episodes.
+        seed: of the bootstrap's draws.
+    """
+    columns = {metric.name: metric.columns(rows) for metric in rows.metrics}
+    flat = {(name, column): values for name, found in columns.items() for column, values in found.items()}
+    summed = episode_sums(flat, resamples=resamples, seed=seed) if flat else {}
+    by_metric = {name: {column: summed[name, column] for column in found} for name, found in columns.items()}
+    sums = Sums(resamples, seed, by_metric)
+    ordered = sorted(rows.metrics, key=lambda metric: not metric.headline)
+    return Summary(rows.episodes, {metric.name: metric.summarise(rows, sums) for metric in ordered})

@@ -8,8 +8,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import sparse
 
-from jaxwalk.metrics.crossings import TYPES, RoadSteps
+from jaxwalk.metrics.crossings import ROAD, TYPES, RoadSteps
 from jaxwalk.metrics.encounters import encounter_starts
+from jaxwalk.metrics.metric import MetricTable, Rows
 from jaxwalk.metrics.statistics import Estimate, episode_draws, interval, ratio
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.trajectory import Trajectory
@@ -90,28 +91,30 @@ def find_meetings(trajectory: Trajectory, steps: RoadSteps) -> Meetings:
     )
 
 
-def meeting_columns(table: Meetings, *, episodes: int) -> dict[str, np.ndarray]:
-    """Per episode, type and bin: encounters, and the sum of their mean speeds [m/s]."""
+def meeting_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return, per episode, type and bin, encounters and the sum of their mean speeds [m/s]."""
+    table = rows[MEETINGS]
     cell = (table.episode.astype(np.int64) * len(TYPES) + table.type - 1) * BINS + table.bin
-    shape = episodes, len(TYPES), BINS
+    shape = rows.episodes, len(TYPES), BINS
     count = np.bincount(cell, minlength=int(np.prod(shape)))
     total = np.bincount(cell, weights=table.speed, minlength=int(np.prod(shape)))
     return {"meetings": count.reshape(shape), "meeting_speed": total.reshape(shape)}
 
 
-def matched_differences(table: Meetings, *, episodes: int, resamples: int, seed: int) -> tuple[Estimate, ...]:
-    """Mean speed near jaywalkers minus near crosswalk users in every bin [m/s], of cars alike but for that.
+def matched_differences(rows: Rows, *, resamples: int, seed: int) -> tuple[Estimate, ...]:
+    """Return the mean speed near jaywalkers minus near crosswalk users in every bin [m/s], of cars alike but for that.
 
     Within a stratum (same place, heading and initial speed) the two means are subtracted; the average over strata has
     the weights n m / (n + m) of n jaywalkers' and m crosswalk users' encounters (Cochran 1954; Mantel and Haenszel
     1959): where either is missing there is nothing to compare. Each count is of jaywalkers' encounters with a match.
     """
+    table = rows[MEETINGS]
     stratum, of_bin = _strata(table)
     jaywalk = table.type == JAYWALK
     both = np.isin(np.arange(len(of_bin)), stratum[jaywalk]) & np.isin(np.arange(len(of_bin)), stratum[~jaywalk])
     kept, of_bin = both[stratum], of_bin[both]
     cell = (np.cumsum(both) - 1)[stratum[kept]] * len(TYPES) + table.type[kept] - 1
-    place, shape = (table.episode[kept], cell), (episodes, len(of_bin) * len(TYPES))
+    place, shape = (table.episode[kept], cell), (rows.episodes, len(of_bin) * len(TYPES))
     count = _resampled(np.ones(len(cell)), place, shape, resamples, seed)
     speed = _resampled(table.speed[kept], place, shape, resamples, seed)
     weight = np.nan_to_num(ratio(count.prod(axis=2), count.sum(axis=2)))
@@ -148,3 +151,8 @@ def _resampled(
     for some, times in episode_draws(shape[0], resamples=resamples, seed=seed):
         sums += times @ columns[some]
     return sums.reshape(1 + resamples, -1, len(TYPES))
+
+
+MEETINGS = MetricTable(
+    name="meetings", measure=lambda recording: find_meetings(recording.trajectory, recording[ROAD][1]), needs=(ROAD,)
+)

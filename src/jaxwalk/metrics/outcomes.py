@@ -8,6 +8,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.crossings import crossing_type, real_frames
+from jaxwalk.metrics.encounters import ENCOUNTERS
+from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio, wilson
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
@@ -136,12 +138,13 @@ class Outcomes:
     sidewalk: Contact
 
 
-def outcome_columns(table: Episodes, *, dt: float) -> dict[str, np.ndarray]:
-    """The columns to be resampled: (episode,), by kind of collision (episode, 3), by contact type (episode, 3)."""
+def outcome_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return columns (episode,), by kind of collision (episode, 3), and by contact type (episode, 3)."""
+    table = rows[OUTCOMES]
     contacts = table.contact[:, None] == np.array(CONTACTS)
     return {
         "goals": table.goal,
-        "goal_time": np.where(table.goal, table.steps * dt, 0),
+        "goal_time": np.where(table.goal, table.steps * rows.dt, 0),
         "km": table.driven / 1000,
         "collisions": np.stack([table.collision, table.moving, table.collision & ~table.moving], axis=1),
         "contacts": contacts,
@@ -149,39 +152,39 @@ def outcome_columns(table: Episodes, *, dt: float) -> dict[str, np.ndarray]:
     }
 
 
-def summarise_outcomes(table: Episodes, sums: dict[str, np.ndarray], *, dt: float) -> Outcomes:
-    """Outcomes; ``sums`` are the resampled sums of ``outcome_columns`` and ``encounter_columns``."""
+def summarise_outcomes(rows: Rows, sums: Sums) -> Outcomes:
+    """Return how the episodes ended."""
+    table, own, encounters = rows[OUTCOMES], sums[OUTCOMES], sums[ENCOUNTERS]["encounters"].sum(axis=1)
     episodes, goals, collisions = len(table.goal), int(table.goal.sum()), int(table.collision.sum())
-    spread = table.steps[table.goal].std(ddof=1) * dt / np.sqrt(goals) if goals > 1 else None
-    kinds = [_collision_rates(sums, kind, episodes) for kind in range(3)]
-    impact = ratio(sums["impact"], sums["contacts"])
+    spread = table.steps[table.goal].std(ddof=1) * rows.dt / np.sqrt(goals) if goals > 1 else None
+    kinds = [_collision_rates(hits, own["km"], encounters, episodes) for hits in np.moveaxis(own["collisions"], 1, 0)]
+    impact = ratio(own["impact"], own["contacts"])
     contacts = [_contact(table, kind, impact[:, kind - 1], collisions) for kind in CONTACTS]
     return Outcomes(
         goal=wilson(goals, episodes),
         collision=wilson(collisions, episodes),
         timeout=wilson((~table.goal & ~table.collision).sum(), episodes),
-        time_to_goal=interval(ratio(sums["goal_time"], sums["goals"]), goals),
+        time_to_goal=interval(ratio(own["goal_time"], own["goals"]), goals),
         time_to_goal_error=None if spread is None else float(spread),
-        kilometres=float(sums["km"][0]),
-        encounters=int(sums["encounters"][0].sum()),
+        kilometres=float(own["km"][0]),
+        encounters=int(encounters[0]),
         all=kinds[0],
         moving=kinds[1],
         standing=kinds[2],
-        impact_speed=interval(ratio(sums["impact"].sum(axis=1), sums["contacts"].sum(axis=1)), collisions),
+        impact_speed=interval(ratio(own["impact"].sum(axis=1), own["contacts"].sum(axis=1)), collisions),
         crosswalk=contacts[0],
         jaywalk=contacts[1],
         sidewalk=contacts[2],
     )
 
 
-def _collision_rates(sums: dict[str, np.ndarray], kind: int, episodes: int) -> CollisionRates:
-    """Rates of one kind of collision (0 all, 1 moving, 2 standing)."""
-    hits = sums["collisions"][:, kind]
+def _collision_rates(hits: np.ndarray, km: np.ndarray, encounters: np.ndarray, episodes: int) -> CollisionRates:
+    """Return the rates of one kind of collision, from resampled sums."""
     count = int(hits[0])
     return CollisionRates(
         per_episode=wilson(count, episodes),
-        per_km=interval(ratio(hits, sums["km"]), count),
-        per_encounter=interval(ratio(hits, sums["encounters"].sum(axis=1)), count),
+        per_km=interval(ratio(hits, km), count),
+        per_encounter=interval(ratio(hits, encounters), count),
     )
 
 
@@ -190,3 +193,13 @@ def _contact(table: Episodes, kind: int, impact: np.ndarray, collisions: int) ->
     mine = table.contact == kind
     count, moving = int(mine.sum()), int((mine & table.moving).sum())
     return Contact(wilson(count, collisions), moving, count - moving, interval(impact, count))
+
+
+OUTCOMES = Metric(
+    name="outcomes",
+    measure=lambda recording: measure_outcomes(recording.trajectory, moving_speed=recording.config.moving_speed),
+    needs=(ENCOUNTERS,),
+    columns=outcome_columns,
+    summarise=summarise_outcomes,
+    headline=True,
+)

@@ -11,8 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from jaxwalk.metrics.crossings import TYPES, RoadSteps, find_crossings, real_frames
-from jaxwalk.metrics.meetings import BIN_WIDTH, BINS, distance_bin, nearest_of_type
+from jaxwalk.metrics.crossings import ROAD, TYPES, RoadSteps, find_crossings, real_frames
+from jaxwalk.metrics.meetings import (
+    BIN_WIDTH,
+    BINS,
+    MEETINGS,
+    distance_bin,
+    matched_differences,
+    meeting_columns,
+    nearest_of_type,
+)
+from jaxwalk.metrics.metric import Metric, MetricTable, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
@@ -123,8 +132,9 @@ def _until(trajectory: Trajectory, length: Int[np.ndarray, "episode"]) -> NearSp
     return measure_near_speeds(shortened, find_crossings(shortened)[1])
 
 
-def speed_columns(table: NearSpeeds, placebo: PlaceboSpeeds) -> dict[str, np.ndarray]:
-    """The sums and counts to be resampled, each (episode, type, bin)."""
+def speed_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return sums of speeds and their counts, each (episode, type, bin)."""
+    table, placebo = rows[SPEED_DIFFERENTIAL], rows[PLACEBO]
     return {
         "speed_sum": table.speed_sum,
         "speed_frames": table.frames,
@@ -132,19 +142,20 @@ def speed_columns(table: NearSpeeds, placebo: PlaceboSpeeds) -> dict[str, np.nda
         "people_frames": placebo.frames,
         "ghost_speed": placebo.ghost_speed_sum,
         "ghost_frames": placebo.ghost_frames,
-    }
+    } | meeting_columns(rows)
 
 
-def summarise_speeds(sums: dict[str, np.ndarray], matched: tuple[Estimate, ...]) -> tuple[SpeedBin, ...]:
-    """The speed differential in every bin; ``sums`` are the resampled sums of speed and meeting columns."""
+def summarise_speeds(rows: Rows, sums: Sums) -> tuple[SpeedBin, ...]:
+    """Return the speed differential in every bin."""
+    own, matched = sums[SPEED_DIFFERENTIAL], matched_differences(rows, resamples=sums.resamples, seed=sums.seed)
     return tuple(
         SpeedBin(
             near=i * BIN_WIDTH,
             far=(i + 1) * BIN_WIDTH,
-            pooled=_gap(sums["speed_sum"][..., i], sums["speed_frames"][..., i]),
-            by_encounter=_gap(sums["meeting_speed"][..., i], sums["meetings"][..., i]),
+            pooled=_gap(own["speed_sum"][..., i], own["speed_frames"][..., i]),
+            by_encounter=_gap(own["meeting_speed"][..., i], own["meetings"][..., i]),
             matched=matched[i],
-            placebo=_placebo({name: column[..., i] for name, column in sums.items() if name in _PLACEBO}),
+            placebo=_placebo({name: column[..., i] for name, column in own.items() if name in _PLACEBO}),
         )
         for i in range(BINS)
     )
@@ -174,3 +185,18 @@ def _difference(total: Float[np.ndarray, "draw type"], count: Float[np.ndarray, 
 
 
 _PLACEBO = ("people_speed", "people_frames", "ghost_speed", "ghost_frames")
+
+PLACEBO = MetricTable(
+    name="placebo",
+    measure=lambda recording: measure_placebo(
+        recording.trajectory, recording.ghosts, collision_distance=recording.config.collision_distance
+    ),
+)
+SPEED_DIFFERENTIAL = Metric(
+    name="speed_differential",
+    measure=lambda recording: measure_near_speeds(recording.trajectory, recording[ROAD][1]),
+    needs=(ROAD, PLACEBO, MEETINGS),
+    columns=speed_columns,
+    summarise=summarise_speeds,
+    headline=True,
+)

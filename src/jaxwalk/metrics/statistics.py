@@ -6,14 +6,15 @@ A number that does not exist (nothing to divide by, a median never reached) is N
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, SupportsInt
+from typing import Any, SupportsInt, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float, Shaped
 from scipy import stats
 
+Key = TypeVar("Key", bound=Hashable)
 RESAMPLES = 1000
 """Bootstrap resamples unless told otherwise."""
 CHUNK = 2**14
@@ -87,8 +88,8 @@ def holm(p: Sequence[float]) -> tuple[float, ...]:
 
 
 def episode_sums(
-    columns: Mapping[str, Shaped[np.ndarray, "episode ..."]], *, resamples: int = RESAMPLES, seed: int = 0
-) -> dict[str, Float[np.ndarray, "draw ..."]]:
+    columns: Mapping[Key, Shaped[np.ndarray, "episode ..."]], *, resamples: int = RESAMPLES, seed: int = 0
+) -> dict[Key, Float[np.ndarray, "draw ..."]]:
     """Every column summed over the episodes (row 0), and over episodes drawn with replacement (the others).
 
     All columns see the same draws, so whatever is computed from the rows keeps its dependence on the others.

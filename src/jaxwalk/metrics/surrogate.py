@@ -6,18 +6,19 @@ deceleration (DRAC) are predictions at constant velocities; post-encroachment ti
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from jaxwalk.metrics.conflict_areas import Steps, conflict_areas, crossing_steps, finite, second_arrivals
-from jaxwalk.metrics.crossings import TYPES, ByType
-from jaxwalk.metrics.encounters import Encounters
+from jaxwalk.metrics.crossings import TYPES, ByType, count_by_type
+from jaxwalk.metrics.encounters import ENCOUNTERS, Encounters
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
+from jaxwalk.metrics.metric import Metric, Recording, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, quantile, ratio
 from jaxwalk.sim.events import distance
-from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 TTC_CRITICAL = 1.5
@@ -84,13 +85,9 @@ def required_deceleration(dx, dy, dvx, dvy, radius):
 
 
 def measure_surrogates(
-    trajectory: Trajectory,
-    encounters: Encounters,
-    *,
-    collision_distance: float = SimConfig.collision_distance,
-    moving_speed: float = SimConfig.moving_speed,
+    trajectory: Trajectory, encounters: Encounters, *, collision_distance: float, moving_speed: float
 ) -> Surrogates:
-    """The surrogates of all encounters.
+    """Return the surrogates of all encounters.
 
     Args:
         trajectory: where the encounters were found.
@@ -180,8 +177,9 @@ SHARES = ("ttc_critical", "pet_critical", "pet_close", "drac_critical", "exposed
 RISKS = ("impact_speed", "mais3", "fatal", "fatal_rosen_sander")
 
 
-def surrogate_columns(table: Surrogates, *, episodes: int) -> dict[str, np.ndarray]:
-    """Per episode and type: the sums behind every share and mean of the summary."""
+def surrogate_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return, per episode and type, the sums behind every share and mean of the summary."""
+    table = rows[SURROGATES]
     hit, speed = ~np.isnan(table.impact_speed), np.nan_to_num(table.impact_speed)
     sums = {
         "met": np.ones(len(speed)),
@@ -198,23 +196,20 @@ def surrogate_columns(table: Surrogates, *, episodes: int) -> dict[str, np.ndarr
         "fatal": hit * monfort_mueller_fatal(speed),
         "fatal_rosen_sander": hit * rosen_sander_fatal(speed),
     }
-    cell = table.episode.astype(np.int64) * len(TYPES) + table.type - 1
-    size = episodes * len(TYPES)
-    counted = {name: np.bincount(cell, weights=values, minlength=size) for name, values in sums.items()}
-    return {f"surrogate_{name}": values.reshape(episodes, len(TYPES)) for name, values in counted.items()}
+    return {name: count_by_type(table.episode, table.type, rows.episodes, values) for name, values in sums.items()}
 
 
-def summarise_surrogates(table: Surrogates, sums: dict[str, np.ndarray]) -> ByType[SurrogateSummary]:
-    """Surrogates by type; ``sums`` are the resampled sums of ``surrogate_columns``."""
-    return ByType(*(_summarise_type(table, kind, sums) for kind in TYPES))
+def summarise_surrogates(rows: Rows, sums: Sums) -> ByType[SurrogateSummary]:
+    """Return the surrogates of all encounters, by type."""
+    return ByType(*(_summarise_type(rows[SURROGATES], kind, sums[SURROGATES]) for kind in TYPES))
 
 
-def _summarise_type(table: Surrogates, kind: int, sums: dict[str, np.ndarray]) -> SurrogateSummary:
-    """The surrogates of one type."""
+def _summarise_type(table: Surrogates, kind: int, sums: Mapping[str, np.ndarray]) -> SurrogateSummary:
+    """Return the surrogates of one type."""
 
     def mean(name: str, over: str) -> Estimate:
-        count = sums[f"surrogate_{over}"][:, kind - 1]
-        return interval(ratio(sums[f"surrogate_{name}"][:, kind - 1], count), int(count[0]))
+        count = sums[over][:, kind - 1]
+        return interval(ratio(sums[name][:, kind - 1], count), int(count[0]))
 
     def spread(values: np.ndarray, p: float) -> Spread:
         known = values[(table.type == kind) & ~np.isnan(values)]
@@ -230,3 +225,22 @@ def _summarise_type(table: Surrogates, kind: int, sums: dict[str, np.ndarray]) -
         **{name: mean(name, "met") for name in SHARES},
         **{name: mean(name, "hit") for name in RISKS},
     )
+
+
+def _measure(recording: Recording) -> Surrogates:
+    config = recording.config
+    return measure_surrogates(
+        recording.trajectory,
+        recording[ENCOUNTERS],
+        collision_distance=config.collision_distance,
+        moving_speed=config.moving_speed,
+    )
+
+
+SURROGATES = Metric(
+    name="surrogates",
+    measure=_measure,
+    needs=(ENCOUNTERS,),
+    columns=surrogate_columns,
+    summarise=summarise_surrogates,
+)

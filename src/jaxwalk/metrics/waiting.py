@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.crossings import real_frames, runs
+from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.trajectory import Trajectory
@@ -168,26 +169,27 @@ def _longest_stand(trajectory: Trajectory) -> Int[np.ndarray, "episode"]:
     return longest
 
 
-def waiting_columns(table: KerbMoments, *, dt: float) -> dict[str, np.ndarray]:
-    """The counts to be resampled, and the time that all pedestrians together lived [s]."""
+def waiting_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return the counts of `KerbMoments`, and the time that all pedestrians together lived [s]."""
+    table = rows[WAITING]
     names = ("moments", "waits", "distance_moments", "distance_waits", "speed_moments", "speed_waits")
-    columns = {f"kerb_{name}": getattr(table, name) for name in names}
-    people = {"walked": table.walked, "steps": table.ped_steps, "time": table.ped_steps * dt, "waits": table.ped_waits}
-    return columns | {f"ped_{name}": column for name, column in people.items()}
+    people = {"walked": table.walked, "ped_steps": table.ped_steps, "ped_time": table.ped_steps * rows.dt}
+    return {name: getattr(table, name) for name in names} | people | {"ped_waits": table.ped_waits}
 
 
-def summarise_waiting(table: KerbMoments, sums: dict[str, np.ndarray]) -> Waiting:
-    """Wait rates; ``sums`` are the resampled sums of ``waiting_columns``."""
-    by_setting = _rates(sums["kerb_waits"], sums["kerb_moments"])
+def summarise_waiting(rows: Rows, sums: Sums) -> Waiting:
+    """Return wait rates, and what waiting costs."""
+    own = sums[WAITING]
+    by_setting = _rates(own["waits"], own["moments"])
     return Waiting(
         danger=by_setting[DANGER],
         harmless=by_setting[HARMLESS],
         other=by_setting[OTHER],
-        by_distance=_bins(DISTANCES, sums["kerb_distance_waits"], sums["kerb_distance_moments"]),
-        by_speed=_bins(SPEEDS, sums["kerb_speed_waits"], sums["kerb_speed_moments"]),
-        pace=interval(ratio(sums["ped_walked"], sums["ped_time"]), sums["ped_walked"][0]),
-        waited=interval(ratio(sums["ped_waits"], sums["ped_steps"]), sums["ped_steps"][0]),
-        longest_stand=int(table.longest_stand.max(initial=0)),
+        by_distance=_bins(DISTANCES, own["distance_waits"], own["distance_moments"]),
+        by_speed=_bins(SPEEDS, own["speed_waits"], own["speed_moments"]),
+        pace=interval(ratio(own["walked"], own["ped_time"]), own["walked"][0]),
+        waited=interval(ratio(own["ped_waits"], own["ped_steps"]), own["ped_steps"][0]),
+        longest_stand=int(rows[WAITING].longest_stand.max(initial=0)),
     )
 
 
@@ -202,3 +204,11 @@ def _bins(edges: tuple[float, ...], waits: np.ndarray, moments: np.ndarray) -> t
         WaitBin(begin=edges[i], end=edges[i + 1], rates=_rates(waits[:, i], moments[:, i]))
         for i in range(len(edges) - 1)
     )
+
+
+WAITING = Metric(
+    name="waiting",
+    measure=lambda recording: measure_waiting(recording.trajectory),
+    columns=waiting_columns,
+    summarise=summarise_waiting,
+)

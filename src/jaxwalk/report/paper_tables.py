@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from jaxwalk.evaluation.document_parts import Interval
-from jaxwalk.metrics import OverSeeds
+from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, JAYWALK_RATE, OUTCOMES, SPEED_DIFFERENTIAL, WAITING, OverSeeds
 from jaxwalk.report import published, surprise, verdicts
 from jaxwalk.report.figures.people import SHARES
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material
@@ -94,7 +94,7 @@ def co_training(material: Material) -> Table:
 
 def speed_differential(material: Material) -> Table:
     """Car speed near jaywalkers minus near crosswalk users, by distance, four ways; and what they say together."""
-    bins = material.cell(material.subject, material.crowd).summary.speed_differential
+    bins = material.cell(material.subject, material.crowd).summary[SPEED_DIFFERENTIAL]
     low, high = published.SPEED_GAP_FARTHER
     rows = []
     for place, weight, *numbers in surprise.four_ways(bins):
@@ -109,7 +109,7 @@ def speed_differential(material: Material) -> Table:
 def attribution(material: Material) -> Table:
     """Jaywalking's share of collisions beside its share of crossings and exposure, and the ratio of rates."""
     columns = ("jaywalking's share", *(f"among {people}, %" for people in material.populations), "paper, %")
-    found = {people: material.cell(material.subject, people).summary.attribution for people in material.populations}
+    found = {people: material.cell(material.subject, people).summary[ATTRIBUTION] for people in material.populations}
     theirs = (f"{published.COLLISIONS_JAYWALK:g}", f"{published.CROSSINGS_JAYWALK:g}", NONE, NONE, NONE)
     rows = [
         (name, *(shown(find(found[people])) for people in material.populations), value)
@@ -143,7 +143,7 @@ def contacts(material: Material) -> Table:
     )
     rows = []
     for people in material.populations:
-        outcomes = material.cell(material.subject, people).summary.outcomes
+        outcomes = material.cell(material.subject, people).summary[OUTCOMES]
         contacts = {"crosswalk": outcomes.crosswalk, "jaywalk": outcomes.jaywalk, "sidewalk": outcomes.sidewalk}
         for kind, c in contacts.items():
             counts = (str(c.moving + c.standing), shown(c.share), str(c.moving), str(c.standing))
@@ -154,7 +154,7 @@ def contacts(material: Material) -> Table:
 def quarters(material: Material) -> Table:
     """Jaywalk rate by quarter of the trait."""
     cell = material.cell(material.subject, material.crowd)
-    found, most = cell.summary.jaywalk_rate, 100 * cell.jaywalk_multiplier
+    found, most = cell.summary[JAYWALK_RATE], 100 * cell.jaywalk_multiplier
     expected = [most * (0.125 + 0.25 * i) for i in range(4)]
     against = [
         Versus(name, ours, x) for name, ours, x in zip(QUARTER_NAMES, found.quarters, published.QUARTERS, strict=True)
@@ -182,7 +182,7 @@ def waiting(material: Material) -> Table:
     price = ("waits of all steps %", "pace [m/s]", "of always-go's %", "longest stand on a roadway [steps]")
     rows = []
     for driver in material.drivers:
-        found, bold = (material.cell(driver, people).summary.waiting for people in (material.crowd, ALWAYS_GO))
+        found, bold = (material.cell(driver, people).summary[WAITING] for people in (material.crowd, ALWAYS_GO))
         danger, harmless, pace, most = found.danger, found.harmless, found.pace, bold.pace.value
         row = (driver, shown(danger), f"{danger.count:,}", shown(found.other), shown(harmless), f"{harmless.count:,}")
         share = f"{100 * pace.value / most:.1f}" if most and pace.value is not None else NONE
@@ -195,7 +195,7 @@ def approach(material: Material) -> Table:
     columns = ("encounter", "pedestrians", "5th percentile of the minimum approach [m]", "paper", "encounters")
     rows, against = [], []
     for people in material.populations:
-        found = by_type(material.cell(material.subject, people).summary.encounters)
+        found = by_type(material.cell(material.subject, people).summary[ENCOUNTERS])
         for kind, theirs in published.APPROACH.items():
             ours = found[kind].minimum_approach
             rows.append((kind, people, shown(ours, 1.0, 2), f"{theirs}", f"{found[kind].count:,}"))
@@ -210,14 +210,14 @@ def braking(material: Material) -> Table:
     columns = ("encounter", "pedestrians", *times, "brake", "never", "already", "standing")
     rows = []
     for people in material.populations:
-        met = material.cell(material.subject, people).summary.encounters
+        met = material.cell(material.subject, people).summary[ENCOUNTERS]
         for kind, found in (("jaywalk", met.jaywalk.braking), ("crosswalk", met.crosswalk.braking)):
             theirs = f"{published.BRAKING}" if kind == "jaywalk" else NONE
             counts = (f"{count:,}" for count in (found.observed, found.censored, found.already, found.standing))
             rows.append(
                 (kind, people, shown(found.median, 1.0, 2), shown(found.mean_observed, 1.0, 2), theirs, *counts)
             )
-    ours = material.cell(material.subject, material.crowd).summary.encounters.jaywalk.braking.mean_observed
+    ours = material.cell(material.subject, material.crowd).summary[ENCOUNTERS].jaywalk.braking.mean_observed
     against = [Versus("mean time to braking for jaywalkers", ours, published.BRAKING, "s", 1.0)]
     return Table(columns, tuple(rows), _verdict(material, against, verdicts.BRAKING))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from jaxwalk.evaluation.document_parts import Interval, PairedSeeds
-from jaxwalk.metrics import holm
+from jaxwalk.metrics import ATTRIBUTION, SPEED_DIFFERENTIAL, holm
 from jaxwalk.report.material import CO_TRAINED, SINGLE_AGENT, Material
 from jaxwalk.report.table import Table, p_value, shown
 
@@ -23,8 +23,8 @@ def training_seeds(material: Material) -> Table:
         for seed in material.training_seeds:
             cell = material.cell_of_seed(driver, people, seed)
             rates = (shown(cell.goal_rate), shown(cell.collision_rate))
-            gap = shown(cell.summary.speed_differential[0].pooled.difference, 1.0, 2)
-            rows.append((driver, people, str(seed), *rates, gap, shown(cell.summary.attribution.share)))
+            gap = shown(cell.summary[SPEED_DIFFERENTIAL][0].pooled.difference, 1.0, 2)
+            rows.append((driver, people, str(seed), *rates, gap, shown(cell.summary[ATTRIBUTION].share)))
     return Table(columns, tuple(rows))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from jaxwalk.evaluation.counterfactual import Avoidable, CounterfactualSummary
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.results import Cell, Results
-from jaxwalk.metrics import scenarios_needed
+from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, OUTCOMES, SPEED_DIFFERENTIAL, SURROGATES, scenarios_needed
 from jaxwalk.report import surprise
 from jaxwalk.report.table import Table, by_type, markdown_table, shown
 
@@ -31,7 +31,7 @@ def suite(results: Results, made: Provenance) -> str:
         parts += ["## Compared", "\n".join(f"- {line}" for line in said(results))]
     for heading, text, table in _sections(cells):
         parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
-    words = (f"- **{_name(cell)}**: {surprise.in_words(cell.summary.speed_differential)}" for cell in cells)
+    words = (f"- **{_name(cell)}**: {surprise.in_words(cell.summary[SPEED_DIFFERENTIAL])}" for cell in cells)
     return "\n\n".join(part for part in (*parts, "## In words", WORDS, "\n".join(words)) if part) + "\n"
 
 
@@ -45,8 +45,8 @@ def said(results: Results) -> list[str]:
 
 def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "Outcomes", "", outcomes(cells)
-    yield "Encounters", SURROGATES, surrogates(cells)
-    yield "Whose collisions", ATTRIBUTION, attribution(cells)
+    yield "Encounters", ENCOUNTERS_CAPTION, surrogates(cells)
+    yield "Whose collisions", ATTRIBUTION_CAPTION, attribution(cells)
     if any(cell.counterfactuals for cell in cells):
         yield "Could it have been avoided?", COUNTERFACTUALS, avoidable(cells)
     yield "How soon the car brakes", BRAKING, braking(cells)
@@ -54,12 +54,12 @@ def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "How many scenarios it takes", POWER, power()
 
 
-SURROGATES = (
+ENCOUNTERS_CAPTION = (
     "Shares of encounters with a time to collision below 1.5 s, a post-encroachment time below 1.5 s or a required "
     "deceleration above 3.4 m/s²; the smallest distance; and of those who were hit by a moving car, the mean speed and "
     "the risk of a serious injury or death (Monfort and Mueller, 2025)."
 )
-ATTRIBUTION = (
+ATTRIBUTION_CAPTION = (
     "Collisions with people on a roadway: jaywalking's share of them, beside its share of the crossings; and how many "
     "times more collisions there are for each jaywalk than for each crossing on a crosswalk, and for each second on "
     "the road. 1: no more dangerous."
@@ -102,7 +102,7 @@ def outcomes(cells: Sequence[Cell]) -> Table:
     rows = []
     for cell in cells:
         rates = (shown(rate) for rate in (cell.goal_rate, cell.collision_rate, cell.timeout_rate))
-        found = cell.summary.outcomes
+        found = cell.summary[OUTCOMES]
         per_km, moving = shown(found.all.per_km, 1.0, 2), shown(found.moving.per_episode)
         rows.append((_name(cell), *rates, shown(cell.mean_time_to_goal, 1.0), per_km, moving))
     return Table(columns, tuple(rows))
@@ -116,8 +116,8 @@ def surrogates(cells: Sequence[Cell]) -> Table:
     )  # fmt: skip
     rows = []
     for cell in cells:
-        encounters = by_type(cell.summary.encounters)
-        for kind, found in by_type(cell.summary.surrogates).items():
+        encounters = by_type(cell.summary[ENCOUNTERS])
+        for kind, found in by_type(cell.summary[SURROGATES]).items():
             met, hit = encounters[kind], found.impact_speed
             shares = (shown(share) for share in (found.ttc_critical, found.pet_critical, found.drac_critical))
             nearest, impact = shown(met.minimum_approach, 1.0, 2), shown(hit, 1.0)
@@ -134,7 +134,7 @@ def attribution(cells: Sequence[Cell]) -> Table:
     )  # fmt: skip
     rows = []
     for cell in cells:
-        found, ended = cell.summary.attribution, cell.summary.outcomes
+        found, ended = cell.summary[ATTRIBUTION], cell.summary[OUTCOMES]
         counts = (ended.crosswalk, ended.jaywalk, ended.sidewalk)
         ratios = (shown(risk.ratio, 1.0, 2) for risk in (found.per_crossing, found.per_second, found.per_second_near))
         shares = (shown(number) for number in (found.share, found.per_crossing.share))
@@ -170,7 +170,7 @@ def braking(cells: Sequence[Cell]) -> Table:
     columns = ("driver", "encounter", "median [s]", "brake", "never", "already", "standing")
     rows = []
     for cell in cells:
-        for kind, encounters in by_type(cell.summary.encounters).items():
+        for kind, encounters in by_type(cell.summary[ENCOUNTERS]).items():
             found = encounters.braking
             counts = (f"{count:,}" for count in (found.observed, found.censored, found.already, found.standing))
             rows.append((_name(cell), kind, shown(found.median, 1.0, 2), *counts))
@@ -181,7 +181,7 @@ def speeds(cells: Sequence[Cell]) -> Table:
     """The speed differential four ways, near jaywalkers minus near crosswalk users [m/s]."""
     columns = ("driver", "distance [m]", "frames", "encounters", "matched", "ghosts", "people minus ghosts")
     rows = []
-    for cell, found in ((one, found) for one in cells for found in one.summary.speed_differential):
+    for cell, found in ((one, found) for one in cells for found in one.summary[SPEED_DIFFERENTIAL]):
         placebo = found.placebo
         gaps = [found.pooled.difference, found.by_encounter.difference]
         gaps += [found.matched, placebo.ghosts.difference, placebo.difference]

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from matplotlib.figure import Figure
 
 from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.metrics import ATTRIBUTION, JAYWALK_RATE, WAITING
 from jaxwalk.metrics.attribution import Attribution
 from jaxwalk.metrics.waiting import WaitBin, Waiting
 from jaxwalk.report import published
@@ -29,7 +30,7 @@ def attribution(material: Material) -> Figure:
     figure, (axis,) = panels(1, height=2.6)
     names = list(SHARES)
     for people, colour, aside in populations(material, spread=0.34):
-        found = material.cell(material.subject, people).summary.attribution
+        found = material.cell(material.subject, people).summary[ATTRIBUTION]
         ours = [find(found) for find in SHARES.values()]
         where = [i + aside for i in range(len(names))]
         points(axis, ours, where, PointStyle(color=colour, label=f"ours, among {people}", scale=100.0, flat=True))
@@ -45,7 +46,7 @@ def attribution(material: Material) -> Figure:
 def quarters(material: Material) -> Figure:
     """Jaywalk rate by quarter of the trait."""
     figure, (axis,) = panels(1, width=COLUMN, height=2.6)
-    found = material.cell(material.subject, material.crowd).summary.jaywalk_rate.quarters
+    found = material.cell(material.subject, material.crowd).summary[JAYWALK_RATE].quarters
     points(axis, found, [0.0, 1.0, 2.0, 3.0], PointStyle(color=BLUE, label="ours", scale=100.0))
     for i, value in enumerate(published.QUARTERS):
         axis.plot(i + 0.12, value, **DIAMOND, label="paper" if i == 0 else None)
@@ -72,7 +73,7 @@ def waiting(material: Material) -> Figure:
     figure, axes = panels(2, rows=len(drivers), height=2.9 * len(drivers) + 0.4, sharey=True)
     places = [(driver, label) for driver in drivers for label in KERB_AXES]
     for axis, (driver, label) in zip(axes, places, strict=True):
-        bins = KERB_AXES[label](material.cell(driver, material.crowd).summary.waiting)
+        bins = KERB_AXES[label](material.cell(driver, material.crowd).summary[WAITING])
         width = bins[0].end - bins[0].begin
         for k, (name, colour) in enumerate(MISSES.items()):
             drawn_as = PointStyle(color=colour, label=name, scale=100.0, line=True)

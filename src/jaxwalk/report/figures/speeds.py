@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.metrics import SPEED_DIFFERENTIAL
 from jaxwalk.metrics.speed_differential import SpeedBin, SpeedGap
 from jaxwalk.report import published
 from jaxwalk.report.figures.marks import DIAMOND, TYPES, PointStyle, points
@@ -26,7 +27,7 @@ WEIGHTS: dict[str, tuple[Callable[[SpeedBin], SpeedGap], str]] = {
 def speed_differential(material: Material) -> Figure:
     """Car speed by distance to the nearest pedestrian on a roadway, by type; the gap shaded, and drawn at the right."""
     figure, axes = panels(3, height=3.0)
-    bins = material.cell(material.subject, material.crowd).summary.speed_differential
+    bins = material.cell(material.subject, material.crowd).summary[SPEED_DIFFERENTIAL]
     for axis, (title, (gap, _)) in zip(axes, WEIGHTS.items(), strict=False):
         _speeds(axis, [gap(b) for b in bins], [_middle(b) for b in bins])
         axis.set(title=f"car speed, {title} [m/s]", ylim=(0, 9))
@@ -73,7 +74,7 @@ def surprise(material: Material) -> Figure:
     """The difference four ways, and what of it is left beyond ghosts, among both populations."""
     figure, axes = panels(len(material.populations), height=3.2, sharey=True)
     for axis, people in zip(axes, material.populations, strict=True):
-        found = material.cell(material.subject, people).summary.speed_differential
+        found = material.cell(material.subject, people).summary[SPEED_DIFFERENTIAL]
         bins = [b for b in found if b.by_encounter.difference.count >= FEWEST]
         for k, (name, (find, colour, marker)) in enumerate(WAYS.items()):
             where = [_middle(b) + 0.3 * (k - 2) for b in bins]

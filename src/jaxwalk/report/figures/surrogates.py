@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jaxwalk.metrics.distributions import Distribution, Distributions
+from jaxwalk.metrics import SURROGATE_DISTRIBUTIONS
+from jaxwalk.metrics.severity import Distribution, Distributions
 from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CRITICAL, TTC_CRITICAL
 from jaxwalk.report.figures.marks import TYPES
 from jaxwalk.report.material import Material
@@ -32,7 +33,7 @@ def surrogates(material: Material) -> Figure:
     figure, axes = panels(2, rows=2, height=5.2)
     drivers = [(material.subject, "-"), *([(material.rival, "--")] if material.rival else [])]
     people = material.populations[0]  # always-go, who leave it to the driver
-    found = {driver: by_type(material.cell(driver, people).summary.surrogate_distributions) for driver, _ in drivers}
+    found = {driver: by_type(material.cell(driver, people).summary[SURROGATE_DISTRIBUTIONS]) for driver, _ in drivers}
     for axis, (label, (find, critical, word)) in zip(axes, MEASURES.items(), strict=True):
         for driver, line in drivers:
             for kind, colour in TYPES.items():

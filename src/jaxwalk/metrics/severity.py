@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from jaxwalk.metrics.crossings import TYPES, ByType
-from jaxwalk.metrics.encounters import Encounters
+from jaxwalk.metrics.crossings import TYPES, ByType, count_by_type
+from jaxwalk.metrics.encounters import ENCOUNTERS
+from jaxwalk.metrics.metric import Metric, NoRows, Rows, Sums
 from jaxwalk.metrics.statistics import interval, ratio
-from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CLOSE, PET_CRITICAL, TTC_CRITICAL, Surrogates
+from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CLOSE, PET_CRITICAL, SURROGATES, TTC_CRITICAL
 
 THRESHOLDS: dict[str, tuple[float, ...]] = {
     "ttc": (0.25, 0.5, 0.75, 1.0, TTC_CRITICAL, 2.0, 2.5, 3.0, 4.0, 5.0),
@@ -52,30 +53,32 @@ class Distributions:
     """Share in which the centres came nearer than so many m; below 1.5 m they collided."""
 
 
-def distribution_columns(table: Surrogates, encounters: Encounters, *, episodes: int) -> dict[str, np.ndarray]:
-    """Encounters beyond each threshold, (episode, type, threshold), and all of them, (episode, type)."""
-    cell = table.episode.astype(np.int64) * len(TYPES) + table.type - 1
+def distribution_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return encounters beyond each threshold, (episode, type, threshold), and all of them, (episode, type)."""
+    table = rows[SURROGATES]
 
     def count(chosen: np.ndarray) -> Int[np.ndarray, "episode type"]:
-        found = np.bincount(cell[chosen], minlength=episodes * len(TYPES))
-        return found.reshape(episodes, len(TYPES)).astype(np.int16)  # (for a million episodes, small)
+        found = count_by_type(table.episode[chosen], table.type[chosen], rows.episodes)
+        return found.astype(np.int16)  # a million episodes must fit into memory
 
     # signed so that less is more dangerous; NaN is less than nothing
-    values = {"ttc": table.ttc, "pet": np.abs(table.pet), "drac": -table.drac, "min_distance": encounters.min_distance}
+    nearest = rows[ENCOUNTERS].min_distance
+    values = {"ttc": table.ttc, "pet": np.abs(table.pet), "drac": -table.drac, "min_distance": nearest}
     signs = {"drac": -1}
-    return {"severity_met": count(np.ones(len(cell), bool))} | {
-        f"severity_{name}": np.stack([count(values[name] < signs.get(name, 1) * x) for x in thresholds], axis=2)
+    return {"met": count(np.ones(len(table.type), bool))} | {
+        name: np.stack([count(values[name] < signs.get(name, 1) * x) for x in thresholds], axis=2)
         for name, thresholds in THRESHOLDS.items()
     }
 
 
-def summarise_distributions(sums: dict[str, np.ndarray]) -> ByType[Distributions]:
-    """Distributions by type; ``sums`` are the resampled sums of `distribution_columns`."""
+def summarise_distributions(rows: Rows, sums: Sums) -> ByType[Distributions]:
+    """Return the distributions of all encounters, by type."""
     return ByType(*(Distributions(**{name: _distribution(name, kind, sums) for name in THRESHOLDS}) for kind in TYPES))
 
 
-def _distribution(name: str, kind: int, sums: dict[str, np.ndarray]) -> Distribution:
-    met, beyond = sums["severity_met"][:, kind - 1], sums[f"severity_{name}"][:, kind - 1]
+def _distribution(name: str, kind: int, sums: Sums) -> Distribution:
+    own = sums[SURROGATE_DISTRIBUTIONS]
+    met, beyond = own["met"][:, kind - 1], own[name][:, kind - 1]
     shares = [interval(ratio(column, met), met[0]) for column in beyond.T]
     return Distribution(
         threshold=THRESHOLDS[name],
@@ -84,3 +87,12 @@ def _distribution(name: str, kind: int, sums: dict[str, np.ndarray]) -> Distribu
         high=tuple(x.high for x in shares),
         count=int(met[0]),
     )
+
+
+SURROGATE_DISTRIBUTIONS = Metric(
+    name="surrogate_distributions",
+    measure=lambda recording: NoRows(),
+    needs=(ENCOUNTERS, SURROGATES),
+    columns=distribution_columns,
+    summarise=summarise_distributions,
+)

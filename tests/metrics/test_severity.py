@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from jaxwalk.metrics import measure, summarise
-from jaxwalk.metrics.distributions import THRESHOLDS, distribution_columns, summarise_distributions
-from jaxwalk.metrics.statistics import episode_sums
+from jaxwalk.metrics import SURROGATE_DISTRIBUTIONS, SURROGATES, measure, summarise
+from jaxwalk.metrics.severity import THRESHOLDS
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 from metrics.test_properties import few, trajectories
@@ -39,8 +38,7 @@ def test_a_touch_beside_a_near_miss():
     hit = Scene(48, [Walk(30, 0, vx=-1, crossings=[(3, 48, JAYWALK)])], touched=[0])
     missed = Scene(80, [Walk(20, -4, vy=2, crossings=[(1, 39, JAYWALK)])])
     rows = _rows(hit, missed)
-    sums = episode_sums(distribution_columns(rows.surrogates, rows.encounters, episodes=2), resamples=50)
-    found = summarise_distributions(sums)
+    found = summarise(rows, resamples=50)[SURROGATE_DISTRIBUTIONS]
     jaywalk = found.jaywalk
     assert [x.count for x in (jaywalk.ttc, jaywalk.pet, jaywalk.drac, jaywalk.min_distance)] == [2, 2, 2, 2]
     assert set(jaywalk.ttc.value) == {0.5}
@@ -57,7 +55,7 @@ def test_a_touch_beside_a_near_miss():
 def test_they_agree_with_the_shares_beyond_critical_thresholds(world):
     summary = summarise(measure(world), resamples=5)
     for kind in ("crosswalk", "jaywalk"):
-        found, shares = getattr(summary.surrogate_distributions, kind), getattr(summary.surrogates, kind)
+        found, shares = getattr(summary[SURROGATE_DISTRIBUTIONS], kind), getattr(summary[SURROGATES], kind)
         assert _share(found.ttc, 1.5) == shares.ttc_critical.value
         assert _share(found.pet, 1.5) == shares.pet_critical.value
         assert _share(found.pet, 3.0) == shares.pet_close.value

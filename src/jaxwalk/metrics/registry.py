@@ -1,0 +1,27 @@
+"""All metrics of the suite. A metric is added by a line here."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jaxwalk.metrics.attribution import ATTRIBUTION
+from jaxwalk.metrics.decisions import JAYWALK_RATE
+from jaxwalk.metrics.encounters import ENCOUNTERS
+from jaxwalk.metrics.metric import Metric
+from jaxwalk.metrics.outcomes import OUTCOMES
+from jaxwalk.metrics.severity import SURROGATE_DISTRIBUTIONS
+from jaxwalk.metrics.speed_differential import SPEED_DIFFERENTIAL
+from jaxwalk.metrics.surrogate import SURROGATES
+from jaxwalk.metrics.waiting import WAITING
+
+METRICS: tuple[Metric[Any, Any], ...] = (
+    OUTCOMES,
+    ATTRIBUTION,
+    ENCOUNTERS,
+    SURROGATES,
+    SURROGATE_DISTRIBUTIONS,
+    SPEED_DIFFERENTIAL,
+    JAYWALK_RATE,
+    WAITING,
+)
+"""Put new ones last: the last bit of a sum depends on where its column stands, and published numbers should stay."""
