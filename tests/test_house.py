@@ -29,7 +29,7 @@ MANY_PARAMETERS: set[str] = {
     "jaxwalk.adapters.pettingzoo.__init__", "jaxwalk.evaluation.counterfactual._replay_all",
     "jaxwalk.evaluation.counterfactual.counterfactuals", "jaxwalk.evaluation.game.play",
     "jaxwalk.evaluation.results.compare", "jaxwalk.evaluation.results.make_cell",
-    "jaxwalk.evaluation.scenarios.evaluate", "jaxwalk.evaluation.scenarios.evaluate_batches",
+    "jaxwalk.evaluation.batches.evaluate", "jaxwalk.evaluation.batches.evaluate_batches",
     "jaxwalk.exports.drawn_episode.draw_episode", "jaxwalk.exports.scenario_files.export_scenario",
     "jaxwalk.exports.track_table.record_tracks", "jaxwalk.learning.advantages.generalised_advantage",
     "jaxwalk.learning.fit.fit", "jaxwalk.learning.mappo._fit", "jaxwalk.report.figures.marks.points",
@@ -37,7 +37,7 @@ MANY_PARAMETERS: set[str] = {
 DEEP_FUNCTIONS: set[str] = {
     "jaxwalk.bench.drawing.draw", "jaxwalk.bench.quantities._shares", "jaxwalk.bench.starting.watch",
     "jaxwalk.cli.evaluate._play", "jaxwalk.evaluation.game._ask_and_play", "jaxwalk.evaluation.results.compare",
-    "jaxwalk.evaluation.scenarios.evaluate_batches", "jaxwalk.learning.checkpoint.save",
+    "jaxwalk.evaluation.batches.evaluate_batches", "jaxwalk.learning.checkpoint.save",
     "jaxwalk.report.figures.surrogates.surrogates", "jaxwalk.report.tables.ablation",
     "jaxwalk.report.tables.approach", "jaxwalk.report.tables.baselines", "jaxwalk.runs.study._do",
     "jaxwalk.sim.reward.check_weights",

@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float, Int, Shaped
 
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.evaluation.playing import play
-from jaxwalk.evaluation.scenarios import BATCH, Progress
+from jaxwalk.evaluation.batches import BATCH, Progress
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, wilson
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes

@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
-from jaxwalk.evaluation.scenarios import BATCH, evaluate_batches
+from jaxwalk.evaluation.batches import BATCH, evaluate_batches
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
