@@ -165,10 +165,10 @@ def tiny():
 
     experiment = RECIPES["fast"]
     roles = {
-        role: replace(experiment.train.role(role), actor_hidden=(8,), critic_hidden=(8,), epochs=1)
-        for role in ("driver", "pedestrian")
+        name: replace(role, actor_hidden=(8,), critic_hidden=(8,), epochs=1)
+        for name, role in experiment.train.roles.items()
     }
-    return with_training(experiment, **SMALL, **roles)
+    return with_training(experiment, **SMALL, roles=roles)
 
 
 @pytest.fixture
