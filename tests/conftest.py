@@ -164,8 +164,10 @@ def tiny():
     from jaxwalk.recipes import RECIPES, with_training
 
     experiment = RECIPES["fast"]
-    changes = {"actor_hidden": (8,), "critic_hidden": (8,), "epochs": 1}
-    roles = {role: replace(config, **changes) for role, config in experiment.train.roles.items()}
+    roles = {
+        name: replace(role, actor_hidden=(8,), critic_hidden=(8,), epochs=1)
+        for name, role in experiment.train.roles.items()
+    }
     return with_training(experiment, **SMALL, roles=roles)
 
 

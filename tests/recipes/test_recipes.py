@@ -17,15 +17,15 @@ def test_paper_preset_is_table_ii():
     assert train.environments * train.steps * train.updates == pytest.approx(6.55e8, rel=1e-3)
     assert (train.learning_rate, train.discount, train.gae_lambda) == (3e-4, 0.995, 0.95)
     assert (train.clip, train.max_grad_norm, train.credit, train.anneal) == (0.2, 0.5, "shared", False)
-    assert [x.epochs for x in train.roles.values()] == [4, 4]
+    assert [role.epochs for role in train.roles.values()] == [4, 4]
     assert (train.roles["driver"].entropy, train.roles["pedestrian"].entropy) == (0.01, 0.03)
     assert (train.roles["driver"].actor_hidden, train.roles["pedestrian"].actor_hidden) == ((256, 256), (128, 128))
     assert train.shared_critic_hidden == (256, 256)
 
 
 def test_fast_networks_are_no_smaller_than_the_papers():
-    for role, config in PAPER.train.roles.items():
-        assert FAST.train.roles[role].actor_hidden >= config.actor_hidden
+    for name, role in FAST.train.roles.items():
+        assert role.actor_hidden >= PAPER.train.roles[name].actor_hidden
 
 
 def test_every_recipe_is_registered_under_its_name_and_pays_by_terms_that_exist():
