@@ -12,6 +12,7 @@ from jaxwalk.exports.drawn_episode import MOVING, draw_episode
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
 from jaxwalk.runs.folder import check_writable
+from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 
 PAGE = ".html"
@@ -35,7 +36,8 @@ def run(options: Play) -> int:
 
 def _drawing(options: Play, out: Path, street: Street, drivers: Policies, people: Policy) -> str:
     (driver,), (scenario,) = drivers.values(), options.scenario
-    played = draw_episode(street, driver, people, out, scenario=scenario, seed=options.seed, time=options.time)
+    policies, source = {"driver": driver, "pedestrian": people}, Drawn(street, options.seed)
+    played = draw_episode(street, policies, source, scenario, out, time=options.time)
     ending = "goal" if played.goal[0] else "collision" if played.collision[0] else "timeout"
     return f"scenario {scenario} of seed {options.seed}: {ending} after {played.length[0] * played.dt:.1f} s"
 

@@ -9,6 +9,7 @@ from jaxwalk.cli.options import Scenario
 from jaxwalk.exports.scenario_files import COMMONROAD, EPISODE, MAP, export_scenario
 from jaxwalk.formats.opendrive import load_library
 from jaxwalk.runs.folder import check_writable
+from jaxwalk.scenarios import Drawn
 
 
 def run(options: Scenario) -> int:
@@ -17,7 +18,8 @@ def run(options: Scenario) -> int:
     street, drivers, people = cast([options.driver], [options.pedestrians], options.map, options.jaywalk_multiplier)
     (driver,), (crowd,) = drivers.values(), people.values()
     name = f"jaxwalk: {options.driver} among {options.pedestrians}, scenario {options.scenario} of seed {options.seed}"
-    error = export_scenario(street, driver, crowd, options.out, scenario=options.scenario, seed=options.seed, name=name)
+    policies, source = {"driver": driver, "pedestrian": crowd}, Drawn(street, options.seed)
+    error = export_scenario(street, policies, source, options.scenario, options.out, name=name)
     files = f"{EPISODE} with {MAP}, and {COMMONROAD}"
     print(f"{options.out}: {files}; read back, nobody is off by more than {1000 * error:.4f} mm")
     return 0

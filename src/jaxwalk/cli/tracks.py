@@ -13,6 +13,7 @@ from jaxwalk.cli.options import Tracks
 from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
 from jaxwalk.runs.folder import Run, check_writable
+from jaxwalk.scenarios import Drawn
 
 
 def run(options: Tracks) -> int:
@@ -25,13 +26,13 @@ def run(options: Tracks) -> int:
     options.out.parent.mkdir(parents=True, exist_ok=True)
     about = {
         "map": options.map or map_name(names), "driver": options.driver, "pedestrians": options.pedestrians,
-        "jaywalk_multiplier": options.jaywalk_multiplier,
+        "jaywalk_multiplier": options.jaywalk_multiplier, "seed": options.seed,
     }  # fmt: skip
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("playing", total=options.episodes)
         record_tracks(
-            street, driver, crowd, options.out, episodes=options.episodes, seed=options.seed, about=about,
-            progress=lambda played, _: bar.update(task, completed=played),
+            street, {"driver": driver, "pedestrian": crowd}, Drawn(street, options.seed, options.episodes), options.out,
+            about=about, progress=lambda played, _: bar.update(task, completed=played),
         )  # fmt: skip
     print(f"{options.out}: {options.episodes:,} episodes, scenarios 0 to {options.episodes - 1} of seed {options.seed}")
     return 0

@@ -1,5 +1,6 @@
 """Drivers meet populations on the same scenarios: play, evaluate, compare, write documents and read them."""
 
+from jaxwalk.evaluation.batches import BATCH, evaluate, replay
 from jaxwalk.evaluation.comparison import Comparison, Paired, compared, paired
 from jaxwalk.evaluation.counterfactual import (
     Counterfactuals,
@@ -16,7 +17,6 @@ from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.results import Cell, Results, ScenarioSet, Stopped, compare
-from jaxwalk.evaluation.batches import BATCH, evaluate, replay
 from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
 

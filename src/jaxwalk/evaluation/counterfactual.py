@@ -15,9 +15,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
+from jaxwalk.evaluation.batches import BATCH, Progress
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.evaluation.playing import play
-from jaxwalk.evaluation.batches import BATCH, Progress
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, wilson
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes

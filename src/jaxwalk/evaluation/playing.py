@@ -114,12 +114,10 @@ def _ask_and_play(
     """Play step after step; each begins with the driver's answer to what it observes."""
     with driver.turn:
         driver.init((), game.ended.shape)
-        for step in count():
-            playing = ~np.asarray(game.ended)
-            if not playing.any():
-                return
+        steps = count()
+        while (playing := ~np.asarray(game.ended)).any():
             seen = setup.street.observe(setup.scenarios, game.state, driver.view)
-            answer = ask(driver, seen, playing=playing, numbers=numbers, step=step)
+            answer = ask(driver, seen, playing=playing, numbers=numbers, step=next(steps))
             setup = eqx.tree_at(lambda setup: setup.policies, setup, _answered(policies, answer))
             game, frames = _play_block(setup, game, 1)
             yield game, frames

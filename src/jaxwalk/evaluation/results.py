@@ -11,9 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 from jaxtyping import Float
 
+from jaxwalk.evaluation.batches import BATCH, evaluate_batches
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
-from jaxwalk.evaluation.batches import BATCH, evaluate_batches
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise

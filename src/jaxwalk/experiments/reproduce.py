@@ -179,9 +179,9 @@ def _draw(work: Reproduction) -> None:
     scenario, frame = _interesting(work, street, driver, trained.learned)
     for kind in ("png", "svg"):
         file = work.folder / f"episode.{kind}"
-        draw_episode(
-            street, driver, trained.learned, file, scenario=scenario, seed=seed, time=frame * street.world.rules.dt
-        )
+        policies = {"driver": driver, "pedestrian": trained.learned}
+        time = frame * street.world.rules.dt
+        draw_episode(street, policies, Drawn(street, seed), scenario, file, time=time)
     drawn = DrawnEpisode(scenario=scenario, seed=seed, training_seed=seed, frame=frame)
     work.keep("episode.json", asdict(drawn))
 

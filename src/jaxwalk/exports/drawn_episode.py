@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from jaxwalk.evaluation import replay
-from jaxwalk.interfaces import Policy
+from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.maps import RoadMap
-from jaxwalk.scenarios import Drawn
+from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
@@ -17,21 +17,14 @@ MOVING = (".gif", ".mp4")
 
 
 def draw_episode(
-    street: Street,
-    driver: Policy,
-    pedestrians: Policy,
-    path: Path,
-    *,
-    scenario: int,
-    seed: int,
-    time: float | None = None,
+    street: Street, policies: Roles[Policy], source: Source, number: int, path: Path, *, time: float | None = None
 ) -> Trajectory:
-    """Play a scenario as an evaluation does, and write a picture or an animation of it.
+    """Play scenario ``number`` of a source as an evaluation does, and write a picture or an animation of it.
 
-    ``time`` [s]: the moment that a picture shows; its end if left out. Raises ViewerError if it had ended before.
+    ``time`` [s]: the moment that a picture shows; None: the end. Raise ViewerError if the episode ended before.
     """
-    trajectory = replay(street, {"driver": driver, "pedestrian": pedestrians}, Drawn(street, seed), [scenario])
-    ground = map_of(street, scenario=scenario, seed=seed)
+    trajectory = replay(street, policies, source, [number])
+    ground = map_of(street, source, number)
     if path.suffix.lower() in MOVING:
         animation(EpisodeFigure(trajectory, 0, ground, width=640), path)
     else:
@@ -43,11 +36,11 @@ def draw_episode(
     return trajectory
 
 
-def map_of(street: Street, *, scenario: int, seed: int) -> RoadMap:
-    """The map on which a scenario takes place, on its own."""
+def map_of(street: Street, source: Source, number: int) -> RoadMap:
+    """Return the map of a scenario, without the street's other maps."""
     import jax
     import numpy as np
 
-    drawn, _ = Drawn(street, seed).take(np.array([scenario]))
-    index = int(drawn.map[0])
+    scenarios, _ = source.take(np.array([number]))
+    index = int(scenarios.map[0])
     return jax.device_get(jax.tree.map(lambda x: x[index], street.world.maps))

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import chain
 
 from jaxwalk.evaluation import Incidents, ReplayError, counterfactuals, describe, find_hits, find_incidents, replay
-from jaxwalk.evaluation.episode_file import CONTACT_NAMES
 from jaxwalk.evaluation.batches import AT_ONCE
+from jaxwalk.evaluation.episode_file import CONTACT_NAMES
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Rows

@@ -12,8 +12,8 @@ from jaxwalk.formats.openscenario import openscenario, read_openscenario
 from jaxwalk.formats.paths import largest_error, paths
 from jaxwalk.formats.road_network import road_network
 from jaxwalk.formats.tracks import tracks_of
-from jaxwalk.interfaces import Policy
-from jaxwalk.scenarios import Drawn
+from jaxwalk.interfaces import Policy, Roles
+from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
@@ -22,17 +22,16 @@ EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
 
 
 def export_scenario(
-    street: Street, driver: Policy, pedestrians: Policy, folder: Path, *, scenario: int, seed: int, name: str
+    street: Street, policies: Roles[Policy], source: Source, number: int, folder: Path, *, name: str
 ) -> float:
     """Play a scenario as an evaluation does, and write it as OpenSCENARIO with OpenDRIVE and as CommonRoad.
 
     Args:
         street: the world.
-        driver: decides for the car.
-        pedestrians: decides for all people.
+        policies: who plays each role.
+        source: the scenarios.
+        number: which of them.
         folder: where to write; files of the same names are replaced.
-        scenario: its number.
-        seed: which set of scenarios.
         name: what the files say they are.
 
     Returns:
@@ -41,9 +40,8 @@ def export_scenario(
     Raises:
         TracksError: scenariogeneration is missing, or the map has no room for its junctions.
     """
-    policies = {"driver": driver, "pedestrian": pedestrians}
-    tracks = next(tracks_of(replay(street, policies, Drawn(street, seed), [scenario])))
-    network = road_network(map_of(street, scenario=scenario, seed=seed))
+    tracks = next(tracks_of(replay(street, policies, source, [number])))
+    network = road_network(map_of(street, source, number))
     documents = {
         EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config),
         MAP: opendrive(network, name),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -11,12 +11,13 @@ import jax
 import numpy as np
 
 from jaxwalk.evaluation import BATCH, play
+from jaxwalk.evaluation.batches import Progress
 from jaxwalk.formats.areas import areas_of
 from jaxwalk.formats.layouts import RULES
 from jaxwalk.formats.track_file import write_tracks
 from jaxwalk.formats.tracks import Tracks, tracks_of
-from jaxwalk.interfaces import Policy
-from jaxwalk.scenarios import Drawn
+from jaxwalk.interfaces import Policy, Roles
+from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 
 
@@ -25,27 +26,18 @@ class SeveralMapsError(ValueError):
 
 
 def record_tracks(
-    street: Street,
-    driver: Policy,
-    pedestrians: Policy,
-    path: Path,
-    *,
-    episodes: int,
-    seed: int,
-    about: dict[str, Any],
-    progress: Callable[[int, int], None] | None = None,
-) -> None:
-    """Play scenarios 0 .. ``episodes`` - 1 of a seed, exactly as an evaluation does, and write their trajectories.
+    street: Street, policies: Roles[Policy], source: Source, path: Path, *,
+    about: dict[str, Any], progress: Progress | None = None,
+) -> None:  # fmt: skip
+    """Play all scenarios of a source, exactly as an evaluation does, and write their trajectories.
 
     Args:
         street: the world, with one map.
-        driver: decides for the car.
-        pedestrians: decides for all people.
+        policies: who plays each role.
+        source: the scenarios.
         path: the Parquet file.
-        episodes: how many.
-        seed: which set of scenarios.
-        about: what else the file's metadata are to say.
-        progress: called after every batch with the episodes played so far and ``episodes``.
+        about: what the file's metadata says beside the rules.
+        progress: called after every batch with the episodes played so far, and all.
 
     Raises:
         SeveralMapsError: the street has several maps.
@@ -53,21 +45,14 @@ def record_tracks(
     if street.world.maps.width.shape[0] != 1:
         raise SeveralMapsError("the trajectories of a file need one map; choose it with --map")
     ground = areas_of(jax.device_get(jax.tree.map(lambda x: x[0], street.world.maps)))
-    recordings = _recorded(street, driver, pedestrians, episodes, seed, progress)
+    recordings = _recorded(street, policies, source, progress)
     rules = {name: getattr(street.config, name) for name in RULES}
-    write_tracks(path, recordings, about={**rules, **about, "seed": seed}, areas=ground)
+    write_tracks(path, recordings, about={**rules, **about}, areas=ground)
 
 
-def _recorded(
-    street: Street,
-    driver: Policy,
-    pedestrians: Policy,
-    episodes: int,
-    seed: int,
-    progress: Callable[[int, int], None] | None,
-) -> Iterator[Tracks]:
-    """The episodes, one after the other; played a batch at a time."""
-    policies, source = {"driver": driver, "pedestrian": pedestrians}, Drawn(street, seed, episodes)
+def _recorded(street: Street, policies: Roles[Policy], source: Source, progress: Progress | None) -> Iterator[Tracks]:
+    """Yield the episodes, one after the other; they are played a batch at a time."""
+    episodes = len(source)
     for first in range(0, episodes, BATCH):
         numbers = (first + np.arange(BATCH)) % episodes
         scenarios, keys = source.take(numbers)
