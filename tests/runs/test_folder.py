@@ -58,7 +58,7 @@ def test_a_run_is_not_overwritten(tmp_path):
         (("train", "learning_rat"), 1, r"config.json: train.learning_rat: Unexpected keyword"),
         (("surprise",), 1, r"config.json: surprise: Unexpected keyword"),
         (("train", "minibatches"), 7, r"config.json: train: .*minibatches must divide steps \(64\), not 7"),
-        (("train", "driver", "epochs"), "many", r"config.json: train.driver.epochs: .*integer"),
+        (("train", "roles", "driver", "epochs"), "many", r"config.json: train.roles.driver.epochs: .*integer"),
         (("sim", "dt"), 0, r"config.json: sim: .*dt must be above 0"),
         (("minutes",), 0, r"config.json: .*minutes must be above 0, not 0"),
         (("seed",), -1, r"config.json: .*seed must lie in \[0, 2\^32\), not -1"),
@@ -116,7 +116,7 @@ def test_damaged_metrics_are_named(tmp_path, line):
         (("sim", "pedestrians"), 10**9, "pedestrians must be at most 1000"),
         (("sim", "dt"), 1e-9, "dt must be at least 0.001 s"),
         (("train", "environments"), 10**12, "environments must be at most 1,048,576"),
-        (("train", "driver", "actor_hidden"), [10**9], "actor_hidden must be at most 16 numbers, each in"),
+        (("train", "roles", "driver", "actor_hidden"), [10**9], "actor_hidden must be at most 16 numbers, each in"),
         (("maps",), ["../../secret"], "no such map"),
     ],
 )

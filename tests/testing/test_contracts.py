@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import equinox as eqx
@@ -13,6 +13,7 @@ import pytest
 
 from jaxwalk import Street
 from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, RoleSpec
+from jaxwalk.metrics import METRICS, Metric
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower, load_policy, shipped_policy
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
@@ -20,10 +21,12 @@ from jaxwalk.testing import (
     ContractError,
     check_driver,
     check_environment,
+    check_metric,
     check_pedestrians,
     check_policy,
     check_source,
 )
+from metrics.scenes import ghosts_of, random_trajectory
 
 FEW = 3
 
@@ -114,6 +117,57 @@ def test_our_policies_pass(small):
     people = load_policy(shipped_policy("pedestrian", "learned"), "pedestrian", sample=True)
     for policy in (AlwaysGo(), people):
         check_pedestrians(policy, small, steps=FEW)
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    found = random_trajectory(0, episodes=4, frames=30, people=3)
+    return found, ghosts_of(found)
+
+
+@pytest.mark.parametrize("metric", METRICS, ids=lambda metric: metric.name)
+def test_our_metrics_pass(recorded, metric):
+    check_metric(metric, *recorded)
+
+
+@dataclass(frozen=True)
+class Lengths:
+    steps: np.ndarray
+
+
+@dataclass(frozen=True)
+class Length:
+    longest: float
+
+
+def _longest(rows, sums) -> Length:
+    return Length(float(rows[LENGTH].steps.max()))
+
+
+def _nothing(rows, sums) -> Length:
+    return Length(float("nan"))
+
+
+def _word(rows, sums) -> Length:
+    return Length("long")  # pyright: ignore
+
+
+LENGTH = Metric(name="length", measure=lambda r: Lengths(r.trajectory.length), summarise=_longest)
+
+
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        ({"summarise": _nothing}, "length: its numbers must be plain JSON, None where there is none"),
+        ({"summarise": _word}, "length: its numbers must have the types that it declares"),
+        ({"columns": lambda rows: {"one": np.ones(2)}}, "column one must have a row for each of 4 episodes, not 2"),
+        ({"measure": lambda r: Lengths(np.random.default_rng().uniform(size=4))}, "measure must be deterministic"),
+    ],
+)
+def test_a_broken_metric_is_told_what_it_breaks(recorded, broken, message):
+    check_metric(LENGTH, *recorded)
+    with pytest.raises(ContractError, match=message):
+        check_metric(replace(LENGTH, **broken), *recorded)
 
 
 def test_our_sources_pass(small):

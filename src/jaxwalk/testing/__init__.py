@@ -4,6 +4,7 @@ Our own environments, drivers, pedestrians, metrics and sources pass the same ch
 """
 
 from jaxwalk.testing.environment_contract import check_environment
+from jaxwalk.testing.metric_contract import check_metric
 from jaxwalk.testing.policy_contract import check_driver, check_pedestrians, check_policy
 from jaxwalk.testing.requirement import ContractError
 from jaxwalk.testing.source_contract import check_source
@@ -12,6 +13,7 @@ __all__ = [
     "ContractError",
     "check_driver",
     "check_environment",
+    "check_metric",
     "check_pedestrians",
     "check_policy",
     "check_source",
