@@ -50,34 +50,20 @@ SAME_CLASSES: set[str] = {
 }  # fmt: skip
 CIRCLES: set[str] = set()
 ODD_DOCSTRINGS: set[str] = {
-    "jaxwalk.adapters.jaxmarl", "jaxwalk.adapters.seat", "jaxwalk.bench.__main__",
-    "jaxwalk.bench.benchmark_settings", "jaxwalk.bench.drawing", "jaxwalk.bench.showing", "jaxwalk.bench.simulation",
-    "jaxwalk.cli.tracks", "jaxwalk.evaluation.counterfactual", "jaxwalk.evaluation.incidents",
-    "jaxwalk.evaluation.results", "jaxwalk.evaluation.training_seeds", "jaxwalk.experiments.hidden_intent",
-    "jaxwalk.experiments.reproduce", "jaxwalk.exports.gallery", "jaxwalk.exports.onnx_policy",
-    "jaxwalk.exports.replays", "jaxwalk.exports.sharing", "jaxwalk.learning.config", "jaxwalk.learning.critics",
-    "jaxwalk.learning.distributions", "jaxwalk.learning.fit", "jaxwalk.learning.flops", "jaxwalk.learning.mappo",
-    "jaxwalk.learning.players", "jaxwalk.metrics.conflict_areas", "jaxwalk.metrics.distributions",
-    "jaxwalk.metrics.identifiability", "jaxwalk.metrics.outcomes", "jaxwalk.metrics.speed_differential",
-    "jaxwalk.metrics.surrogate", "jaxwalk.metrics.waiting", "jaxwalk.report.figures.learning_curves",
-    "jaxwalk.report.figures.surrogates", "jaxwalk.report.material", "jaxwalk.report.style",
-    "jaxwalk.report.surprise", "jaxwalk.report.tables", "jaxwalk.runs.study", "jaxwalk.runs.watch", "jaxwalk.shards",
-    "jaxwalk.sim.bounds",
+    "jaxwalk.adapters.jaxmarl", "jaxwalk.adapters.seat", "jaxwalk.cli.tracks", "jaxwalk.evaluation.counterfactual",
+    "jaxwalk.evaluation.incidents", "jaxwalk.exports.gallery", "jaxwalk.exports.onnx_policy",
+    "jaxwalk.exports.replays", "jaxwalk.learning.config", "jaxwalk.learning.critics", "jaxwalk.learning.distributions",
+    "jaxwalk.learning.flops", "jaxwalk.metrics.conflict_areas", "jaxwalk.metrics.identifiability",
+    "jaxwalk.metrics.outcomes", "jaxwalk.metrics.speed_differential", "jaxwalk.metrics.surrogate",
+    "jaxwalk.metrics.waiting",
 }  # fmt: skip
 ODD_WORDS: set[str] = {
-    "jaxwalk/adapters/game.py", "jaxwalk/adapters/jaxmarl.py", "jaxwalk/bench/products.py",
-    "jaxwalk/bench/quantities.py", "jaxwalk/bench/simulation.py", "jaxwalk/bench/starting.py",
-    "jaxwalk/cli/options/for_playing.py", "jaxwalk/evaluation/counterfactual.py", "jaxwalk/evaluation/game.py",
-    "jaxwalk/evaluation/ghosts.py", "jaxwalk/experiments/driver_report.py", "jaxwalk/experiments/reproduce.py",
-    "jaxwalk/experiments/tournament.py", "jaxwalk/learning/actor.py", "jaxwalk/learning/checkpoint.py",
-    "jaxwalk/learning/config.py", "jaxwalk/learning/fit.py", "jaxwalk/learning/flops.py",
-    "jaxwalk/learning/players.py", "jaxwalk/metrics/distributions.py", "jaxwalk/metrics/identifiability.py",
-    "jaxwalk/metrics/measurement.py", "jaxwalk/metrics/speed_differential.py",
-    "jaxwalk/report/figures/learning_curves.py", "jaxwalk/report/material.py", "jaxwalk/report/published.py",
-    "jaxwalk/report/sections.py", "jaxwalk/report/style.py", "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py",
-    "jaxwalk/report/tables.py", "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py", "jaxwalk/runs/study.py",
-    "jaxwalk/runs/watch.py", "jaxwalk/shards.py", "jaxwalk/sim/belief.py", "jaxwalk/sim/observation.py",
-    "jaxwalk/sim/trajectory.py", "jaxwalk/viewer/page/drawing.js", "jaxwalk/viewer/page/gallery.js",
+    "jaxwalk/adapters/jaxmarl.py", "jaxwalk/cli/options/for_playing.py", "jaxwalk/evaluation/counterfactual.py",
+    "jaxwalk/evaluation/ghosts.py", "jaxwalk/learning/checkpoint.py", "jaxwalk/learning/config.py",
+    "jaxwalk/learning/fit.py", "jaxwalk/learning/flops.py", "jaxwalk/metrics/identifiability.py",
+    "jaxwalk/metrics/measurement.py", "jaxwalk/metrics/speed_differential.py", "jaxwalk/report/published.py",
+    "jaxwalk/report/sections.py", "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py",
+    "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py",
 }  # fmt: skip
 
 FORBIDDEN = re.compile(r"\b(so many|whom|mend|mends|mended|glance|glances|gone on with)\b", re.IGNORECASE)
