@@ -11,13 +11,11 @@ ROUNDING = 1e-9
 
 
 def scenarios_needed(a: float, b: float, *, both: float | None = None, power: float = 0.8, alpha: float = 0.05) -> int:
-    """Return how many scenarios a two-sided McNemar test needs to find that two rates differ, with probability
-    ``power``.
+    """Return how many scenarios a two-sided McNemar test needs to detect a difference with probability ``power``.
 
     n = (z_{1 - alpha/2} sqrt(s) + z_power sqrt(s - d^2))^2 / d^2, where d = b - a, and s is the share of scenarios with
     this ending in exactly one of the two (Connor 1987, *Sample size for testing differences in proportions for the
-    paired-sample design*). The exact test is more conservative and has slightly less power: 0.77 to 0.79 instead of
-    0.8.
+    paired-sample design*). The exact test is more conservative and has slightly less power: 0.77 to 0.79, not 0.8.
 
     Args:
             a: rate of the first driver, in [0, 1].

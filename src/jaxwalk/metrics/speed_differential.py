@@ -114,8 +114,7 @@ def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, collision_
     An episode ends when the car touches a person, but the car would drive through a ghost. Both are cut at the first
     touch of either kind, so that both are observed equally long. For a car that ignores people, among people who always
     go, people and ghosts are then exchangeable: every difference between them is chance. Without ghosts, all values are
-    0. A
-    touch: centres closer than ``collision_distance`` [m].
+    0. A touch: centres closer than ``collision_distance`` [m].
     """
     if ghosts is None:
         none = np.zeros((len(trajectory.length), len(TYPES), BINS))
