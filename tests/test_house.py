@@ -48,10 +48,9 @@ SAME_CLASSES: set[str] = {
 }  # fmt: skip
 CIRCLES: set[str] = set()
 ODD_DOCSTRINGS: set[str] = {
-    "jaxwalk.adapters.jaxmarl", "jaxwalk.adapters.seat", "jaxwalk.cli.tracks", "jaxwalk.evaluation.counterfactual",
-    "jaxwalk.evaluation.incidents", "jaxwalk.exports.gallery", "jaxwalk.exports.onnx_policy",
-    "jaxwalk.exports.replays", "jaxwalk.learning.config", "jaxwalk.learning.critics", "jaxwalk.learning.distributions",
-    "jaxwalk.learning.flops",
+    "jaxwalk.adapters.jaxmarl", "jaxwalk.adapters.seat", "jaxwalk.evaluation.counterfactual",
+    "jaxwalk.evaluation.incidents", "jaxwalk.learning.config", "jaxwalk.learning.critics",
+    "jaxwalk.learning.distributions", "jaxwalk.learning.flops",
 }  # fmt: skip
 ODD_WORDS: set[str] = {
     "jaxwalk/adapters/jaxmarl.py", "jaxwalk/cli/options/for_playing.py", "jaxwalk/evaluation/counterfactual.py",
