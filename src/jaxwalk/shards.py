@@ -20,7 +20,7 @@ SHARDS = "env"
 Axis = str | tuple[()]
 """SHARDS, or () if there is only one shard."""
 EVERYWHERE = PartitionSpec()
-"""The partition of an array of which every device has all."""
+"""The partition of an array that every device holds in full."""
 
 
 class ShardsError(ValueError):
