@@ -232,5 +232,3 @@ def test_impossible_actions_and_seeds_are_named(three):
         three.reset(seed=0, options={"scenario": -1})
     with pytest.raises(AdapterError, match="NextStep or SameStep, not Disabled"):
         make_many(autoreset_mode="Disabled")
-
-    assert tuple(vars(ByRole(0, 1))) == ROLES

@@ -195,7 +195,7 @@ def test_one_crossing_is_made_on_the_crosswalk(often, batch):
 
 
 def test_every_collision_comes_back(table, hits):
-    episodes = hits.episodes
+    episodes = hits[OUTCOMES]
     assert table.collisions == len(table.scenario) == episodes.collision.sum() > 10
     np.testing.assert_array_equal(table.scenario, episodes.scenario[episodes.collision])
     np.testing.assert_array_equal(table.contact, episodes.contact[episodes.collision])
@@ -254,10 +254,10 @@ def test_how_many_are_replayed_changes_no_row(often, hits, table):
 
 
 def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
-    order = np.random.default_rng(0).permutation(len(hits.episodes.scenario))
-    columns = {name: x[order] for name, x in vars(hits.episodes).items()}
-    crossings = dataclasses.replace(hits.crossings, episode=np.argsort(order)[hits.crossings.episode])
-    shuffled = dataclasses.replace(hits, episodes=type(hits.episodes)(**columns), crossings=crossings)
+    order = np.random.default_rng(0).permutation(hits.episodes)
+    columns = {name: x[order] for name, x in vars(hits[OUTCOMES]).items()}
+    crossings = dataclasses.replace(hits[CROSSINGS], episode=np.argsort(order)[hits[CROSSINGS].episode])
+    shuffled = hits.having(OUTCOMES, type(hits[OUTCOMES])(**columns)).having(CROSSINGS, crossings)
     found = counterfactuals(often, BLIND_ONE, Drawn(often, 7), find_hits(shuffled), batch=BATCH)
     assert_same_rows(table, found, np.argsort(found.scenario))
 

@@ -35,7 +35,7 @@ def test_the_document_is_as_promised(compared):
     for name in ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal"):
         assert list(cell[name]) == ["value", "low", "high"]
         assert cell[name]["low"] <= cell[name]["value"] <= cell[name]["high"]
-    assert cell["goal_rate"]["value"] == rows["route-follower", "always-go"].episodes.goal.mean()
+    assert cell["goal_rate"]["value"] == rows["route-follower", "always-go"][OUTCOMES].goal.mean()
     assert sum(cell[name]["value"] for name in ("goal_rate", "collision_rate", "timeout_rate")) == pytest.approx(1)
     assert {"outcomes", "speed_differential", "attribution", "encounters", "jaywalk_rate", "waiting"} < set(cell)
 
@@ -84,7 +84,7 @@ def test_a_row_per_episode(compared, tmp_path):
     assert {row["outcome"] for row in table} == {"goal", "collision", "timeout"}
     for row in table:
         assert (row["outcome"] == "collision") == (row["contact"] != "") == (row["impact_speed"] != "")
-    episodes = rows["route-follower", "always-go"].episodes
+    episodes = rows["route-follower", "always-go"][OUTCOMES]
     assert float(table[24]["duration"]) == pytest.approx(episodes.steps[0] * 0.1)
 
 
@@ -94,9 +94,9 @@ def test_pairs_of_the_same_scenarios(compared, rows):
     assert (same.goal.only_a, same.goal.only_b, same.goal.difference, same.goal.p) == (0, 0, 0, 1)
     goal = pair.goal
     assert pair.scenarios == 24
-    assert goal.both + goal.only_a == a.episodes.goal.sum()
-    assert goal.both + goal.only_b == b.episodes.goal.sum()
-    assert goal.difference == pytest.approx(b.episodes.goal.mean() - a.episodes.goal.mean())
+    assert goal.both + goal.only_a == a[OUTCOMES].goal.sum()
+    assert goal.both + goal.only_b == b[OUTCOMES].goal.sum()
+    assert goal.difference == pytest.approx(b[OUTCOMES].goal.mean() - a[OUTCOMES].goal.mean())
     assert 0 <= goal.p < 0.01
     with pytest.raises(ValueError, match="same scenarios"):
         paired(a, rows)
@@ -108,7 +108,7 @@ def test_modes_are_set_and_told(street):
     assert (mode(policy), mode(with_mode(policy, sample=True))) == ("mode", "sample")
     assert with_mode(ConstantSpeed(), sample=True) == ConstantSpeed()
     assert mode(with_mode(Random(), sample=False)) == "sample"
-    assert (SAMPLES.driver, SAMPLES.pedestrian) == (False, True)
+    assert {"driver": False, "pedestrian": True} == SAMPLES
 
 
 def test_the_multiplier_is_told_as_it_was_written(street):

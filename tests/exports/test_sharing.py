@@ -26,7 +26,7 @@ def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
     found, _ = compare(street, drivers, people, Drawn(street, 3, 6))
     told = about["results"]["among"]["learned (fast, training seed 0)"]
     assert told["goal_rate"] == json.loads(found.to_json())["cells"][0]["goal_rate"]
-    assert about["results"]["scenarios"] == {"seed": 3, "count": 6, "hash": found.hash}
+    assert about["results"]["scenarios"] == {"seed": 3, "count": 6, "hash": found.scenarios.hash}
     lines = card.read_text().splitlines()
     assert lines[0] == "# mine"
     assert any(

@@ -181,7 +181,7 @@ def _next(game: Game, views: Roles[View], stream: Stream) -> tuple[Stream, Roles
 
 @eqx.filter_jit
 def _step(
-    game: Game, views: Roles[View], stream: Stream, actions: Roles[np.ndarray]
+    game: Game, views: Roles[View], stream: Stream, actions: Roles[Any]
 ) -> tuple[Stream, Roles[Array], Roles[Array], Outcome]:
     """The stream after a step, what everybody sees, each agent's reward, and all else that the step brought."""
     stream, step = play(game, stream, jax.tree.map(jnp.asarray, actions))

@@ -1,4 +1,4 @@
-"""What the process of a part does: ``python -m jaxwalk.bench PART SETTINGS``, a document on stdout."""
+"""The process of one part: ``python -m jaxwalk.bench PART SETTINGS`` prints a document on stdout."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PROGRAMS = {
     "train-fast": ("training_speed", "fast"),
     "train-paper": ("training_speed", "paper"),
 }
-"""Of each process, the module and the function: Settings -> a document."""
+"""The module and the function that measures each part: Settings -> a document."""
 
 
 def main(part: str, settings: str) -> int:

@@ -1,4 +1,4 @@
-"""What a benchmark measures, and for how long. No JAX import."""
+"""What a benchmark measures, and for how long. This module imports no JAX."""
 
 from __future__ import annotations
 
@@ -6,40 +6,40 @@ import math
 from dataclasses import dataclass
 
 PARTS = ("env", "train", "compile", "pedestrians")
-"""What can be asked for: the simulator alone, training, the first minute, and the cost of a crowd."""
+"""The parts: the simulator alone, training, the first minute, and the cost of a crowd."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Impossible values raise ValueError, naming the field."""
+    """The settings of a benchmark. Raises ValueError for an impossible value, naming the field."""
 
     only: tuple[str, ...] = PARTS
     """Parts to measure."""
     environments: tuple[int, ...] = (64, 256, 512, 1024, 2048, 4096, 16384)
-    """Environments side by side: a row each, of the simulator alone."""
+    """Numbers of environments for the simulator alone; a row for each."""
     training_environments: tuple[int, ...] = (128, 512, 2048)
-    """The same, of training with the recipe ``fast``; each recipe's own number is measured in any case."""
+    """Numbers of environments for training with the recipe ``fast``; each recipe's own number is always measured."""
     recipe_environments: int | None = None
-    """Instead of each recipe's own number (`QUICK` only: its figures are no measure of the recipes)."""
+    """Replaces each recipe's own number of environments (only `QUICK`, whose figures don't measure the recipes)."""
     pedestrians: tuple[int, ...] = (12, 24, 48, 96)
-    """People in an episode: a row each."""
+    """Numbers of pedestrians in an episode; a row for each."""
     crowd_environments: int = 256
-    """Environments side by side in those rows."""
+    """Number of environments in those rows."""
     steps: int = 256
-    """Steps in one call, of the simulator alone."""
+    """Steps in one call of the simulator alone."""
     products: tuple[int, ...] = (512, 1024, 2048, 4096)
-    """Sides of the square matrices whose product is the machine's peak."""
+    """Sizes of the square matrices whose product gives the machine's peak."""
     seconds: float = 3.0
-    """Each row is measured for at least so long [s], after compiling."""
+    """Shortest time for which each row is measured, after compiling [s]."""
     chunk_rows: int | None = None
-    """`TrainConfig.chunk_rows`; None: the recipe's, but a whole minibatch on an accelerator."""
+    """`TrainConfig.chunk_rows`; None: the recipe's value, or a whole minibatch on an accelerator."""
     seed: int = 0
-    """Of scenarios, networks and actions."""
+    """Seed of scenarios, networks and actions."""
     quick: bool = False
-    """Few sizes and short times: only shows that everything can be measured."""
+    """Few sizes and short times: shows only that everything can be measured."""
 
     def __post_init__(self) -> None:
-        """Refuse what can't be measured."""
+        """Raise ValueError for an impossible value."""
         for name in ("environments", "training_environments", "pedestrians"):
             _require(len(getattr(self, name)) > 0, name, "needs at least one number")
             smallest = min(getattr(self, name))
@@ -64,7 +64,7 @@ QUICK = {
     "seconds": 0.2,
     "quick": True,
 }
-"""What ``--quick`` changes."""
+"""Values that ``--quick`` changes."""
 
 
 def _require(condition: bool, name: str, message: str) -> None:

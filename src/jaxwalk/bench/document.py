@@ -1,4 +1,4 @@
-"""Everything that was measured, as one document: options, hardware, provenance, figures, rows."""
+"""All measurements as one document: options, hardware, provenance, figures, rows."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from jaxwalk.bench.starting import starts
 from jaxwalk.writing import write_whole
 
 SCHEMA = 1
-"""Version of the document; it changes when a name in it changes its meaning."""
+"""Version of the document; it changes when the meaning of a name in it changes."""
 TITLES = {
     "env": "the simulator alone",
     "train": "training, and the machine's peak",
     "compile": "the first minute",
     "pedestrians": "the cost of a crowd",
 }
-"""What is said of each part."""
+"""Description of each part."""
 
 
 def benchmark(settings: Settings, console: Console | None = None) -> dict[str, Any]:
-    """Measure what the settings ask for, telling on standard error how it goes."""
+    """Measure what the settings ask for; report progress on standard error."""
     console, begun = console or Console(stderr=True), time.monotonic()
     rows: dict[str, list[Any]] = {}
     chosen = [part for part in PARTS if part in settings.only]
@@ -52,7 +52,7 @@ def benchmark(settings: Settings, console: Console | None = None) -> dict[str, A
 
 
 def write(folder: Path, document: dict[str, Any]) -> None:
-    """Write bench.json, bench.md and, where rates or a crowd were measured, scaling.svg and .png."""
+    """Write bench.json, bench.md and, if rates or a crowd were measured, scaling.svg and scaling.png."""
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / "bench.json", as_text(document))
     write_whole(folder / "bench.md", markdown(document))
@@ -60,12 +60,12 @@ def write(folder: Path, document: dict[str, Any]) -> None:
 
 
 def as_text(document: dict[str, Any]) -> str:
-    """The document as JSON."""
+    """Return the document as JSON."""
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
 def _train(settings: Settings) -> dict[str, list[Any]]:
-    """Both recipes, each in a process of its own."""
+    """Measure both recipes, each in a process of its own."""
     found = [measure_apart(f"train-{recipe}", settings) for recipe in ("fast", "paper")]
     return {
         "training": [row for part in found for row in part["rows"]],
@@ -83,4 +83,4 @@ MEASURES: dict[str, Callable[[Settings], dict[str, list[Any]]]] = {
     "compile": _starts,
     "pedestrians": lambda settings: {"pedestrians": measure_apart("pedestrians", settings)},
 }
-"""What each part measures: rows, by name."""
+"""The function that measures each part and returns rows by name."""

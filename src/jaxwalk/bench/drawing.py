@@ -1,4 +1,4 @@
-"""How rates, time and memory grow, as plots."""
+"""Plots of rates, time and memory over environments and pedestrians."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from jaxwalk.bench.quantities import Rows, exponent, microseconds
 from jaxwalk.report.style import BLUE, GREEN, ORANGE, RED, drawing, panels, save
 
 NAME = "scaling"
-"""Of the files."""
+"""Name of the files, without ending."""
 DRAWN = ("env", "training", "pedestrians")
 """Lists of rows that are drawn."""
 
 
 def draw(rows: Rows, folder: Path) -> None:
-    """Write scaling.svg and scaling.png; where nothing of `DRAWN` was measured, remove those of an earlier time."""
+    """Write scaling.svg and scaling.png; if nothing in `DRAWN` was measured, remove earlier ones."""
     with drawing(NAME), TemporaryDirectory(prefix=".", dir=folder) as scratch:
         figure = scaling(rows)
         if figure is None:
@@ -35,7 +35,7 @@ def draw(rows: Rows, folder: Path) -> None:
 
 
 def scaling(rows: Rows) -> Figure | None:
-    """Rates over environments; time and memory over pedestrians, with their slopes."""
+    """Return a figure of rates over environments, and of time and memory over pedestrians with their slopes."""
     rates = bool(rows.get("env") or rows.get("training"))
     crowd = rows.get("pedestrians", ())
     count = rates + 2 * bool(crowd)

@@ -1,4 +1,4 @@
-"""The machine: what computes, and how much memory this process took at most."""
+"""The machine: its hardware, and the most memory that this process has used."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jaxwalk.runs.provenance import cores, processor, provenance
 
 
 def describe(settings: Settings) -> dict[str, Any]:
-    """Hardware and provenance."""
+    """Return hardware and provenance."""
     device = jax.devices()[0]
     limit = (device.memory_stats() or {}).get("bytes_limit") if accelerated() else None
     hardware = {
@@ -32,12 +32,12 @@ def describe(settings: Settings) -> dict[str, Any]:
 
 
 def accelerated() -> bool:
-    """Whether something else than the processor computes."""
+    """Return whether there is an accelerator."""
     return jax.devices()[0].platform != "cpu"
 
 
 def peak_memory() -> int | None:
-    """The most that this process has held so far [B]: of the accelerator's memory, else of the machine's."""
+    """Return the most memory that this process has held so far [B], on the accelerator if there is one."""
     if accelerated():
         return (jax.devices()[0].memory_stats() or {}).get("peak_bytes_in_use")
     try:

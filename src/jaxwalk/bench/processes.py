@@ -1,4 +1,4 @@
-"""Each part in a process of its own: JAX reads flags once, and memory's peak is a process's."""
+"""Runs each part in a process of its own: JAX reads flags once, and peak memory is measured for a whole process."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from jaxwalk.bench.benchmark_settings import Settings
 
 
 class BenchmarkError(ValueError):
-    """A part that could not be measured; one line says which."""
+    """A part could not be measured. The message names it, in one line."""
 
 
 def measure_apart(part: str, settings: Settings) -> Any:
-    """What a part found; how it goes is told on standard error."""
+    """Return what a part measured in a process of its own; its progress goes to standard error."""
     command = [sys.executable, "-m", __package__ or "", part, json.dumps(asdict(settings))]
     done = subprocess.run(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, check=False)
     if done.returncode:
         raise BenchmarkError(f"the part {part} could not be measured (exit code {done.returncode}); see above")
     try:
-        return json.loads(done.stdout.splitlines()[-1])  # a library may have printed something before
+        return json.loads(done.stdout.splitlines()[-1])  # a library may have printed something before the document
     except (IndexError, ValueError) as error:
         raise BenchmarkError(f"the part {part} gave no document; see above") from error
 
 
 def tell(text: str) -> None:
-    """A line on standard error."""
+    """Print a line on standard error."""
     print(f"    {text}", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""The machine's peak: what square matrix products in 32-bit numbers reach, as XLA makes them."""
+"""The machine's peak: the rate of square matrix products in 32-bit numbers, as XLA compiles them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import jax.numpy as jnp
 from jaxwalk.bench.machine import accelerated
 
 CALL_SECONDS = 0.05
-"""So many products are begun, one after the other without waiting, as take about this long."""
+"""Time of one measured call: as many products as fit into it are started without waiting in between [s]."""
 
 
 def peak_products(sides: tuple[int, ...], seconds: float) -> list[dict[str, Any]]:
-    """The best rate of each size; on an accelerator also of products made with all the bits of 32-bit numbers."""
+    """Return the best rate of each size; on an accelerator also with the full precision of 32-bit numbers."""
     precisions = ("default", "highest") if accelerated() else ("default",)
     return [_rate(side, precision, min(seconds, 1.0)) for precision in precisions for side in sides]
 
@@ -32,7 +32,7 @@ def _rate(side: int, precision: str, seconds: float) -> dict[str, Any]:
 
 
 def _seconds(multiply: Any, a: jax.Array, b: jax.Array, calls: int) -> float:
-    """Mean time of a call [s]."""
+    """Return the mean time of a call [s]."""
     begun = time.perf_counter()
     jax.block_until_ready([multiply(a, b) for _ in range(calls)])
     return (time.perf_counter() - begun) / calls

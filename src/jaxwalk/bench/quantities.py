@@ -1,4 +1,4 @@
-"""From measured rows to figures: each has a name, a unit and one sentence. What was not measured has no figure."""
+"""Figures from measured rows: each has a name, a unit and one sentence. What was not measured has no figure."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 Rows = Mapping[str, Sequence[Mapping[str, Any]]]
 """Measured rows, by name: see `jaxwalk.bench.document`."""
 LARGE = 16384
-"""So many environments are many: what is in cache elsewhere is in memory there."""
+"""A large number of environments: data that fit into the cache for fewer are in memory here."""
 Value = float | int | None
-"""None: can't be told from what was measured."""
+"""None if the measurements don't give the value."""
 
 FIGURES: dict[str, tuple[str, str]] = {
     "env_steps_per_s": ("steps/s", "The simulator alone, all observations and rewards computed, at its best size."),
@@ -54,11 +54,11 @@ FIGURES: dict[str, tuple[str, str]] = {
         "An environment's temporary memory grows with pedestrians to this power.",
     ),
 }
-"""Unit and meaning of every figure, in the order in which they are shown."""
+"""Unit and meaning of every figure, in the order of display."""
 
 
 def figures(rows: Rows) -> dict[str, dict[str, Any]]:
-    """All that the rows tell."""
+    """Return all figures that can be computed from the rows."""
     values: dict[str, Value] = {}
     for name, compute in PARTS.items():
         if rows.get(name):
@@ -71,14 +71,14 @@ def figures(rows: Rows) -> dict[str, dict[str, Any]]:
 
 
 def exponent(x: Sequence[float | int], y: Sequence[float | int]) -> float | None:
-    """The slope of log y over log x by least squares; None without two different x."""
+    """Return the slope of log y over log x by least squares; None without two different x."""
     if len(set(x)) < 2:
         return None
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
 def nonlinearity(x: Sequence[float | int], y: Sequence[float | int]) -> float | None:
-    """The largest relative distance of y from a + b x, fitted so that relative distances are small; None below 3 x."""
+    """Return the largest relative distance of y from a + b x, fitted to relative distances; None for fewer than 3 x."""
     if len(set(x)) < 3:
         return None
     y_, columns = np.asarray(y, float), np.stack([np.ones(len(x)), np.asarray(x, float)], axis=1)
@@ -87,12 +87,12 @@ def nonlinearity(x: Sequence[float | int], y: Sequence[float | int]) -> float | 
 
 
 def memory(row: Mapping[str, Any]) -> int:
-    """What a rollout of the simulator alone takes: what goes in, and what it holds meanwhile [B]."""
+    """Return the memory of a rollout of the simulator alone: its inputs, and what it holds while it runs [B]."""
     return row["state_bytes"] + row["temporary_bytes"]
 
 
 def microseconds(row: Mapping[str, Any]) -> float:
-    """Time of one step of one environment [us], in the quickest call: a slope suffers from a disturbed one."""
+    """Return the time of one step of one environment [us] in the fastest call: a disturbed call distorts a slope."""
     return 1e6 / row["best_env_steps_per_s"]
 
 
@@ -116,7 +116,7 @@ def _simulator(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
 
 
 def _training(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
-    """The first row of a recipe is the one at its own size."""
+    """Return the figures of a recipe. Its first row is the one at its own size."""
     values: dict[str, Value] = {}
     for recipe in ("fast", "paper"):
         together = [row for row in rows if row["recipe"] == recipe and not row["single_agent"]]
@@ -135,7 +135,7 @@ def _training(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
 
 
 def _products(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
-    """With TF32 products, an accelerator's peak is that of those."""
+    """Return the peak. With TF32 products, an accelerator's peak is that of those products."""
     best = {
         precision: max((row["flops"] for row in rows if row["precision"] == precision), default=None)
         for precision in ("default", "highest")
@@ -156,7 +156,7 @@ def _crowd(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
 
 
 def _shares(values: Mapping[str, Value]) -> dict[str, float]:
-    """Shares of the peak."""
+    """Return the shares of the peak."""
     peak, shares = values.get("matmul_peak_flops"), {}
     for recipe in ("fast", "paper"):
         cost = values.get(f"flop_per_step_{recipe}")
@@ -174,4 +174,4 @@ PARTS: dict[str, Callable[[Sequence[Mapping[str, Any]]], dict[str, Value]]] = {
     "starts": _starts,
     "pedestrians": _crowd,
 }
-"""What each list of rows gives."""
+"""The function that computes the figures of each list of rows."""

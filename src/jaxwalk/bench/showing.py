@@ -1,4 +1,4 @@
-"""A benchmark's document as a table on the terminal, and as Markdown."""
+"""Shows a benchmark's document as a table on the terminal and as Markdown."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ COLUMNS = {
     "pedestrians": ("pedestrians", "us per step", "temporary kB per environment", "compiled in [s]"),
     "products": ("matrices", "precision", "GFLOP/s"),
 }
-"""Of each list of rows, what is shown."""
+"""Column titles of each list of rows."""
 
 
 def shown(value: float | int, unit: str) -> str:
-    """A figure as people read it."""
+    """Return a figure with its unit, rounded for reading."""
     if unit in ("steps/s", "transitions/s"):
         return f"{value:,.0f} {unit}"
     if unit == "share":
@@ -43,7 +43,7 @@ def shown(value: float | int, unit: str) -> str:
 
 
 def table(document: Mapping[str, Any]) -> Table:
-    """Every figure."""
+    """Return a table of all figures."""
     drawn = Table("figure", box=SIMPLE, padding=(0, 1), caption=caption(document), caption_justify="left")
     drawn.add_column("value", justify="right", no_wrap=True)
     drawn.add_column("what it is")
@@ -53,14 +53,14 @@ def table(document: Mapping[str, Any]) -> Table:
 
 
 def caption(document: Mapping[str, Any]) -> str:
-    """Where the figures come from."""
+    """Return the origin of the figures."""
     made, quick = document["provenance"], "quick: no measure of this machine; " if document["options"]["quick"] else ""
     versions = ", ".join(f"{name} {version}" for name, version in made["versions"].items())
     return f"{quick}{made['hardware']}; commit {made['commit'] or 'unknown'}; {versions}"
 
 
 def markdown(document: Mapping[str, Any]) -> str:
-    """All figures and rows as a page, which shows the plots beside it."""
+    """Return all figures and rows as a Markdown page, which shows the plots beside it."""
     figures = [
         (f"`{name}`", shown(x["value"], x["unit"]), x["what"]) for name, x in document["figures"].items()
     ]  # fmt: skip
@@ -107,4 +107,4 @@ TITLES = {
     "pedestrians": "The simulator alone, over pedestrians",
     "products": "Matrix products",
 }
-"""Of each list of rows."""
+"""Title of each list of rows."""

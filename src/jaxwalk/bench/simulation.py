@@ -1,8 +1,8 @@
-"""The simulator alone: fresh actions every step, restarts on, what a car or people could see or be paid is computed.
+"""The speed of the simulator alone: random actions at every step, restarts, and all observations and rewards.
 
-Every observation set but those of what is hidden from a real car or inferred, and every reward term of both roles, is
-reduced into the result, so that nothing can be left out. No learning. The processor's cores each play a share of the
-environments, as devices of one `shard_map`, and of a large share one part after the other.
+Every observation set is computed, except those of what a real car can't know or only infers, and every reward term
+of both roles. All of it is reduced into the result, so that the compiler can't leave anything out. There is no
+learning. Each processor core plays a share of the environments, as a device of one `shard_map`, part by part.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ Sets = tuple[tuple[str, str], ...]
 EVERY: Sets = tuple(
     (role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in {*HIDDEN, BELIEF}
 )
-"""All but what is hidden from a real car, and what it could only infer."""
+"""All sets except those of what is hidden from a real car, and of what it could only infer."""
 PAPER: Sets = tuple((role, "paper") for role in OBSERVATIONS)
-"""What the published environment computes."""
+"""The sets that the published environment computes."""
 PART = 2048
-"""A core of a processor plays at most so many environments at a time: what they need stays in its cache."""
+"""Largest number of environments that a processor core plays at a time, so that their data stay in its cache."""
 WARM_STEPS = 64
-"""Steps before the clock starts: away from the beginning, where all episodes are in step."""
+"""Steps before timing starts, so that episodes are no longer at the same step."""
 
 
 def over_environments(settings: Settings) -> list[dict[str, Any]]:
-    """A row for each number of environments; one more for the best of them, with the paper's observations alone."""
+    """Return a row for each number of environments; one more for the fastest, with the paper's observations alone."""
     street = paid_street(SimConfig())
     rows = [measure(street, count, settings) for count in settings.environments]
     best = max(rows, key=lambda row: row["env_steps_per_s"])
@@ -50,7 +50,7 @@ def over_environments(settings: Settings) -> list[dict[str, Any]]:
 
 
 def over_pedestrians(settings: Settings) -> list[dict[str, Any]]:
-    """A row for each number of pedestrians."""
+    """Return a row for each number of pedestrians."""
     return [
         measure(paid_street(SimConfig(pedestrians=count)), settings.crowd_environments, settings)
         for count in settings.pedestrians
@@ -58,7 +58,7 @@ def over_pedestrians(settings: Settings) -> list[dict[str, Any]]:
 
 
 def paid_street(config: SimConfig) -> Street:
-    """The paper's map, with every reward term."""
+    """Return a street with the paper's map and every reward term."""
     return Street.create(
         config=config,
         driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0),
@@ -67,7 +67,7 @@ def paid_street(config: SimConfig) -> Street:
 
 
 def measure(street: Street, count: int, settings: Settings, sets: Sets = EVERY) -> dict[str, Any]:
-    """One row: rate, memory and how it came about."""
+    """Measure one row: the rate, the memory, and the conditions of the measurement."""
     program = build(street, count, settings.steps, settings.seed, sets)
     timing = play(program, street, settings)
     row = {
@@ -98,17 +98,17 @@ class Program:
     stream: Stream
     shards: int
     compile_s: float
-    """It took so long, unless it was found in the cache of compiled code [s]."""
+    """Time to compile, unless the program was found in the cache of compiled code [s]."""
     temporary_bytes: int
-    """What all shards together hold while it runs, besides what goes in and comes out [B]."""
+    """Memory that all shards together use while it runs, besides inputs and outputs [B]."""
     state_bytes: int
-    """What goes in: scenarios, states and keys [B]."""
+    """Size of the inputs: scenarios, states and keys [B]."""
     kept_bytes: int
-    """What the rollout keeps of every step [B]."""
+    """Size of what the rollout keeps of every step [B]."""
 
 
 def build(street: Street, count: int, steps: int, seed: int, sets: Sets = EVERY) -> Program:
-    """Compile a rollout of so many environments, shared out among as many devices as divide them evenly."""
+    """Compile a rollout of ``count`` environments, shared out among as many devices as divide them evenly."""
     shards = max(n for n in range(1, len(jax.devices()) + 1) if count % n == 0)
     mesh = mesh_of(shards)
     act = look_and_act(street, sets)
@@ -140,10 +140,10 @@ def build(street: Street, count: int, steps: int, seed: int, sets: Sets = EVERY)
 
 
 def in_parts(play: Callable[[Stream], tuple[Stream, Any]], stream: Stream, parts: int) -> tuple[Stream, Any]:
-    """``play`` for so many equal parts of the environments, one after the other."""
+    """Call ``play`` for ``parts`` equal parts of the environments, one after the other."""
 
     def split(x: jax.Array) -> jax.Array:
-        if x.ndim == 0:  # the step, which all of them share
+        if x.ndim == 0:  # the step number, which all parts share
             return jnp.broadcast_to(x, parts)
         return jnp.moveaxis(x.reshape(*x.shape[:-1], parts, -1), -2, 0)
 
@@ -154,7 +154,7 @@ def in_parts(play: Callable[[Stream], tuple[Stream, Any]], stream: Stream, parts
 
 
 def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]:
-    """The median rate; steps in which an ended episode idles until its restart don't count."""
+    """Return the median and the best rate; steps in which an ended episode waits for its restart don't count."""
     stream = program.stream
     for _ in range(max(1, WARM_STEPS // settings.steps)):
         stream, result = program.call(street, stream)
@@ -180,7 +180,7 @@ def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]
 
 
 def look_and_act(street: Street, sets: Sets = EVERY) -> Act:
-    """A policy that acts at random and looks at all of those sets; it records one number for each street."""
+    """Return a policy that acts at random and observes all of those sets; it records one number for each street."""
     people = jnp.arange(street.world.rules.pedestrians, dtype=jnp.uint32)
 
     def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[dict[str, jax.Array], Any, jax.Array]:
@@ -196,14 +196,14 @@ def look_and_act(street: Street, sets: Sets = EVERY) -> Act:
 
 
 def keep(step: Step) -> tuple[jax.Array, ...]:
-    """Of a step, for each street: all that was paid, all that was seen, whether an episode ended, whether it counts."""
+    """Return for each street the sum of rewards, the record, whether the episode ended, whether the step counts."""
     terms = [term for terms in step.outcome.rewards.values() for term in terms.values()]
     paid = sum(term.astype(jnp.float32).sum(axis=tuple(range(term.ndim - 1))) for term in terms)
     return jnp.asarray(paid * step.valid), step.record, step.outcome.ended, step.valid
 
 
 def _bytes(tree: Any) -> int:
-    """Size of all arrays; keys are two 32-bit words."""
+    """Return the size of all arrays; a key is two 32-bit words."""
     return sum(
         x.size * (8 if jnp.issubdtype(x.dtype, jax.dtypes.prng_key) else x.dtype.itemsize)
         for x in jax.tree.leaves(tree)

@@ -1,4 +1,4 @@
-"""The first minute: how long until the command line answers, and until a training has learned for the first time.
+"""The first minute: the time until the command line answers, and until a first training has made its first update.
 
 This process uses no device, so that the commands it starts can have it.
 """
@@ -16,15 +16,15 @@ from pathlib import Path
 from jaxwalk.bench.processes import BenchmarkError, tell
 
 REPEATS = 5
-"""Short commands are timed so many times; their median counts."""
+"""Number of times that a short command is timed; the median counts."""
 WARM_STARTS = 3
-"""So often a training is begun with its code compiled before."""
+"""Number of times that a training is started with its code already compiled."""
 CACHE_VARIABLES = ("JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE")
-"""Would override the command's own cache of compiled code."""
+"""Environment variables that would override the command's own cache of compiled code."""
 
 
 def starts(*, recipe: str = "fast", options: tuple[str, ...] = ()) -> dict[str, float]:
-    """Seconds of each start, by name. ``options``: of `jaxwalk train`, besides the recipe's own values."""
+    """Return the seconds of each start, by name. ``options``: those of `jaxwalk train`, besides the recipe's values."""
     found = {
         "import_s": _median([sys.executable, "-c", "import jaxwalk"]),
         "help_s": _median([sys.executable, "-m", "jaxwalk", "--help"]),
@@ -44,9 +44,9 @@ def starts(*, recipe: str = "fast", options: tuple[str, ...] = ()) -> dict[str, 
 
 
 def first_update(scratch: Path, name: str, recipe: str, options: tuple[str, ...]) -> tuple[float, float]:
-    """Seconds from `jaxwalk train` until the first update's metrics are on disk, and until the command ends.
+    """Return the seconds from `jaxwalk train` until the first update's metrics are on disk, and until the command ends.
 
-    Its cache of compiled code lies in ``scratch``: empty when it runs for the first time.
+    The command's cache of compiled code is in ``scratch``, which is empty when it runs for the first time.
     """
     command = [sys.executable, "-m", "jaxwalk", "train", "--recipe", recipe, "--updates", "1"]
     command += ["--run", str(scratch / name), *options]
@@ -58,7 +58,7 @@ def first_update(scratch: Path, name: str, recipe: str, options: tuple[str, ...]
 
 
 def watch(command: list[str], metrics: Path, said: Path, environment: dict[str, str]) -> tuple[float, float]:
-    """Seconds until the command has written the metrics, and until it ends; what it says goes into a file."""
+    """Return the seconds until the command has written the metrics, and until it ends; its output goes into a file."""
     learned = None
     with said.open("wb") as out:
         begun = time.perf_counter()
@@ -79,7 +79,7 @@ def watch(command: list[str], metrics: Path, said: Path, environment: dict[str, 
 
 
 def _median(command: list[str]) -> float:
-    """Seconds that a command takes, after a first time, which may still write compiled Python."""
+    """Return the median seconds of a command, after a first run, which may still write compiled Python."""
     times = []
     for _ in range(1 + REPEATS):
         begun = time.perf_counter()

@@ -1,4 +1,4 @@
-"""Training: whole updates of `jaxwalk.learning.mappo`, with the machine's peak in between and afterwards."""
+"""The speed of training: whole updates of `jaxwalk.learning.mappo`, and the machine's peak between and after them."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ WHOLE_MINIBATCH = 2**30
 
 
 def fast(settings: Settings) -> dict[str, Any]:
-    """The recipe ``fast``: at its own size, then the car alone, then with other numbers of environments."""
+    """Measure the recipe ``fast`` at its own size, with the car alone, and with other numbers of environments."""
     own = own_size(RECIPES["fast"], settings)
     alone = [] if settings.quick else [single_agent(own)]
     return _measure_all(own, [*alone, *_with_other_sizes(own, settings)], settings)
 
 
 def paper(settings: Settings) -> dict[str, Any]:
-    """The recipe ``paper`` at its own size; with other numbers of environments only where that takes no minutes."""
+    """Measure the recipe ``paper`` at its own size; on an accelerator also with other numbers of environments."""
     own = own_size(RECIPES["paper"], settings)
     return _measure_all(own, _with_other_sizes(own, settings) if accelerated() else [], settings)
 
 
 def own_size(experiment: Experiment, settings: Settings) -> Experiment:
-    """The experiment as it is measured on this machine."""
+    """Return the experiment as it is measured on this machine."""
     rows = settings.chunk_rows or (WHOLE_MINIBATCH if accelerated() else None)
     changed = with_training(experiment, environments=settings.recipe_environments, chunk_rows=rows)
     return shared_out(replace(changed, seed=settings.seed))
@@ -51,7 +51,7 @@ def _with_other_sizes(own: Experiment, settings: Settings) -> list[Experiment]:
 
 
 def _measure_all(own: Experiment, others: list[Experiment], settings: Settings) -> dict[str, Any]:
-    """A row for each experiment, and the machine's peak in between and afterwards.
+    """Return a row for each experiment; measure the machine's peak in between and afterwards.
 
     The memory's peak is that of the first experiment, which has the fresh process to itself.
     """
@@ -64,7 +64,7 @@ def _measure_all(own: Experiment, others: list[Experiment], settings: Settings) 
 
 
 def measure(experiment: Experiment, seconds: float) -> dict[str, Any]:
-    """One row: the median update, the rate that follows, and what the networks cost by formula."""
+    """Measure one row: the median update, the resulting rate, and the networks' operations by formula."""
     street, config = make_street(experiment), replace(experiment.train, updates=1)  # as `jaxwalk train` compiles it
     first, times = time_updates(experiment, street, config, seconds)
     update_s = statistics.median(times)
@@ -102,7 +102,7 @@ def measure(experiment: Experiment, seconds: float) -> dict[str, Any]:
 def time_updates(
     experiment: Experiment, street: Environment, config: TrainConfig, seconds: float
 ) -> tuple[float, list[float]]:
-    """Time until the first update is made, compiling included, and the time of each later one [s]."""
+    """Return the time until the first update is made, including compiling, and the time of each later update [s]."""
     begun = time.perf_counter()
     key = seed_key(experiment.seed, TRAINING)
     learner = mappo.init(street, config, key, others=fixed_policies(experiment))

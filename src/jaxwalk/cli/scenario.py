@@ -13,7 +13,7 @@ from jaxwalk.scenarios import Drawn
 
 
 def run(options: Scenario) -> int:
-    """Play and write."""
+    """Play the scenario and write the files."""
     check(options)
     street, drivers, people = cast([options.driver], [options.pedestrians], options.map, options.jaywalk_multiplier)
     (driver,), (crowd,) = drivers.values(), people.values()
@@ -26,7 +26,7 @@ def run(options: Scenario) -> int:
 
 
 def check(options: Scenario) -> None:
-    """Raise for options that can't be."""
+    """Raise an error for impossible options."""
     check_driver(options.driver)
     check_scenario(options.scenario)
     check_seed(options.seed)

@@ -1,4 +1,4 @@
-"""Drivers meet populations on the same scenarios: play, evaluate, compare, write documents and read them."""
+"""Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them."""
 
 from jaxwalk.evaluation.batches import BATCH, evaluate, replay
 from jaxwalk.evaluation.comparison import Comparison, Paired, compared, paired

@@ -1,8 +1,8 @@
-"""Evaluating who plays each role on the scenarios of a source.
+"""Evaluate the policies of all roles on the scenarios of a source.
 
-What happens in a scenario depends on the scenario and its key alone. All batches have the same size on the device (the
-last one repeats scenarios), so row i does not depend, to the last bit, on how many scenarios there are. Another batch
-size may round differently.
+The course of a scenario depends only on the scenario and its key. All batches have the same size on the device (the
+last one repeats scenarios), so row i is the same to the last bit for any number of scenarios. Another batch size may
+round differently.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory, part_of
 
 BATCH = 512
-"""Episodes played at once, unless a caller says otherwise."""
+"""Default number of episodes played at once."""
 AT_ONCE = 2
-"""Batches under way together: on a processor, much of a batch keeps one core busy."""
+"""Number of batches in progress at once: on a CPU, much of a batch keeps only one core busy."""
 
 Progress = Callable[[int, int], None]
-"""Called with how many are done, and how many there are."""
+"""Called with the number done so far, and the total."""
 
 
 def evaluate(
@@ -37,10 +37,10 @@ def evaluate(
 
     Args:
         street: the world.
-        policies: who plays each role.
+            policies: the policy of each role.
         source: the scenarios.
-        batch: episodes played at once, twice over; memory grows with it (about 0.4 MB an episode).
-        progress: called after every batch with the episodes played so far, and all.
+            batch: episodes played at once, twice over; memory grows with it (about 0.4 MB per episode).
+            progress: called after every batch with the number of episodes played so far, and the total.
 
     Raises:
         ValueError: ``batch`` is below 1.
@@ -52,7 +52,7 @@ def evaluate(
 def evaluate_batches(
     street: Street, policies: Roles[Policy], source: Source, *, batch: int = BATCH, progress: Progress | None = None
 ) -> Iterator[Rows]:
-    """Yield what `evaluate` joins, batch after batch, each as soon as it is played."""
+    """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played."""
     _check_batch(batch)
     episodes, config = len(source), street.config
 
@@ -82,14 +82,15 @@ def replay(
     """Return the episodes of some scenarios of a source, as `evaluate` plays them with the same ``batch``.
 
     Raises:
-        ValueError: there are no ``numbers`` or more than ``batch``, the source hasn't one of them, or ``batch`` is
-            below 1.
+            ValueError: there are no ``numbers`` or more than ``batch``, the source lacks one of them, or ``batch`` is
+            below
+                1.
     """
     _check_batch(batch)
     chosen = np.asarray(numbers, np.int64)
     if not 0 < len(chosen) <= batch:
         raise ValueError(f"replay takes 1 to {batch} scenarios at once, not {len(chosen)}")
-    full = np.resize(chosen, batch)  # repeated to a full batch, so that nothing is compiled twice
+    full = np.resize(chosen, batch)  # repeated to a full batch, so that nothing is compiled again
     scenarios, keys = source.take(full)
     trajectory = play(street, policies, scenarios, keys, numbers=full)
     count = len(chosen)

@@ -1,4 +1,4 @@
-"""Two evaluations on the same scenarios, compared scenario by scenario."""
+"""Compare two evaluations of the same scenarios, scenario by scenario."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Comparison:
 
     scenarios: int
     both: int
-    """Scenarios that end so in both."""
+    """Number of scenarios with this ending in both."""
     only_a: int
     only_b: int
     difference: float
@@ -27,7 +27,7 @@ class Comparison:
 
     @property
     def rates(self) -> tuple[float, float]:
-        """Shares in A and in B."""
+        """Shares with this ending in A and in B."""
         return (self.both + self.only_a) / self.scenarios, (self.both + self.only_b) / self.scenarios
 
 
@@ -42,10 +42,10 @@ class Paired:
 
 
 def paired(rows_a: Rows, rows_b: Rows) -> Paired:
-    """Compare two evaluations of the same scenarios (the same seed and street but for what is compared).
+    """Compare two evaluations of the same scenarios (the same seed, and the same street except for what is compared).
 
     Raises:
-        ValueError: the scenarios are not the same ones in the same order.
+            ValueError: the scenarios differ, or are in another order.
     """
     a, b = rows_a[OUTCOMES], rows_b[OUTCOMES]
     if not np.array_equal(a.scenario, b.scenario):
@@ -70,20 +70,20 @@ def _compared(a: np.ndarray, b: np.ndarray) -> Comparison:
 
 
 FOUND = 0.05
-"""A difference with a smaller p-value than this is reported as one."""
+"""A difference is reported as such if its p-value is smaller than this."""
 SAID = {"collision": ("collides less", "collides more"), "goal": ("reaches the goal less", "reaches the goal more")}
-"""An ending that is rarer in B, and one that is more frequent."""
+"""Words for an ending that is rarer in B, and for one that is more frequent."""
 
 
 def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> tuple[ComparedEnding, ...]:
-    """Test collisions and goals of two drivers in pairs, and put what was found into words.
+    """Test collisions and goals of two drivers in pairs, and describe the findings in words.
 
     The p-values are adjusted for the number of tests (Holm).
 
     Args:
-        a: name of the driver A of all pairs.
-        b: name of B.
-        among: each population's name, the jaywalk multiplier, and the pairs.
+            a: name of driver A in all pairs.
+            b: name of driver B.
+            among: name of each population, jaywalk multiplier, and pairs.
     """
     tests = [
         (people, multiplier, ending, found)
@@ -121,7 +121,7 @@ def _in_words(b: str, people: str, ending: str, found: Comparison, p: float, tes
         return f"{b} {side} among {people}: {numbers}."
     if rate_a == rate_b:
         return f"Equally many {ending}s of both among {people}: {numbers}."
-    # (one test of a family has to be this sure: Holm asks no more of the surest)
+    # (one test of a family has to reach this p-value: Holm's correction asks no more of the smallest one)
     needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios, alpha=FOUND / tests)
     enough = f"rates like these take some {float(f'{needed:.1e}'):,.0f} to tell apart"
     return f"Whether {b} {side} among {people} is open: {numbers}; {enough}."

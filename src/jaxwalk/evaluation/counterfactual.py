@@ -1,7 +1,7 @@
-"""Could it have been avoided, and by whom? Every collision of an evaluation, replayed with one thing changed.
+"""Could a collision have been avoided, and by whom? Replay every collision of an evaluation with one thing changed.
 
-What is changed, and what a label means: ``docs/metrics.md``, Counterfactuals. A scenario holds all chance and a step
-none, so everything else is as it was until the change makes a difference.
+``docs/metrics.md``, Counterfactuals, explains the changes and the labels. A scenario holds all randomness and a step is
+deterministic, so everything else stays the same until the change makes a difference.
 """
 
 from __future__ import annotations
@@ -28,52 +28,52 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
 
 SMALL_BATCH = 64
-"""Collisions replayed at once, unless told otherwise."""
+"""Default number of collisions replayed at once."""
 WATCHED = 5.0
-"""A collision is avoided if nobody is touched up to this long after it happened [s]; a later one is not this one."""
+"""A collision is avoided if nobody is touched up to this long after it [s]; a later one is a different collision."""
 LEAD = 3.0
-"""Who is hit on a sidewalk entered no road: the driver does otherwise from this long before, or from the start [s]."""
+"""A person hit on a sidewalk entered no road: the driver's action changes this long before, or from the start [s]."""
 CHANGES = ("crosswalk", "wait", "brake", "planner", "planner_from_start")
-"""What is done otherwise, each in a replay of its own."""
+"""The changes; each has its own replay."""
 LABELS = ("either", "driver", "pedestrian", "unavoidable")
 """Who could have avoided a collision."""
 
 
 class ReplayError(ValueError):
-    """A collision did not come back in a replay without any change."""
+    """Raised if a collision does not recur in a replay without any change."""
 
 
 @dataclass(frozen=True)
 class Counterfactuals:
-    """One row per replayed collision. The columns named as `CHANGES` say: so changed, it did not happen."""
+    """One row per replayed collision. Each column named in `CHANGES` says whether that change avoids the collision."""
 
     collisions: int
-    """Of the evaluation, replayed or not."""
+    """All collisions of the evaluation, replayed or not."""
     scenario: Int[np.ndarray, "collision"]
     contact: Int[np.ndarray, "collision"]
-    """CROSSWALK, JAYWALK or SIDEWALK: what the pedestrian touched was doing."""
+    """CROSSWALK, JAYWALK or SIDEWALK: what the touched pedestrian was doing."""
     moving: Bool[np.ndarray, "collision"]
-    """Of a moving car."""
+    """Whether the car was moving."""
     notice: Float[np.ndarray, "collision"]
-    """From road entry (on a sidewalk: from when the driver does otherwise) to the collision [s]."""
+    """Time from road entry (on a sidewalk: from the driver's changed action) to the collision [s]."""
     crosswalk_applies: Bool[np.ndarray, "collision"]
-    """It was a jaywalker."""
+    """Whether the pedestrian was a jaywalker."""
     wait_applies: Bool[np.ndarray, "collision"]
-    """It was somebody who had stepped into the road."""
+    """Whether the pedestrian had stepped into the road."""
     crosswalk: Bool[np.ndarray, "collision"]
-    """The pedestrian crosses on the crosswalk (false where that does not apply)."""
+    """The pedestrian crosses on the crosswalk (false if that does not apply)."""
     wait: Bool[np.ndarray, "collision"]
-    """The pedestrian waits at the kerb (false where that does not apply)."""
+    """The pedestrian waits at the kerb (false if that does not apply)."""
     brake: Bool[np.ndarray, "collision"]
     """The car brakes fully from road entry on."""
     planner: Bool[np.ndarray, "collision"]
     """The oracle drives from road entry on."""
     planner_from_start: Bool[np.ndarray, "collision"]
-    """The oracle drives all the way; no part of the label."""
+    """The oracle drives all the way; the label does not use it."""
 
     @property
     def label(self) -> Shaped[np.ndarray, "collision"]:
-        """One of `LABELS`, as text."""
+        """The label of each collision as text: one of `LABELS`."""
         driver, pedestrian = self.brake | self.planner, self.crosswalk | self.wait
         return np.select([driver & pedestrian, driver, pedestrian], LABELS[:3], LABELS[3])
 
@@ -82,19 +82,19 @@ def counterfactuals(
     street: Street, policies: Roles[Policy], source: Source, hits: Hits, *,
     batch: int | None = None, progress: Progress | None = None,
 ) -> Counterfactuals:  # fmt: skip
-    """Replay collisions of an evaluation, unchanged and with each of `CHANGES`.
+    """Replay collisions of an evaluation, both unchanged and with each of `CHANGES`.
 
     Args:
-        street: the world; this and the following as they were for the evaluation.
-        policies: who plays each role.
+            street: the world; this and the following must be the same as in the evaluation.
+            policies: the policy of each role.
         source: the scenarios.
         hits: the collisions, from `find_hits`.
-        batch: episodes played at once. If left out, `SMALL_BATCH`, which is quicker for few collisions, or where these
-            round differently, `BATCH`, with which `evaluate` plays.
-        progress: called after every batch with the collisions replayed so far and those to replay.
+            batch: episodes played at once. By default `SMALL_BATCH`, which is quicker for few collisions; if rounding
+                makes those replays differ, `BATCH`, which `evaluate` uses.
+            progress: called after every batch with the number of collisions replayed so far, and the total.
 
     Raises:
-        ReplayError: an unchanged replay ends otherwise than the row says.
+            ReplayError: an unchanged replay ends differently from its row.
         ValueError: ``batch`` is below 1.
     """
     if batch is not None and batch < 1:
@@ -126,7 +126,7 @@ def _replay_all(
     avoided = {change: np.zeros(count, bool) for change in CHANGES}
     for first in range(0, count, batch):
         some = np.arange(first, min(first + batch, count))
-        full = np.resize(some, batch)  # repeated to a full batch, so that nothing is compiled twice
+        full = np.resize(some, batch)  # repeated to a full batch, so that nothing is compiled again
         for change, answer in _replay(street, policies, source, hits.some(full)).items():
             avoided[change][some] = answer[: len(some)]
         if progress is not None:
@@ -139,39 +139,39 @@ class Hits:
     """Collisions of an evaluation, one row each."""
 
     collisions: int
-    """All of the evaluation, chosen or not."""
+    """All collisions of the evaluation, selected or not."""
     dt: float
     """Duration of a step [s]."""
     scenario: Int[np.ndarray, "collision"]
     steps: Int[np.ndarray, "collision"]
     """Frame of the contact."""
     ped: Int[np.ndarray, "collision"]
-    """The pedestrian touched (of several, the nearest)."""
+    """The pedestrian touched (the nearest if there are several)."""
     contact: Int[np.ndarray, "collision"]
     moving: Bool[np.ndarray, "collision"]
     entered: Bool[np.ndarray, "collision"]
-    """It was hit on a roadway, which it had entered after frame 0."""
+    """Whether the pedestrian was hit on a roadway, and had entered it after frame 0."""
     start: Int[np.ndarray, "collision"]
-    """Frame of its road entry; of who was hit on a sidewalk, from when the driver does otherwise."""
+    """Frame of the road entry; if hit on a sidewalk, the frame from which the driver's action changes."""
 
     def some(self, rows: slice | Shaped[np.ndarray, "row"]) -> Hits:
-        """Return the rows chosen by a slice, indices or a mask."""
+        """Return the rows selected by a slice, indices or a mask."""
         columns = {name: x[rows] for name, x in vars(self).items() if isinstance(x, np.ndarray)}
         return replace(self, **columns)
 
     def first(self, count: int | None) -> Hits:
-        """Return the first ``count`` collisions; None: all. Raise ValueError if it is negative."""
+        """Return the first ``count`` collisions, or all if it is None. Raise ValueError if it is negative."""
         if (count or 0) < 0:
             raise ValueError(f"the number of collisions must be 0 or more, not {count}")
         return self.some(slice(count))
 
     def among(self, scenarios: Collection[int]) -> Hits:
-        """Return the collisions in the scenarios of these numbers."""
+        """Return the collisions in the scenarios with these numbers."""
         return self.some(np.isin(self.scenario, list(scenarios)))
 
 
 def find_hits(rows: Rows) -> Hits:
-    """The collisions of an evaluation, in the order of its episodes."""
+    """Return the collisions of an evaluation, in the order of its episodes."""
     table, crossings = rows[OUTCOMES], rows[CROSSINGS]
     whose = crossings.episode
     hit = (crossings.ped == table.contact_ped[whose]) & (crossings.last == table.steps[whose])
@@ -195,7 +195,7 @@ def find_hits(rows: Rows) -> Hits:
 def _replay(
     street: Street, policies: Roles[Policy], source: Source, hits: Hits
 ) -> dict[str, Bool[np.ndarray, "collision"]]:
-    """Return whether each change avoids each collision of a batch (false where it does not apply)."""
+    """Return whether each change avoids each collision of a batch (false if it does not apply)."""
     scenarios, keys = source.take(hits.scenario)
     unchanged = play(street, policies, scenarios, keys, until=hits.steps)
     _check_same(measure_outcomes(unchanged, moving_speed=street.config.moving_speed), hits)
@@ -217,7 +217,7 @@ def _replay(
 
 
 def _check_same(replayed: Episodes, hits: Hits) -> None:
-    """Raise ReplayError for the first collision that did not come back at the same step with the same pedestrian."""
+    """Raise ReplayError for the first collision that does not recur at the same step with the same pedestrian."""
     wrong = ~replayed.collision | (replayed.steps != hits.steps) | (replayed.contact_ped != hits.ped)
     for i in np.flatnonzero(wrong)[:1]:
         ends = f"with pedestrian {replayed.contact_ped[i]}" if replayed.collision[i] else "without a collision"
@@ -230,21 +230,21 @@ def _check_same(replayed: Episodes, hits: Hits) -> None:
 
 @dataclass(frozen=True)
 class Avoidable:
-    """Some replayed collisions."""
+    """Who could have avoided a group of replayed collisions."""
 
     collisions: int
     labels: Mapping[str, Rate]
     """The share of each of `LABELS`."""
     avoided: Mapping[str, Rate]
-    """For each of `CHANGES`, the share that it avoids of those to which it applies."""
+    """For each of `CHANGES`, the share of collisions that it avoids among those to which it applies."""
 
 
 @dataclass(frozen=True)
 class CounterfactualSummary:
-    """Shares of the replayed collisions, with Wilson intervals; what does not exist is None."""
+    """Shares of the replayed collisions, with Wilson intervals; None stands for a number that does not exist."""
 
     collisions: int
-    """Of the evaluation, replayed or not."""
+    """All collisions of the evaluation, replayed or not."""
     replayed: int
     all: Avoidable
     crosswalk: Avoidable
@@ -252,12 +252,12 @@ class CounterfactualSummary:
     sidewalk: Avoidable
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain nested dicts, numbers and None: ready for JSON."""
+        """Return plain nested dicts, numbers and None: ready for JSON."""
         return asdict(self)
 
 
 def summarise_counterfactuals(table: Counterfactuals) -> CounterfactualSummary:
-    """Who could have avoided the collisions, in all and by contact type."""
+    """Return who could have avoided the collisions, in total and by contact type."""
     return CounterfactualSummary(
         collisions=table.collisions,
         replayed=len(table.scenario),
@@ -269,7 +269,7 @@ def summarise_counterfactuals(table: Counterfactuals) -> CounterfactualSummary:
 
 
 def _avoidable(table: Counterfactuals, mine: Bool[np.ndarray, "collision"]) -> Avoidable:
-    """Those in ``mine``."""
+    """Summarise the collisions selected by ``mine``."""
     count = int(mine.sum())
     avoided = {}
     for change in CHANGES:

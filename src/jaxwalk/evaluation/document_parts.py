@@ -1,4 +1,4 @@
-"""The parts of documents, beside cells: intervals, comparisons of pairs, numbers over training seeds, provenance."""
+"""The parts of documents besides cells: intervals, paired comparisons, numbers over training seeds, provenance."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from jaxwalk.metrics import OverSeeds
 
 @runtime_checkable
 class Number(Protocol):
-    """A number with its 95 % interval; None stands for what doesn't exist or isn't known."""
+    """A number with its 95 % interval; None stands for a value that does not exist or is unknown."""
 
     @property
     def value(self) -> float | None:
@@ -19,12 +19,12 @@ class Number(Protocol):
 
     @property
     def low(self) -> float | None:
-        """The lower end of its interval."""
+        """The lower end of the interval."""
         ...
 
     @property
     def high(self) -> float | None:
-        """The upper end of its interval."""
+        """The upper end of the interval."""
         ...
 
 
@@ -44,7 +44,7 @@ class Interval:
 
 @dataclass(frozen=True)
 class ComparedEnding:
-    """How often two drivers' episodes end in one way, on the same scenarios, tested in pairs."""
+    """How often two drivers' episodes end in one way on the same scenarios, with a paired test."""
 
     a: str
     """Name of the first driver."""
@@ -56,13 +56,13 @@ class ComparedEnding:
     rate_a: float
     rate_b: float
     only_a: int
-    """Scenarios that end so with A alone."""
+    """Number of scenarios with this ending for A only."""
     only_b: int
     scenarios: int
     p: float
     """Exact McNemar p-value, two-sided."""
     p_holm: float
-    """The same, adjusted for all tests of the comparison."""
+    """The p-value adjusted for all tests of the comparison."""
     in_words: str
 
 
@@ -73,21 +73,21 @@ class PairedSide:
     driver: str
     pedestrians: str
     rate: float
-    """The share of its episodes that end in the way compared."""
+    """The share of episodes with the compared ending."""
 
 
 @dataclass(frozen=True)
 class PairedSeeds:
-    """How often one ending happens in A and in B: pairs are the same scenarios of the same training seed."""
+    """How often one ending happens in A and in B; a pair is the same scenario with the same training seed."""
 
     ending: str
     a: PairedSide
     b: PairedSide
     training_seeds: int
-    """How many there are."""
+    """Number of training seeds."""
     pairs: int
     both: int
-    """Pairs that end so on both sides."""
+    """Number of pairs with this ending on both sides."""
     only_a: int
     only_b: int
     difference: Interval
@@ -110,19 +110,19 @@ class SeedNumbers:
     timeout_rate: OverSeeds
     collisions_per_km: OverSeeds
     mean_time_to_goal: OverSeeds
-    """[s]"""
+    """Mean time to goal [s]."""
     jaywalk_share: OverSeeds
     """Jaywalking's share of the crossings."""
 
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where results come from."""
+    """The origin of results."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     commit: str | None
-    """None outside a checkout."""
+    """Commit of the source code; None outside a checkout."""
     hardware: str
     versions: dict[str, str]
-    """Of Python and of the packages that matter."""
+    """Versions of Python and of the main packages."""

@@ -1,4 +1,4 @@
-"""All encounters of an evaluation as one Parquet file, which pandas, polars and DuckDB read."""
+"""Write all encounters of an evaluation to one Parquet file, which pandas, polars and DuckDB read."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ UNITS = {
     "enter": "s", "start": "s", "end": "s", "min_distance": "m", "entry_speed": "m/s", "braking_time": "s", "ttc": "s",
     "exposed_time": "s", "pet": "s", "t2": "s", "drac": "m/s2", "impact_speed": "m/s", "relative_speed": "m/s",
 }  # fmt: skip
-"""Kept with the columns, as their metadata."""
+"""Units of the columns; the file keeps them as metadata."""
 
 
 class MissingLibraryError(ValueError):
-    """Something needs a library that is not installed; the message says which extra brings it."""
+    """Raised if a needed library is not installed; the message names the extra that installs it."""
 
 
 def check_parquet() -> None:
-    """Raise MissingLibraryError if Parquet files can't be written."""
+    """Raise MissingLibraryError if Parquet files cannot be written."""
     if importlib.util.find_spec("pyarrow") is None:
         raise MissingLibraryError('Parquet files need pyarrow; install it with: pip install "jaxwalk[data]"')
 
 
 def encounter_columns(rows: Rows) -> dict[str, Any]:
-    """One row per encounter: times in s since the start of the episode; what does not exist is NaN (null in files)."""
+    """Return one row per encounter: times in s since the episode's start; NaN (null in files) for missing values."""
     table, surrogates = rows[ENCOUNTERS], rows[SURROGATES]
     seconds = {name: getattr(table, name) * rows.dt for name in ("enter", "start", "end")}
     return {
@@ -52,9 +52,9 @@ def encounter_columns(rows: Rows) -> dict[str, Any]:
 
 
 def write_encounters(path: str | Path, cells: Iterable[tuple[str, str, float, Rows]]) -> None:
-    """Write the encounters of cells, at least one (driver, pedestrians, jaywalk multiplier, rows); whole or not at all.
+    """Write the encounters of at least one cell (driver, pedestrians, jaywalk multiplier, rows); all or nothing.
 
-    Raises MissingLibraryError without pyarrow.
+    Raise MissingLibraryError without pyarrow.
     """
     check_parquet()
     from pyarrow.parquet import ParquetWriter
@@ -67,7 +67,7 @@ def write_encounters(path: str | Path, cells: Iterable[tuple[str, str, float, Ro
 
 
 def _table(driver: str, people: str, multiplier: float, rows: Rows) -> Any:
-    """The encounters of a cell as a table of pyarrow's."""
+    """Return the encounters of a cell as a pyarrow table."""
     import pyarrow
 
     columns = encounter_columns(rows)

@@ -1,4 +1,4 @@
-"""All episodes of an evaluation as a CSV file."""
+"""Write all episodes of an evaluation to a CSV file."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from jaxwalk.writing import write_whole
 CONTACT_NAMES = ("", *(kind.word for kind in CONTACTS))
 """Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
 NAMES = ("driver", "pedestrians")
-"""Columns that tell cells apart, by default."""
+"""Default columns that distinguish cells."""
 ENDING = ("outcome", "contact", "impact_speed", "duration")
-"""Columns that say how an episode went; speeds in m/s, durations in s."""
+"""Columns that say how an episode ended; speeds in m/s, durations in s."""
 
 
 def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tuple[str, ...] = NAMES) -> None:
-    """Write a CSV file with a row per episode; it appears whole or not at all.
+    """Write a CSV file with one row per episode; it appears complete or not at all.
 
     The columns are ``scenario``, the names and `ENDING`; without a collision, contact and impact speed are empty.
 
     Args:
         path: the file.
-        cells: for each, a value for every name (None: empty), and last its `Rows`.
-        names: columns that tell cells apart.
+            cells: for each cell, a value for every name (None: empty), and its `Rows` last.
+            names: columns that distinguish cells.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -43,7 +43,7 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
 
 def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
     table, step = rows[OUTCOMES], Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
-    digits = max(1, -int(step.exponent))  # as many as a step has
+    digits = max(1, -int(step.exponent))  # as many as the duration of a step has
     outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
     for i in range(len(outcome)):
         contact = CONTACT_NAMES[table.contact[i]]

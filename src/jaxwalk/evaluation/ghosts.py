@@ -1,6 +1,6 @@
-"""Ghosts: people of the same kind who share a car's streets, but whom it can neither see nor touch.
+"""Ghosts: people of the same kind on the same streets, which the car can neither see nor touch.
 
-What a car does near them says what it would have done there anyway: the placebo of the speed differential.
+A car's behaviour near ghosts shows what it would do there in any case: the placebo of the speed differential.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from jaxwalk.sim.trajectory import Ghosts, in_order
 
 
 def walk_ghosts(street: Street, scenarios: Scenario, keys: Key[Array, "episode"], *, frames: int) -> Ghosts:
-    """Other people for every scenario's map and route, who always go: their first ``frames`` frames.
+    """Return other people for every scenario's map and route, who always go: their first ``frames`` frames.
 
     Args:
         street: the world.
         scenarios: a batch, arrays ``(..., episode)``.
-        keys: one for each episode, as for `jaxwalk.evaluation.play`.
-        frames: how many; at least 1.
+            keys: one key for each episode, as for `jaxwalk.evaluation.play`.
+            frames: number of frames; at least 1.
     """
     others, people, first = _begin(street, scenarios, keys)
     blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]
@@ -41,7 +41,7 @@ def walk_ghosts(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]
 
 @eqx.filter_jit
 def _begin(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]) -> tuple[Scenario, PedestrianState, Frame]:
-    """The ghosts' scenarios, and where they start. Their keys are those of a second episode, which is never played."""
+    """Return the ghosts' scenarios and first frame. Their keys are those of a second episode, which is never played."""
     second_episode = scenario_key(keys, jnp.ones(keys.shape, jnp.int32))
     others = jax.vmap(street.draw, in_axes=(0, -1), out_axes=-1)(second_episode, scenarios)
     people = pedestrian.place(street.world, others)
@@ -50,7 +50,7 @@ def _begin(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]) -> 
 
 @eqx.filter_jit
 def _walk_block(street: Street, others: Scenario, people: PedestrianState) -> tuple[PedestrianState, Frame]:
-    """``BLOCK`` steps, and their frames along a leading axis."""
+    """Return people after ``BLOCK`` steps, and the frames of the steps along a leading axis."""
     go = jnp.ones(people.going.shape, bool)
 
     def stride(people: PedestrianState, _: None) -> tuple[PedestrianState, Frame]:

@@ -1,4 +1,4 @@
-"""A driver that is not JAX, asked between the steps of a game."""
+"""Ask a driver that is not JAX for actions between the steps of a batch of episodes."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ def ask(
     driver: HostDriver, seen: Float[Array, "feature episode"], *,
     playing: Bool[np.ndarray, "episode"], numbers: Int[np.ndarray, "episode"], step: int,
 ) -> Given:  # fmt: skip
-    """The driver's answer to what it observes at a step.
+    """Return the driver's answer to what it observes at a step.
 
-    Raises DriverError, which names driver, scenario and step, for a driver that fails, or whose action in an episode
-    still ``playing`` is impossible: of several scenarios (``numbers``) the first one is named.
+    Raise DriverError, which names driver, scenario and step, if the driver fails, or if its action is impossible in an
+    episode that is still ``playing``. If several scenarios (``numbers``) fail, it names the first.
     """
     try:
         action, _ = driver.act(None, None, seen)

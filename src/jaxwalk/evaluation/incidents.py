@@ -1,4 +1,4 @@
-"""The failures of an evaluation that are worth looking at: its collisions and its nearest misses, worst first."""
+"""Find the failures of an evaluation that are worth watching: collisions and nearest misses, the worst first."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from jaxwalk.sim.events import distance
 from jaxwalk.sim.trajectory import Trajectory
 
 BEFORE = 2.0
-"""What the car was doing shows in this long before [s] ..."""
+"""Time before an incident that shows what the car was doing [s] ..."""
 WALKED = 1.0
-"""... and where the pedestrian came from in this long [s]."""
+"""... and where the pedestrian came from [s]."""
 TURN = np.radians(20)
-"""A heading that changes by more is a turn [rad]."""
+"""A larger change of heading is a turn [rad]."""
 ACROSS = 0.3
-"""Who moves faster than this across the car's heading comes from a side [m/s]."""
+"""A pedestrian who moves across the car's heading faster than this comes from a side [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -29,30 +29,31 @@ class Incidents:
 
     scenario: Int[np.ndarray, "incident"]
     ped: Int[np.ndarray, "incident"]
-    """Who was hit, or nearly."""
+    """The pedestrian who was hit or nearly hit."""
     collision: Bool[np.ndarray, "incident"]
-    """Else it was a near miss."""
+    """Whether it was a collision; else it was a near miss."""
     contact: Int[np.ndarray, "incident"]
     """CROSSWALK, JAYWALK or SIDEWALK: what the pedestrian was doing."""
     moving: Bool[np.ndarray, "incident"]
-    """A moving car hit somebody (else, of a collision: somebody walked into a standing one)."""
+    """Whether a moving car hit the pedestrian; false for somebody who walked into a standing car."""
     speed: Float[np.ndarray, "incident"]
-    """Of the car at impact [m/s]; NaN for a near miss."""
+    """Speed of the car at impact [m/s]; NaN for a near miss."""
     risk: Float[np.ndarray, "incident"]
-    """Of a serious injury or death (Monfort and Mueller, 2025); 0 if the car stood, NaN for a near miss."""
+    """Risk of a serious injury or death (Monfort and Mueller, 2025); 0 if the car stood, NaN for a near miss."""
     ttc: Float[np.ndarray, "incident"]
     """Smallest time to collision of a near miss [s], below `TTC_CRITICAL`; NaN for a collision."""
     nearest: Float[np.ndarray, "incident"]
     """Smallest distance of the centres in a near miss [m]; NaN for a collision."""
     first: Int[np.ndarray, "incident"]
-    """A near miss happens in the frames from this one ..."""
+    """First frame of a near miss ..."""
     last: Int[np.ndarray, "incident"]
-    """... to this one; a collision in this one."""
+    """... and its last frame; the frame of a collision."""
 
 
 def find_incidents(rows: Rows, *, most: int) -> Incidents:
-    """The ``most`` worst collisions, and as many of the nearest misses (whose time to collision is critical), one for
-    each scenario.
+    """Find the ``most`` worst collisions, and as many of the nearest misses (with critical time to collision).
+
+    There is one incident for each scenario.
 
     Raises:
         ValueError: ``most`` is negative.
@@ -94,19 +95,19 @@ def _misses(rows: Rows, most: int) -> Incidents:
 
 @dataclass(frozen=True)
 class Situations:
-    """How each incident came about, in words; incidents of the same words are of a kind."""
+    """How each incident happened, in words; incidents with the same words are of the same kind."""
 
     frame: Int[np.ndarray, "incident"]
-    """When: the contact, or the nearest moment of a near miss."""
+    """Frame of the contact, or of the nearest moment of a near miss."""
     car: Shaped[np.ndarray, "incident"]
     """``standing``, ``going straight``, ``turning left`` or ``turning right``."""
     side: Shaped[np.ndarray, "incident"]
-    """Where the pedestrian came from, seen from the car: ``from the left``, ``from the right``, ``along the way`` or
+    """Where the pedestrian came from, as seen from the car: ``from the left``, ``from the right``, ``along the way`` or
     ``standing``."""
 
 
 def describe(incidents: Incidents, trajectory: Trajectory, *, moving_speed: float) -> Situations:
-    """How incidents came about. A car at ``moving_speed`` [m/s] or more moves.
+    """Describe how incidents happened. A car moves if it drives at ``moving_speed`` [m/s] or more.
 
     Raises:
         ValueError: the trajectory lacks an incident's scenario.
@@ -125,7 +126,7 @@ def describe(incidents: Incidents, trajectory: Trajectory, *, moving_speed: floa
 
 
 def _nearest(t: Trajectory, episode: int, ped: int, first: int, last: int) -> int:
-    """The frame, of some, in which the pedestrian is nearest to the car."""
+    """Return the frame from ``first`` to ``last`` in which the pedestrian is nearest to the car."""
     frames = slice(first, last + 1)
     away = distance(
         t.ped_x[frames, episode, ped] - t.car_x[frames, episode],
@@ -135,7 +136,7 @@ def _nearest(t: Trajectory, episode: int, ped: int, first: int, last: int) -> in
 
 
 def _doing(t: Trajectory, episode: np.ndarray, frame: np.ndarray, moving_speed: float) -> np.ndarray:
-    """What the car is doing."""
+    """Return what the car is doing."""
     before = np.maximum(frame - round(BEFORE / t.dt), 0)
     heading = np.arctan2(t.car_sin, t.car_cos)
     turned = heading[frame, episode] - heading[before, episode]
@@ -147,7 +148,7 @@ def _doing(t: Trajectory, episode: np.ndarray, frame: np.ndarray, moving_speed: 
 
 
 def _coming(t: Trajectory, episode: np.ndarray, ped: np.ndarray, frame: np.ndarray) -> np.ndarray:
-    """Where the pedestrian comes from."""
+    """Return where the pedestrian comes from."""
     before = np.maximum(frame - round(WALKED / t.dt), 0)
     time = np.maximum(frame - before, 1) * t.dt
     vx = (t.ped_x[frame, episode, ped] - t.ped_x[before, episode, ped]) / time

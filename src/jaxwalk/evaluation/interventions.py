@@ -1,7 +1,7 @@
-"""One thing done otherwise in a replay, everything else as it was: a policy around the policy that plays a role.
+"""Change one thing in a replay and keep everything else: a policy that wraps the policy of a role.
 
-An intervention has a row for each episode of the batch. It acts from ``from_step`` on: the first action it changes is
-the one taken in view of that frame. It sees the whole `Moment`, and shows the policy inside it what that sees.
+An intervention has one row for each episode of the batch. It acts from ``from_step`` on: the first action it changes is
+the one taken after seeing that frame. It sees the whole `Moment`, and passes the inner policy its own view.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ WAIT = 0
 
 @dataclass(frozen=True)
 class WholeMoment:
-    """A view that shows everything: for a policy that chooses what the policies inside it see."""
+    """A view of everything, for a policy that chooses what its inner policies see."""
 
     name: str = "moment"
 
@@ -39,32 +39,32 @@ class Wait(eqx.Module):
     """One pedestrian of each episode stands still."""
 
     pedestrians: Policy
-    """Decides for everybody else, and for that one before."""
+    """The policy of all other pedestrians, and of this one until then."""
     ped: Int[Array, "episode"]
-    """Who stands still."""
+    """The pedestrian who stands still."""
     from_step: Int[Array, "episode"]
     view: View = eqx.field(static=True, default=WholeMoment())
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Any:
-        """Return what the pedestrians remember at the start."""
+        """Return the pedestrians' memory at the start."""
         return self.pedestrians.init(agents, batch)
 
     def act(self, key: Key[Array, "episode"], memory: Any, seen: Moment) -> tuple[Array, Any]:
-        """Return everybody's actions, that pedestrian's changed to waiting."""
+        """Return everybody's actions, with this pedestrian's action changed to waiting."""
         walk, memory = self.pedestrians.act(key, memory, self.pedestrians.view(seen))
         waits = (jnp.arange(len(walk))[:, None] == self.ped) & (seen.state.step >= self.from_step)
         return jnp.where(waits, WAIT, walk), memory
 
 
 class Brake(eqx.Module):
-    """The car brakes fully; its steering stays the driver's."""
+    """The car brakes fully; the driver still steers."""
 
     driver: Policy
     from_step: Int[Array, "episode"]
     view: View = eqx.field(static=True, default=WholeMoment())
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Any:
-        """Return what the driver remembers at the start."""
+        """Return the driver's memory at the start."""
         return self.driver.init(agents, batch)
 
     def act(self, key: Key[Array, "episode"], memory: Any, seen: Moment) -> tuple[Array, Any]:
@@ -75,7 +75,7 @@ class Brake(eqx.Module):
 
 
 class TakeOver(eqx.Module):
-    """Another driver takes over. It acts, and its view is made, only when it drives in some episode."""
+    """Another driver takes over. Its view and action are computed only if it drives in some episode."""
 
     driver: Policy
     other: Policy
@@ -83,11 +83,11 @@ class TakeOver(eqx.Module):
     view: View = eqx.field(static=True, default=WholeMoment())
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> tuple[Any, Any]:
-        """Return what both drivers remember at the start."""
+        """Return both drivers' memories at the start."""
         return self.driver.init(agents, batch), self.other.init(agents, batch)
 
     def act(self, key: Key[Array, "episode"], memory: tuple[Any, Any], seen: Moment) -> tuple[Array, tuple[Any, Any]]:
-        """Return the other driver's action once it drives; its memory begins when it takes over."""
+        """Return the other driver's action once it drives; its memory starts when it takes over."""
         before, waiting = memory
         action, after = self.driver.act(key, before, self.driver.view(seen))
         drives = seen.state.step >= self.from_step
@@ -103,7 +103,8 @@ def on_the_crosswalk(
 ) -> Scenario:
     """Return the scenarios with one crossing (counted from 0) of one pedestrian each made on the crosswalk.
 
-    It changes no action but the draw, which no probability is above any more: decisions are made before the road.
+    Only that crossing's draw changes: no probability exceeds it any more. Actions do not change, since decisions are
+    made before the road.
     """
     draws = scenarios.jaywalk_draw.at[crossing, ped, np.arange(len(ped))].set(jnp.inf)
     return eqx.tree_at(lambda scenario: scenario.jaywalk_draw, scenarios, draws)

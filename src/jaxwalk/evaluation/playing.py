@@ -1,4 +1,4 @@
-"""Playing a batch of scenarios to their ends, and recording it."""
+"""Play a batch of scenarios to their ends, and record it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from jaxwalk.sim.state import State
 from jaxwalk.sim.trajectory import Trajectory, in_order
 
 BLOCK = 100
-"""Steps played between two looks at whether all episodes have ended."""
+"""Steps between two checks whether all episodes have ended."""
 
 
 class Setup(eqx.Module):
@@ -39,11 +39,11 @@ class Setup(eqx.Module):
 
 
 class Underway(eqx.Module):
-    """A batch of episodes under way. An episode that has ended stays as it is."""
+    """A batch of episodes in progress. An episode that has ended does not change any more."""
 
     state: State
     memory: Roles[tuple[Any, ...]]
-    """What the policies remember; it goes on after the end, so that nobody plans anew at every step of waiting."""
+    """The policies' memories; they continue after the end, so that nobody plans again at every step of waiting."""
     ended: Bool[Array, "episode"]
     goal: Bool[Array, "episode"]
     collision: Bool[Array, "episode"]
@@ -59,23 +59,23 @@ def play(
     numbers: Int[np.ndarray, "episode"] | None = None,
     until: Int[np.ndarray, "episode"] | None = None,
 ) -> Trajectory:
-    """Play every scenario to its end. Compiles once for each street, kinds of policy and batch size.
+    """Play every scenario to its end. This compiles once for each street, kinds of policy and batch size.
 
     Args:
         street: the world.
-        policies: who plays each role. A `HostDriver` is asked between steps, everybody else acts within the compiled
-            program.
+            policies: the policy of each role. A `HostDriver` is asked between steps, all others act within the compiled
+                program.
         scenarios: a batch, arrays ``(..., episode)``.
-        keys: one for each episode; what a policy draws depends on it and on the step alone.
-        numbers: the trajectory's ``scenario``; 0, 1, ... if left out.
-        until: the last step of each episode, if it has not ended by then; such an episode has no ending. If left out,
-            the horizon.
+            keys: one key for each episode; a policy's draws depend only on the key and the step.
+            numbers: numbers of the scenarios, for the trajectory's ``scenario`` (default: 0, 1, ...).
+            until: the last step of each episode, unless it ends earlier; such an episode has no ending (default: the
+                horizon).
 
     Returns:
-        Frames up to the longest episode's end. After its own end an episode's frames repeat its last one.
+            Frames up to the longest episode's end. After its own end, an episode repeats its last frame.
 
     Raises:
-        ValueError: ``keys`` is no batch, or not as long as the scenarios' batch.
+            ValueError: ``keys`` is not a batch, or its length differs from the scenarios'.
         DriverError: a `HostDriver` failed.
     """
     if keys.ndim != 1 or scenarios.route.shape != keys.shape:
@@ -97,21 +97,21 @@ def play(
 
 
 def _play(setup: Setup, game: Underway) -> Iterator[tuple[Underway, Frame]]:
-    """Block after block, until all episodes have ended."""
+    """Yield block after block, until all episodes have ended."""
     while not bool(game.ended.all()):
         game, frames = _play_block(setup, game, BLOCK)
         yield game, frames
 
 
 def _answered(policies: Roles[Policy], answer: Given) -> Roles[Policy]:
-    """Return the policies with an answer in place of the driver that can't be compiled, wherever it stands in them."""
+    """Return the policies with an answer in place of the driver that cannot be compiled, wherever it is in them."""
     return jax.tree.map(lambda x: answer if isinstance(x, HostDriver) else x, policies)
 
 
 def _ask_and_play(
     setup: Setup, policies: Roles[Policy], driver: HostDriver, game: Underway, numbers: np.ndarray
 ) -> Iterator[tuple[Underway, Frame]]:
-    """Play step after step; each begins with the driver's answer to what it observes."""
+    """Play step after step; each step starts with the driver's answer to what it observes."""
     with driver.turn:
         driver.init((), game.ended.shape)
         steps = count()
@@ -128,7 +128,7 @@ _goal = eqx.filter_jit(vehicle.goal)
 
 @eqx.filter_jit
 def _begin(street: Street, memory: Roles[tuple[Any, ...]], scenarios: Scenario) -> tuple[Underway, Frame]:
-    """The start of every episode, and its frame 0."""
+    """Return the start of every episode, and its frame 0."""
     state = street.reset(scenarios)
     no = jnp.zeros(state.step.shape, bool)
     nobody = jnp.zeros(scenarios.start.shape, bool)
@@ -137,7 +137,7 @@ def _begin(street: Street, memory: Roles[tuple[Any, ...]], scenarios: Scenario) 
 
 @eqx.filter_jit
 def _play_block(setup: Setup, game: Underway, steps: int) -> tuple[Underway, Frame]:
-    """Return the episodes after that many steps, and the steps' frames along a leading axis."""
+    """Return the episodes after this number of steps, and the steps' frames along a leading axis."""
 
     def body(game: Underway, _: None) -> tuple[Underway, Frame]:
         game = _step(setup, game)
@@ -147,7 +147,7 @@ def _play_block(setup: Setup, game: Underway, steps: int) -> tuple[Underway, Fra
 
 
 def _step(setup: Setup, game: Underway) -> Underway:
-    """One step of every episode that has not ended."""
+    """Make one step in every episode that has not ended."""
     street, cast = setup.street, cast_of(setup.policies)
     key = step_key(setup.keys, game.state.step)
     acted = act(street, cast, key, setup.scenarios, game.state, game.memory)
@@ -165,7 +165,7 @@ def _trajectory(
     blocks: list[dict[str, np.ndarray]],
     numbers: Int[np.ndarray, "episode"],
 ) -> Trajectory:
-    """The recording in the order frame, episode, pedestrian."""
+    """Return the recording in the order frame, episode, pedestrian."""
     length = np.asarray(game.state.step)
     frames = int(length.max()) + 1
     columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in blocks[0]}

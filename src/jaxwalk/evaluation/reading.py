@@ -1,4 +1,4 @@
-"""Read documents back: whatever a file says, the program gets a complete typed document, or one message."""
+"""Read documents back: the program gets either a complete typed document or one error message."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from jaxwalk.metrics.severity import Distribution, Distributions
 from jaxwalk.metrics.waiting import DISTANCES, MISSES, SPEEDS, WaitBin
 
 LARGEST = 1e39
-"""No number of ours is larger; percentages of larger ones would overflow."""
+"""Upper limit of numbers; percentages of larger ones would overflow."""
 LONGEST = 200
-"""Characters of a field's name, and of what is wrong with it, in a message."""
+"""Most characters of a field's name, and of the problem, in a message."""
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]
-"""Names and numbers that lead to a field."""
+"""Names and indices that lead to a field."""
 
 
 class DocumentError(ValueError):
-    """A file that is no complete document of this version; the message names the file and the field."""
+    """Raised for a file that is not a complete document of this version; the message names the file and the field."""
 
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a document comes from, for messages."""
+    """The origin of a document, for messages."""
 
     path: Path
     advice: str
     """What the user can do about a damaged file."""
     place: Place = ()
-    """Where the document stands in the file."""
+    """Place of the document in the file."""
 
     def inside(self, *place: str | int) -> Origin:
         """Return the origin of a part of the document."""
@@ -63,7 +63,7 @@ def as_document(kind: Callable[..., T], content: Any, origin: Origin) -> T:
         origin: where the content comes from.
 
     Raises:
-        DocumentError: a field is missing, unknown or of another type, or a number is not finite.
+            DocumentError: a field is missing, unknown or of the wrong type, or a number is not finite.
     """
     try:
         for place in _wrong_numbers(content, ()):
@@ -81,8 +81,9 @@ def as_results(content: Any, origin: Origin) -> Results:
     """Return the content of a JSON file as typed results.
 
     Raises:
-        DocumentError: the file is of another schema, a field is missing, unknown or of another type, or a table has
-            another size than the metrics give it.
+            DocumentError: the schema differs, a field is missing, unknown or of the wrong type, or a table's size
+            differs
+                from that of the metrics.
     """
     if not isinstance(content, Mapping) or content.get("schema") != SCHEMA:
         raise DocumentError(f"{origin.path}: of another version (its schema is not {SCHEMA}); {origin.advice}")
@@ -108,14 +109,14 @@ def _nested(cell: Any) -> Any:
 
 
 def _check_headline(written: Mapping[str, Any], cell: Cell, origin: Origin) -> None:
-    """Raise DocumentError if the headline, as written, differs from the summary."""
+    """Raise DocumentError if the headline in the file differs from the summary."""
     for name, number in cell.headline().items():
         if written.get(name) != number:
             raise origin.damaged((name,), "differs from the same number in outcomes")
 
 
 def _check_sizes(cell: Cell, origin: Origin) -> None:
-    """Raise DocumentError for a table of another size than the metrics give it."""
+    """Raise DocumentError if a table's size differs from that of the metrics."""
     summary = cell.summary
     _check_size(summary[SPEED_DIFFERENTIAL], BINS, origin.inside("speed_differential"))
     _check_size(summary[JAYWALK_RATE].quarters, QUARTERS, origin.inside("jaywalk_rate", "quarters"))
@@ -153,7 +154,7 @@ def _check_size(values: Sequence[Any], size: int, origin: Origin) -> None:
 
 
 def _wrong_numbers(content: Any, place: Place) -> Iterator[Place]:
-    """Yield where a number stands that is infinite, too large or NaN."""
+    """Yield the place of every number that is infinite, too large or NaN."""
     if isinstance(content, (int, float)) and not abs(content) <= LARGEST:
         yield place
     inner = content.items() if isinstance(content, dict) else enumerate(content) if isinstance(content, list) else ()

@@ -1,4 +1,4 @@
-"""The results of an evaluation: a cell for each driver among each population, and one JSON document of all."""
+"""The results of an evaluation: a cell for each driver among each population, and one JSON document of all cells."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 
 SCHEMA = 3
-"""Version of the JSON document; it changes when something is added that reports need."""
+"""Version of the JSON document; it changes when reports need something new."""
 
 
 HEADLINE = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
-"""Numbers of a cell that its document repeats at the top."""
+"""Numbers of a cell that the document repeats at the top."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Cell:
     """The results of one driver among one population."""
 
     driver: str
-    """Its name."""
+    """The driver's name."""
     pedestrians: str
     """The population's name."""
     driver_mode: str
@@ -42,16 +42,16 @@ class Cell:
     pedestrian_mode: str
     jaywalk_multiplier: float
     summary: Summary
-    """All metrics."""
+    """The numbers of all metrics."""
     driver_observes: str
-    """Name of the observation set; those in `jaxwalk.sim.observation.HIDDEN` no real car could have."""
+    """Name of the driver's observation set; no real car could have those in `jaxwalk.sim.observation.HIDDEN`."""
     pedestrian_observes: str
     driver_ms_per_step: float | None = None
     """Mean time that a driver outside JAX took for one step of its batch [ms]; None for a driver in JAX."""
     training_seed: int | None = None
     """Seed of the trained driver, or of the trained population, or of both; None if neither was trained."""
     counterfactuals: CounterfactualSummary | None = None
-    """What would have avoided its collisions; None if they were not replayed."""
+    """What would have avoided the collisions; None if they were not replayed."""
 
     @property
     def goal_rate(self) -> Interval:
@@ -70,7 +70,7 @@ class Cell:
 
     @property
     def mean_time_to_goal(self) -> Interval:
-        """Mean over the episodes that reach the goal [s]."""
+        """The mean time of episodes that reach the goal [s]."""
         return Interval.of(self.summary[OUTCOMES].time_to_goal)
 
     def headline(self) -> dict[str, dict[str, float | None]]:
@@ -105,31 +105,31 @@ class ScenarioSet:
     hash: str
     """Hash of the source (`jaxwalk.scenarios.Source`)."""
     seed: int | None = None
-    """Seed of scenarios that are drawn; None for others."""
+    """Seed of drawn scenarios; None for others."""
 
     @staticmethod
     def of(source: Source) -> ScenarioSet:
-        """Return what results say about the scenarios of a source."""
+        """Return the description of a source's scenarios for results."""
         about = source.describe()
         return ScenarioSet(count=len(source), hash=about["hash"], seed=about.get("seed"))
 
     @property
     def name(self) -> str:
-        """How many there are and which, as in ``2,000 scenarios of seed 0``."""
+        """The number of scenarios and their origin, as in ``2,000 scenarios of seed 0``."""
         return f"{self.count:,} scenarios" + ("" if self.seed is None else f" of seed {self.seed}")
 
     def as_dict(self) -> dict[str, Any]:
-        """Return plain numbers; without the seed if there is none."""
+        """Return plain numbers; the seed is left out if there is none."""
         seed = {} if self.seed is None else {"seed": self.seed}
         return {**seed, "count": self.count, "hash": self.hash}
 
 
 @dataclass(frozen=True)
 class Results:
-    """Drivers x populations on one set of scenarios, and what follows from comparing them."""
+    """Drivers x populations on one set of scenarios, and the comparisons between them."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
-    """How a file is read: unknown fields and values of another type are errors, here and in all parts."""
+    """How pydantic reads a file: unknown fields and values of the wrong type are errors, here and in all parts."""
 
     scenarios: ScenarioSet
     cells: tuple[Cell, ...]
@@ -148,9 +148,9 @@ class Results:
         raise KeyError(f"no cell for {driver} among {pedestrians}")
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the document. Nothing in it but ``driver_ms_per_step`` depends on when or where it was made.
+        """Return the document. Only ``driver_ms_per_step`` depends on when or where it was made.
 
-        Empty parts are left out, and so is each cell's training seed where there are no numbers over seeds.
+        Empty parts are left out, and so is each cell's training seed if there are no numbers over seeds.
         """
         cells = [cell.as_dict() for cell in self.cells]
         if not self.over_seeds:
@@ -164,15 +164,15 @@ class Results:
         }
 
     def to_json(self) -> str:
-        """Return the document as text; the same results give the same text. What does not exist is null."""
+        """Return the document as text; the same results give the same text. Numbers that do not exist are null."""
         return json.dumps(self.as_dict(), indent=2, allow_nan=False) + "\n"
 
 
 class Stopped(ValueError):
-    """A driver failed in the middle of a comparison. The message is the driver's error's."""
+    """Raised if a driver fails in the middle of a comparison. The message is that of the driver's error."""
 
     def __init__(self, message: str, rows: dict[tuple[str, str], Rows]) -> None:
-        """``rows``: what had been evaluated until then, in whole batches."""
+        """``rows``: the rows evaluated until then, in whole batches."""
         super().__init__(message)
         self.rows = rows
 
@@ -186,22 +186,22 @@ def compare(
     batch: int = BATCH,
     progress: Callable[[str, str, int, int], None] | None = None,
 ) -> tuple[Results, dict[tuple[str, str], Rows]]:
-    """Every driver among every population, on the same scenarios.
+    """Evaluate every driver among every population, on the same scenarios.
 
     Args:
         street: the world.
-        drivers: by name.
+            drivers: drivers by name.
         populations: pedestrian policies by name.
         source: the scenarios.
         batch: episodes played at once.
-        progress: called with driver, population, episodes played of the cell, and all.
+            progress: called with driver, population, episodes of the cell played so far, and the total.
 
     Returns:
         The results, and the rows of each (driver, population).
 
     Raises:
         ValueError: ``batch`` is below 1.
-        Stopped: a driver that is not JAX failed; the error has the rows so far.
+            Stopped: a driver that is not JAX failed; the error holds the rows so far.
     """
     cells, rows = [], {}
     for driver_name, driver in drivers.items():
@@ -221,7 +221,7 @@ def compare(
 
 
 def _joined(batches: Iterable[Rows]) -> tuple[Rows | None, DriverError | None]:
-    """The rows of all batches, or of those before the driver failed (None: of no batch), and how it failed."""
+    """Return the rows of all batches, or of those before the driver failed (None if none), and the driver's error."""
     parts, failure = [], None
     try:
         for part in batches:
@@ -232,7 +232,7 @@ def _joined(batches: Iterable[Rows]) -> tuple[Rows | None, DriverError | None]:
 
 
 def _cost(driver: Policy) -> Float[np.ndarray, "2"]:
-    """Seconds that a driver took until now, and for how many steps; zeros for one that is compiled with the rest."""
+    """Return the time that a driver took so far [s], and its steps; zeros for a compiled driver."""
     spent = (driver.seconds_spent, driver.steps_made) if isinstance(driver, HostDriver) else (0, 0)
     return np.array(spent, float)
 
@@ -249,7 +249,7 @@ def make_cell(
     rows: Rows,
     driver_ms_per_step: float | None = None,
 ) -> Cell:
-    """Return the cell of the rows that `evaluate` gave for these named policies on this street."""
+    """Return the cell of these rows, as `evaluate` returns them for these named policies on this street."""
     (driver_name, car), (population_name, people) = driver, pedestrians
     return Cell(
         driver=driver_name,

@@ -1,4 +1,4 @@
-"""How a policy acts, and how often people jaywalk, as settings of an evaluation."""
+"""Settings of an evaluation: how a policy acts, and how often people jaywalk."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.world import as_written, check_multiplier
 
 SAMPLES: Roles[bool] = {"driver": False, "pedestrian": True}
-"""Whether a role's policy samples its actions at evaluation, unless told otherwise; else it takes the likeliest."""
+"""Whether a role's policy samples its actions in an evaluation by default; else it takes the likeliest."""
 
 P = TypeVar("P")
 
 
 def mode(policy: Any) -> str:
-    """``sample`` for a policy that draws its actions at random, ``mode`` for one that takes the likeliest."""
+    """Return ``sample`` for a policy that draws its actions at random, ``mode`` for one that takes the likeliest."""
     return "sample" if getattr(policy, "sample", False) else "mode"
 
 
 def with_mode(policy: P, *, sample: bool) -> P:
-    """The policy, sampling or not. A rule, which has no choice, stays as it is."""
+    """Return the policy, sampling or not. A rule has no choice and stays the same."""
     if isinstance(policy, eqx.Module) and "sample" in {field.name for field in fields(policy)}:
         return replace(policy, sample=sample)
     return policy
 
 
 def with_jaywalk_multiplier(street: Street, multiplier: float) -> Street:
-    """Return the street with P(jaywalk | decision) = tendency x ``multiplier``, without compiling anything anew.
+    """Return the street with P(jaywalk | decision) = tendency x ``multiplier``, without compiling anything again.
 
-    Raises ValueError for a negative or infinite multiplier.
+    Raise ValueError for a negative or infinite multiplier.
     """
     check_multiplier(multiplier)
     return eqx.tree_at(lambda s: s.world.jaywalk_multiplier, street, jnp.float32(multiplier))
 
 
 def jaywalk_multiplier(street: Street) -> float:
-    """The street's multiplier as it was written: 0.1, not 0.10000000149."""
+    """Return the street's multiplier as it was written: 0.1, not 0.10000000149."""
     return as_written(street.world.jaywalk_multiplier)

@@ -17,7 +17,7 @@ from jaxwalk.metrics.statistics import FEWEST_SEEDS
 
 @dataclass(frozen=True)
 class Match:
-    """One driver among one population: the numbers, and the rows they come from."""
+    """One driver among one population: the numbers, and the rows that they come from."""
 
     cell: Cell
     rows: Rows
@@ -30,12 +30,12 @@ class Match:
 
 @dataclass(frozen=True)
 class SeedRatio:
-    """A number that is shown over training seeds: a ratio of two sums over episodes."""
+    """A number that is computed over training seeds: a ratio of two sums over episodes."""
 
     of_one: Callable[[Summary], Rate | Estimate]
-    """The number of a single cell."""
+    """The number for a single cell."""
     parts: Callable[[Rows], tuple[np.ndarray, np.ndarray]]
-    """Its numerators and denominators, one of each per episode."""
+    """Its numerators and denominators, one pair per episode."""
 
 
 def _rate(ending: Callable[[Rows], np.ndarray]) -> Callable[[Rows], tuple[np.ndarray, np.ndarray]]:
@@ -64,7 +64,7 @@ SEED_RATIOS: dict[str, SeedRatio] = {
 
 
 def over_training_seeds(matches: Sequence[Match]) -> tuple[SeedNumbers, ...]:
-    """Return the numbers over training seeds of each driver, population and jaywalk multiplier."""
+    """Return the numbers over training seeds for each driver, population and jaywalk multiplier."""
     groups: dict[tuple[str, str, float], list[Match]] = {}
     for match in matches:
         groups.setdefault((*match.names, match.cell.jaywalk_multiplier), []).append(match)
@@ -83,7 +83,7 @@ def over_training_seeds(matches: Sequence[Match]) -> tuple[SeedNumbers, ...]:
 def _over_seeds(ratio: SeedRatio, group: list[Match]) -> OverSeeds:
     """Return one number over seeds.
 
-    One cell alone keeps its own interval, over scenarios. So do rates of 0 or 1 in every cell: a bootstrap of equal
+    A single cell keeps its own interval over scenarios. So do rates that are 0 or 1 in every cell: a bootstrap of equal
     values has no width.
     """
     number = ratio.of_one(group[0].cell.summary)
@@ -98,18 +98,18 @@ def _over_seeds(ratio: SeedRatio, group: list[Match]) -> OverSeeds:
 
 Ending = Literal["collision", "goal"]
 ENDINGS: tuple[Ending, ...] = ("collision", "goal")
-"""How episodes end, as far as it is compared."""
+"""The endings of episodes that are compared."""
 
 
 def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) -> PairedSeeds:
-    """Compare how often A and B end so on the same scenarios: the pairs of all training seeds together.
+    """Compare how often A and B have this ending on the same scenarios: the pairs of all training seeds together.
 
-    Pair (seed, scenario) has that seed's A and B; where nothing was trained, the only match stands for every seed. The
-    exact McNemar test takes pairs as independent: it is about these very policies. The interval of the difference
-    resamples seeds and scenarios (`jaxwalk.metrics.over_seeds`): it is about training with other seeds, too.
+    Pair (seed, scenario) has that seed's A and B; if nothing was trained, the only match stands for every seed. The
+    exact McNemar test assumes independent pairs: it concerns these particular policies. The interval of the difference
+    resamples seeds and scenarios (`jaxwalk.metrics.over_seeds`), so it also covers training with other seeds.
 
     Raises:
-        ValueError: A and B did not meet the same scenarios.
+            ValueError: A and B did not play the same scenarios.
     """
     seeds = max(len(a), len(b))
     a, b = (list(side) * (seeds // len(side)) for side in (a, b))
@@ -132,5 +132,5 @@ def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) ->
 
 
 def _ended(rows: Rows, ending: str) -> np.ndarray:
-    """Return 1.0 for each episode that ended so, else 0.0."""
+    """Return 1.0 for each episode with this ending, else 0.0."""
     return (rows[OUTCOMES].goal if ending == "goal" else rows[OUTCOMES].collision).astype(float)

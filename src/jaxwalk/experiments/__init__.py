@@ -1,1 +1,1 @@
-"""Studies: each answers one question and is one command."""
+"""Studies: each answers one question with one command."""

@@ -1,4 +1,4 @@
-"""Learning curves, read from run folders."""
+"""Read learning curves from run folders."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from jaxwalk.report import LearningCurve
 from jaxwalk.runs.folder import METRICS, Run, RunError
 
 NEEDED = ("steps", "episodes", "goal_rate", "collision_rate", "timeout_rate")
-"""Metrics of each update that a curve is drawn from."""
+"""Metrics of each update from which a curve is drawn."""
 
 
 def learning_curve(run: Run) -> LearningCurve:
-    """Return the curve of a training. Raise RunError if it has no update, or an update lacks a metric."""
+    """Return the curve of a training. Raise RunError if it has no updates, or an update lacks a metric."""
     lines, file = run.metrics(), run.path / METRICS
     if not lines:
         raise RunError(f"{file}: has no update; restore it from a copy, or train again")

@@ -1,4 +1,4 @@
-"""`jaxwalk report`: any drivers, evaluated, with the collisions to watch."""
+"""`jaxwalk report`: evaluate any drivers, and show their collisions."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ from jaxwalk.runs.provenance import provenance
 from jaxwalk.writing import write_whole
 
 MANY = 4
-"""The page begins with the numbers of this many drivers; its tables have the others."""
+"""Number of drivers at the top of the page; its tables have the others too."""
 
 
 def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Callable[[str], None]) -> Path:
     """Evaluate every driver among every population, and write report, figures, tables and numbers into the folder.
 
     Args:
-        folder: made if it is not there; files of an earlier report are replaced.
-        cast: who; the first driver is the one that sections about one driver are about.
-        episodes: scenarios for each driver and population.
-        most: incidents of each kind in the gallery, for each driver and population; 0: no gallery.
-        say: called with a line as the work goes on.
+            folder: created if missing; files of an earlier report are replaced.
+            cast: drivers and populations; sections about one driver show the first.
+            episodes: number of scenarios for each driver and population.
+            most: number of incidents of each kind in the gallery, for each driver and population; 0: no gallery.
+            say: called with a line of text as the work progresses.
 
     Returns:
         The path of the page.
 
     Raises:
-        InUseError: another process writes into the folder.
+            InUseError: another process is writing into the folder.
     """
     with held(folder):
         return _report(folder, cast, episodes, most, say)
 
 
 def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[str], None]) -> Path:
-    """`driver_report`, alone in the folder."""
+    """Do the work of `driver_report`, once the folder is locked."""
     began = time.monotonic()
     curves = _curves(cast.drivers)
     round_ = (None, cast.drivers, cast.populations)
@@ -69,7 +69,7 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[s
 
 
 def _gallery(cast: Cast, played: dict[tuple[str, str], Rows], most: int, say: Callable[[str], None]) -> Gallery | None:
-    """Return the gallery, if incidents are asked for, and can be played again."""
+    """Return the gallery if incidents are wanted and can be played again."""
     try:
         return gallery(cast, played, most=most, say=say) if most else None
     except ReplayError as error:
@@ -78,7 +78,7 @@ def _gallery(cast: Cast, played: dict[tuple[str, str], Rows], most: int, say: Ca
 
 
 def _pairs(cast: Cast, matches: Sequence[Match]) -> list[PairedSeeds]:
-    """Compare the first driver with each other one, in the same scenarios of each population; none if it is alone."""
+    """Compare the first driver with each other one on the same scenarios of each population; empty if it is alone."""
     found = {match.names: match for match in matches}
     first, *others = cast.drivers
     return [
@@ -89,6 +89,6 @@ def _pairs(cast: Cast, matches: Sequence[Match]) -> list[PairedSeeds]:
 
 
 def _curves(drivers: Iterable[str]) -> dict[str, dict[int, LearningCurve]]:
-    """Return the trainings of those drivers that are run folders with metrics."""
+    """Return the trainings of the drivers that are run folders with metrics."""
     runs = {name: Run.open(name) for name in run_folders(drivers)}
     return {name: {run.experiment.seed: learning_curve(run)} for name, run in runs.items() if run.metrics()}

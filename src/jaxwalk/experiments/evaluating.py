@@ -1,4 +1,4 @@
-"""`jaxwalk evaluate`: play every driver among every population, compare two, replay collisions, keep what was found.
+"""`jaxwalk evaluate`: play every driver among every population, compare two, replay collisions, write the results.
 
 results.json            all numbers (`jaxwalk.evaluation.Results`)
 suite.md                the same as tables (`jaxwalk.report.suite`)
@@ -37,14 +37,14 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
 Tell = Callable[[str, int, int], None]
-"""Called with what is being done, how much of it is done, and how much there is."""
+"""Called with the current task, how much of it is done, and the total."""
 Played = dict[tuple[str, str], Rows]
 """The rows of one street, by driver and population."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What to evaluate, and what to keep of it."""
+    """What to evaluate, and which results to keep."""
 
     streets: tuple[Street, ...]
     """The same street with each jaywalk multiplier."""
@@ -57,17 +57,17 @@ class Evaluation:
     pair: tuple[str, str] | None = None
     """Two drivers to compare, if any."""
     counterfactuals: int = 0
-    """Collisions of each cell to replay, at most."""
+    """Most collisions of each cell to replay."""
     out: Path | None = None
-    """Folder to write into; None: nothing is written."""
+    """Folder to write into; None writes nothing."""
     encounters: bool = False
     """Whether to write a row per encounter."""
 
 
 def evaluate_all(work: Evaluation, tell: Tell) -> Results:
-    """Evaluate, and write what is asked for; return all results.
+    """Evaluate, and write the requested files; return all results.
 
-    Results are written before collisions are replayed, which takes long, and again afterwards.
+    Results are written before collisions are replayed, which takes long, and once more afterwards.
 
     Raises:
         Stopped: a driver that is not JAX failed; the message says what was kept.
@@ -122,7 +122,7 @@ def _compared(work: Evaluation, pair: tuple[str, str], rows: list[Played]) -> tu
 
 
 def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tell: Tell) -> tuple[Cell, ...]:
-    """Return the cells with what would have avoided their collisions."""
+    """Return the cells with the changes that would have avoided their collisions."""
     played = [
         (street, *pair, found)
         for street, by_pair in zip(work.streets, rows, strict=True)
@@ -142,7 +142,7 @@ def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tel
 
 
 def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
-    """Write what was evaluated before a driver failed, in whole batches; return what became of it, in words."""
+    """Write what was evaluated before a driver failed, in whole batches; return a description of what was kept."""
     episodes = sum(found.episodes for played in rows for found in played.values())
     if not episodes:
         return "no batch had been finished before"
@@ -153,7 +153,7 @@ def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
 
 
 def _keep_rows(work: Evaluation, out: Path, rows: list[Played]) -> None:
-    """Write a row per episode for each multiplier, and a row per encounter if asked for."""
+    """Write a row per episode for each multiplier, and a row per encounter if requested."""
     _write_episodes(work, out / "episodes", rows)
     if work.encounters:
         of_street = zip(map(jaywalk_multiplier, work.streets), rows, strict=True)
@@ -162,7 +162,7 @@ def _keep_rows(work: Evaluation, out: Path, rows: list[Played]) -> None:
 
 
 def _write_episodes(work: Evaluation, name: Path, rows: list[Played]) -> list[Path]:
-    """Write a row per episode, in a file for each multiplier; ``rows`` may have the first streets only."""
+    """Write a row per episode, in one file for each multiplier; ``rows`` may cover only the first streets."""
     name.parent.mkdir(parents=True, exist_ok=True)
     files = []
     for street, played in zip(work.streets, rows, strict=False):
@@ -173,6 +173,6 @@ def _write_episodes(work: Evaluation, name: Path, rows: list[Played]) -> list[Pa
 
 
 def _keep_results(out: Path, results: Results) -> None:
-    """Write the results, and the same as tables."""
+    """Write the results, and their tables."""
     write_whole(out / "suite.md", suite(results, provenance()))
     write_whole(out / "results.json", results.to_json())

@@ -1,9 +1,9 @@
-"""What does it cost a car not to know who is likely to jaywalk, and how much of that could it find out?
+"""What does it cost a car not to know who is likely to jaywalk, and how much of that could it infer?
 
 runs/blind/seed-0, ...     the car trained alone, which sees where people are and how they move
-runs/belief/seed-0, ...    the same car, which is also told what could be inferred of their tendencies (Bayes' rule)
-runs/told/seed-0, ...      the same car, which is told the tendencies themselves
-plan.json, minutes.json    what was asked for; how long each part took
+runs/belief/seed-0, ...    the same car, which also sees what can be inferred about their tendencies (Bayes' rule)
+runs/told/seed-0, ...      the same car, which sees the tendencies themselves
+plan.json, minutes.json    what was requested; how long each part took
 hidden-intent.json         all three on the same scenarios, in pairs, and how much could be known
 hidden-intent.md           the tables (`jaxwalk.report.intent_page`)
 """
@@ -38,17 +38,17 @@ from jaxwalk.sim.observation import BELIEF, TOLD
 from jaxwalk.writing import write_whole
 
 DRIVERS = {BLIND: "route", "belief": BELIEF, "told": TOLD}
-"""The cars and what they see. Their critics see the same, and in it every tendency: only the drivers differ."""
+"""The cars and what they see. Their critics all see the same, including every tendency: only the drivers differ."""
 MULTIPLIERS = (0.25, 1.0)
-"""Jaywalk multipliers of the evaluation, that of the trainings first: with 1, what people intend matters more."""
+"""Jaywalk multipliers of the evaluation, that of the trainings first: with 1, intentions matter more."""
 AFTER = (1, 2, 5, 10, 20, 50)
-"""How much could be known is also worked out for somebody seen to cross exactly so often."""
+"""Numbers of crossings seen, for which what could be known is computed as well."""
 RESULT, PAGE = "hidden-intent.json", "hidden-intent.md"
 
 
 @dataclass(frozen=True)
 class IntentEffort(Effort):
-    """How thoroughly."""
+    """The size of the experiment."""
 
     updates: int = 200
     episodes: int = 2000
@@ -64,9 +64,9 @@ class IntentWork(Work[IntentEffort]):
 def hidden_intent(
     folder: Path, plan: IntentEffort, *, console: Console | None = None, base: Experiment | None = None
 ) -> Path:
-    """Make whatever is missing in the folder; returns the page's path. Raises Interrupted on Ctrl-C.
+    """Make whatever is missing in the folder; return the page's path. Raise Interrupted on Ctrl-C.
 
-    ``base``: what to train instead of the car of recipe ``fast`` alone; its driver's observation set is replaced.
+    ``base``: what to train instead of only the car of recipe ``fast``; its driver's observation set is replaced.
     """
     work = IntentWork(folder, plan, console or Console(stderr=True), base or single_agent(RECIPES["fast"]))
     work.do(
@@ -114,16 +114,16 @@ def _rows(matches: Sequence[Match], driver: str) -> Rows:
 
 
 def _pairs(matches: Sequence[Match]) -> list[PairedSeeds]:
-    """Compare each of the others with the blind car."""
+    """Compare each of the other cars with the blind one."""
     of = {name: [match for match in matches if match.cell.driver == name] for name in DRIVERS}
     others = [name for name in DRIVERS if name != BLIND]
     return [paired_over_seeds(end, of[BLIND], of[name]) for end in ENDINGS for name in others]
 
 
 def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: Scenarios) -> tuple[KnownIntent, ...]:
-    """Return how much could be known in a whole episode, in one of the blind car's, and when it meets somebody.
+    """Return how much could be known in a whole episode, in one of the blind car's, and at an encounter.
 
-    Whole episodes are those of a car that stands; where somebody walks into it, the episode is cut short and left out.
+    Whole episodes are those of a car that stands; episodes that end early because somebody walks into it are left out.
     """
     people, seconds = street.world.rules.pedestrians, street.world.rules.horizon * street.world.rules.dt
     always_go = contestant(street, "pedestrian", ALWAYS_GO)
@@ -141,7 +141,7 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
 
 
 def _crossings(rows: Rows, people: int) -> np.ndarray:
-    """(episode, ped)"""
+    """Return the number of crossings of each person, of shape (episode, ped)."""
     episodes = rows.episodes
     return crossings_of_people(rows[CROSSINGS], episodes=episodes, people=people).reshape(episodes, people)
 

@@ -1,11 +1,11 @@
-"""The paper's whole experiment as a plain list of parts. A part whose file is there is not made again.
+"""Reproduce the paper's whole experiment as a plain list of parts. A part whose file exists is not made again.
 
 runs/co-trained/seed-0, ...      the trainings of car and pedestrians, one for each training seed
-runs/single-agent/seed-0, ...    those of the car alone, with equally many updates
-plan.json                        what was asked for
+runs/single-agent/seed-0, ...    the trainings of the car alone, with equally many updates
+plan.json                        what was requested
 results.json, episodes.csv       every driver among every population (`jaxwalk.experiments.tournament`)
 ablation.json                    the co-trained drivers with less and more jaywalking
-gallery.json                     the worst collisions and the nearest misses, to be watched
+gallery.json                     the worst collisions and the nearest misses, to watch
 episode.png, episode.svg, .json   one episode
 provenance.json, minutes.json    commit, hardware, versions; how long each part took
 report.html, figures/, tables/   `jaxwalk.report`
@@ -52,26 +52,26 @@ from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
 
 ABLATED = 2000
-"""The ablation, which has ten cells for each training seed, takes at most this many scenarios."""
+"""Most scenarios of the ablation, which has ten cells for each training seed."""
 WATCHED, INCIDENTS = 500, 20
-"""The gallery has this many incidents of each kind for each driver and population, found in the first scenarios."""
+"""The gallery searches this many scenarios, and has this many incidents of each kind per driver and population."""
 INTERESTING = 200
-"""The episode to be drawn is chosen among this many scenarios."""
+"""Number of scenarios from which the episode to draw is chosen."""
 
 
 @dataclass(frozen=True)
 class Plan(Effort):
-    """What to reproduce, and how thoroughly."""
+    """What to reproduce, and at what size."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     recipe: str = "fast"
     """Recipe of all trainings."""
     minutes: float = 4.0
-    """For the first co-training [min]; all others make as many updates. Ignored where ``updates`` is given."""
+    """Duration of the first co-training [min]; all others make as many updates. Ignored if ``updates`` is given."""
 
     def __post_init__(self) -> None:
-        """Refuse what can't be done."""
+        """Raise ValueError for an impossible plan."""
         super().__post_init__()
         if not 0 < self.minutes < float("inf"):
             raise ValueError(f"minutes must be above 0, not {self.minutes}")
@@ -86,7 +86,7 @@ class Reproduction(Work[Plan]):
 
 
 def reproduce(folder: Path, plan: Plan, *, console: Console | None = None, base: Experiment | None = None) -> Path:
-    """Make whatever is missing in the folder; returns the report's path. Raises Interrupted on Ctrl-C.
+    """Make whatever is missing in the folder; return the report's path. Raise Interrupted on Ctrl-C.
 
     ``base``: what to train instead of the plan's recipe.
     """
@@ -106,7 +106,7 @@ def reproduce(folder: Path, plan: Plan, *, console: Console | None = None, base:
 
 
 def _co_train(work: Reproduction) -> None:
-    """The first by minutes or updates, the others with as many updates as the first one made."""
+    """Train the first seed by minutes or updates, and the others with as many updates as the first one made."""
     plan = work.plan
     first = with_training(work.base, updates=plan.updates)
     work.train(CO_TRAINED, first if plan.updates else replace(first, minutes=plan.minutes), plan.seed)
@@ -115,13 +115,13 @@ def _co_train(work: Reproduction) -> None:
 
 
 def _train_alone(work: Reproduction) -> None:
-    """As many updates as the co-trainings made."""
+    """Train the car alone, with as many updates as the co-trainings made."""
     for seed in work.plan.training_seeds:
         work.train(SINGLE_AGENT, with_training(single_agent(work.base), updates=_made(work)), seed)
 
 
 def _made(work: Reproduction) -> int:
-    """Updates of the first co-training."""
+    """Return the number of updates of the first co-training."""
     return Run.open(work.run(CO_TRAINED, work.plan.seed)).experiment.train.updates
 
 
@@ -151,7 +151,7 @@ def _ablate(work: Reproduction) -> None:
 
 
 def _collect(work: Reproduction) -> None:
-    """Collect what the first training seed's drivers, and the driver that heeds nobody, did worst."""
+    """Collect the worst failures of the first training seed's drivers, and of the driver that ignores people."""
     if work.json("gallery.json") is not None:
         work.say("    there already")
         return
@@ -187,7 +187,7 @@ def _draw(work: Reproduction) -> None:
 
 
 def _interesting(work: Reproduction, street: Street, driver: Policy, people: Policy) -> tuple[int, int]:
-    """The scenario with the encounter that came nearest without a touch to a jaywalker, and the frame it began in."""
+    """Return the scenario with the nearest encounter with a jaywalker without a touch, and the frame of its start."""
     source = Drawn(street, work.plan.seed, min(INTERESTING, work.plan.episodes))
     rows = evaluate(street, {"driver": driver, "pedestrian": people}, source)
     found, reached = rows[ENCOUNTERS], rows[OUTCOMES].goal
@@ -204,7 +204,7 @@ def _report(work: Reproduction) -> None:
 
 
 def report(folder: Path) -> Path:
-    """Make the report of a folder from what is in it; return its path.
+    """Make the report of a folder from its files; return the report's path.
 
     Raises:
         RunError: a file is missing, or the plan or a run is damaged.
@@ -259,4 +259,4 @@ def _curves(folder: Path, name: str, plan: Plan) -> dict[int, LearningCurve]:
 
 
 _PARTS = ("plan", "results", "ablation", "provenance", "minutes", "gallery", "episode")
-"""Documents that the report is made of."""
+"""Documents from which the report is made."""

@@ -1,4 +1,4 @@
-"""Every driver among every population, for every training seed: the tournament of `jaxwalk reproduce`."""
+"""Play every driver among every population, for every training seed: the tournament of `jaxwalk reproduce`."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
 
 COMPARED = [name for name, make in DRIVERS.items() if make().view.name not in HIDDEN]
-"""Rules that are compared: the oracle, which knows the future, is in no table of the paper's and takes minutes."""
+"""Rules that are compared; not the oracle, which knows the future, is in no table of the paper, and takes minutes."""
 MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
 """Jaywalk multipliers of the ablation (paper, section IV-D)."""
 
 Say = Callable[[str], None]
-"""Called with a line when a cell has been played."""
+"""Called with a line of text when a cell has been played."""
 Round = tuple[int | None, Mapping[str, Policy], Mapping[str, Policy]]
-"""Training seed (None: nobody was trained), drivers and populations; each driver meets each population."""
+"""Training seed (None: nobody was trained), drivers and populations; each driver plays with each population."""
 
 
 @dataclass(frozen=True)
@@ -42,21 +42,21 @@ class TrainedPolicies:
 
     seed: int
     drivers: Mapping[str, Policy]
-    """The car trained alone, and the one trained with its pedestrians."""
+    """The car trained alone, and the car trained with its pedestrians."""
     learned: Policy
-    """Those pedestrians."""
+    """The pedestrians trained with the car."""
 
 
 @dataclass(frozen=True)
 class Scenarios:
-    """The scenarios that everybody meets."""
+    """The scenarios that everybody plays."""
 
     episodes: int
     seed: int
 
 
 def load_trained(street: Street, seed: int, folders: Mapping[str, Path]) -> TrainedPolicies:
-    """Load the policies of a training seed from its run folders, given by the names of the trained drivers."""
+    """Load the policies of a training seed from its run folders, which are given by the trained drivers' names."""
     drivers = {name: contestant(street, "driver", str(folders[name])) for name in (SINGLE_AGENT, CO_TRAINED)}
     return TrainedPolicies(seed, drivers, contestant(street, "pedestrian", str(folders[CO_TRAINED])))
 
@@ -66,8 +66,8 @@ def tournament(
 ) -> tuple[Results, list[Match]]:
     """Play all drivers among both populations; return the results of ``results.json``, and the matches.
 
-    Rules among always-go play once; whatever was trained plays once for each training seed, its drivers among its own
-    pedestrians.
+    Rules among always-go play once; trained policies play once for each training seed, the drivers among the
+    pedestrians of the same seed.
     """
     rules = {name: contestant(street, "driver", name) for name in COMPARED}
     always_go = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
@@ -125,7 +125,7 @@ def results_of(scenarios: ScenarioSet, matches: Sequence[Match], *, paired: Sequ
 
 
 def _pairs(matches: Sequence[Match]) -> list[PairedSeeds]:
-    """Learned against always-go for each driver, then the two trained drivers against each other."""
+    """Compare learned with always-go for each driver, then the two trained drivers with each other."""
 
     def found(driver: str, pedestrians: str) -> list[Match]:
         return [match for match in matches if match.names == (driver, pedestrians)]

@@ -1,4 +1,4 @@
-"""One episode of an evaluation, drawn."""
+"""A drawing of one episode of an evaluation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
 
 MOVING = (".gif", ".mp4")
-"""Files that show the whole episode; others show its last frame."""
+"""Endings of files that show the whole episode; other files show its last frame."""
 
 
 def draw_episode(
@@ -21,7 +21,7 @@ def draw_episode(
 ) -> Trajectory:
     """Play scenario ``number`` of a source as an evaluation does, and write a picture or an animation of it.
 
-    ``time`` [s]: the moment that a picture shows; None: the end. Raise ViewerError if the episode ended before.
+    ``time`` is the moment that a picture shows [s]; by default the end. Raises ViewerError if it is after the end.
     """
     trajectory = replay(street, policies, source, [number])
     ground = map_of(street, source, number)
@@ -37,7 +37,7 @@ def draw_episode(
 
 
 def map_of(street: Street, source: Source, number: int) -> RoadMap:
-    """Return the map of a scenario, without the street's other maps."""
+    """Return the map of a scenario, on its own (not in a stack)."""
     import jax
     import numpy as np
 

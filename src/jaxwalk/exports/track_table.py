@@ -1,4 +1,4 @@
-"""Episodes of an evaluation as trajectories for others."""
+"""Trajectories of an evaluation's episodes, as a table in a file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from jaxwalk.sim.environment import Street
 
 
 class SeveralMapsError(ValueError):
-    """A file of trajectories has one map."""
+    """The street has several maps, but a file of trajectories has one."""
 
 
 def record_tracks(

@@ -1,4 +1,4 @@
-"""Whether jaywalking has more than its share of the collisions, given its share of crossings and of time at risk."""
+"""Compare jaywalking's share of the collisions with its share of crossings and of time at risk."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from jaxwalk.sim.trajectory import Trajectory
 
 @dataclass(frozen=True)
 class Exposure:
-    """One row per episode: how much crossing there was, by type."""
+    """How much each type of crossing was used: one row per episode."""
 
     crossings: Int[np.ndarray, "episode type"]
     road_frames: Int[np.ndarray, "episode type"]
-    """Frames on a roadway, of all pedestrians together."""
+    """Frames that pedestrians spent on a roadway, added up over all pedestrians."""
     near_frames: Int[np.ndarray, "episode type"]
-    """Those of them with the car within 20 m."""
+    """Those frames in which the car was within 20 m."""
 
 
 @dataclass(frozen=True)
 class Risk:
-    """Collisions with people on a roadway, set against one measure of exposure."""
+    """Collisions with people on a roadway, divided by one measure of exposure."""
 
     exposure_crosswalk: float
     """Exposure of crosswalk users, in the unit of the measure."""
@@ -38,18 +38,18 @@ class Risk:
     share: Estimate
     """Jaywalking's share of the exposure; the count is the exposure itself, rounded down."""
     crosswalk: Estimate
-    """Collisions per unit of exposure; the count is of collisions."""
+    """Collisions per unit of exposure; the count is the number of collisions."""
     jaywalk: Estimate
     ratio: Estimate
-    """Jaywalk rate over crosswalk rate: 1 if jaywalking is no more dangerous; the count is of collisions of both."""
+    """Jaywalk rate over crosswalk rate: 1 if both are equally dangerous; the count is the collisions of both types."""
 
 
 @dataclass(frozen=True)
 class Attribution:
-    """Jaywalking among the collisions with people on a roadway, and the same on four scales of exposure."""
+    """Jaywalking's part in the collisions with people on a roadway, on four scales of exposure."""
 
     share: Estimate
-    """Jaywalking's share of the collisions with people on a roadway; the count is of those collisions."""
+    """Jaywalking's share of the collisions with people on a roadway; the count is the number of those collisions."""
     per_crossing: Risk
     per_encounter: Risk
     per_second: Risk
@@ -59,7 +59,7 @@ class Attribution:
 
 
 def measure_exposure(trajectory: Trajectory, crossings: Crossings, steps: RoadSteps) -> Exposure:
-    """Crossings, and frames on a roadway, of each episode."""
+    """Count the crossings of each episode and the frames on a roadway."""
     episodes = len(trajectory.length)
     near = steps.distance <= events.ENCOUNTER_DISTANCE
     return Exposure(
@@ -70,7 +70,7 @@ def measure_exposure(trajectory: Trajectory, crossings: Crossings, steps: RoadSt
 
 
 def exposure_columns(rows: Rows) -> dict[str, np.ndarray]:
-    """Return exposures, each (episode, type), times in s."""
+    """Return the exposures, each of shape (episode, type); times in s."""
     table = rows[ATTRIBUTION]
     return {
         "crossings": table.crossings,
@@ -93,7 +93,7 @@ def summarise_attribution(rows: Rows, sums: Sums) -> Attribution:
 
 
 def _risk(hits: np.ndarray, exposure: np.ndarray) -> Risk:
-    """Rates and their ratio, of resampled sums (resample, type)."""
+    """Return the rates and their ratio, from resampled sums of shape (resample, type)."""
     rate = ratio(hits, exposure)
     crosswalk, jaywalk = rate[:, CROSSWALK - 1], rate[:, JAYWALK - 1]
     whole = exposure.sum(axis=1)

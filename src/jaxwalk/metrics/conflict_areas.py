@@ -1,8 +1,9 @@
-"""Where the paths of a car and a pedestrian meet, how far apart in time they were there, and how soon they would be.
+"""Find where the paths of a car and a pedestrian meet, and the times at which each was or would be there.
 
-The *conflict area* of an encounter: of all places on the driven path (from the encounter's start on) and on the walked
-path (of the whole crossing) that lie within the collision distance of each other, the pair that was occupied at the
-nearest times. Post-encroachment time (PET) and T2 both mean this area.
+The *conflict area* of an encounter is a pair of places: one on the path that the car drove (from the encounter's start
+on), one on the path that the pedestrian walked (over the whole crossing). They lie within the collision distance of
+each other. Of all such pairs it is the one whose places were occupied at the nearest times. Post-encroachment time
+(PET) and T2 both refer to this area.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from jaxwalk.sim.events import distance, touches
 from jaxwalk.sim.trajectory import Trajectory
 
 PET_LIMIT = 5.0
-"""Who comes later than this after the other had no encroachment [s]: default of FHWA's SSAM (2008)."""
+"""If the second arrives later than this, there was no encroachment [s]: default of FHWA's SSAM (2008)."""
 
 
 @dataclass(frozen=True)
 class Steps:
-    """One row per encounter and frame of its whole crossing, ordered by encounter, frame."""
+    """The frames of the whole crossing of each encounter: one row per frame, ordered by encounter and frame."""
 
     encounter: Int[np.ndarray, "step"]
     frame: Int[np.ndarray, "step"]
@@ -30,15 +31,15 @@ class Steps:
     first: Int[np.ndarray, "encounter"]
     """For each encounter, its first row here (for ``ufunc.reduceat``)."""
     x: Float[np.ndarray, "step"]
-    """Of the pedestrian [m]."""
+    """Position of the pedestrian [m]."""
     y: Float[np.ndarray, "step"]
     vx: Float[np.ndarray, "step"]
-    """Of the pedestrian [m/s]."""
+    """Velocity of the pedestrian [m/s]."""
     vy: Float[np.ndarray, "step"]
 
 
 def crossing_steps(trajectory: Trajectory, encounters: Encounters) -> Steps:
-    """The frames of the encounters' crossings."""
+    """Return the frames of the encounters' crossings."""
     encounter, frame, first = _spans(encounters.enter, encounters.end)
     episode = encounters.episode[encounter].astype(np.int64)
     person = frame, episode, encounters.ped[encounter]
@@ -50,10 +51,10 @@ def crossing_steps(trajectory: Trajectory, encounters: Encounters) -> Steps:
 def conflict_areas(
     trajectory: Trajectory, encounters: Encounters, steps: Steps, collision_distance: float
 ) -> tuple[Float[np.ndarray, "encounter"], Int[np.ndarray, "encounter"]]:
-    """How many frames after the pedestrian the car came (NaN if never), and the step of the pedestrian in the area.
+    """Return how many frames after the pedestrian the car came (NaN if never), and the pedestrian's step in the area.
 
-    The definition is that of Saunier's Traffic Intelligence (``computePET``): of all pairs of frames whose places lie
-    within the collision distance, the nearest in time; of equally near ones, pedestrian first, then the earliest.
+    The definition is that of Saunier's Traffic Intelligence (``computePET``): among all pairs of frames whose places
+    lie within the collision distance, take the nearest in time. Among equals, take pedestrian first, then the earliest.
     """
     lags, places = np.full(len(steps.first), np.nan), np.zeros(len(steps.first), np.int64)
     earliest, latest = encounters.start[steps.encounter], trajectory.length[steps.episode]
@@ -74,8 +75,8 @@ def conflict_areas(
 
 
 def _near_path(trajectory: Trajectory, encounters: Encounters, steps: Steps, margin: float, limit: int) -> np.ndarray:
-    """Which steps come within ``margin`` of the box around the path that the car drives in those ``limit`` frames."""
-    # (most people cross far from the car's path: their steps need no search)
+    """Return which steps come within ``margin`` of the bounding box of the car's path in those ``limit`` frames."""
+    # most people cross far from the car's path: this skips the search for them
     end = np.minimum(encounters.end + limit, trajectory.length[encounters.episode])
     encounter, frame, first = _spans(encounters.start, end)
     near = np.ones(len(steps.frame), bool)
@@ -93,10 +94,10 @@ def second_arrivals(
     lag: Float[np.ndarray, "encounter"],
     place: Int[np.ndarray, "encounter"],
 ) -> Float[np.ndarray, "encounter"]:
-    """Smallest T2 [s]: distance left to the conflict area over present speed, of who arrives second.
+    """Return the smallest T2 [s]: the second road user's distance to the conflict area, divided by its current speed.
 
-    Laureshyn, Svensson and Hydén (2010): along the path really taken, in every frame of the encounter up to that in
-    which the first is in the area. A second that stands would never arrive (infinite).
+    Laureshyn, Svensson and Hydén (2010): along the path that was really taken, over the frames of the encounter until
+    the first road user is in the area. T2 is infinite for a second road user who stands still.
     """
     own_lag = np.nan_to_num(lag).astype(np.int64)
     car_second = (own_lag > 0)[steps.encounter]
@@ -116,7 +117,8 @@ def second_arrivals(
 
 
 def _spans(first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All frames from ``first`` to ``last``, span after span: which span, which frame; and where each span begins."""
+    """Return all frames from ``first`` to ``last``, span after span: its span, its frame, and where each span
+    begins."""
     sizes = (last - first + 1).astype(np.int64)
     begin = np.cumsum(sizes) - sizes
     span = np.repeat(np.arange(len(sizes)), sizes)
@@ -124,12 +126,12 @@ def _spans(first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray,
 
 
 def _path_length(x: Float[np.ndarray, "frame ..."], y: Float[np.ndarray, "frame ..."]) -> np.ndarray:
-    """Metres from the first frame to each."""
+    """Return the path length from the first frame to each frame [m]."""
     step = np.zeros(x.shape)
     step[1:] = distance(np.diff(x, axis=0), np.diff(y, axis=0))
     return np.cumsum(step, axis=0)
 
 
 def finite(values: np.ndarray) -> np.ndarray:
-    """Infinite values as NaN."""
+    """Return the values with NaN in place of infinity."""
     return np.where(np.isfinite(values), values, np.nan)

@@ -1,6 +1,6 @@
-"""Who is on a roadway when: the crossings of a trajectory, and one row for every step that a pedestrian spends on one.
+"""Find who is on a roadway when: the crossings of a trajectory, and every step that a pedestrian spends on one.
 
-People are on sidewalks most of the time, so everything about crossings is computed on those rows alone.
+People are on sidewalks most of the time, so all computations about crossings use these rows only.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from jaxwalk.sim.trajectory import Trajectory
 
 T = TypeVar("T")
 TYPES = (CROSSWALK, JAYWALK)
-"""The types of a crossing. Arrays with an axis ``type`` have them in this order: index = type - 1."""
+"""The types of a crossing. An axis named ``type`` has them in this order: index = type - 1."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class ByType(Generic[T]):
 
 @dataclass(frozen=True)
 class Crossings:
-    """One row per crossing: an unbroken stay of a pedestrian on a roadway, ordered by episode, pedestrian, time."""
+    """One row per crossing: an unbroken stay of a pedestrian on a roadway, ordered by episode, pedestrian and time."""
 
     episode: Int[np.ndarray, "crossing"]
     """Row of the episode."""
@@ -52,13 +52,13 @@ class Crossings:
 
 @dataclass(frozen=True)
 class RoadSteps:
-    """One row per real frame and pedestrian on a roadway, ordered by episode, pedestrian, frame."""
+    """One row per real frame and pedestrian on a roadway, ordered by episode, pedestrian and frame."""
 
     episode: Int[np.ndarray, "step"]
     ped: Int[np.ndarray, "step"]
     frame: Int[np.ndarray, "step"]
     crossing: Int[np.ndarray, "step"]
-    """Row of the crossing it belongs to."""
+    """Row of the crossing that the step belongs to."""
     first: Int[np.ndarray, "crossing"]
     """For each crossing, its first row here (for ``ufunc.reduceat``)."""
     type: Int[np.ndarray, "step"]
@@ -71,18 +71,18 @@ class RoadSteps:
 
 
 def real_frames(trajectory: Trajectory) -> Bool[np.ndarray, "frame episode"]:
-    """Which frames are not padding: frame 0 to frame ``length``."""
+    """Return which frames are not padding: frames 0 to ``length``."""
     return np.arange(len(trajectory.car_x))[:, None] <= trajectory.length
 
 
 def crossing_type(decided: np.ndarray, on_crosswalk: np.ndarray) -> np.ndarray:
-    """CROSSWALK or JAYWALK, of somebody on a roadway: the decision, or the place if none was ever made."""
-    # (who begins the episode on a roadway, or comes from a foreign recording, may never have decided)
+    """Return CROSSWALK or JAYWALK for people on a roadway: their decision, or the place if they never decided."""
+    # (somebody may never have decided: who begins the episode on a roadway, or comes from a foreign recording)
     return np.where(decided == NO_CROSSING, np.where(on_crosswalk, CROSSWALK, JAYWALK), decided).astype(np.int8)
 
 
 def find_crossings(trajectory: Trajectory) -> tuple[Crossings, RoadSteps]:
-    """All crossings of a trajectory, and all steps of them."""
+    """Find all crossings of a trajectory, and all their steps."""
     on_road = trajectory.on_roadway & real_frames(trajectory)[..., None]
     episode, ped, frame = np.nonzero(np.ascontiguousarray(on_road.transpose(1, 2, 0)))
     first, crossing = runs(episode, ped, frame)
@@ -114,14 +114,14 @@ def find_crossings(trajectory: Trajectory) -> tuple[Crossings, RoadSteps]:
 
 
 def runs(episode: np.ndarray, ped: np.ndarray, frame: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where unbroken stays begin (rows), and which stay each row belongs to."""
+    """Return the rows at which unbroken stays begin, and the stay that each row belongs to."""
     begins = np.ones(len(frame), bool)
     begins[1:] = (np.diff(frame) != 1) | (np.diff(ped) != 0) | (np.diff(episode) != 0)
     return np.flatnonzero(begins), np.cumsum(begins) - 1
 
 
 def _numbers(episode: np.ndarray, ped: np.ndarray) -> np.ndarray:
-    """1, 2, ... within each (episode, pedestrian) of rows ordered by them."""
+    """Number rows 1, 2, ... within each (episode, pedestrian); rows are ordered by both."""
     row = np.arange(len(ped))
     new = np.ones(len(ped), bool)
     new[1:] = (np.diff(ped) != 0) | (np.diff(episode) != 0)
@@ -129,7 +129,7 @@ def _numbers(episode: np.ndarray, ped: np.ndarray) -> np.ndarray:
 
 
 def _approach(trajectory, episode, ped, frame) -> tuple[np.ndarray, np.ndarray]:
-    """Distance between car and pedestrian [m] and ``events.closes_in``, for the given rows."""
+    """Return the distance between car and pedestrian [m] and ``events.closes_in``, for the given rows."""
     car, person = (frame, episode), (frame, episode, ped)
     speed = trajectory.car_speed[car].astype(np.float64)
     dx = trajectory.ped_x[person].astype(np.float64) - trajectory.car_x[car]

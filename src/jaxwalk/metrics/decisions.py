@@ -26,11 +26,11 @@ class Decisions:
     ped: Int[np.ndarray, "decision"]
     frame: Int[np.ndarray, "decision"]
     type: Int[np.ndarray, "decision"]
-    """CROSSWALK or JAYWALK, of the last decision in the frame; NO_CROSSING if the frame does not tell."""
+    """CROSSWALK or JAYWALK: the last decision in the frame; NO_CROSSING if the recording does not say."""
     made: Int[np.ndarray, "decision"]
-    """Decisions in the frame: 1, unless a recording is coarse; of the others the type is lost."""
+    """Decisions in the frame: 1, unless the recording is coarse; then the types of the earlier ones are lost."""
     tau: Float[np.ndarray, "decision"]
-    """Jaywalking tendency of who decided."""
+    """Jaywalking tendency of the pedestrian who decided."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,11 @@ class JaywalkRate:
     quarters: tuple[Rate, ...]
     """By tau: [0, 0.25), [0.25, 0.5), [0.5, 0.75), [0.75, 1]."""
     unknown: int
-    """Decisions whose type the recording does not tell: in no rate."""
+    """Decisions of unknown type; no rate counts them."""
 
 
 def find_decisions(trajectory: Trajectory) -> Decisions:
-    """All decisions, each seen as an increment of ``Trajectory.decisions`` (from 0 before frame 0)."""
+    """Find all decisions: each is an increment of ``Trajectory.decisions`` (from 0 before frame 0)."""
     made = np.diff(trajectory.decisions, axis=0, prepend=np.zeros_like(trajectory.decisions[:1]))
     decided = (made > 0) & real_frames(trajectory)[..., None]
     episode, ped, frame = np.nonzero(np.ascontiguousarray(decided.transpose(1, 2, 0)))

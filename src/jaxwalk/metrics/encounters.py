@@ -1,4 +1,4 @@
-"""Encounters: crossings that the car comes close to. How near it came, when it braked, whether it hit."""
+"""Find encounters: crossings that the car comes close to. Measure how near it came, when it braked, whether it hit."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Encounters:
     scenario: Int[np.ndarray, "encounter"]
     ped: Int[np.ndarray, "encounter"]
     number: Int[np.ndarray, "encounter"]
-    """Which crossing of the pedestrian's in this episode, from 1."""
+    """Number of the crossing among the pedestrian's in this episode, from 1."""
     type: Int[np.ndarray, "encounter"]
     """CROSSWALK or JAYWALK."""
     enter: Int[np.ndarray, "encounter"]
@@ -37,21 +37,21 @@ class Encounters:
     entry_speed: Float[np.ndarray, "encounter"]
     """Speed of the car in frame ``enter`` [m/s]."""
     collided: Bool[np.ndarray, "encounter"]
-    """The encounter ended with the car touching this pedestrian."""
+    """Whether the encounter ended with the car touching this pedestrian."""
     braking: Int[np.ndarray, "encounter"]
-    """NEVER, ONSET, ALREADY, STANDING or UNSEEN, of ``metrics.braking``."""
+    """NEVER, ONSET, ALREADY, STANDING or UNSEEN, as in ``metrics.braking``."""
     braking_time: Float[np.ndarray, "encounter"]
-    """Road entry to braking onset, or to ``end`` if never [s]; NaN for the other cases."""
+    """Time from road entry to braking onset, or to ``end`` if never [s]; NaN in the other cases."""
 
 
 def encounter_starts(steps: RoadSteps) -> Int[np.ndarray, "crossing"]:
-    """For each crossing, the first frame with the car close and closing; beyond all frames if it has none."""
+    """Return each crossing's first frame with the car close and closing in; beyond all frames if there is none."""
     never = np.iinfo(np.int32).max
     return np.minimum.reduceat(np.where(steps.closing, steps.frame, never), steps.first)
 
 
 def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSteps) -> Encounters:
-    """All encounters of a trajectory."""
+    """Find all encounters of a trajectory."""
     start = encounter_starts(steps)
     meeting = steps.frame >= start[steps.crossing]
     nearest = np.minimum.reduceat(np.where(meeting, steps.distance, np.inf), steps.first)
@@ -78,12 +78,12 @@ def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSte
 
 @dataclass(frozen=True)
 class Braking:
-    """From a pedestrian's road entry to the car's braking onset."""
+    """Time from a pedestrian's road entry to the car's braking onset."""
 
     median: Estimate
     """Kaplan-Meier median [s], over ``observed`` and ``censored``; None if fewer than half brake in time."""
     mean_observed: Estimate
-    """Mean over the observed only [s]; it ignores those who never brake."""
+    """Mean over the observed times only [s]; it leaves out encounters in which the car never brakes."""
     observed: int
     """Encounters with a braking onset."""
     censored: int
@@ -128,7 +128,7 @@ def summarise_encounters(rows: Rows, sums: Sums) -> ByType[EncounterSummary]:
 
 
 def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> EncounterSummary:
-    """The encounters of one type; ``mean`` is the resampled mean time to an observed braking onset [s]."""
+    """Summarise the encounters of one type; ``mean`` is the resampled mean time to an observed braking onset [s]."""
     mine = table.type == kind
     status = table.braking[mine]
     watched = status <= ONSET

@@ -1,8 +1,8 @@
-"""How much of a pedestrian's jaywalking tendency tau could be known: what its crossings tell, at most.
+"""Compute how much a pedestrian's crossings can reveal about its jaywalking tendency tau, at most.
 
-Before, tau is uniform in [0, 1]. A crossing is a jaywalk with probability min(1, multiplier x tau) (paper, equation 1).
-How often somebody crosses is taken to say nothing about tau. Then all of this is exact: sums over the number of
-jaywalks and an integral over tau.
+The prior of tau is uniform in [0, 1]. A crossing is a jaywalk with probability min(1, multiplier x tau) (paper,
+equation 1). The number of crossings is assumed to carry no information about tau. All results are then exact: sums over
+the number of jaywalks and an integral over tau.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from jaxwalk.metrics.crossings import Crossings
 from jaxwalk.metrics.statistics import ratio
 
 PRIOR_VARIANCE = 1 / 12
-"""Of tau before anything is seen: a standard deviation of 0.289."""
+"""Variance of tau before anything is seen: a standard deviation of 0.289."""
 NODES = 128
-"""Of the Gauss-Legendre quadrature, on either side of the tau from which every crossing is a jaywalk."""
+"""Nodes of the Gauss-Legendre quadrature, on either side of the tau from which every crossing is a jaywalk."""
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """What is known of tau, on average over people."""
+    """What can be known about tau, on average over people."""
 
     people: int
     crossings: float
-    """Crossings seen of each, on average."""
+    """Crossings seen per person, on average."""
     never: float
-    """Share of people of whom none was seen."""
+    """Share of people without any crossing seen."""
     deviation: float
     """Expected posterior standard deviation of tau."""
     explained: float
@@ -40,16 +40,16 @@ class Identifiability:
 
 
 def crossings_of_people(table: Crossings, *, episodes: int, people: int) -> Int[np.ndarray, "person"]:
-    """How often each person of each episode was seen to enter a roadway; the people of an episode stand together."""
+    """Count how often each person was seen to enter a roadway; the people of one episode are next to each other."""
     person = table.episode * people + table.ped
     return np.bincount(person[table.entry_seen], minlength=episodes * people)
 
 
 def identifiability(crossings: Int[np.ndarray, "person"], multiplier: float) -> Identifiability:
-    """What could be known of people of whom so many crossings were seen.
+    """Return what can be known about people, given the number of crossings seen of each.
 
     Raises:
-        ValueError: there is nobody, or a negative number of crossings or multiplier.
+            ValueError: there are no people, or a number of crossings or the multiplier is negative.
     """
     if len(crossings) == 0 or crossings.min() < 0 or multiplier < 0:
         raise ValueError(f"people, crossings and multiplier must be there and not negative (multiplier {multiplier})")
@@ -67,7 +67,7 @@ def identifiability(crossings: Int[np.ndarray, "person"], multiplier: float) -> 
 
 
 def _after(crossings: int, multiplier: float) -> tuple[float, float, float]:
-    """After so many crossings: expected posterior standard deviation and variance, mutual information [bit]."""
+    """Return expected posterior deviation and variance, and mutual information [bit], after a number of crossings."""
     tau, weight = _quadrature(min(1.0, 1 / multiplier) if multiplier else 1.0)
     jaywalks = np.arange(crossings + 1)
     chance = stats.binom.pmf(jaywalks, crossings, np.minimum(1, multiplier * tau)[:, None])
@@ -79,7 +79,7 @@ def _after(crossings: int, multiplier: float) -> tuple[float, float, float]:
 
 
 def _quadrature(certain: float) -> tuple[Float[np.ndarray, "node"], Float[np.ndarray, "node"]]:
-    """Values of tau in [0, 1] and their weights; the integrand has a kink at ``certain``."""
+    """Return values of tau in [0, 1] and their weights; the integrand has a kink at ``certain``."""
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     nodes, weights = (1 + nodes) / 2, weights / 2
     above = 1 - certain

@@ -1,4 +1,4 @@
-"""From trajectories to rows to numbers. ``docs/metrics.md`` has the formulas."""
+"""Measure the rows of trajectories, and summarise rows to numbers. ``docs/metrics.md`` has the formulas."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Summary:
-    """The numbers of all metrics, with 95 % intervals and counts; what does not exist is None.
+    """The numbers of all metrics, with 95 % intervals and counts; None stands for a number that does not exist.
 
-    ``summary[OUTCOMES]`` has the numbers of `OUTCOMES`, with their type.
+    ``summary[OUTCOMES]`` has the numbers of `OUTCOMES`, with their types.
     """
 
     episodes: int
     numbers: Mapping[str, Any]
-    """By name of the metric."""
+    """Numbers by the metric's name."""
 
     def __getitem__(self, metric: Metric[T, Numbers]) -> Numbers:
-        """Return the numbers of a metric; raises KeyError if it was not measured."""
+        """Return the numbers of a metric. Raise KeyError if it was not measured."""
         if metric.name not in self.numbers:
             raise KeyError(f"{metric.name} was not measured; there are {', '.join(self.numbers)}")
         return self.numbers[metric.name]
@@ -43,10 +43,10 @@ class Summary:
 
     @staticmethod
     def from_dict(document: Mapping[str, Any], *, metrics: Sequence[Metric[Any, Any]] = METRICS) -> Summary:
-        """Return the summary that `as_dict` made the document of, also after a way through JSON.
+        """Return the summary whose `as_dict` is this document, also after saving it as JSON and reading it again.
 
         Raises:
-            ValueError: a part is unknown, missing or of another type; the message names the first such part.
+                ValueError: a part is unknown, missing or has the wrong type; the message names the first such part.
         """
         try:
             found = _model(tuple(metrics)).model_validate_json(json.dumps(document), strict=True)
@@ -59,19 +59,19 @@ class Summary:
     def __get_pydantic_core_schema__(
         cls, source: Any, handler: pydantic.GetCoreSchemaHandler
     ) -> core_schema.CoreSchema:
-        """Let a type that has a summary be read by pydantic: a summary is read from what `as_dict` gives."""
+        """Let pydantic read summaries as parts of other types, from what `as_dict` returns."""
         return core_schema.no_info_after_validator_function(_summary, handler.generate_schema(_model(METRICS)))
 
 
 def _summary(found: pydantic.BaseModel) -> Summary:
-    """Return the summary that a document of `_model` holds."""
+    """Return the summary in a document of `_model`."""
     numbers = dict(vars(found))
     return Summary(numbers.pop("episodes"), numbers)
 
 
 @cache
 def _model(metrics: tuple[Metric[Any, Any], ...]) -> type[pydantic.BaseModel]:
-    """Return the type of a document with the numbers of these metrics and nothing else."""
+    """Return the type of a document that has the numbers of these metrics and nothing else."""
     ordered = sorted(metrics, key=lambda metric: not metric.headline)
     parts: dict[str, Any] = {metric.name: (metric.numbers, ...) for metric in ordered}
     return pydantic.create_model("Document", __config__={"extra": "forbid"}, episodes=(int, ...), **parts)
@@ -84,16 +84,16 @@ def measure(
     config: SimConfig | None = None,
     metrics: Sequence[Metric[Any, Any]] = METRICS,
 ) -> Rows:
-    """Return the rows of all episodes of a trajectory; ``Rows.join`` joins those of several.
+    """Return the rows of all episodes of a trajectory; ``Rows.join`` joins the rows of several trajectories.
 
     Args:
         trajectory: recorded episodes; frames after their ``length`` are ignored.
-        ghosts: people whom the cars could not see, for the placebo.
-        config: when a car is moving, and what is a touch (default: `SimConfig`'s).
-        metrics: what to measure; metrics that these need are measured too.
+            ghosts: people that the cars could not see, for the placebo.
+            config: says when a car is moving and what a touch is (default: that of `SimConfig`).
+            metrics: what to measure; the metrics that these need are measured too.
 
     Raises:
-        ValueError: an episode is longer than the trajectory, or two metrics have one name.
+            ValueError: an episode is longer than the trajectory, or two metrics have the same name.
     """
     frames = len(trajectory.car_x)
     if trajectory.length.size and trajectory.length.max() >= frames:
@@ -114,9 +114,9 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
     """Return the numbers of all metrics of the rows.
 
     Args:
-        rows: what `measure` gave.
-        resamples: of the bootstrap over episodes.
-        seed: of the bootstrap's draws.
+            rows: the rows that `measure` returned.
+            resamples: number of bootstrap resamples over episodes.
+            seed: seed of the bootstrap.
     """
     columns = {metric.name: metric.columns(rows) for metric in rows.metrics}
     flat = {(name, column): values for name, found in columns.items() for column, values in found.items()}

@@ -1,4 +1,4 @@
-"""Encounters by distance: how fast the car was there, and what it is when like is compared with like."""
+"""Measure the car's speed in encounters by distance, and compare encounters that are alike otherwise."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.trajectory import Trajectory
 
 BIN_WIDTH = 3.0
-"""[m]"""
+"""Width of a distance bin [m]."""
 BINS = 4
-"""[0, 3), [3, 6), [6, 9) and [9, 12) m."""
+"""Number of distance bins: [0, 3), [3, 6), [6, 9) and [9, 12) m."""
 PLACE = 5.0
-"""Cars are at the same place within a square of this side [m], headed for the same quarter of the compass ..."""
+"""Cars count as at the same place within a square of this side [m], if they head for the same compass quarter ..."""
 SPEED_STEP = 1.0
-"""... and were as fast at first, within this [m/s]."""
+"""... and if their initial speeds are equal within this [m/s]."""
 
 
 @dataclass(frozen=True)
 class Meetings:
-    """One row per encounter and distance bin that it has a frame in."""
+    """One row per encounter and distance bin in which it has a frame."""
 
     episode: Int[np.ndarray, "meeting"]
     """Row of the episode."""
     type: Int[np.ndarray, "meeting"]
     """CROSSWALK or JAYWALK."""
     bin: Int[np.ndarray, "meeting"]
-    """0 for the nearest."""
+    """Index of the distance bin; 0 is the nearest."""
     speed: Float[np.ndarray, "meeting"]
-    """Mean of the car's over the encounter's frames in the bin [m/s]."""
+    """Mean speed of the car over the encounter's frames in the bin [m/s]."""
     initial_speed: Float[np.ndarray, "meeting"]
-    """The car's in the encounter's first frame [m/s]."""
+    """Speed of the car in the encounter's first frame [m/s]."""
     x: Float[np.ndarray, "meeting"]
-    """Where the car is in the encounter's first frame in the bin [m] ..."""
+    """Position of the car in the encounter's first frame in the bin [m] ..."""
     y: Float[np.ndarray, "meeting"]
     cos: Float[np.ndarray, "meeting"]
     """... and its heading there, as cosine and sine."""
@@ -48,14 +48,14 @@ class Meetings:
 
 
 def distance_bin(distance: np.ndarray) -> Int[np.ndarray, "..."]:
-    """Which bin a distance below the last edge falls into."""
+    """Return the bin of each distance; distances are below the last edge."""
     return (distance // BIN_WIDTH).astype(np.int64)
 
 
 def nearest_of_type(steps: RoadSteps, frames: int, episodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Distance to the nearest pedestrian of each type on a roadway [m], flat ``(type, episode, frame)``; inf for none.
+    """Return the distance to the nearest pedestrian of each type on a roadway [m], and each step's index in it.
 
-    And where each step stands in it.
+    The distances are flat ``(type, episode, frame)``; they are infinite where there is no such pedestrian.
     """
     cell = ((steps.type - 1).astype(np.int64) * episodes + steps.episode) * frames + steps.frame
     nearest = np.full(len(TYPES) * episodes * frames, np.inf)
@@ -64,9 +64,9 @@ def nearest_of_type(steps: RoadSteps, frames: int, episodes: int) -> tuple[np.nd
 
 
 def find_meetings(trajectory: Trajectory, steps: RoadSteps) -> Meetings:
-    """All meetings of a trajectory.
+    """Find all meetings of a trajectory.
 
-    An encounter has the frames from its start on in which its pedestrian is the nearest of its type (or as near).
+    An encounter has the frames from its start on in which its pedestrian is the nearest of its type (ties included).
     """
     nearest, cell = nearest_of_type(steps, *trajectory.car_x.shape)
     start = encounter_starts(steps)
@@ -92,7 +92,7 @@ def find_meetings(trajectory: Trajectory, steps: RoadSteps) -> Meetings:
 
 
 def meeting_columns(rows: Rows) -> dict[str, np.ndarray]:
-    """Return, per episode, type and bin, encounters and the sum of their mean speeds [m/s]."""
+    """Return, per episode, type and bin, the number of encounters and the sum of their mean speeds [m/s]."""
     table = rows[MEETINGS]
     cell = (table.episode.astype(np.int64) * len(TYPES) + table.type - 1) * BINS + table.bin
     shape = rows.episodes, len(TYPES), BINS
@@ -102,11 +102,12 @@ def meeting_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 
 def matched_differences(rows: Rows, *, resamples: int, seed: int) -> tuple[Estimate, ...]:
-    """Return the mean speed near jaywalkers minus near crosswalk users in every bin [m/s], of cars alike but for that.
+    """Return, for every bin, the mean speed near jaywalkers minus near crosswalk users, between similar cars [m/s].
 
-    Within a stratum (same place, heading and initial speed) the two means are subtracted; the average over strata has
-    the weights n m / (n + m) of n jaywalkers' and m crosswalk users' encounters (Cochran 1954; Mantel and Haenszel
-    1959): where either is missing there is nothing to compare. Each count is of jaywalkers' encounters with a match.
+    The two means are subtracted within a stratum (same place, heading and initial speed). The average over strata has
+    the weights n m / (n + m) for n encounters with jaywalkers and m with crosswalk users (Cochran 1954; Mantel and
+    Haenszel 1959), so a stratum without one of them has no weight. Each count is the number of jaywalker encounters
+    with a match.
     """
     table = rows[MEETINGS]
     stratum, of_bin = _strata(table)
@@ -128,7 +129,7 @@ def matched_differences(rows: Rows, *, resamples: int, seed: int) -> tuple[Estim
 
 
 def _strata(table: Meetings) -> tuple[Int[np.ndarray, "meeting"], Int[np.ndarray, "stratum"]]:
-    """The stratum of each meeting, and the bin of each stratum."""
+    """Return the stratum of each meeting, and the bin of each stratum."""
     # (rounding, unlike floor, treats the four directions alike)
     place = (np.rint(table.x / PLACE), np.rint(table.y / PLACE))
     quarter = np.where(np.abs(table.cos) >= np.abs(table.sin), np.sign(table.cos), 2 * np.sign(table.sin))
@@ -145,7 +146,7 @@ def _resampled(
     resamples: int,
     seed: int,
 ) -> Float[np.ndarray, "draw cell type"]:
-    """Values at places (episode, cell), summed over all episodes (row 0) and over episodes drawn with replacement."""
+    """Return sums of the values at places (episode, cell): over all episodes (row 0), and over resampled episodes."""
     columns = sparse.csr_array((values, place), shape=shape)
     sums = np.zeros((1 + resamples, shape[1]))
     for some, times in episode_draws(shape[0], resamples=resamples, seed=seed):

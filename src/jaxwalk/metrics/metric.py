@@ -1,7 +1,7 @@
-"""What a metric is, and the rows that metrics measure: ``docs/metrics.md`` says how to add one.
+"""What a metric is, and the rows that metrics measure: ``docs/metrics.md`` explains how to add one.
 
-A *finding* is worked out from recorded episodes, once for all metrics that need it. A *table* is a finding that is
-kept. A *metric* is a table with numbers: columns that are resampled by episode, and a summary of rows and sums.
+A *finding* is computed from recorded episodes once, for all metrics that need it. A *table* is a finding that is kept.
+A *metric* is a table with numbers: columns that are resampled by episode, and a summary of rows and sums.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ Numbers = TypeVar("Numbers")
 
 @dataclass(frozen=True)
 class Recording:
-    """Recorded episodes, and what has been found in them."""
+    """Recorded episodes, and the findings computed from them."""
 
     trajectory: Trajectory
     ghosts: Ghosts | None
-    """People whom the cars could not see, for the placebo."""
+    """People that the cars could not see, for the placebo."""
     config: SimConfig
-    """Says when a car is moving, and what is a touch."""
+    """Says when a car is moving and what a touch is."""
     found: dict[str, Any]
     """Findings by name."""
 
     def __getitem__(self, finding: Finding[T]) -> T:
-        """Return what was found; raises KeyError for what no metric has declared in its ``needs``."""
+        """Return a finding. Raise KeyError if no metric has declared it in its ``needs``."""
         if finding.name not in self.found:
             raise KeyError(f"{finding.name} has not been measured: name it in the needs of the metric that reads it")
         return self.found[finding.name]
@@ -41,7 +41,7 @@ class Recording:
 
 @dataclass(frozen=True, kw_only=True)
 class Finding(Generic[T]):
-    """Something that is worked out from recorded episodes, once for all metrics that need it."""
+    """Something that is computed from recorded episodes, once for all metrics that need it."""
 
     name: str
     measure: Callable[[Recording], T]
@@ -50,7 +50,7 @@ class Finding(Generic[T]):
 
 
 class MetricTable(Finding[T]):
-    """A finding that is kept in `Rows`.
+    """A finding that `Rows` keeps.
 
     ``measure`` returns a frozen dataclass of NumPy columns of one length. A column named ``episode`` holds rows of
     episodes; a table without one has a row per episode, or is parallel to a table that has it.
@@ -59,24 +59,24 @@ class MetricTable(Finding[T]):
 
 @dataclass(frozen=True, kw_only=True)
 class Metric(MetricTable[T], Generic[T, Numbers]):
-    """A table with numbers. ``name`` is also the metric's key in the summary and its JSON."""
+    """A table with numbers. ``name`` is also the metric's key in the summary and in its JSON."""
 
     summarise: Callable[[Rows, Sums], Numbers]
     """Its annotated result is the type of the numbers: frozen dataclasses and tuples of numbers and None."""
     columns: Callable[[Rows], Mapping[str, Shaped[np.ndarray, "episode ..."]]] = lambda rows: {}
     """The columns that are resampled by episode; `Sums` has their sums by the same names."""
     headline: bool = False
-    """Whether the numbers stand before those of other metrics in the summary."""
+    """Whether the numbers come before those of other metrics in the summary."""
 
     @property
     def numbers(self) -> Any:
-        """The type of the numbers."""
+        """The type of the metric's numbers."""
         return get_type_hints(self.summarise)["return"]
 
 
 @dataclass(frozen=True)
 class NoRows:
-    """The table of a metric that only reads other tables."""
+    """The table of a metric that only reads other metrics' tables."""
 
 
 @dataclass(frozen=True)
@@ -87,26 +87,26 @@ class Rows:
     """Duration of a step [s]."""
     episodes: int
     metrics: tuple[Metric[Any, Any], ...]
-    """In the order in which their columns are resampled."""
+    """All metrics, in the order in which their columns are resampled."""
     tables: Mapping[str, Any]
-    """By name of the metric or table."""
+    """Tables by the name of their metric."""
 
     def __getitem__(self, table: MetricTable[T]) -> T:
-        """Return a table; raises KeyError if it was not measured."""
+        """Return a table. Raise KeyError if it was not measured."""
         if table.name not in self.tables:
             raise KeyError(f"{table.name} was not measured; there are {', '.join(self.tables)}")
         return self.tables[table.name]
 
     def having(self, table: MetricTable[T], found: T) -> Rows:
-        """Return the same rows with another table instead of the measured one."""
+        """Return the same rows with this table in place of the measured one."""
         return replace(self, tables={**self.tables, table.name: found})
 
     @staticmethod
     def join(parts: Sequence[Rows]) -> Rows:
-        """Return the rows of all parts, as if their episodes had been measured together.
+        """Return the rows of all parts, as if all their episodes had been measured together.
 
         Raises:
-            ValueError: there are no parts, or their step durations or metrics differ.
+                ValueError: there are no parts, or their step durations or metrics differ.
         """
         if not parts:
             raise ValueError("there are no rows to join")
@@ -122,7 +122,7 @@ class Rows:
 
 
 def _join_tables(tables: Sequence[T], offsets: np.ndarray) -> T:
-    """Return one table below the other; ``episode`` columns count on."""
+    """Join tables one below the other; ``episode`` columns are shifted by the offsets."""
     columns = {}
     for name in vars(tables[0]):
         parts = [getattr(table, name) for table in tables]
@@ -134,14 +134,14 @@ def _join_tables(tables: Sequence[T], offsets: np.ndarray) -> T:
 
 @dataclass(frozen=True)
 class Sums:
-    """The columns of all metrics, summed over the episodes (row 0) and over episodes drawn with replacement.
+    """The columns of all metrics, summed over all episodes (row 0) and over episodes drawn with replacement (the rest).
 
     All metrics see the same draws.
     """
 
     resamples: int
     seed: int
-    """Of the draws."""
+    """Seed of the draws."""
     by_metric: Mapping[str, Mapping[str, Float[np.ndarray, "draw ..."]]]
 
     def __getitem__(self, metric: Metric[Any, Any]) -> Mapping[str, Float[np.ndarray, "draw ..."]]:
@@ -150,10 +150,10 @@ class Sums:
 
 
 def with_needs(findings: Iterable[Finding[Any]]) -> tuple[Finding[Any], ...]:
-    """Return the findings and everything that they need, each after its own needs.
+    """Return the findings and everything that they need; each comes after its own needs.
 
     Raises:
-        ValueError: two findings have one name.
+            ValueError: two findings have the same name.
     """
     ordered: dict[str, Finding[Any]] = {}
 

@@ -1,4 +1,4 @@
-"""How episodes end, how far and long the car drove, and what every collision was."""
+"""Measure how episodes end, how far and how long the car drove, and what kind each collision was."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
 from jaxwalk.sim.trajectory import Trajectory
 
 NO_CONTACT, SIDEWALK = ContactKind.NONE, ContactKind.SIDEWALK
-"""Contact types beside CROSSWALK (1) and JAYWALK (2): nobody was touched; somebody on no roadway was."""
+"""Contact types besides CROSSWALK (1) and JAYWALK (2): nobody was touched; somebody off the roadway was touched."""
 CONTACTS = (CROSSWALK, JAYWALK, SIDEWALK)
-"""Arrays with an axis ``contact`` have the contact types in this order: index = contact - 1."""
+"""An axis named ``contact`` has the contact types in this order: index = contact - 1."""
 
 
 @dataclass(frozen=True)
@@ -33,17 +33,17 @@ class Episodes:
     driven: Float[np.ndarray, "episode"]
     """Length of the car's path [m]."""
     contact: Int[np.ndarray, "episode"]
-    """NO_CONTACT, CROSSWALK, JAYWALK or SIDEWALK: what the (nearest) pedestrian touched was doing."""
+    """NO_CONTACT, CROSSWALK, JAYWALK or SIDEWALK: what the (nearest) touched pedestrian was doing."""
     contact_ped: Int[np.ndarray, "episode"]
     """That pedestrian; -1 without a collision."""
     impact_speed: Float[np.ndarray, "episode"]
     """Speed of the car in the last frame [m/s]; NaN without a collision."""
     moving: Bool[np.ndarray, "episode"]
-    """A collision of a moving car (else, of two: somebody walked into a standing one)."""
+    """Whether the car was moving in the collision; else somebody walked into a standing car."""
 
 
 def measure_outcomes(trajectory: Trajectory, *, moving_speed: float) -> Episodes:
-    """One row per episode. A car at ``moving_speed`` [m/s] or more in the last frame is moving."""
+    """Return one row per episode. A car is moving if it drives at ``moving_speed`` [m/s] or more in the last frame."""
     collision = np.asarray(trajectory.collision, bool)
     last_speed = trajectory.car_speed[trajectory.length, np.arange(len(collision))]
     contact, ped = _contacts(trajectory)
@@ -61,13 +61,13 @@ def measure_outcomes(trajectory: Trajectory, *, moving_speed: float) -> Episodes
 
 
 def _driven(trajectory: Trajectory) -> Float[np.ndarray, "episode"]:
-    """Path length of the car over the real frames [m]."""
+    """Return the length of the car's path over the real frames [m]."""
     dx, dy = np.diff(trajectory.car_x, axis=0), np.diff(trajectory.car_y, axis=0)
     return np.where(real_frames(trajectory)[1:], events.distance(dx, dy), 0).sum(axis=0, dtype=np.float64)
 
 
 def _contacts(trajectory: Trajectory) -> tuple[Int[np.ndarray, "episode"], Int[np.ndarray, "episode"]]:
-    """Contact type and pedestrian of every collision: of several touched, the nearest."""
+    """Return the contact type and pedestrian of every collision; the nearest if several are touched."""
     contact, ped = np.zeros((2, len(trajectory.length)), np.int16)
     ped -= 1
     hit = np.flatnonzero(trajectory.collision)
@@ -82,7 +82,7 @@ def _contacts(trajectory: Trajectory) -> tuple[Int[np.ndarray, "episode"], Int[n
     walking = crossing_type(trajectory.crossing[last, hit], trajectory.on_crosswalk[last, hit])
     kind = np.where(trajectory.on_roadway[last, hit], walking, SIDEWALK)
     far = np.where(touched, events.distance(dx, dy), np.inf)
-    # two may be equally near: the type must not depend on the order of the pedestrians, so the lowest code wins
+    # two may be equally near: the lowest code wins, so that the type does not depend on the order of the pedestrians
     first = np.lexsort((kind, far), axis=1)[:, 0]
     contact[hit], ped[hit] = kind[np.arange(len(hit)), first], first
     return contact, ped
@@ -90,13 +90,14 @@ def _contacts(trajectory: Trajectory) -> tuple[Int[np.ndarray, "episode"], Int[n
 
 @dataclass(frozen=True)
 class CollisionRates:
-    """How often, on three scales."""
+    """How often collisions happen, on three scales."""
 
     per_episode: Rate
     per_km: Estimate
-    """Per kilometre driven; the count is of collisions."""
+    """Collisions per kilometre driven; the count is the number of collisions."""
     per_encounter: Estimate
-    """Collisions over encounters (a collision on a sidewalk has no encounter); the count is of collisions."""
+    """Collisions over encounters (a collision on a sidewalk has no encounter); the count is the number of
+    collisions."""
 
 
 @dataclass(frozen=True)
@@ -104,12 +105,12 @@ class Contact:
     """The collisions with people of one contact type."""
 
     share: Rate
-    """Of all collisions."""
+    """Share of all collisions."""
     moving: int
     standing: int
-    """Walked into a car below 0.5 m/s."""
+    """Collisions in which somebody walked into a car below 0.5 m/s."""
     impact_speed: Estimate
-    """Mean speed of the car [m/s]; the count is of collisions."""
+    """Mean speed of the car [m/s]; the count is the number of collisions."""
 
 
 @dataclass(frozen=True)
@@ -120,11 +121,11 @@ class Outcomes:
     collision: Rate
     timeout: Rate
     time_to_goal: Estimate
-    """Mean over the episodes that reached the goal [s]; the count is of those."""
+    """Mean over the episodes that reached the goal [s]; the count is the number of those."""
     time_to_goal_error: float | None
-    """Its standard error [s]; None for fewer than two."""
+    """Standard error of the mean time to goal [s]; None for fewer than two episodes."""
     kilometres: float
-    """Driven in all episodes together."""
+    """Distance driven in all episodes together."""
     encounters: int
     all: CollisionRates
     moving: CollisionRates
@@ -132,14 +133,15 @@ class Outcomes:
     standing: CollisionRates
     """Collisions with a standing car only."""
     impact_speed: Estimate
-    """Mean speed of the car in a collision [m/s], of all collisions."""
+    """Mean speed of the car over all collisions [m/s]."""
     crosswalk: Contact
     jaywalk: Contact
     sidewalk: Contact
 
 
 def outcome_columns(rows: Rows) -> dict[str, np.ndarray]:
-    """Return columns (episode,), by kind of collision (episode, 3), and by contact type (episode, 3)."""
+    """Return columns (episode,), columns by kind of collision (episode, 3), and columns by contact type (episode,
+    3)."""
     table = rows[OUTCOMES]
     contacts = table.contact[:, None] == np.array(CONTACTS)
     return {
@@ -189,7 +191,7 @@ def _collision_rates(hits: np.ndarray, km: np.ndarray, encounters: np.ndarray, e
 
 
 def _contact(table: Episodes, kind: int, impact: np.ndarray, collisions: int) -> Contact:
-    """Collisions of one contact type; ``impact`` is the resampled mean impact speed [m/s]."""
+    """Summarise the collisions of one contact type; ``impact`` is the resampled mean impact speed [m/s]."""
     mine = table.contact == kind
     count, moving = int(mine.sum()), int((mine & table.moving).sum())
     return Contact(wilson(count, collisions), moving, count - moving, interval(impact, count))

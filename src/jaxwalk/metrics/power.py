@@ -1,4 +1,4 @@
-"""How many scenarios it takes to tell two rates apart."""
+"""Compute how many scenarios are needed to show that two rates differ."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ import math
 from scipy import stats
 
 ROUNDING = 1e-9
-"""Shares may add up to so much more than 1."""
+"""Shares may add up to this much more than 1."""
 
 
 def scenarios_needed(a: float, b: float, *, both: float | None = None, power: float = 0.8, alpha: float = 0.05) -> int:
-    """Scenarios on which a two-sided McNemar test finds two rates to differ, in about a share ``power`` of the tries.
+    """Return how many scenarios a two-sided McNemar test needs to detect a difference with probability ``power``.
 
-    n = (z_{1 - alpha/2} sqrt(s) + z_power sqrt(s - d^2))^2 / d^2, where d = b - a and s is the share of scenarios that
-    end so in just one of the two (Connor 1987, *Sample size for testing differences in proportions for the
-    paired-sample design*). The exact test, which is more careful, finds a little less: 0.77 to 0.79 instead of 0.8.
+    n = (z_{1 - alpha/2} sqrt(s) + z_power sqrt(s - d^2))^2 / d^2, where d = b - a, and s is the share of scenarios with
+    this ending in exactly one of the two (Connor 1987, *Sample size for testing differences in proportions for the
+    paired-sample design*). The exact test is more conservative and has slightly less power: 0.77 to 0.79, not 0.8.
 
     Args:
-        a: how often a driver's scenarios end so, in [0, 1].
-        b: how often the other's do, on the same scenarios.
-        both: share of scenarios that end so in both (default: a b, as if scenarios did not differ in difficulty, which
-            asks for more scenarios than needed).
+            a: rate of the first driver, in [0, 1].
+            b: rate of the second driver on the same scenarios.
+            both: share of scenarios with this ending in both (default: a b, as if all scenarios were equally difficult,
+                which asks for more scenarios than needed).
         power: in (0, 1).
-        alpha: largest p-value that counts as found.
+            alpha: largest p-value that counts as significant.
 
     Raises:
-        ValueError: the rates are equal (no number of scenarios is enough), or impossible together.
+            ValueError: the rates are equal (no number of scenarios is enough), or impossible together.
     """
     both = a * b if both is None else both
     if not 0 <= both <= min(a, b) or max(a, b) > 1 or a + b - both > 1 + ROUNDING:

@@ -1,4 +1,4 @@
-"""All metrics of the suite. A metric is added by a line here."""
+"""All metrics of the suite. A line here adds a metric."""
 
 from __future__ import annotations
 
@@ -24,4 +24,5 @@ METRICS: tuple[Metric[Any, Any], ...] = (
     JAYWALK_RATE,
     WAITING,
 )
-"""Put new ones last: the last bit of a sum depends on where its column stands, and published numbers should stay."""
+"""Add new metrics at the end: the last bit of a sum depends on the position of its column, and published numbers must
+not change."""

@@ -1,8 +1,8 @@
-"""How severe encounters are: the share of them that comes nearer to a collision than each of some thresholds.
+"""Measure how severe encounters are: the share that comes nearer to a collision than each of several thresholds.
 
-Shares are of all encounters of a type. So the curves of two types, or of two drivers, may be laid over each other; one
-that never reaches 1 leaves out the encounters without a number, which were never on a collision course, or whose paths
-don't meet.
+Shares are over all encounters of a type, so the curves of two types or two drivers can be compared directly. A curve
+that never reaches 1 leaves out the encounters without a number: those never on a collision course, or whose paths do
+not meet.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ THRESHOLDS: dict[str, tuple[float, ...]] = {
     "drac": (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, DRAC_CRITICAL, 4.0, 5.0, 6.0, 8.0, 10.0),
     "min_distance": (1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0),
 }
-"""Times [s] and distances [m] below these are counted, decelerations [m/s2] above."""
+"""Thresholds: times [s] and distances [m] count below them, decelerations [m/s2] above them."""
 
 
 @dataclass(frozen=True)
@@ -36,32 +36,32 @@ class Distribution:
     low: tuple[float | None, ...]
     high: tuple[float | None, ...]
     count: int
-    """All encounters of the type."""
+    """The number of all encounters of the type."""
 
 
 @dataclass(frozen=True)
 class Distributions:
-    """Of the encounters of one type."""
+    """The distributions of the encounters of one type."""
 
     ttc: Distribution
-    """Share with a time to collision below so many s."""
+    """Share with a time to collision below each threshold [s]."""
     pet: Distribution
-    """Share with a post-encroachment time below so many s, whoever came first."""
+    """Share with a post-encroachment time below each threshold [s], whoever came first."""
     drac: Distribution
-    """Share with a required deceleration above so many m/s2; above 0: those ever on a collision course."""
+    """Share with a required deceleration above each threshold [m/s2]; above 0: those ever on a collision course."""
     min_distance: Distribution
-    """Share in which the centres came nearer than so many m; below 1.5 m they collided."""
+    """Share in which the centres came nearer than each threshold [m]; below 1.5 m they collided."""
 
 
 def distribution_columns(rows: Rows) -> dict[str, np.ndarray]:
-    """Return encounters beyond each threshold, (episode, type, threshold), and all of them, (episode, type)."""
+    """Return the encounters beyond each threshold (episode, type, threshold), and all encounters (episode, type)."""
     table = rows[SURROGATES]
 
     def count(chosen: np.ndarray) -> Int[np.ndarray, "episode type"]:
         found = count_by_type(table.episode[chosen], table.type[chosen], rows.episodes)
-        return found.astype(np.int16)  # a million episodes must fit into memory
+        return found.astype(np.int16)  # small, so that a million episodes fit into memory
 
-    # signed so that less is more dangerous; NaN is less than nothing
+    # signed so that less is more dangerous; comparisons with NaN are false
     nearest = rows[ENCOUNTERS].min_distance
     values = {"ttc": table.ttc, "pet": np.abs(table.pet), "drac": -table.drac, "min_distance": nearest}
     signs = {"drac": -1}

@@ -1,7 +1,8 @@
-"""How much faster the car drives near jaywalkers than near crosswalk users (paper, equation 2), four ways.
+"""Measure how much faster the car drives near jaywalkers than near crosswalk users (paper, equation 2), four ways.
 
-Pooled over frames as in the paper, weighted by encounter, matched on place and initial speed (`metrics.meetings`), and
-beside the same of ghosts, whom the car cannot see: a difference that is as large near them may be the place's.
+The difference is pooled over frames as in the paper, weighted by encounter, matched on place and initial speed
+(`metrics.meetings`), and compared with the difference near ghosts, which the car cannot see. A difference that is as
+large near ghosts may come from the place alone.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class NearSpeeds:
 
 @dataclass(frozen=True)
 class PlaceboSpeeds:
-    """One row per episode: near speeds once more, of people and of ghosts, up to the first touch of either kind."""
+    """Near speeds of people and of ghosts up to the first touch of either kind: one row per episode."""
 
     speed_sum: Float[np.ndarray, "episode type bin"]
     """Near people, sum over frames [m/s]."""
@@ -51,7 +52,7 @@ class PlaceboSpeeds:
 
 @dataclass(frozen=True)
 class SpeedGap:
-    """Mean car speeds in one bin; each count is of frames, or of encounters where they are the unit."""
+    """Mean car speeds in one bin; each count is the number of frames, or of encounters where they are the unit."""
 
     crosswalk: Estimate
     """Near crosswalk users [m/s]."""
@@ -63,13 +64,13 @@ class SpeedGap:
 
 @dataclass(frozen=True)
 class Placebo:
-    """The speed differential of people and of ghosts, over frames up to the first touch of either kind."""
+    """The speed differential near people and near ghosts, over frames up to the first touch of either kind."""
 
     people: SpeedGap
     ghosts: SpeedGap
     difference: Estimate
-    """That of people minus that of ghosts [m/s]: among always-go, 0 for a car that does not see people. The count is
-    the smaller."""
+    """The differential near people minus that near ghosts [m/s]: among always-go, 0 for a car that does not see people.
+    The count is the smaller of the two."""
 
 
 @dataclass(frozen=True)
@@ -77,22 +78,22 @@ class SpeedBin:
     """The speed differential at one distance."""
 
     near: float
-    """The bin holds distances from this [m] ..."""
+    """The bin holds distances from this value [m] ..."""
     far: float
-    """... to below this [m]."""
+    """... to below this value [m]."""
     pooled: SpeedGap
-    """Every frame weighs the same, as in equation 2: long encounters with a slow car dominate."""
+    """Every frame has the same weight, as in equation 2: long encounters with a slow car dominate."""
     by_encounter: SpeedGap
-    """Every encounter weighs the same."""
+    """Every encounter has the same weight."""
     matched: Estimate
-    """Jaywalk minus crosswalk among encounters of cars at the same place that were as fast at first [m/s]; the count is
-    of jaywalkers' encounters that found a match."""
+    """Jaywalk minus crosswalk among encounters of cars at the same place with the same initial speed [m/s]; the count
+    is the number of jaywalker encounters with a match."""
     placebo: Placebo
-    """Without ghosts, all None."""
+    """The comparison with ghosts; all values are None without ghosts."""
 
 
 def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
-    """Per frame and type, the nearest pedestrian of the type on a roadway gives the bin of the car's speed."""
+    """Measure the car's speed per frame and type; the nearest pedestrian of the type on a roadway gives the bin."""
     frames, episodes = trajectory.car_x.shape
     nearest, _ = nearest_of_type(steps, frames, episodes)
     close = np.flatnonzero(nearest < BINS * BIN_WIDTH)
@@ -103,17 +104,17 @@ def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
     shape = (episodes, len(TYPES), BINS)
     size = int(np.prod(shape))
     count = np.bincount(group, minlength=size).astype(np.int32)
-    total = np.bincount(group, weights=speed, minlength=size).astype(np.float64)  # (NumPy sums no rows to integers)
+    total = np.bincount(group, weights=speed, minlength=size).astype(np.float64)  # (NumPy returns integers for no rows)
     return NearSpeeds(total.reshape(shape), count.reshape(shape))
 
 
 def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, collision_distance: float) -> PlaceboSpeeds:
-    """Near speeds of people and of ghosts, up to the first frame in which the car touches either.
+    """Measure near speeds of people and of ghosts, up to the first frame in which the car touches either.
 
-    An episode ends when a person is touched; ghosts would be driven through. So that both are seen for as long, each
-    ends the view of both: for a car that drives as if nobody were there, among people who always go, people and ghosts
-    are then exchangeable, and every difference between them is chance. Without ghosts, everything is 0. A touch:
-    centres closer than ``collision_distance`` [m].
+    An episode ends when the car touches a person, but the car would drive through a ghost. Both are cut at the first
+    touch of either kind, so that both are observed equally long. For a car that ignores people, among people who always
+    go, people and ghosts are then exchangeable: every difference between them is chance. Without ghosts, all values are
+    0. A touch: centres closer than ``collision_distance`` [m].
     """
     if ghosts is None:
         none = np.zeros((len(trajectory.length), len(TYPES), BINS))
@@ -127,13 +128,13 @@ def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, collision_
 
 
 def _until(trajectory: Trajectory, length: Int[np.ndarray, "episode"]) -> NearSpeeds:
-    """Near speeds of an earlier end."""
+    """Return near speeds over episodes cut to these lengths."""
     shortened = replace(trajectory, length=length)
     return measure_near_speeds(shortened, find_crossings(shortened)[1])
 
 
 def speed_columns(rows: Rows) -> dict[str, np.ndarray]:
-    """Return sums of speeds and their counts, each (episode, type, bin)."""
+    """Return the sums of speeds and their counts, each of shape (episode, type, bin)."""
     table, placebo = rows[SPEED_DIFFERENTIAL], rows[PLACEBO]
     return {
         "speed_sum": table.speed_sum,
@@ -162,14 +163,14 @@ def summarise_speeds(rows: Rows, sums: Sums) -> tuple[SpeedBin, ...]:
 
 
 def _placebo(sums: dict[str, np.ndarray]) -> Placebo:
-    """Of one bin, from resampled sums (draw, type)."""
+    """Return the placebo of one bin, from resampled sums of shape (draw, type)."""
     people, ghosts = (sums["people_speed"], sums["people_frames"]), (sums["ghost_speed"], sums["ghost_frames"])
     fewest = min(people[1][0].min(), ghosts[1][0].min())
     return Placebo(_gap(*people), _gap(*ghosts), interval(_difference(*people) - _difference(*ghosts), fewest))
 
 
 def _gap(total: Float[np.ndarray, "draw type"], count: Float[np.ndarray, "draw type"]) -> SpeedGap:
-    """Mean speeds and their difference."""
+    """Return the mean speeds and their difference."""
     mean = ratio(total, count)
     return SpeedGap(
         crosswalk=interval(mean[:, CROSSWALK - 1], count[0, CROSSWALK - 1]),
@@ -179,7 +180,7 @@ def _gap(total: Float[np.ndarray, "draw type"], count: Float[np.ndarray, "draw t
 
 
 def _difference(total: Float[np.ndarray, "draw type"], count: Float[np.ndarray, "draw type"]) -> np.ndarray:
-    """Mean near jaywalkers minus mean near crosswalk users [m/s]."""
+    """Return the mean near jaywalkers minus the mean near crosswalk users [m/s]."""
     mean = ratio(total, count)
     return mean[:, JAYWALK - 1] - mean[:, CROSSWALK - 1]
 

@@ -1,6 +1,6 @@
-"""How sure a number is: intervals of rates, ratios, quantiles and waiting times, and the test of a paired comparison.
+"""Estimate how certain numbers are: intervals of rates, ratios, quantiles and waiting times; tests of paired data.
 
-A number that does not exist (nothing to divide by, a median never reached) is None, never NaN: JSON has null.
+A number that does not exist (a division by zero, a median never reached) is None, never NaN: JSON has null.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from scipy import stats
 
 Key = TypeVar("Key", bound=Hashable)
 RESAMPLES = 1000
-"""Bootstrap resamples unless told otherwise."""
+"""Default number of bootstrap resamples."""
 CHUNK = 2**14
-"""Episodes resampled at once: with 1,000 resamples, 125 MiB."""
+"""Number of episodes resampled at once: with 1,000 resamples, 125 MiB."""
 FEWEST_SEEDS = 3
-"""Fewer training seeds (but more than one) give no interval: how much they spread is not known."""
+"""Fewer training seeds than this (but more than one) give no interval: their spread is unknown."""
 
 
 @dataclass(frozen=True)
@@ -40,15 +40,15 @@ class Estimate:
 
     value: float | None
     low: float | None
-    """None where the data are too few to say."""
+    """Lower end of the interval; None if there are too few data."""
     high: float | None
     count: int
-    """How many observations the number stands on; of what, its place in the summary says."""
+    """Number of observations behind the number; its place in the summary says what they are."""
 
 
 @dataclass(frozen=True)
 class OverSeeds:
-    """A number of several training seeds; the counts are of seeds."""
+    """A number over several training seeds; the counts are numbers of seeds."""
 
     mean: Estimate
     iqm: Estimate
@@ -58,7 +58,7 @@ class OverSeeds:
 
 
 def wilson(successes: SupportsInt, trials: SupportsInt, confidence: float = 0.95) -> Rate:
-    """The share of successes with its Wilson score interval."""
+    """Return the share of successes with its Wilson score interval."""
     successes, trials = int(successes), int(trials)
     if trials == 0:
         return Rate(None, None, None, 0, 0)
@@ -67,7 +67,7 @@ def wilson(successes: SupportsInt, trials: SupportsInt, confidence: float = 0.95
 
 
 def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float:
-    """Exact two-sided p-value that two yes-no outcomes of the same trials are equally often yes (1 if always equal)."""
+    """Return the exact two-sided p-value for equal rates of two yes-no outcomes of the same trials (1 if all agree)."""
     a, b = np.asarray(a, bool), np.asarray(b, bool)
     if a.shape != b.shape:
         raise ValueError(f"paired outcomes need equal lengths, not {a.shape} and {b.shape}")
@@ -78,8 +78,10 @@ def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float
 
 
 def holm(p: Sequence[float]) -> tuple[float, ...]:
-    """Adjusted p-values of a family of tests, in its order: each at or below alpha can be called true, and with
-    probability 1 - alpha all that are called so are (Holm, 1979)."""
+    """Return the adjusted p-values of a family of tests, in the same order (Holm, 1979).
+
+    With probability 1 - alpha, every true null hypothesis has an adjusted p-value above alpha.
+    """
     order = np.argsort(p, kind="stable")
     worse = np.maximum.accumulate(np.asarray(p, np.float64)[order] * np.arange(len(p), 0, -1))
     adjusted = np.empty(len(p))
@@ -90,11 +92,11 @@ def holm(p: Sequence[float]) -> tuple[float, ...]:
 def episode_sums(
     columns: Mapping[Key, Shaped[np.ndarray, "episode ..."]], *, resamples: int = RESAMPLES, seed: int = 0
 ) -> dict[Key, Float[np.ndarray, "draw ..."]]:
-    """Every column summed over the episodes (row 0), and over episodes drawn with replacement (the others).
+    """Return every column summed over all episodes (row 0), and over episodes drawn with replacement (the other rows).
 
-    All columns see the same draws, so whatever is computed from the rows keeps its dependence on the others.
-    Episodes are the unit because steps, crossings and encounters of one episode are not independent. With fewer than
-    two episodes the resamples are NaN: nothing is known.
+    All columns use the same draws, so numbers computed from the rows keep their dependence on each other. Episodes are
+    the unit because steps, crossings and encounters of one episode are not independent. With fewer than two episodes
+    the resamples are NaN.
     """
     shapes = {name: np.shape(column)[1:] for name, column in columns.items()}
     width = {name: math.prod(shape) for name, shape in shapes.items()}
@@ -110,11 +112,11 @@ def episode_sums(
 def episode_draws(
     episodes: int, *, resamples: int = RESAMPLES, seed: int = 0
 ) -> Iterator[tuple[slice, Float[np.ndarray, "draw episode"]]]:
-    """Some episodes at a time, and how often each of them is in each sample: once in row 0, drawn in the others.
+    """Yield some episodes at a time, and how often each is in each sample: once in row 0, as drawn in the others.
 
-    However many episodes there are, memory is bounded: a sample's draws first fall among the parts of `CHUNK` episodes
-    (a multinomial), then on the episodes of a part, which is the same as drawing from all at once. With fewer than two
-    episodes the drawn rows are NaN.
+    Memory is bounded, however many episodes there are: a sample's draws are first divided among parts of `CHUNK`
+    episodes (a multinomial), then among the episodes of a part. This equals drawing from all episodes at once. With
+    fewer than two episodes the drawn rows are NaN.
     """
     rng = np.random.default_rng(seed)
     parts = [slice(begin, min(begin + CHUNK, episodes)) for begin in range(0, max(episodes, 1), CHUNK)]
@@ -129,15 +131,15 @@ def episode_draws(
 
 
 def ratio(numerator: np.ndarray, denominator: np.ndarray) -> np.ndarray:
-    """Elementwise quotient; NaN over zero (and over NaN), without a warning."""
+    """Return the elementwise quotient; NaN where the denominator is 0 or NaN, without a warning."""
     numerator, denominator = np.broadcast_arrays(np.asarray(numerator, float), np.asarray(denominator, float))
     return np.divide(numerator, denominator, out=np.full(numerator.shape, np.nan), where=denominator != 0)
 
 
 def interval(statistic: Float[np.ndarray, "draw"], count: int | float, *, confidence: float = 0.95) -> Estimate:
-    """The statistic (element 0) with the percentile interval of its resamples (the rest); NaN means undefined.
+    """Return the statistic (element 0) with the percentile interval of its resamples (the rest); NaN means undefined.
 
-    Where more resamples are undefined than a tail of the interval holds, its ends are not determined: None.
+    If more resamples are undefined than a tail of the interval holds, both ends are None.
     """
     value, resampled = float(statistic[0]), np.asarray(statistic[1:])
     tail = (1 - confidence) / 2
@@ -158,7 +160,7 @@ def bootstrap_by_episode(
     confidence: float = 0.95,
     seed: int = 0,
 ) -> Estimate:
-    """Sum of numerators over sum of denominators, with its percentile interval over resampled episodes.
+    """Return the sum of numerators over the sum of denominators, with its percentile interval over resampled episodes.
 
     ``count`` is the number of episodes whose denominator is not zero.
     """
@@ -168,13 +170,14 @@ def bootstrap_by_episode(
 
 
 def interquartile_mean(values: Float[np.ndarray, "*draw seed"]) -> Float[np.ndarray, "*draw"]:
-    """The mean without the lowest and the highest quarter of the values (whole values: of fewer than four, none).
+    """Return the mean without the lowest and the highest quarter of the values (of fewer than four values: of all).
 
-    NaN if any value is. Agarwal et al. (2021), *Deep reinforcement learning at the edge of the statistical precipice*.
+    The result is NaN if any value is. Agarwal et al. (2021), *Deep reinforcement learning at the edge of the
+    statistical precipice*.
     """
     values = np.asarray(values, np.float64)
     mean = stats.trim_mean(values, 0.25, axis=-1)
-    return np.where(np.isnan(values).any(axis=-1), np.nan, mean)  # an older SciPy takes NaN for a highest value
+    return np.where(np.isnan(values).any(axis=-1), np.nan, mean)  # an older SciPy treats NaN as the largest value
 
 
 def over_seeds(
@@ -185,12 +188,12 @@ def over_seeds(
     confidence: float = 0.95,
     seed: int = 0,
 ) -> OverSeeds:
-    """Each training seed's sum of numerators over sum of denominators; their mean and interquartile mean.
+    """Return each training seed's sum of numerators over sum of denominators, their mean and interquartile mean.
 
-    Percentile intervals; seeds are resampled, and episodes. All seeds play the same scenarios, so a scenario that is
-    drawn is drawn for every seed (Owen, 2007, *The pigeonhole bootstrap*): drawn for each seed apart, what scenarios
-    share would seem to average out over seeds. With one seed the interval is that over episodes; with more, but fewer
-    than `FEWEST_SEEDS`, there is none.
+    The intervals are percentile intervals; seeds and episodes are resampled. All seeds play the same scenarios, so a
+    scenario that is drawn is drawn for every seed (Owen, 2007, *The pigeonhole bootstrap*). If scenarios were drawn for
+    each seed separately, effects of the shared scenarios would seem to average out over seeds. With one seed the
+    interval is that over episodes; with more, but fewer than `FEWEST_SEEDS`, there is none.
     """
     columns = {"over": np.transpose(numerator), "under": np.transpose(denominator)}
     sums = episode_sums(columns, resamples=resamples, seed=seed)
@@ -208,7 +211,7 @@ def over_seeds(
 
 
 def quantile(values: Shaped[np.ndarray, "observation"], p: float, *, confidence: float = 0.95) -> Estimate:
-    """A quantile (linear between order statistics) with the exact order-statistic interval for independent values."""
+    """Return a quantile (linear between order statistics), with the exact interval for independent values."""
     if len(values) == 0:
         return Estimate(None, None, None, 0)
     values = np.asarray(values, np.float64)
@@ -220,13 +223,13 @@ def quantile(values: Shaped[np.ndarray, "observation"], p: float, *, confidence:
 def kaplan_meier_median(
     times: Shaped[np.ndarray, "subject"], observed: Bool[np.ndarray, "subject"], *, confidence: float = 0.95
 ) -> Estimate:
-    """The first time by which half of the subjects have had their event; None if the curve stays above one half.
+    """Return the first time by which half of the subjects had their event; None if the curve stays above one half.
 
     Args:
-        times: when the event came, or when the subject was last seen without it.
-        observed: whether it came; else the time is right-censored.
-        confidence: of the interval: the times at which the log-log band of the curve comes down to one half
-            (Brookmeyer and Crowley, 1982); an end that is never reached is None.
+            times: when the event came, or when the subject was last observed without it.
+            observed: whether the event came; else the time is right-censored.
+            confidence: level of the interval: the times at which the log-log band of the curve falls to one half
+                (Brookmeyer and Crowley, 1982); an end that is never reached is None.
     """
     times, observed = np.asarray(times, np.float64), np.asarray(observed, bool)
     if not observed.any():
@@ -238,7 +241,7 @@ def kaplan_meier_median(
 
 
 def _band(times, observed, at, survival, confidence) -> tuple[np.ndarray, np.ndarray]:
-    """Greenwood's log-log band of a survival curve at sorted times ``at``; no upper edge (NaN) where it is 0 or 1."""
+    """Return Greenwood's log-log band of a survival curve at sorted times ``at``; its upper edge is NaN at 0 and 1."""
     # the same as scipy's ecdf().sf.confidence_interval, which warns wherever the curve is 0 or 1
     at_risk = len(times) - np.searchsorted(np.sort(times), at, side="left")
     ordered = np.sort(times[observed])
@@ -253,11 +256,11 @@ def _band(times, observed, at, survival, confidence) -> tuple[np.ndarray, np.nda
 
 
 def _comes_down(times: np.ndarray, survival: np.ndarray) -> float | None:
-    """The first time at which a survival curve is at one half or below."""
+    """Return the first time at which a survival curve is at one half or below."""
     below = np.flatnonzero(survival <= 0.5)
     return float(times[below[0]]) if len(below) else None
 
 
 def _finite(number: float) -> float | None:
-    """The number, or None for an infinity or NaN."""
+    """Return the number, or None if it is infinite or NaN."""
     return float(number) if math.isfinite(number) else None

@@ -1,7 +1,7 @@
-"""Surrogate safety: how near an encounter came to a collision, in time and in the braking it would have needed.
+"""Surrogate safety: how near an encounter came to a collision, in time and in required braking.
 
-Car and pedestrian are discs whose centres collide at ``collision_distance``. Time to collision (TTC), T2 and required
-deceleration (DRAC) are predictions at constant velocities; post-encroachment time (PET) is what happened.
+Car and pedestrian are discs that collide when their centres are closer than ``collision_distance``. Time to collision
+(TTC), T2 and required deceleration (DRAC) assume constant velocities; post-encroachment time (PET) is what happened.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ DRAC_CRITICAL = 3.4
 
 @dataclass(frozen=True)
 class Surrogates:
-    """One row per encounter, parallel to `Encounters`; NaN is what does not exist."""
+    """One row per encounter, parallel to `Encounters`; NaN stands for a value that does not exist."""
 
     episode: Int[np.ndarray, "encounter"]
     """Row of the episode."""
@@ -54,11 +54,11 @@ class Surrogates:
     impact_speed: Float[np.ndarray, "encounter"]
     """Speed of a moving car that touched the pedestrian, for the injury curves [m/s]; NaN if none did."""
     relative_speed: Float[np.ndarray, "encounter"]
-    """Of car and pedestrian in a touch, also if the car stood [m/s]; NaN without one."""
+    """Relative speed of car and pedestrian at a touch, also if the car stood [m/s]; NaN without a touch."""
 
 
 def time_to_collision(dx, dy, dvx, dvy, radius):
-    """When two discs at constant velocities will touch [s]: 0 where they do, infinite where they never will.
+    """Return when two discs at constant velocities will touch [s]: 0 if they do now, infinite if they never will.
 
     The smallest t >= 0 with (dx + dvx t)^2 + (dy + dvy t)^2 = radius^2 (Hayward, 1972, in two dimensions). Displacement
     (dx, dy) [m] and relative velocity (dvx, dvy) [m/s] broadcast; ``radius`` is the distance at which centres touch.
@@ -67,18 +67,18 @@ def time_to_collision(dx, dy, dvx, dvy, radius):
     speed2, outside = dvx**2 + dvy**2, dx**2 + dy**2 - radius**2
     discriminant = approach**2 - speed2 * outside
     course = (approach > 0) & (discriminant >= 0)
-    # the quadratic's smaller root, written so that nothing cancels at low relative speeds
+    # the quadratic's smaller root, in a form without cancellation at low relative speeds
     root = approach + np.sqrt(np.maximum(discriminant, 0))
     later = np.divide(outside, root, out=np.full(np.shape(root), np.inf), where=course)
     return np.where(outside < 0, 0.0, later)
 
 
 def required_deceleration(dx, dy, dvx, dvy, radius):
-    """The constant deceleration of the relative motion that just avoids a touch (DRAC) [m/s2].
+    """Return the constant deceleration of the relative motion that just avoids a touch (DRAC) [m/s2].
 
     speed^2 / (2 x distance to collision) = speed / (2 TTC), with the relative speed: Almqvist et al. (1991), Archer
-    (2005), along the relative velocity. 0 off a collision course, NaN where the discs touch already. Arguments as those
-    of `time_to_collision`.
+    (2005), along the relative velocity. The result is 0 off a collision course, and NaN if the discs touch already.
+    Arguments are those of `time_to_collision`.
     """
     ttc, speed = np.broadcast_arrays(time_to_collision(dx, dy, dvx, dvy, radius), distance(dvx, dvy))
     return np.divide(speed, 2 * ttc, out=np.full(speed.shape, np.nan), where=ttc > 0)
@@ -90,10 +90,10 @@ def measure_surrogates(
     """Return the surrogates of all encounters.
 
     Args:
-        trajectory: where the encounters were found.
+            trajectory: the trajectory in which the encounters were found.
         encounters: the encounters.
         collision_distance: centres closer than this touch [m].
-        moving_speed: a car at this speed or more hits somebody; a slower one is walked into [m/s].
+            moving_speed: a car at this speed or more hits somebody; people walk into a slower car [m/s].
     """
     steps = crossing_steps(trajectory, encounters)
     met = steps.frame >= encounters.start[steps.encounter]
@@ -118,7 +118,7 @@ def measure_surrogates(
 
 
 def _relative(trajectory: Trajectory, steps: Steps) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Displacement [m] and relative velocity [m/s] from the car to the pedestrian."""
+    """Return displacement [m] and relative velocity [m/s] from the car to the pedestrian."""
     car = steps.frame, steps.episode
     speed = trajectory.car_speed[car].astype(np.float64)
     return (
@@ -131,26 +131,26 @@ def _relative(trajectory: Trajectory, steps: Steps) -> tuple[np.ndarray, np.ndar
 
 @dataclass(frozen=True)
 class Spread:
-    """A measure over encounters; encounters are taken as independent."""
+    """A measure over encounters; encounters are assumed independent."""
 
     median: Estimate
     extreme: Estimate
-    """Towards danger: the 5th percentile of times, the 95th of decelerations."""
+    """The dangerous end: the 5th percentile of times, the 95th of decelerations."""
 
 
 @dataclass(frozen=True)
 class SurrogateSummary:
-    """The encounters of one type. Shares are of all encounters; means and shares have bootstrap intervals."""
+    """The encounters of one type. Shares are over all encounters; means and shares have bootstrap intervals."""
 
     count: int
     ttc: Spread
-    """[s], of those ever on a collision course."""
+    """Time to collision [s], over encounters that were ever on a collision course."""
     pet: Spread
-    """Without its sign [s], of those with a conflict area."""
+    """Post-encroachment time without its sign [s], over encounters with a conflict area."""
     t2: Spread
-    """[s], of those with a conflict area."""
+    """T2 [s], over encounters with a conflict area."""
     drac: Spread
-    """[m/s2]"""
+    """Required deceleration [m/s2]."""
     ttc_critical: Estimate
     """Share with a TTC below 1.5 s."""
     pet_critical: Estimate
@@ -162,15 +162,15 @@ class SurrogateSummary:
     exposed_time: Estimate
     """Mean time with a TTC below 1.5 s [s]."""
     pedestrian_first: Estimate
-    """Share in which the pedestrian came first, of those with a conflict area and without a touch."""
+    """Share in which the pedestrian came first, among encounters with a conflict area and without a touch."""
     impact_speed: Estimate
-    """Mean speed of the car that hit somebody [m/s]. Counts, here and in the risks: pedestrians who were hit."""
+    """Mean speed of cars that hit somebody [m/s]. Counts, here and in the risks: pedestrians hit."""
     mais3: Estimate
-    """Mean risk of a serious injury or worse of those hit (Monfort and Mueller, 2025)."""
+    """Mean risk of a serious injury or worse for those hit (Monfort and Mueller, 2025)."""
     fatal: Estimate
-    """Mean risk of death of those hit (Monfort and Mueller, 2025)."""
+    """Mean risk of death for those hit (Monfort and Mueller, 2025)."""
     fatal_rosen_sander: Estimate
-    """The same after Rosén and Sander (2009)."""
+    """Mean risk of death for those hit, after Rosén and Sander (2009)."""
 
 
 SHARES = ("ttc_critical", "pet_critical", "pet_close", "drac_critical", "exposed_time")

@@ -1,8 +1,8 @@
-"""Whether people at the kerb wait: before a car that they would walk into, before any other, and at what price.
+"""Measure whether people wait at the kerb: before a car they would walk into, before any other car, and what it costs.
 
-A *kerb moment* is a frame in which a pedestrian at the kerb walks straight at a roadway. What it does then shows in the
-next frame, so an episode's last frame is no moment. The limits below are the metric's own: it must not move when what
-people see, or are paid for, is changed.
+A *kerb moment* is a frame in which a pedestrian at the kerb walks straight at a roadway. The next frame shows what the
+pedestrian does, so an episode's last frame is no kerb moment. The limits below belong to the metric: it must not change
+when people's observations or rewards change.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from jaxwalk.sim import events
 from jaxwalk.sim.trajectory import Trajectory
 
 NEAR = 40.0
-"""A car this far away or farther [m] ..."""
+"""A car is harmless if it is this far away or farther [m] ..."""
 PAST = 2.5
-"""... or more than this past the pedestrian [m] is harmless."""
+"""... or more than this past the pedestrian [m]."""
 FAST = 2.0
-"""A nearer car with the pedestrian ahead of it is dangerous if it is faster than this [m/s] ..."""
+"""A nearer car, with the pedestrian ahead of it, is dangerous if it is faster than this [m/s] ..."""
 CONFLICT = 2.5
-"""... and would come closer than this if the pedestrian went on [m]."""
+"""... and would come closer than this if the pedestrian walked on [m]."""
 DANGER, HARMLESS, OTHER = SETTINGS = range(3)
-"""What the car is to a pedestrian at the kerb; an axis ``setting`` is in this order."""
+"""What the car is to a pedestrian at the kerb; an axis ``setting`` has this order."""
 
 DISTANCES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, NEAR)
 """Edges of the distance bins [m]; each holds its lower edge."""
@@ -40,24 +40,24 @@ MISSES = (0.0, 1.0, 2.5, 5.0)
 
 @dataclass(frozen=True)
 class KerbMoments:
-    """One row per episode: kerb moments and how many of them were waited through, by what the car is and does."""
+    """Kerb moments, and how many of them were waited through, by the car's position and motion: one row per episode."""
 
     moments: Int[np.ndarray, "episode setting"]
     waits: Int[np.ndarray, "episode setting"]
     distance_moments: Int[np.ndarray, "episode distance miss"]
-    """With the pedestrian ahead of the car and within 40 m."""
+    """Moments with the pedestrian ahead of the car and within 40 m."""
     distance_waits: Int[np.ndarray, "episode distance miss"]
     speed_moments: Int[np.ndarray, "episode speed miss"]
     """The same moments by the car's speed."""
     speed_waits: Int[np.ndarray, "episode speed miss"]
     walked: Float[np.ndarray, "episode"]
-    """By all pedestrians together [m]."""
+    """Distance walked by all pedestrians together [m]."""
     ped_steps: Int[np.ndarray, "episode"]
-    """Steps played, times pedestrians."""
+    """Steps played, times the number of pedestrians."""
     ped_waits: Int[np.ndarray, "episode"]
-    """How many of them were waits, wherever."""
+    """How many of those steps were waits, at any place."""
     longest_stand: Int[np.ndarray, "episode"]
-    """Most steps on end that anybody stood still on a roadway."""
+    """The longest time that anybody stood still on a roadway, in consecutive steps."""
 
 
 @dataclass(frozen=True)
@@ -74,27 +74,27 @@ class WaitBin:
 
 @dataclass(frozen=True)
 class Waiting:
-    """Shares of kerb moments that were waited through (each count is of moments), and what waiting costs."""
+    """Shares of kerb moments that were waited through (each count is of moments), and the cost of waiting."""
 
     danger: Estimate
-    """The car within 40 m, the pedestrian ahead of it, faster than 2 m/s, predicted miss below 2.5 m."""
+    """Moments with the car within 40 m and faster than 2 m/s, the pedestrian ahead, predicted miss below 2.5 m."""
     harmless: Estimate
-    """The car 40 m away or more, or more than 2.5 m past."""
+    """Moments with the car 40 m away or more, or more than 2.5 m past."""
     other: Estimate
     by_distance: tuple[WaitBin, ...]
-    """Of moments with the pedestrian ahead of the car and within 40 m."""
+    """Moments with the pedestrian ahead of the car and within 40 m."""
     by_speed: tuple[WaitBin, ...]
-    """Of the same moments."""
+    """The same moments by the car's speed."""
     pace: Estimate
-    """Metres walked per second that a pedestrian lived [m/s]; the count is of metres."""
+    """Distance walked per second of pedestrians' lifetime [m/s]; the count is in metres."""
     waited: Estimate
-    """Share of all pedestrians' steps that were waits, wherever; the count is of steps."""
+    """Share of all pedestrians' steps that were waits, at any place; the count is the number of steps."""
     longest_stand: int
-    """Most steps on end that anybody stood still on a roadway."""
+    """The longest time that anybody stood still on a roadway, in consecutive steps."""
 
 
 def measure_waiting(trajectory: Trajectory) -> KerbMoments:
-    """Kerb moments of each episode."""
+    """Count the kerb moments of each episode."""
     episodes, people = len(trajectory.length), trajectory.ped_x.shape[2]
     at_kerb = trajectory.at_kerb[:-1] & trajectory.enters_roadway[:-1]
     played = real_frames(trajectory)[1:, :, None]
@@ -130,7 +130,7 @@ def measure_waiting(trajectory: Trajectory) -> KerbMoments:
 
 
 def _from_car(trajectory: Trajectory, frame, episode, ped) -> tuple[np.ndarray, np.ndarray]:
-    """Distance of a pedestrian from the car, and how far ahead of it, for the given rows [m]."""
+    """Return the pedestrian's distance from the car, and how far ahead of it, for the given rows [m]."""
     car, person = (frame, episode), (frame, episode, ped)
     dx = trajectory.ped_x[person] - trajectory.car_x[car]
     dy = trajectory.ped_y[person] - trajectory.car_y[car]
@@ -138,27 +138,27 @@ def _from_car(trajectory: Trajectory, frame, episode, ped) -> tuple[np.ndarray, 
 
 
 def _bin(values: np.ndarray, edges: tuple[float, ...]) -> Int[np.ndarray, "row"]:
-    """The last of the lower edges that each value reaches."""
+    """Return the index of the last lower edge that each value reaches."""
     return np.digitize(values, edges) - 1
 
 
 def _tally(
     waited: Bool[np.ndarray, "row"], cell: tuple[np.ndarray, ...], shape: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How many moments each cell of ``shape`` has, and how many of them were waited through."""
+    """Count the moments in each cell of ``shape``, and how many of them were waited through."""
     flat, size = np.ravel_multi_index(cell, shape), math.prod(shape)
     moments, waits = (np.bincount(rows, minlength=size).reshape(shape) for rows in (flat, flat[waited]))
     return moments.astype(np.int32), waits.astype(np.int32)
 
 
 def _walked(trajectory: Trajectory, played: Bool[np.ndarray, "step episode 1"]) -> Float[np.ndarray, "episode"]:
-    """Metres that all pedestrians together walked."""
+    """Return the distance that all pedestrians together walked [m]."""
     speed = events.distance(trajectory.ped_vx[1:], trajectory.ped_vy[1:])
     return np.where(played, speed, 0).sum(axis=(0, 2), dtype=np.float64) * trajectory.dt
 
 
 def _longest_stand(trajectory: Trajectory) -> Int[np.ndarray, "episode"]:
-    """Most steps on end that anybody stood still on a roadway."""
+    """Return the longest time that anybody stood still on a roadway, in consecutive steps."""
     stood = trajectory.on_roadway & ~trajectory.going & real_frames(trajectory)[..., None]
     frame, episode, ped = np.nonzero(stood)
     order = np.lexsort((frame, ped, episode))  # (few stand there: cheaper than to turn the whole array round)
@@ -170,7 +170,7 @@ def _longest_stand(trajectory: Trajectory) -> Int[np.ndarray, "episode"]:
 
 
 def waiting_columns(rows: Rows) -> dict[str, np.ndarray]:
-    """Return the counts of `KerbMoments`, and the time that all pedestrians together lived [s]."""
+    """Return the counts of `KerbMoments`, and the total lifetime of all pedestrians [s]."""
     table = rows[WAITING]
     names = ("moments", "waits", "distance_moments", "distance_waits", "speed_moments", "speed_waits")
     people = {"walked": table.walked, "ped_steps": table.ped_steps, "ped_time": table.ped_steps * rows.dt}
@@ -178,7 +178,7 @@ def waiting_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 
 def summarise_waiting(rows: Rows, sums: Sums) -> Waiting:
-    """Return wait rates, and what waiting costs."""
+    """Return wait rates and the cost of waiting."""
     own = sums[WAITING]
     by_setting = _rates(own["waits"], own["moments"])
     return Waiting(
@@ -194,12 +194,12 @@ def summarise_waiting(rows: Rows, sums: Sums) -> Waiting:
 
 
 def _rates(waits: Float[np.ndarray, "draw bin"], moments: Float[np.ndarray, "draw bin"]) -> tuple[Estimate, ...]:
-    """The share of moments that were waited through, in each bin."""
+    """Return the share of moments that were waited through, in each bin."""
     return tuple(interval(ratio(w, m), m[0]) for w, m in zip(waits.T, moments.T, strict=True))
 
 
 def _bins(edges: tuple[float, ...], waits: np.ndarray, moments: np.ndarray) -> tuple[WaitBin, ...]:
-    """Wait rates between each two edges, of resampled sums (draw, bin, miss)."""
+    """Return wait rates between consecutive edges, from resampled sums of shape (draw, bin, miss)."""
     return tuple(
         WaitBin(begin=edges[i], end=edges[i + 1], rates=_rates(waits[:, i], moments[:, i]))
         for i in range(len(edges) - 1)

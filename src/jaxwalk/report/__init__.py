@@ -1,4 +1,4 @@
-"""Results become tables, figures and one HTML file, ours beside the paper's."""
+"""Make tables, figures and one HTML file from results, next to the paper's numbers."""
 
 from jaxwalk.report.material import (
     ALWAYS_GO,

@@ -1,4 +1,4 @@
-"""The document of `jaxwalk hidden-intent`: what was asked for, and for each jaywalk multiplier what was found."""
+"""The document of `jaxwalk hidden-intent`: what was requested, and the findings for each jaywalk multiplier."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from jaxwalk.metrics.identifiability import Identifiability
 
 @dataclass(frozen=True)
 class IntentPlan:
-    """How thoroughly it was done."""
+    """The size of the experiment."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     updates: int
-    """Updates of each training."""
+    """Updates in each training."""
     episodes: int
     """Scenarios in each cell."""
     seed: int
@@ -31,35 +31,35 @@ class IntentPlan:
 
 @dataclass(frozen=True)
 class KnownIntent:
-    """How much of people's tendencies could be known."""
+    """How much about people's tendencies could be known."""
 
     seen: str
-    """In which case, in words."""
+    """The case, in words."""
     known: Identifiability | None
-    """None if there was nobody."""
+    """What could be known; None if there were no people."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return plain numbers: ``people`` alone, and 0, if there was nobody."""
+        """Return plain numbers: only ``people``, which is 0, if there were no people."""
         return {"seen": self.seen, **({"people": 0} if self.known is None else asdict(self.known))}
 
 
 @dataclass(frozen=True)
 class IntentStreet:
-    """What was found with one jaywalk multiplier."""
+    """The findings with one jaywalk multiplier."""
 
     jaywalk_multiplier: float
     results: Results
     identifiability: tuple[KnownIntent, ...]
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the multiplier, the results' document and what could be known, side by side."""
+        """Return the multiplier, the results' document and what could be known, as one dict."""
         known = [one.as_dict() for one in self.identifiability]
         return {"jaywalk_multiplier": self.jaywalk_multiplier, **self.results.as_dict(), "identifiability": known}
 
 
 @dataclass(frozen=True)
 class IntentDocument:
-    """Everything that is kept."""
+    """The whole content of the file."""
 
     plan: IntentPlan
     provenance: Provenance
@@ -91,7 +91,7 @@ def as_intent_document(content: Any, origin: Origin) -> IntentDocument:
 
 
 def _street(content: dict[str, Any], plan: IntentPlan, origin: Origin) -> IntentStreet:
-    """Return what was found with one multiplier. Raise DocumentError unless each driver has every training seed."""
+    """Return the findings with one multiplier. Raise DocumentError unless each driver has every training seed."""
     own = {"jaywalk_multiplier": float, "identifiability": list[dict[str, Any]]}
     multiplier, known = (as_document(kind, content.get(name), origin.inside(name)) for name, kind in own.items())
     results = as_results({name: value for name, value in content.items() if name not in own}, origin)

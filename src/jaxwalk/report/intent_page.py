@@ -1,4 +1,4 @@
-"""The document of `jaxwalk hidden-intent` as a page of Markdown."""
+"""Write the document of `jaxwalk hidden-intent` as a Markdown page."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _pairs(street: IntentStreet) -> Table:
 
 
 def _known(street: IntentStreet) -> Table:
-    """How much could be known (`jaxwalk.metrics.identifiability`)."""
+    """Return the table of how much could be known (`jaxwalk.metrics.identifiability`)."""
     columns = (
         "seen", "people", "crossings of each", "never seen to cross %", "standard deviation of tau (before: 0.289)",
         "variance explained %", "information [bit]",

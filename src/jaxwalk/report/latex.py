@@ -1,4 +1,4 @@
-"""Tables as LaTeX, for papers: with booktabs, to be put in by ``\\input``."""
+"""Write tables as LaTeX for papers: with booktabs, to be included with ``\\input``."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ _SIGNS = {
     "×": r"\texttimes{}",
     **{sign: f"\\{sign}" for sign in "&%$#_{}"},
 }
-"""What LaTeX would not print as it stands."""
+"""Characters that LaTeX would not print as they are."""
 
 
 def write_latex(tables: Mapping[str, Table], captions: Mapping[str, str], folder: Path) -> None:
-    """A ``.tex`` file for each table, with the caption of its name and the label ``tab:name``."""
+    """Write a ``.tex`` file for each table, with the caption of its name and the label ``tab:name``."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in tables.items():
         write_whole(folder / f"{name}.tex", latex_table(table, captions[name], name))
 
 
 def latex_table(table: Table, caption: str, name: str) -> str:
-    """One table as a float over the whole width."""
+    """Return one table as a float over the whole page width."""
     numeric = [all(_is_number(row[i]) for row in table.rows) for i in range(len(table.columns))]
     lines = [
         r"% needs \usepackage{booktabs}; too wide a table fits with \small, or \resizebox",
@@ -52,7 +52,7 @@ def latex_table(table: Table, caption: str, name: str) -> str:
 
 
 def escaped(text: str) -> str:
-    """Text as LaTeX prints it."""
+    """Return the text with LaTeX's special characters escaped."""
     return "".join(_SIGNS.get(sign, sign) for sign in text)
 
 

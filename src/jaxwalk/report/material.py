@@ -1,4 +1,4 @@
-"""What a report is made of: typed results, and what else a page shows."""
+"""The material of a report: typed results, and everything else that a page shows."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from jaxwalk.report.watched import Gallery
 CO_TRAINED, SINGLE_AGENT = "co-trained", "single-agent"
 """The trained drivers."""
 ROUTE_FOLLOWER = "route-follower"
-"""The driver that is blind to people."""
+"""The driver that ignores people."""
 ALWAYS_GO, LEARNED = "always-go", "learned"
 """The populations."""
 
 
 class ReportError(ValueError):
-    """Results that no report can be made of; one line says what is wrong."""
+    """Raised for results from which no report can be made; one line says what is wrong."""
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,14 @@ class Trainings:
 
 @dataclass(frozen=True)
 class LearningCurve:
-    """A training, update by update; shares are of the episodes that ended in an update."""
+    """One training, update by update; shares are over the episodes that ended in an update."""
 
     steps: tuple[int | float, ...]
     """Environment steps up to each update."""
     seconds: float
     """The training's duration [s]."""
     episodes: tuple[float, ...]
-    """Episodes that ended in each update."""
+    """Number of episodes that ended in each update."""
     goal_rate: tuple[float, ...]
     collision_rate: tuple[float, ...]
     timeout_rate: tuple[float, ...]
@@ -49,7 +49,7 @@ class LearningCurve:
 
 @dataclass(frozen=True)
 class DrawnEpisode:
-    """The episode that stands in the page as a drawing."""
+    """The episode that the page shows as a drawing."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
@@ -57,9 +57,9 @@ class DrawnEpisode:
     seed: int
     """Seed of the scenarios."""
     training_seed: int
-    """Seed of the driver."""
+    """Training seed of the driver."""
     frame: int = 0
-    """The frame that is drawn."""
+    """The frame to draw."""
 
 
 @dataclass(frozen=True)
@@ -70,26 +70,26 @@ class Material:
     """Every driver among every population."""
     provenance: Provenance
     minutes: Mapping[str, float]
-    """What each part took [min]."""
+    """Duration of each part [min]."""
     curves: Mapping[str, Mapping[int, LearningCurve]] = field(default_factory=dict)
-    """The trainings, by driver and training seed; of the drivers whose training is known."""
+    """The trainings, by driver and training seed; for drivers whose training is known."""
     subject: str = CO_TRAINED
-    """The driver that the sections about one driver are about."""
+    """The driver that sections about one driver show."""
     headline: tuple[str, ...] = (CO_TRAINED, SINGLE_AGENT)
     """The drivers whose numbers come first."""
     trainings: Trainings | None = None
     """What was trained; None if nothing was."""
     ablation: Results | None = None
-    """The co-trained driver with several jaywalk multipliers, if it was evaluated so; nothing is paired."""
+    """The co-trained driver with several jaywalk multipliers, if that was evaluated; nothing is paired."""
     gallery: Gallery | None = None
     """Episodes and incidents to watch."""
     episode: DrawnEpisode | None = None
-    """Which episode is drawn."""
+    """The episode to draw."""
     episode_svg: str | None = None
-    """Its drawing."""
+    """The drawing of the episode."""
 
     def __post_init__(self) -> None:
-        """Raise ReportError unless all that a section shows is there."""
+        """Raise ReportError unless everything that a section shows is there."""
         if not self.results.cells:
             raise ReportError("the results have no cells; evaluate again")
         for driver, people in product(self.drivers, self.populations):
@@ -106,22 +106,22 @@ class Material:
 
     @property
     def drivers(self) -> tuple[str, ...]:
-        """Names in the order of evaluation."""
+        """The drivers' names in the order of evaluation."""
         return tuple(dict.fromkeys(cell.driver for cell in self.results.cells))
 
     @property
     def populations(self) -> tuple[str, ...]:
-        """Names in the order of evaluation."""
+        """The populations' names in the order of evaluation."""
         return tuple(dict.fromkeys(cell.pedestrians for cell in self.results.cells))
 
     @property
     def crowd(self) -> str:
-        """The population of sections about one population: the first that is not always-go, if there is one."""
+        """The population of sections about one population: the first except always-go, if there is one."""
         return next((people for people in self.populations if people != ALWAYS_GO), ALWAYS_GO)
 
     @property
     def rival(self) -> str | None:
-        """The driver drawn beside the subject: the car trained alone, else the first other driver."""
+        """The driver drawn next to the subject: the car trained alone, or else the first other driver."""
         others = [driver for driver in self.drivers if driver != self.subject]
         return SINGLE_AGENT if SINGLE_AGENT in others else next(iter(others), None)
 
@@ -131,23 +131,23 @@ class Material:
 
     @property
     def training_seeds(self) -> tuple[int, ...]:
-        """All of them, from the first on; none if nothing was trained."""
+        """All training seeds in order; empty if nothing was trained."""
         return () if self.trainings is None else self.trainings.seeds
 
     @property
     def several(self) -> bool:
-        """There is more than one training seed."""
+        """Whether there is more than one training seed."""
         return len(self.training_seeds) > 1
 
     def cell(self, driver: str, pedestrians: str) -> Cell:
-        """Return the results of a driver among a population, of the first training seed."""
+        """Return the results of a driver among a population, for the first training seed."""
         return _found(
             (c for c in self.results.cells if (c.driver, c.pedestrians) == (driver, pedestrians)),
             f"{driver} among {pedestrians}",
         )
 
     def cell_of_seed(self, driver: str, pedestrians: str, seed: int) -> Cell:
-        """Return the results of a driver among a population, of one training seed."""
+        """Return the results of a driver among a population, for one training seed."""
         wanted = (driver, pedestrians, seed)
         return _found(
             (c for c in self.results.cells if (c.driver, c.pedestrians, c.training_seed) == wanted),

@@ -1,4 +1,4 @@
-"""The tables of the report: ours with 95 % intervals beside the paper's numbers, and the sentence where they differ."""
+"""The tables of the report: ours with 95 % intervals next to the paper's numbers, and a sentence where they differ."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ def make_all(names: Iterable[str], material: Material) -> dict[str, Table]:
 
 
 def _verdict(material: Material, against: list[Versus], reason: str) -> str:
-    """Where ours differ from the paper's, if they are of the paper's experiment: the reasons are about its drivers."""
+    """Return where ours differ from the paper's, if the experiment is the paper's: the reasons concern its drivers."""
     return verdict(against, reason) if material.trainings is not None else ""
 
 
 def matrix(material: Material) -> Table:
-    """Every driver among every population."""
+    """Return the table of every driver among every population."""
     rates = ("goal", "collision", "timeout")
     percents = (column for rate in rates for column in _columns(material, rate))
     columns = ("driver", "pedestrians", *percents, "collisions per km", "time to goal [s]")
@@ -42,19 +42,19 @@ def matrix(material: Material) -> Table:
 
 
 def _columns(material: Material, rate: str) -> tuple[str, ...]:
-    """Return a rate's column names: its mean over training seeds and, of several, their interquartile mean."""
+    """Return a rate's column names: its mean over training seeds and, of several, the interquartile mean."""
     return (f"{rate} %", f"{rate} %, IQM") if material.several else (f"{rate} %",)
 
 
 def _shown(material: Material, number: OverSeeds) -> tuple[str, ...]:
-    """What stands in these columns."""
+    """Return the cells of these columns."""
     mean = shown(number.mean)
     iqm = Interval(number.iqm.value, None, None)  # its interval, much like the mean's, is in results.json
     return (mean, shown(iqm)) if material.several else (mean,)
 
 
 def baselines(material: Material) -> Table:
-    """The paper's figure of baselines: for each method, ours among both populations and theirs."""
+    """Return the paper's figure of baselines: for each method, ours among both populations, and theirs."""
     columns = (
         "driver",
         *(f"{rate} %, {who}" for rate in ("goal", "collision") for who in (*material.populations, "paper")),
@@ -79,7 +79,7 @@ def baselines(material: Material) -> Table:
 
 
 def co_training(material: Material) -> Table:
-    """The paper's two by two: single-agent and co-trained driver, among always-go and among learned pedestrians."""
+    """Return the paper's two by two: single-agent and co-trained driver, among always-go and learned pedestrians."""
     goals, collisions = (_columns(material, rate) for rate in ("goal", "collision"))
     columns = ("driver", "pedestrians", *goals, "paper", *collisions, "paper")
     rows, against = [], []
@@ -93,7 +93,7 @@ def co_training(material: Material) -> Table:
 
 
 def speed_differential(material: Material) -> Table:
-    """Car speed near jaywalkers minus near crosswalk users, by distance, four ways; and what they say together."""
+    """Return car speed near jaywalkers minus near crosswalk users by distance, four ways, and a conclusion."""
     bins = material.cell(material.subject, material.crowd).summary[SPEED_DIFFERENTIAL]
     low, high = published.SPEED_GAP_FARTHER
     rows = []
@@ -107,7 +107,7 @@ def speed_differential(material: Material) -> Table:
 
 
 def attribution(material: Material) -> Table:
-    """Jaywalking's share of collisions beside its share of crossings and exposure, and the ratio of rates."""
+    """Return jaywalking's share of collisions next to its share of crossings and exposure, and the ratio of rates."""
     columns = ("jaywalking's share", *(f"among {people}, %" for people in material.populations), "paper, %")
     found = {people: material.cell(material.subject, people).summary[ATTRIBUTION] for people in material.populations}
     theirs = (f"{published.COLLISIONS_JAYWALK:g}", f"{published.CROSSINGS_JAYWALK:g}", NONE, NONE, NONE)
@@ -152,7 +152,7 @@ def contacts(material: Material) -> Table:
 
 
 def quarters(material: Material) -> Table:
-    """Jaywalk rate by quarter of the trait."""
+    """Return the jaywalk rate by quarter of the trait."""
     cell = material.cell(material.subject, material.crowd)
     found, most = cell.summary[JAYWALK_RATE], 100 * cell.jaywalk_multiplier
     expected = [most * (0.125 + 0.25 * i) for i in range(4)]
@@ -177,7 +177,7 @@ def quarters(material: Material) -> Table:
 
 
 def waiting(material: Material) -> Table:
-    """Return whether learned pedestrians wait at the kerb, before which driver, and at what price."""
+    """Return whether learned pedestrians wait at the kerb, before which driver, and at what cost."""
     rates = ("waits in danger %", "moments", "else near %", "harmless %", "moments")
     price = ("waits of all steps %", "pace [m/s]", "of always-go's %", "longest stand on a roadway [steps]")
     rows = []
@@ -191,7 +191,7 @@ def waiting(material: Material) -> Table:
 
 
 def approach(material: Material) -> Table:
-    """Smallest distance in an encounter: its 5th percentile."""
+    """Return the 5th percentile of the smallest distance in an encounter."""
     columns = ("encounter", "pedestrians", "5th percentile of the minimum approach [m]", "paper", "encounters")
     rows, against = [], []
     for people in material.populations:
@@ -205,7 +205,7 @@ def approach(material: Material) -> Table:
 
 
 def braking(material: Material) -> Table:
-    """From road entry to the car's braking."""
+    """Return the time from road entry to the car's braking."""
     times = ("median of all [s]", "mean of those who brake [s]", "paper")
     columns = ("encounter", "pedestrians", *times, "brake", "never", "already", "standing")
     rows = []
@@ -223,7 +223,7 @@ def braking(material: Material) -> Table:
 
 
 def ablation(material: Material) -> Table:
-    """The co-trained driver with less and more jaywalking."""
+    """Return the results of the co-trained driver with less and more jaywalking."""
     columns = (
         "multiplier",
         "jaywalk % of crossings",
@@ -265,4 +265,4 @@ TABLES: dict[str, Callable[[Material], Table]] = {
     "braking": braking,
     "ablation": ablation,
 }
-"""Every table, by name of its file."""
+"""Every table, by the name of its file."""

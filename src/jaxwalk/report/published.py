@@ -8,7 +8,7 @@ BASELINES: dict[str, tuple[float, float]] = {
     "rule-based": (35.0, 33.0),
     "rule-based-braking": (33.0, 35.0),
 }
-"""Goals and collisions of the rules (section IV-A); among whom is not stated."""
+"""Goal and collision rates of the rules (section IV-A); the paper does not state the population."""
 
 TRAINED: dict[tuple[str, str], tuple[float, float]] = {
     ("single-agent", "always-go"): (65.0, 20.0),
@@ -16,7 +16,7 @@ TRAINED: dict[tuple[str, str], tuple[float, float]] = {
     ("co-trained", "always-go"): (76.0, 16.0),
     ("co-trained", "learned"): (78.0, 14.0),
 }
-"""Goals and collisions by driver and population (Table III)."""
+"""Goal and collision rates by driver and population (Table III)."""
 
 ABLATION: dict[float, tuple[float, float]] = {
     0.0: (77.0, 15.0),
@@ -25,14 +25,14 @@ ABLATION: dict[float, tuple[float, float]] = {
     0.6: (73.0, 18.0),
     1.0: (64.0, 28.0),
 }
-"""Goals and collisions of the co-trained driver by jaywalk multiplier, among always-go (section IV-D)."""
+"""Goal and collision rates of the co-trained driver by jaywalk multiplier, among always-go (section IV-D)."""
 JAYWALK_SHARE: dict[float, float] = {0.0: 0.0, 0.1: 5.0, 0.25: 13.0, 0.6: 30.0, 1.0: 50.0}
 """Share of crossings that are jaywalks, by multiplier."""
 
 SPEED_GAP = 2.65
 """Car speed near jaywalkers minus near crosswalk users, nearest pedestrian within 3 m (section IV-B)."""
 SPEEDS = (5.43, 8.08)
-"""Near crosswalk users and near jaywalkers, within 3 m."""
+"""Car speed near crosswalk users and near jaywalkers, within 3 m."""
 SPEED_GAP_FARTHER = (0.80, 1.60)
 """Range of the differences at 3 to 12 m."""
 

@@ -1,4 +1,4 @@
-"""The order of the report, and what is said about each table and figure."""
+"""The order of the report, and the text about each table and figure."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ class Section:
 
     heading: str
     source: str
-    """Where the paper has it."""
+    """Place of the original in the paper."""
     caption: str
     """``{subject}``, ``{crowd}`` and ``{first}`` (population) stand for names of the `Material`, ``{beside}`` for its
     rival."""
     figure: str | None = None
     table: str | None = None
     over_seeds: bool = False
-    """It shows all training seeds; else the first one's drivers and pedestrians."""
+    """Whether it shows all training seeds; else it shows the first one's drivers and pedestrians."""
     applies: Callable[[Material], bool] = lambda material: True
     """Whether there is something to show."""
 
     def said(self, material: Material) -> str:
-        """The caption, with the names of who is shown."""
+        """Return the caption with the names of the drivers and populations shown."""
         beside = f" and {material.rival} (dashed)" if material.rival else ""
         return self.caption.format(
             subject=material.subject, beside=beside, crowd=material.crowd, first=material.populations[0]

@@ -11,7 +11,7 @@ from jaxwalk.report.table import Table, p_value, shown
 
 
 def training_seeds(material: Material) -> Table:
-    """The trained drivers of each training seed, with intervals over scenarios."""
+    """Return the trained drivers of each training seed, with intervals over scenarios."""
     columns = (
         "driver", "pedestrians", "training seed", "goal %", "collision %",
         "speed difference within 3 m [m/s]", "jaywalking's share of collisions %",
@@ -29,12 +29,12 @@ def training_seeds(material: Material) -> Table:
 
 
 def pairs(material: Material) -> Table:
-    """Endings of the same scenarios: of each driver by population, and of the two trained drivers."""
+    """Return how the same scenarios end: for each driver by population, and for the two trained drivers."""
     return paired_table(material.results.paired)
 
 
 def paired_table(paired: Sequence[PairedSeeds]) -> Table:
-    """What `jaxwalk.evaluation.paired_over_seeds` found, a row each; Holm's p is for all of them at once."""
+    """Return a row for each result of `jaxwalk.evaluation.paired_over_seeds`; Holm's p covers all of them."""
     columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p", "p, Holm")
     adjusted = holm([found.p for found in paired])
     return Table(columns, tuple((*_pair(found), p_value(p)) for found, p in zip(paired, adjusted, strict=True)))

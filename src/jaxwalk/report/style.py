@@ -1,4 +1,4 @@
-"""How figures look: colours that colour-blind people tell apart, text that follows the page's colour."""
+"""The style of figures: colours that colour-blind people can distinguish, text that follows the page's colour."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ BLUE, ORANGE, GREEN, RED, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e0
 INK, GRID = "#222221", "#9a9a99"
 """Text and lines; in the page, INK becomes the page's own text colour."""
 PAPER = INK
-"""The paper's numbers are drawn in the colour of the text."""
+"""The paper's numbers have the colour of the text."""
 
 FULL, COLUMN = 7.1, 3.5
 """Widths of a journal's page and of one of its two columns [inches]: 180 and 89 mm."""
 RESOLUTION = 300
 """Resolution of PNG files [dots per inch]."""
 SCREEN = 1.25
-"""A page shows drawings so much larger than they are printed: small print is hard to read on a screen."""
+"""Factor by which a page enlarges drawings over their printed size: small print is hard to read on a screen."""
 
 _STYLE = {
     "svg.fonttype": "none",
@@ -60,7 +60,7 @@ _STYLE = {
 
 @contextmanager
 def drawing(name: str) -> Iterator[None]:
-    """The style; what identifies parts of a drawing depends on its name alone, so files are the same each time."""
+    """Apply the style; identifiers inside a drawing depend only on its name, so files are the same each time."""
     style: Any = {**_STYLE, "svg.hashsalt": name}
     with matplotlib.rc_context(style):
         yield
@@ -76,10 +76,10 @@ def panels(
 
 
 def save(figure: Figure, folder: Path, name: str) -> str:
-    """Write the figure as SVG and PNG, on white; returns the SVG to put into a page, on nothing."""
+    """Write the figure as SVG and PNG on white; return the SVG for a page, without a background."""
     with whole(folder / f"{name}.svg") as file:
         figure.savefig(file, metadata={"Date": None}, facecolor="white")
-    figure.set_layout_engine("none")  # all is in its place now: to lay it out again would take as long as the drawing
+    figure.set_layout_engine("none")  # the layout is done: repeating it would take as long as the drawing
     with whole(folder / f"{name}.png") as file:
         figure.savefig(file, dpi=RESOLUTION, facecolor="white")
     white = (folder / f"{name}.svg").read_text(encoding="utf-8")
@@ -87,7 +87,7 @@ def save(figure: Figure, folder: Path, name: str) -> str:
 
 
 def inline(svg: str, name: str) -> str:
-    """An SVG file's drawing for a page: no preamble, identifiers of its own, the page's colour, a screen's width."""
+    """Return an SVG file's drawing for a page: no preamble, unique identifiers, the page's colour, a screen's width."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\bid="', f'id="{name}-', svg)
@@ -99,5 +99,5 @@ def inline(svg: str, name: str) -> str:
 
 
 def as_picture(svg: str) -> str:
-    """The address of a drawing from a file, which anybody may have written: in a picture, no script in it is run."""
+    """Return a drawing as the address of an image: its file may come from anybody, and images run no scripts."""
     return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()

@@ -1,4 +1,4 @@
-"""The whole suite of an evaluation as one Markdown page: what a safety engineer would ask of every driver."""
+"""Write the whole suite of an evaluation as one Markdown page: what a safety engineer would ask about every driver."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jaxwalk.report import surprise
 from jaxwalk.report.table import Table, by_type, markdown_table, shown
 
 TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
-"""Pairs of collision rates for the table of how many scenarios it takes; the first are the paper's, like for like."""
+"""Pairs of collision rates for the table of scenarios needed; the first are the paper's."""
 
 
 def suite(results: Results, made: Provenance) -> str:
@@ -97,7 +97,7 @@ def _name(cell: Cell) -> str:
 
 
 def outcomes(cells: Sequence[Cell]) -> Table:
-    """How episodes end."""
+    """Return how episodes end."""
     columns = ("driver", "goal %", "collision %", "timeout %", "time to goal [s]", "collisions per km", "moving %")
     rows = []
     for cell in cells:
@@ -109,7 +109,7 @@ def outcomes(cells: Sequence[Cell]) -> Table:
 
 
 def surrogates(cells: Sequence[Cell]) -> Table:
-    """Surrogate safety by type of encounter."""
+    """Return surrogate safety by type of encounter."""
     columns = (
         "driver", "encounter", "n", "TTC < 1.5 s %", "PET < 1.5 s %", "DRAC > 3.4 m/s² %", "5 % come nearer than [m]",
         "hit", "impact [m/s]", "MAIS3+ %", "fatal %",
@@ -127,7 +127,7 @@ def surrogates(cells: Sequence[Cell]) -> Table:
 
 
 def attribution(cells: Sequence[Cell]) -> Table:
-    """Whose collisions."""
+    """Return who is involved in the collisions, relative to exposure."""
     columns = (
         "driver", "crosswalk, jaywalk, sidewalk", "jaywalking's share of collisions %", "of crossings %",
         "rate ratio per crossing", "per second on the road", "per second within 20 m",
@@ -143,7 +143,7 @@ def attribution(cells: Sequence[Cell]) -> Table:
 
 
 def avoidable(cells: Sequence[Cell]) -> Table:
-    """Who could have avoided the collisions."""
+    """Return who could have avoided the collisions."""
     columns = (
         "driver", "contact", "replayed", "by either %", "only by the driver %", "only by the pedestrian %",
         "unavoidable %", "braking avoids %", "planner avoids %", "planner all the way avoids %",
@@ -160,13 +160,13 @@ def avoidable(cells: Sequence[Cell]) -> Table:
 
 
 def _replayed(found: CounterfactualSummary) -> dict[str, Avoidable]:
-    """Return the contact types of which a collision was replayed, all of them together first."""
+    """Return the contact types with replayed collisions; all of them together come first."""
     parts = {"all": found.all, "crosswalk": found.crosswalk, "jaywalk": found.jaywalk, "sidewalk": found.sidewalk}
     return {kind: part for kind, part in parts.items() if part.collisions}
 
 
 def braking(cells: Sequence[Cell]) -> Table:
-    """From road entry to braking."""
+    """Return the time from road entry to braking."""
     columns = ("driver", "encounter", "median [s]", "brake", "never", "already", "standing")
     rows = []
     for cell in cells:
@@ -178,7 +178,7 @@ def braking(cells: Sequence[Cell]) -> Table:
 
 
 def speeds(cells: Sequence[Cell]) -> Table:
-    """The speed differential four ways, near jaywalkers minus near crosswalk users [m/s]."""
+    """Return the speed differential four ways, near jaywalkers minus near crosswalk users [m/s]."""
     columns = ("driver", "distance [m]", "frames", "encounters", "matched", "ghosts", "people minus ghosts")
     rows = []
     for cell, found in ((one, found) for one in cells for found in one.summary[SPEED_DIFFERENTIAL]):
@@ -190,7 +190,7 @@ def speeds(cells: Sequence[Cell]) -> Table:
 
 
 def power() -> Table:
-    """Scenarios needed to tell rates apart."""
+    """Return the scenarios needed to show that two rates differ."""
     rows = [
         (f"{100 * a:g} and {100 * b:g}", *(f"{scenarios_needed(a, b, both=both):,}" for both in (None, min(a, b) / 2)))
         for a, b in TOLD_APART

@@ -1,4 +1,4 @@
-"""The speed differential four ways: what each says, and in words what they say together."""
+"""The speed differential four ways: what each shows, and what they mean together in words."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from jaxwalk.report.table import NONE, shown
 COLUMNS = ("distance [m]", "weight", "near crosswalk users [m/s]", "near jaywalkers [m/s]", "difference", "n")
 """Columns of the rows of `four_ways`."""
 FEWEST = 20
-"""With fewer encounters of either type at a distance, nothing is said of it: a bootstrap of so few is too sure."""
+"""With fewer encounters of either type at a distance, no conclusion is drawn: a bootstrap of few is too confident."""
 NOTHING = 0.01
-"""A speed difference whose interval comes nearer to 0 than this is not worth a word [m/s]."""
+"""A speed difference whose interval comes nearer to 0 than this is not mentioned [m/s]."""
 
 
 def four_ways(bins: Sequence[SpeedBin]) -> list[tuple[str, ...]]:
-    """Five rows for each distance: pooled over frames, by encounter, matched, near ghosts, and people minus ghosts."""
+    """Return five rows per distance: pooled over frames, by encounter, matched, ghosts, people minus ghosts."""
     rows = []
     for found in bins:
         at, placebo = place(found), found.placebo
@@ -45,9 +45,9 @@ def _alone(number: Estimate, unit: str) -> tuple[str, str]:
 
 
 def in_words(bins: Sequence[SpeedBin]) -> str:
-    """What the four say together: is the car faster near jaywalkers, and more so than near ghosts?
+    """Return what the four mean together: is the car faster near jaywalkers, and more so than near ghosts?
 
-    By 95 % intervals, each for itself: of twenty that hold no difference, one shows one.
+    Each 95 % interval is taken separately: among twenty without a true difference, about one shows one.
     """
     bins = [found for found in bins if found.by_encounter.difference.count >= FEWEST]
     if not bins:
@@ -69,13 +69,13 @@ def in_words(bins: Sequence[SpeedBin]) -> str:
 
 
 def _said(bins: Sequence[SpeedBin], find: Callable[[SpeedBin], Number]) -> str:
-    """Return words such as ``faster at 0 to 3 m``: where a number's interval is above or below 0; empty if nowhere."""
+    """Return words such as ``faster at 0 to 3 m``, for intervals entirely above or below 0; empty if there are none."""
     sides = _sides(bins, find)
     return " and ".join(f"{side} at {', '.join(places)} m" for side, places in sides.items() if places)
 
 
 def _sides(bins: Sequence[SpeedBin], find: Callable[[SpeedBin], Number]) -> dict[str, list[str]]:
-    """Distances at which a difference is certainly above 0 (faster), and certainly below (slower)."""
+    """Return the distances at which a difference is certainly above 0 (faster), and certainly below (slower)."""
     sides: dict[str, list[str]] = {"faster": [], "slower": []}
     for found in bins:
         number = find(found)

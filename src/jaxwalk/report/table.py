@@ -1,4 +1,4 @@
-"""What a table is, how a number is shown in it, and its file."""
+"""What a table is, how it shows a number, and its file."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from jaxwalk.writing import write_whole
 T = TypeVar("T")
 
 NONE = "–"
-"""Stands for a number that does not exist."""
+"""Shown for a number that does not exist."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """One table."""
+    """A table of a report."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -41,7 +41,7 @@ def write_csv(tables: dict[str, Table], folder: Path) -> None:
 
 
 def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table as Markdown, without a line feed at its end."""
+    """Return a table as Markdown, without a line feed at the end."""
     lines = [columns, ["---"] * len(columns), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 

@@ -1,4 +1,4 @@
-"""One sentence for each comparison: does the paper's number lie in our interval, and if not, why might that be?"""
+"""One sentence for each comparison: is the paper's number in our interval, and if not, why might that be?"""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from jaxwalk.evaluation.document_parts import Number
 
 @dataclass(frozen=True)
 class Versus:
-    """One of our numbers beside the paper's."""
+    """One of our numbers next to the paper's."""
 
     what: str
     """Name of the quantity."""
@@ -17,11 +17,11 @@ class Versus:
     theirs: float
     unit: str = "%"
     scale: float = 100.0
-    """Ours times this is in the unit."""
+    """Factor that converts our number to the unit."""
 
     @property
     def known(self) -> tuple[float, float, float] | None:
-        """Our value and its interval in the unit; None unless all three exist."""
+        """Return our value and its interval in the unit; None unless all three exist."""
         value, low, high = self.ours.value, self.ours.low, self.ours.high
         if value is None or low is None or high is None:
             return None
@@ -29,12 +29,12 @@ class Versus:
 
     @property
     def agrees(self) -> bool:
-        """The paper's number lies in our interval."""
+        """Return whether the paper's number lies in our interval."""
         return self.known is not None and self.known[1] <= self.theirs <= self.known[2]
 
 
 def verdict(comparisons: list[Versus], reason: str) -> str:
-    """Where the paper's numbers lie outside our intervals, and the reason; or that they don't."""
+    """Say where the paper's numbers lie outside our intervals, and why; or that they lie inside."""
     unknown = [c for c in comparisons if not c.known]
     differing = [_gap(c, c.known[0]) for c in comparisons if c.known and not c.agrees]
     agreeing = [c for c in comparisons if c.agrees]
@@ -61,7 +61,7 @@ def _list(items: list[str]) -> str:
 
 
 def number(value: float) -> str:
-    """With as many digits as the paper gives."""
+    """Return the number with as many digits as the paper gives."""
     return f"{value:.1f}" if abs(value) >= 10 else f"{value:.2f}"
 
 

@@ -1,4 +1,4 @@
-"""What a page lets its reader watch: the worst collisions and the nearest misses."""
+"""What a page's reader can watch: the worst collisions and the nearest misses."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class WatchedIncident:
     """A collision or a near miss in one of the gallery's episodes."""
 
     episode: int
-    """Its place among the episodes."""
+    """Index among the episodes."""
     kind: str
     """``collision`` or ``near miss``."""
     contact: str
@@ -49,7 +49,7 @@ class WatchedEpisode:
     ending: str
     steps: int
     map: int
-    """Its place among the maps."""
+    """Index among the maps."""
     record: str
     """All frames, packed."""
 
@@ -63,14 +63,14 @@ class Gallery:
     dt: float
     """Duration of a step [s]."""
     maps: Sequence[Mapping[str, Any]]
-    """What the player draws."""
+    """The maps that the player draws."""
     episodes: tuple[WatchedEpisode, ...]
     lead: float
-    """An incident is watched from this long before [s]."""
+    """Playback of an incident starts this long before it [s]."""
     most: int
-    """The most incidents of each kind, for each driver and population."""
+    """Largest number of incidents of each kind, for each driver and population."""
     scenarios: int
-    """Incidents come from the first scenarios, as many as this."""
+    """Number of scenarios in which incidents were searched, from the first on."""
     incidents: tuple[WatchedIncident, ...]
 
     def __post_init__(self) -> None:
@@ -84,7 +84,7 @@ class Gallery:
 
     @property
     def collisions(self) -> set[str]:
-        """Drivers and populations that have a collision to watch, as in ``co-trained among learned``."""
+        """Return the drivers and populations with a collision to watch, as in ``co-trained among learned``."""
         hits = (self.episodes[one.episode] for one in self.incidents if one.kind == "collision")
         return {f"{episode.driver} among {episode.pedestrians}" for episode in hits}
 

@@ -1,4 +1,4 @@
-"""From results to files: ``report.html``, ``figures/`` and ``tables/``."""
+"""Write a report's files: ``report.html``, ``figures/`` and ``tables/``."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def write_report(folder: Path, material: Material) -> Path:
 
 
 def _gallery(gallery: Gallery) -> dict[str, str]:
-    """Return the parts of the gallery of failures."""
+    """Return the gallery's parts of the page."""
     data = as_script(gallery.as_dict())
     return {"css": gallery_style(), "html": gallery_html(), "script": gallery_script(), "data": data}
 
@@ -56,7 +56,7 @@ def _page(**content: Any) -> str:
 
 
 def _summary(material: Material) -> list[dict[str, str]]:
-    """The numbers that people ask for first."""
+    """Return the numbers that readers ask for first."""
     return [
         {
             "cell": f"{driver} among {people}",
@@ -70,7 +70,7 @@ def _summary(material: Material) -> list[dict[str, str]]:
 
 
 def _seeds(material: Material) -> str:
-    """How many there are, and what the intervals are over."""
+    """Say how many seeds there are, and what the intervals cover."""
     seeds = material.training_seeds
     if not material.several:
         return f"one training seed, {seeds[0]}: intervals are over scenarios, and say nothing about training again"
@@ -81,7 +81,7 @@ def _seeds(material: Material) -> str:
 
 
 def _facts(material: Material) -> list[tuple[str, str]]:
-    """Where the numbers come from."""
+    """Return where the numbers come from."""
     scenarios, made = material.results.scenarios, material.provenance
     facts: list[tuple[str, str]] = []
     if material.trainings is not None:

@@ -1,1 +1,1 @@
-"""One training: its recipe, its folder on disk, the loop that trains, and what can be watched meanwhile."""
+"""One training: its recipe, its run folder, the training loop, and the page that shows progress."""

@@ -1,4 +1,4 @@
-"""Metrics as TensorBoard reads them."""
+"""Writes metrics for TensorBoard."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from jaxwalk.writing import naming
 
 
 class Board:
-    """A file of events, in the order written. An update that comes again hides the one of an earlier session.
+    """A file of events, in the order written. A repeated update hides the one of an earlier session.
 
     Not tensorboardX's `SummaryWriter`: that writes in a thread, which dies when the disk is full; then its queue fills
     and training hangs.
     """
 
     def __init__(self, folder: Path, *, first: int) -> None:
-        """A new file in the folder; ``first`` is the first update that will be written."""
+        """Create a new file in the folder; ``first`` is the first update that will be written."""
         from tensorboardX.event_file_writer import EventsWriter
 
         self._folder, self._types = folder, import_module("tensorboardX.proto.event_pb2")
         start = self._types.SessionLog(status=self._types.SessionLog.START)
         with naming(folder):
-            # tensorboardX's name counts seconds: a session that goes on within one would write over the file before
+            # tensorboardX names files by the second: a session begun within the same second would overwrite it
             self._file: Any = EventsWriter(str(folder / "events"), f".{os.getpid()}.{time.time_ns()}")
             self._file.write_event(self._types.Event(step=first, session_log=start))
             self._file.flush()
 
     def write(self, line: Mapping[str, int | float]) -> None:
-        """One update's metrics, ``update`` among them."""
+        """Write the metrics of one update, ``update`` among them."""
         event = self._types.Event(wall_time=time.time(), step=line["update"])
         for name, value in line.items():
             if name != "update":
@@ -42,6 +42,6 @@ class Board:
             self._file.flush()
 
     def close(self) -> None:
-        """Write what is left."""
+        """Write what is still buffered, and close the file."""
         with naming(self._folder):
             self._file.close()

@@ -1,4 +1,4 @@
-"""Drivers and populations by what people call them: a rule's or shipped policy's name, a run folder or policy file."""
+"""Finds drivers and populations by name: a rule, a shipped policy, a run folder or a policy file."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
 
 RULES = {"driver": DRIVERS, "pedestrian": POPULATIONS}
-"""Rules of each role, by name."""
+"""Rule-based policies of each role, by name."""
 
 
 class ContestantError(ValueError):
-    """A name that stands for no driver or population; one line says what to do."""
+    """The name of no driver or population. The message says what to do, in one line."""
 
 
 def run_folders(names: Iterable[str]) -> list[str]:
-    """Those of the names that stand for run folders: names of rules and of shipped policies come first."""
+    """Return the names that are run folders. Names of rules and of shipped policies come first."""
     known = {name for role, rules in RULES.items() for name in (*rules, *SHIPPED[role])}
     return [name for name in names if name not in known and Path(name).is_dir()]
 
 
 def world_of(names: Sequence[str], maps: Sequence[str]) -> Street:
-    """The street to evaluate on: the given maps, else those that the run folders among the names were trained on."""
+    """Return the street to evaluate on: of the given maps, else of those that the named run folders were trained on."""
     runs = [Run.open(name).experiment for name in run_folders(names)]
     trained = list(dict.fromkeys(run.maps for run in runs))
     if not maps and len(trained) > 1:
@@ -48,7 +48,7 @@ def world_of(names: Sequence[str], maps: Sequence[str]) -> Street:
 def contestant(
     street: Street, role: str, name: str, *, sample: bool | None = None, trust: bool = False, seconds: float = SECONDS
 ) -> Policy:
-    """The policy of that name for a role.
+    """Return the policy of that name for a role.
 
     Args:
         street: the world it is to act in.
@@ -71,7 +71,7 @@ def contestant(
 
 
 def policy_file(role: str, name: str) -> Path:
-    """The file of a shipped policy, a run folder or itself; raises ContestantError or RunError if there is none."""
+    """Return the file of a shipped policy, a run folder or itself. Raise ContestantError or RunError if it is none."""
     shipped = shipped_policy(role, name)
     if shipped is not None:
         return shipped
@@ -89,7 +89,7 @@ def policy_file(role: str, name: str) -> Path:
 
 
 def _check_action(actor: Actor, action: Box | Discrete, who: str) -> None:
-    """Raise ContestantError unless the network's outputs mean an action of that kind."""
+    """Raise ContestantError unless the network's outputs are an action of that kind."""
     discrete, outputs = isinstance(action, Discrete), action.n if isinstance(action, Discrete) else action.size
     if (actor.kind in (DISCRETE, GATED)) != discrete or actor.network.sizes[-1] != outputs:
         wanted = f"chooses among {outputs}" if discrete else f"gives {outputs} numbers"
@@ -99,7 +99,7 @@ def _check_action(actor: Actor, action: Box | Discrete, who: str) -> None:
 
 
 def _observation_size(street: Street, role: str, observes: str, file: Path) -> int:
-    """How many numbers an observation set has."""
+    """Return the number of features of an observation set."""
 
     def look() -> jax.Array:
         scenario = street.draw(jax.random.key(0))

@@ -1,4 +1,4 @@
-"""The run folder: all that a training leaves behind, and all that evaluation needs.
+"""The run folder: everything that a training writes, and everything that evaluation needs.
 
     config.json         the `Experiment`
     metrics.jsonl       one line for each update
@@ -27,22 +27,22 @@ from jaxwalk.runs.lock import LOCK, held
 from jaxwalk.writing import is_unfinished, naming, write_whole
 
 CONFIG, METRICS, CHECKPOINTS, POLICY = "config.json", "metrics.jsonl", "checkpoints", "policy.safetensors"
-"""Names inside a run folder."""
+"""File names inside a run folder."""
 LARGEST = 1e39
-"""No metric is larger: it was a 32-bit float."""
+"""Largest possible metric: metrics are 32-bit floats."""
 
 
 class RunError(ValueError):
-    """A run folder that can't be used; one line names it, says what is wrong and what to do."""
+    """A run folder that can't be used. The message names it, says what is wrong and what to do, in one line."""
 
 
 def is_empty(folder: Path) -> bool:
-    """Whether nothing is in it but what a process that was killed at once may have left."""
+    """Return whether a folder is empty, apart from what a process that was killed immediately may have left."""
     return all(path.name == LOCK or is_unfinished(path) for path in folder.iterdir())
 
 
 def check_new(path: Path) -> None:
-    """Raise RunError unless a folder can be made (or filled, if empty) there. Writes nothing."""
+    """Raise RunError unless a folder can be made there (or filled, if it is empty). Writes nothing."""
     if path.is_dir() and not is_empty(path):
         hint = f"continue it with `jaxwalk train --resume {path}`, or " if (path / CONFIG).is_file() else ""
         raise RunError(f"{path}: the folder is not empty; {hint}name another folder")
@@ -72,17 +72,17 @@ class Run:
 
     @classmethod
     def create(cls, path: str | Path, experiment: Experiment) -> Run:
-        """A new folder; an existing one must be empty."""
+        """Create a run folder; an existing folder must be empty."""
         check_new(Path(path))
         run = cls(path, experiment)
         with held(run.path):
-            check_new(run.path)  # again: another process may have been quicker
+            check_new(run.path)  # check again: another process may have been quicker
             run.describe(experiment)
         return run
 
     @classmethod
     def open(cls, path: str | Path) -> Run:
-        """A folder that was written before."""
+        """Open an existing run folder."""
         path = Path(path)
         if not path.is_dir():
             raise RunError(f"{path}: no such run folder; check the name, or train one: `jaxwalk train --run {path}`")
@@ -92,12 +92,12 @@ class Run:
 
     @property
     def checkpoints(self) -> Path:
-        """Where checkpoints are."""
+        """Return the folder of the checkpoints."""
         return self.path / CHECKPOINTS
 
     @property
     def policy(self) -> Path:
-        """The file of the trained actors."""
+        """Return the file of the trained actors."""
         return self.path / POLICY
 
     def describe(self, experiment: Experiment) -> None:
@@ -106,7 +106,7 @@ class Run:
         write_whole(self.path / CONFIG, _experiments().dump_json(experiment, indent=2) + b"\n")
 
     def metrics(self) -> list[dict[str, Any]]:
-        """The lines of the metrics file; [] if there is none yet. A last line cut short is left out."""
+        """Return the lines of the metrics file; [] if there is none yet. Leaves out an incomplete last line."""
         path = self.path / METRICS
         if not path.is_file():
             return []
@@ -117,7 +117,7 @@ class Run:
             raise RunError(f"{path}: damaged ({error}); restore it from a copy, or delete it") from error
 
     def keep_metrics(self, updates: int) -> list[dict[str, Any]]:
-        """Drop the lines after so many updates, which will come again; returns those kept."""
+        """Keep the lines up to that update and return them; the later ones are dropped, as they will come again."""
         lines = [line for line in self.metrics() if line["update"] <= updates]
         write_whole(self.path / METRICS, "".join(map(_line, lines)))
         return lines
@@ -127,7 +127,7 @@ class MetricsLog:
     """Appends to a run's metrics file and TensorBoard events. Use it in a ``with``."""
 
     def __init__(self, run: Run, *, updates: int = 0) -> None:
-        """Go on after so many updates: later lines of an interrupted run are dropped."""
+        """Continue after the given number of updates; drop later lines of an interrupted run."""
         self.kept = run.keep_metrics(updates)
         self._path = run.path / METRICS
         self._board = Board(run.path, first=updates + 1)
@@ -144,7 +144,7 @@ class MetricsLog:
             self._board.close()
 
     def write(self, line: Mapping[str, int | float]) -> None:
-        """One update's metrics, ``update`` among them."""
+        """Write the metrics of one update, ``update`` among them."""
         with naming(self._path):
             self._file.write(_line(line))
             self._file.flush()
@@ -157,7 +157,7 @@ class MetricsLog:
 
 
 def _metrics(line: str) -> dict[str, int | float]:
-    """What a line of the metrics file says; ValueError unless it is numbers by name, also of `update` and `seconds`."""
+    """Return the metrics in a line. Raises ValueError unless they are numbers by name, with `update` and `seconds`."""
     found = json.loads(line)
     if not isinstance(found, dict) or not isinstance(found.get("update"), int) or "seconds" not in found:
         raise ValueError(f"a line has no number of the update, or of the seconds: {shorten(line, 40)}")
@@ -172,19 +172,19 @@ def _line(metrics: Mapping[str, int | float]) -> str:
 
 
 def _experiments() -> Any:
-    """A TypeAdapter[Experiment]."""
+    """Return a TypeAdapter[Experiment]."""
     return TypeAdapter(Experiment)
 
 
 def _with_roles(text: bytes) -> bytes:
-    """Return a configuration with its roles in one mapping; 0.1 had a field of ``train`` for each."""
+    """Return a configuration with its roles in one mapping; version 0.1 had a field of ``train`` for each."""
     try:
         document = json.loads(text)
         train = document["train"]
         if "roles" not in train:
             train["roles"] = {role: train.pop(role) for role in ("driver", "pedestrian")}
     except (ValueError, TypeError, KeyError, RecursionError):
-        return text  # whoever validates it says what is wrong
+        return text  # validation reports what is wrong
     return json.dumps(document).encode()
 
 

@@ -1,4 +1,4 @@
-"""One process at a time writes into a folder."""
+"""A lock that lets one process at a time write into a folder."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 LOCK = ".lock"
-"""Name inside the folder. The file stays; what counts is whether a process holds it."""
+"""Name of the lock file inside the folder. The file stays; what counts is whether a process holds it."""
 
 
 class InUseError(ValueError):
@@ -18,7 +18,7 @@ class InUseError(ValueError):
 
 @contextmanager
 def held(folder: Path) -> Iterator[None]:
-    """Keep other processes from writing into the folder, which is made if it is not there.
+    """Keep other processes from writing into the folder, which is made if it doesn't exist.
 
     The operating system lets go of it however the process ends: after a crash nothing has to be tidied up. Raises
     InUseError at once if another process, or another thread of this one, has it.

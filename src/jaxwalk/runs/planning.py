@@ -1,4 +1,4 @@
-"""How many updates a training makes: as many as asked for, or as many as fit into the minutes asked for."""
+"""The number of updates of a training: the number asked for, or as many as fit into the time asked for."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from jaxwalk.learning.mappo import Learner
 from jaxwalk.runs.session import Session
 
 TRIAL_SECONDS, TRIAL_UPDATES = 3.0, 4
-"""The rate is measured on at least this many seconds and updates, which are then thrown away."""
+"""The rate is measured over at least this many seconds and updates; those updates are then discarded."""
 OVERRUN = 1.1
-"""A plan that turns out to take more than this times its minutes is shortened."""
+"""A plan that turns out to take more than this many times its minutes is shortened."""
 
 
 def with_plan(learner: Learner, updates: int) -> Learner:
@@ -25,7 +25,7 @@ def with_plan(learner: Learner, updates: int) -> Learner:
 
 
 def replan(session: Session, learner: Learner, updates: int) -> Learner:
-    """Return the learner with a new plan, which is written into the run folder and shown."""
+    """Return the learner with a new plan; write the plan into the run folder and show it."""
     experiment = session.run.experiment
     session.run.describe(replace(experiment, train=replace(experiment.train, updates=updates), minutes=None))
     session.progress.restart(updates)
@@ -33,14 +33,14 @@ def replan(session: Session, learner: Learner, updates: int) -> Learner:
 
 
 def plan_by_time(session: Session, learner: Learner, limit: float) -> Learner:
-    """Return the learner with as many updates planned as fit into what is left of the ``limit`` [s].
+    """Return the learner with as many updates planned as fit into the rest of the ``limit`` [s].
 
-    The rate is measured on updates that are thrown away, so the run equals one for which that number of updates was
+    The rate is measured on updates that are discarded, so the run equals one for which that number of updates was
     asked, on any machine. The quickest update counts, since other work may slow some down: a plan that is too long is
     shortened later, one that is too short would stay.
     """
     trial, metrics = session.update(learner)
-    jax.block_until_ready(metrics)  # compiled now
+    jax.block_until_ready(metrics)  # compiles here
     times: list[float] = []
     while len(times) < TRIAL_UPDATES or sum(times) < min(TRIAL_SECONDS, 0.1 * limit):
         begun = time.monotonic()

@@ -1,4 +1,4 @@
-"""Progress of a training on the terminal: a live line where there is one, else a line now and then."""
+"""Progress of a training on the terminal: a live line if there is a terminal, else a line from time to time."""
 
 from __future__ import annotations
 
@@ -10,67 +10,67 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 PLAIN_EVERY = 15.0
-"""Where output is no terminal: seconds between two lines."""
+"""Seconds between two lines if output isn't a terminal."""
 MEMORY = 0.9
 """Weight of the earlier updates in the running means of rates."""
 
 
 @dataclass(frozen=True)
 class Display:
-    """How a training is shown."""
+    """How the progress of a training is shown."""
 
     console: Console = field(default_factory=lambda: Console(stderr=True))
     name: str = "training"
-    """What the training is called there."""
+    """Name of the training in the output."""
     watch: bool = False
-    """Whether to write a page that shows it into the run folder. A page that is there is continued anyway."""
+    """Whether to write a progress page into the run folder. A page that already exists is always continued."""
 
     def say(self, line: str) -> None:
-        """Print a line as it is."""
+        """Print a line unchanged."""
         self.console.print(line, soft_wrap=True, markup=False)
 
 
 @dataclass
 class Pace:
-    """How far a training is and how fast it goes. Compiling, which the first update includes, doesn't count."""
+    """How far a training is and how fast it goes. Excludes compiling, which is part of the first update."""
 
     made: int
     """Updates made by all sessions."""
     planned: int
     steps_per_update: int
     _since: tuple[float, int] | None = None
-    """Time [s] and updates made when counting began."""
+    """Time [s] and number of updates when counting began."""
 
     def restart(self, planned: int) -> None:
-        """Take a new plan, and count time and updates from now."""
+        """Take a new plan, and restart the count of time and updates."""
         self.planned, self._since = planned, (time.monotonic(), self.made)
 
     def tell(self, updates: int) -> None:
-        """Say how many updates are made."""
+        """Record how many updates are made."""
         self.made = updates
         if self._since is None:
             self._since = time.monotonic(), updates
 
     @property
     def _each(self) -> float | None:
-        """Time of an update [s]; None before it is known."""
+        """Return the time of an update [s]; None before it is known."""
         if self._since is None or self.made <= self._since[1]:
             return None
         return max(time.monotonic() - self._since[0], 1e-9) / (self.made - self._since[1])
 
     @property
     def rate(self) -> float | None:
-        """Environment steps a second; None before it is known."""
+        """Return the environment steps per second; None before it is known."""
         return None if self._each is None else self.steps_per_update / self._each
 
     @property
     def left(self) -> float | None:
-        """Time to the last update [s]; None before it is known."""
+        """Return the time to the last update [s]; None before it is known."""
         return None if self._each is None else (self.planned - self.made) * self._each
 
 
 class TrainingProgress:
-    """Updates, rate, time left, goal and collision rate. Use it in a ``with``."""
+    """Shows updates, rate, time left, goal rate and collision rate. Use it in a ``with``."""
 
     def __init__(self, display: Display, pace: Pace) -> None:
         """Show the ``pace``, and keep it up to date."""
@@ -97,12 +97,12 @@ class TrainingProgress:
             self._bar.stop()
 
     def restart(self, planned: int) -> None:
-        """Take a new plan, and count time and updates from now."""
+        """Take a new plan, and restart the count of time and updates."""
         self._pace.restart(planned)
         self._bar.reset(self._task, total=planned, completed=self._pace.made, news="")
 
     def show(self, updates: int, metrics: Mapping[str, float]) -> None:
-        """Show that this many updates are made, and the last one's metrics."""
+        """Show the number of updates made, and the metrics of the last one."""
         for name in ("goal_rate", "collision_rate"):
             if name in metrics and metrics.get("episodes", 1):
                 last = self._means.get(name, metrics[name])

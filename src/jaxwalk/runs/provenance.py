@@ -1,4 +1,4 @@
-"""Where a result comes from: commit, hardware, versions."""
+"""The origin of a result: commit, hardware, versions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from jaxwalk.evaluation.document_parts import Provenance
 
 VERSIONS = ("jaxwalk", "jax", "jaxlib", "numpy", "equinox", "optax")
-"""Packages whose versions matter to a result."""
+"""Packages whose versions affect results."""
 
 
 def provenance() -> Provenance:
@@ -24,7 +24,7 @@ def provenance() -> Provenance:
 
 
 def versions() -> dict[str, str]:
-    """Python's version and that of every installed package of VERSIONS."""
+    """Return Python's version and that of every installed package in VERSIONS."""
     found = {"python": platform.python_version()}
     for name in VERSIONS:
         try:
@@ -35,9 +35,9 @@ def versions() -> dict[str, str]:
 
 
 def commit() -> str | None:
-    """The git commit of the checkout that this code runs from, with ``+`` if it was changed; None if there is none."""
+    """Return the git commit of the checkout that contains this code, with ``+`` if changed; None if there is none."""
     here = Path(__file__).resolve().parent
-    known = _git(here, "ls-files", "--error-unmatch", __file__)  # else a wheel installed inside somebody's checkout
+    known = _git(here, "ls-files", "--error-unmatch", __file__)  # else it is a wheel installed inside another checkout
     found = _git(here, "rev-parse", "--short=12", "HEAD") if known else None
     if not found:
         return None
@@ -45,7 +45,7 @@ def commit() -> str | None:
 
 
 def hardware() -> str:
-    """What computes, in words."""
+    """Return a description of the computing hardware."""
     import jax
 
     devices = jax.devices()
@@ -56,12 +56,12 @@ def hardware() -> str:
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def processor() -> str:
-    """The processor's name."""
+    """Return the processor's name."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

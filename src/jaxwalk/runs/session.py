@@ -1,4 +1,4 @@
-"""One session of a training, from its start or a resumption to its end or an interruption."""
+"""One session of a training: from its start or resumption to its end or interruption."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from jaxwalk.sim.environment import Street
 
 
 class DivergedError(RunError):
-    """Training met a number that is not finite."""
+    """Training produced a number that is not finite."""
 
 
 def unplanned(config: TrainConfig) -> TrainConfig:
@@ -34,7 +34,7 @@ def unplanned(config: TrainConfig) -> TrainConfig:
 
 @dataclass
 class Session:
-    """Makes updates, records and shows their metrics, and saves."""
+    """Makes updates, records and shows their metrics, and saves checkpoints."""
 
     run: Run
     street: Street
@@ -42,7 +42,7 @@ class Session:
     progress: TrainingProgress
     stop: Stop
     page: WatchPage | None = None
-    """The page to watch the training on."""
+    """The page that shows the progress."""
     begun: float = field(default_factory=time.monotonic)
     """When the session began [s]."""
     earlier: float = 0.0
@@ -55,15 +55,15 @@ class Session:
 
     @property
     def seconds(self) -> float:
-        """Time spent by all sessions [s]."""
+        """Return the time spent by all sessions [s]."""
         return self.earlier + time.monotonic() - self.begun
 
     def update(self, learner: Learner) -> tuple[Learner, Any]:
-        """Start an update; return the next learner and its metrics, which may still be on their way."""
+        """Start an update; return the next learner and its metrics, which may still be computing."""
         return mappo.update(self.street, self._config, learner)
 
     def record(self, metrics: Any, updates: int, before: Learner) -> None:
-        """Write and show the metrics of an update, waiting for them if need be.
+        """Write and show the metrics of an update, waiting for them if necessary.
 
         If they are not finite, save the learner of ``before`` and raise DivergedError.
         """
@@ -82,7 +82,7 @@ class Session:
             self.page.show(line)
 
     def save(self, learner: Learner) -> None:
-        """Write a checkpoint and the policy of a learner whose last update was recorded: its numbers are finite."""
+        """Write a checkpoint and the policy of a learner. Its last update is recorded, so its numbers are finite."""
         updates = int(learner.updates)
         self.log.to_disk()  # a checkpoint without its metrics would leave a gap
         if checkpoint.latest(self.run.checkpoints) != updates:
@@ -92,7 +92,7 @@ class Session:
 
 
 def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
-    """Return where a policy comes from, as its file says it."""
+    """Return the origin of a policy, as its file states it."""
     experiment = run.experiment
     made = {"updates": updates, "steps": updates * experiment.steps_per_update}
     chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}

@@ -1,4 +1,4 @@
-"""Ctrl-C while something goes on that should come to a good end."""
+"""Handling of Ctrl-C during work that should end cleanly."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from contextlib import contextmanager
 
 
 class Stop:
-    """Ctrl-C asks politely: the update in flight is finished first. A second one interrupts at once."""
+    """Lets the update in progress finish on the first Ctrl-C; a second one interrupts at once."""
 
     requested = False
 
     @contextmanager
     def listening(self) -> Iterator[Stop]:
-        """Take Ctrl-C while inside."""
+        """Handle Ctrl-C inside the ``with``."""
         if threading.current_thread() is not threading.main_thread():
             yield self
             return

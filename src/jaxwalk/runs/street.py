@@ -1,4 +1,4 @@
-"""From a configuration to the environment and policies that it names."""
+"""Makes the environment and the policies that a configuration names."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import OBSERVATIONS
 
 LEAST_SHARE = 64
-"""Environments that a core should have at least: fewer don't keep it busy."""
+"""Smallest number of environments for each core: fewer don't keep it busy."""
 
 
 class WorldError(ValueError):
-    """A configuration that no training can be made of; one line names the field and what it may be."""
+    """A configuration that can't be trained. The message names the field and its possible values, in one line."""
 
 
 def make_street(experiment: Experiment) -> Street:
-    """The environment of an experiment.
+    """Return the environment of an experiment.
 
     Raises:
         MapError: a map is wrong.
@@ -50,7 +50,7 @@ def _street(experiment: Experiment) -> Street:
 
 
 def _check_sets(experiment: Experiment) -> None:
-    """Raise for observation sets that there are not, and for a driver that should choose."""
+    """Raise WorldError for unknown observation sets, and for a gated driver."""
     if experiment.train.roles["driver"].gated:
         raise WorldError("train.roles.driver.gated must be false: only pedestrians choose between 0 and 1")
     for role, sets in OBSERVATIONS.items():
@@ -66,7 +66,7 @@ def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> No
 
 
 def shared_out(experiment: Experiment) -> Experiment:
-    """The same, its environments shared out among as many of the processor's cores as divide them evenly.
+    """Return the experiment with its environments shared out among as many processor cores as divide them evenly.
 
     An accelerator wants all of them: nothing is changed there.
     """
@@ -77,7 +77,7 @@ def shared_out(experiment: Experiment) -> Experiment:
 
 
 def fixed_policies(experiment: Experiment) -> Roles[Policy | None]:
-    """Who plays a role where its learner doesn't."""
+    """Return the policies of the roles that aren't learned."""
     train, sim = experiment.train, experiment.sim
     follower = RouteFollower(wheelbase=sim.wheelbase, max_steering=sim.max_steering)
     return {

@@ -1,4 +1,4 @@
-"""A folder that a command fills part by part, and goes on filling when it is run again.
+"""A folder that a command fills step by step. If interrupted, the command continues it when it is run again.
 
 runs/NAME/seed-N       a training
 plan.json              what was asked for
@@ -28,24 +28,24 @@ from jaxwalk.writing import remove_unfinished, write_whole
 
 
 class Interrupted(Exception):
-    """Ctrl-C: what is finished stays."""
+    """Ctrl-C interrupted the command; finished parts are kept."""
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How thoroughly; what every plan says. Impossible values raise ValueError, naming the field."""
+    """How much work to do: what every plan has. Raises ValueError for an impossible value, naming the field."""
 
     updates: int | None = None
-    """Updates of each training."""
+    """Number of updates of each training."""
     episodes: int = 1000
-    """Scenarios in each cell."""
+    """Number of scenarios in each cell."""
     seed: int = 0
-    """Of the first trainings, and of the scenarios."""
+    """Seed of the scenarios, and the first training seed."""
     seeds: int = 1
-    """Training seeds: ``seed``, ``seed`` + 1, ..."""
+    """Number of training seeds: ``seed``, ``seed`` + 1, ..."""
 
     def __post_init__(self) -> None:
-        """Refuse what can't be done."""
+        """Raise ValueError for an impossible value."""
         if self.updates is not None and not 1 <= self.updates < 2**31:
             raise ValueError(f"updates must lie in [1, 2^31), not {self.updates}")
         if self.episodes < 1:
@@ -59,7 +59,7 @@ class Effort:
 
     @property
     def training_seeds(self) -> range:
-        """All of them."""
+        """Return all training seeds."""
         return range(self.seed, self.seed + self.seeds)
 
 
@@ -68,7 +68,7 @@ P = TypeVar("P", bound=Effort)
 
 @dataclass(frozen=True)
 class Work(Generic[P]):
-    """A folder, a plan, and where to tell how it goes."""
+    """A folder, a plan, and a function that reports progress."""
 
     command: ClassVar[str]
     """Name of the command that fills the folder."""
@@ -77,36 +77,36 @@ class Work(Generic[P]):
     plan: P
     console: Console
     base: Experiment
-    """What all trainings start from."""
+    """The experiment from which every training is derived."""
 
     def run(self, name: str, seed: int) -> Path:
-        """Folder of a training."""
+        """Return the folder of a training."""
         return run_folder(self.folder, name, seed)
 
     def json(self, name: str) -> Any:
-        """A part that is finished; None if it isn't."""
+        """Return the document of a finished part; None if it isn't finished."""
         return read_json(self.folder / name, self.command)
 
     def keep(self, name: str, document: Any) -> None:
-        """Write a finished part."""
+        """Write the document of a finished part."""
         write_whole(self.folder / name, json.dumps(document, indent=2, allow_nan=False) + "\n")
 
     def say(self, text: str) -> None:
-        """Tell how it goes."""
+        """Report progress."""
         self.console.print(text, soft_wrap=True, markup=False)
 
     def street(self) -> Street:
-        """Where to evaluate."""
+        """Return the street to evaluate on."""
         return Street.create(self.base.maps, self.base.sim, jaywalk_multiplier=self.base.jaywalk_multiplier)
 
     def do(self, steps: Sequence[tuple[str, Callable[[Self], None]]]) -> None:
-        """Make the folder, or see that it was made for the same plan; then one step after the other, with its title.
+        """Make the folder, or check that it was made for the same plan; then do each titled step in order.
 
         Raises InUseError if another process fills the folder.
         """
         self._check()
         with held(self.folder):
-            self._check()  # again: another process may have been quicker
+            self._check()  # check again: another process may have been quicker
             remove_unfinished(self.folder)
             self.keep("plan.json", asdict(self.plan))
             self._do(steps)
@@ -118,13 +118,13 @@ class Work(Generic[P]):
             try:
                 step(self)
             except BaseException:
-                with suppress(OSError):  # the disk may be full, of which more is said already
+                with suppress(OSError):  # if the disk is full, an error says so already
                     self._count_minutes(step, begun)
                 raise
             self._count_minutes(step, begun)
 
     def train(self, name: str, experiment: Experiment, seed: int) -> None:
-        """A training with that seed, unless it is there; begun, it is gone on with. Raises Interrupted on Ctrl-C."""
+        """Train with that seed; skip it if finished, resume it if started. Raises Interrupted on Ctrl-C."""
         folder, said = self.run(name, seed), f"    {name}, seed {seed}"
         begun = (folder / "config.json").is_file()
         run = Run.open(folder) if begun else Run.create(folder, shared_out(replace(experiment, seed=seed)))
@@ -138,7 +138,7 @@ class Work(Generic[P]):
         self.say(f"{said}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")
 
     def _check(self) -> None:
-        """Raise RunError unless the folder can be begun or gone on with. Writes nothing."""
+        """Raise RunError unless the folder can be started or continued. Writes nothing."""
         asked, there = asdict(self.plan), self.json("plan.json")
         folder, other = self.folder, "name another folder"
         if there is None and folder.is_dir() and not is_empty(folder):
@@ -149,19 +149,19 @@ class Work(Generic[P]):
         check_writable(folder)
 
     def _count_minutes(self, step: Callable[[Self], None], begun: float) -> None:
-        """Add to what each part took, over interruptions."""
+        """Add the time of this part to that of earlier sessions."""
         name, document = step.__name__.strip("_"), self.json("minutes.json") or {}
         document[name] = round(document.get(name, 0.0) + (time.monotonic() - begun) / 60, 3)
         self.keep("minutes.json", document)
 
 
 def run_folder(folder: Path, name: str, seed: int) -> Path:
-    """Where a training is kept in such a folder."""
+    """Return the folder of a training inside a study's folder."""
     return folder / "runs" / name / f"seed-{seed}"
 
 
 def read_json(path: Path, command: str) -> Any:
-    """The document of a file that the command wrote; None if there is no file."""
+    """Return the content of a JSON file that the command wrote; None if there is no file."""
     if not path.is_file():
         return None
     try:

@@ -1,4 +1,4 @@
-"""The host's side of training: updates in a loop, with a plan, progress, metrics on disk and checkpoints."""
+"""The host's side of training: runs updates in a loop, with a plan, progress, metrics on disk and checkpoints."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ class TrainingEnd:
     """How a training ended."""
 
     updates: int
-    """Updates made by all its sessions."""
+    """Updates made by all sessions of the training."""
     steps: int
-    """Environment steps made by all its sessions."""
+    """Environment steps made by all sessions of the training."""
     seconds: float
-    """Time spent by all its sessions, compiling included [s]."""
+    """Time spent by all sessions of the training, including compiling [s]."""
     interrupted: bool
     """Whether Ctrl-C ended it; it can be resumed."""
 
 
 class UnwrittenError(RunError):
-    """Training could not write into its folder, as on a full disk."""
+    """Training could not write into its folder, for example because the disk is full."""
 
 
 def is_finished(run: Run) -> bool:
-    """Return whether the planned updates are made and the policy is the last one's."""
+    """Return whether all planned updates are made and the saved policy is the last update's."""
     if run.experiment.minutes is not None or not run.policy.is_file():
         return False
     return read_metadata(run.policy).get("updates", 0) >= run.experiment.train.updates
@@ -86,7 +86,7 @@ def train(
 
 @contextmanager
 def _saying_what_is_kept(run: Run) -> Iterator[None]:
-    """Add to an OSError from inside what can be resumed."""
+    """Add to an OSError raised inside what has been saved and can be resumed."""
     try:
         yield
     except OSError as error:
@@ -103,7 +103,7 @@ def _kept(run: Run) -> str:
 
 
 def _train(run: Run, street: Street, resume: bool, display: Display, checkpoint_seconds: float) -> TrainingEnd:
-    """`train`, while no other process can write into the folder."""
+    """Do what `train` does, while no other process can write into the folder."""
     begun, minutes, train = time.monotonic(), run.experiment.minutes, run.experiment.train
     learner = begin(run, street, resume=resume, tell=display.say)
     done, per_update = int(learner.updates), run.experiment.steps_per_update
@@ -125,13 +125,13 @@ def _train(run: Run, street: Street, resume: bool, display: Display, checkpoint_
 
 
 def _page(run: Run, display: Display, pace: Pace, log: MetricsLog) -> AbstractContextManager[WatchPage | None]:
-    """Return the page to watch, if it is wanted or there: one that is there must not go on saying "stopped"."""
+    """Return the progress page, if it is wanted or exists: an existing page must not keep saying "stopped"."""
     wanted = display.watch or there_is_one(run.path)
     return WatchPage(run, display.name, pace, log.kept) if wanted else nullcontext()
 
 
 def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None] = print) -> Learner:
-    """Return an untrained learner, or the newest checkpoint that can be read, with the run's plan.
+    """Return an untrained learner, or the newest readable checkpoint, with the run's plan.
 
     The plan may have been shortened after the checkpoint. ``tell`` is called with a line about each damaged checkpoint.
     """
@@ -145,7 +145,7 @@ def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None]
 
 
 def _loop(session: Session, learner: Learner, limit: float, checkpoint_seconds: float) -> Learner:
-    """Make update after update; fetch each one's metrics while the next one runs."""
+    """Make update after update; fetch the metrics of each one while the next one runs."""
     waiting: tuple[Any, int, Learner] | None = None
     done = int(learner.updates)
     begun, first, planned = time.monotonic(), done, int(learner.planned)

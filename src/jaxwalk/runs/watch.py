@@ -1,7 +1,7 @@
-"""A page in the run folder that shows how training goes while it goes: ``watch.html``, opened from disk.
+"""A page in the run folder that shows the progress of a training: ``watch.html``, opened from disk.
 
-Every few seconds the page loads ``watch.js``, which is written whole after updates and does nothing but hand over the
-numbers: no server is needed, and nothing is asked of the accelerator that ``metrics.jsonl`` has not.
+After updates, ``watch.js`` is written whole: a script that only hands over the numbers. The page loads it every few
+seconds, so no server is needed. The numbers are those of ``metrics.jsonl``: the accelerator computes nothing more.
 """
 
 from __future__ import annotations
@@ -20,27 +20,27 @@ from jaxwalk.runs.progress import Pace
 from jaxwalk.writing import write_whole
 
 PAGE, NUMBERS = "watch.html", "watch.js"
-"""Names inside a run folder."""
+"""File names inside a run folder."""
 EVERY = 2.0
-"""Numbers are written at most once in so many seconds."""
+"""Shortest time between two writes of the numbers [s]."""
 POINTS = 150
-"""Curves have at most so many points, each the mean of equally many updates."""
+"""Largest number of points of a curve; each is the mean of equally many updates."""
 RECENT = 10
-"""Endings are also told over the episodes of so many last updates."""
+"""Number of last updates over whose episodes the recent endings are shown."""
 ENDINGS = ("goal_rate", "collision_rate", "timeout_rate")
-"""Curves in which an update weighs as much as it has ended episodes."""
+"""Curves in which an update weighs as much as the number of episodes that ended in it."""
 LEARNING = ("learning_rate", *(f"{role}/{name}" for role in ("driver", "pedestrian") for name in (
     "entropy", "kl", "clip_fraction", "policy_loss", "critic_loss", "explained_variance",
 )))  # fmt: skip
 CURVES = (*ENDINGS, "reward/driver", "reward/pedestrian", *LEARNING)
-"""What is shown of the metrics that there are."""
+"""Metrics that the page shows."""
 
 
 class WatchPage:
-    """The page of one training. Use it in a ``with``: left by an exception, the training has failed."""
+    """The page of one training. Use it in a ``with``: if an exception leaves it, the page shows a failed training."""
 
     def __init__(self, run: Run, name: str, pace: Pace, earlier: Sequence[Mapping[str, Any]]) -> None:
-        """Goes on after the lines of metrics of earlier sessions; ``name`` says what is trained."""
+        """Continue after the metrics of earlier sessions; ``name`` is the name of the training."""
         self.path = run.path / PAGE
         self._numbers, self._name, self._pace = run.path / NUMBERS, name, pace
         self._lines, self._written = list(earlier), 0.0
@@ -56,7 +56,7 @@ class WatchPage:
         self._write("failed" if failed else "finished" if done else "stopped")
 
     def show(self, line: Mapping[str, Any]) -> None:
-        """One more update, of which the pace was told before."""
+        """Add one more update. Its pace must already be recorded."""
         self._lines.append(line)
         if time.monotonic() - self._written >= EVERY:
             self._write("training")
@@ -80,14 +80,14 @@ class WatchPage:
 
 
 def there_is_one(folder: Path) -> bool:
-    """A page was made for an earlier session of the run."""
+    """Return whether an earlier session of the run made a page."""
     return (folder / PAGE).is_file()
 
 
 def curves(lines: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """``at``, the last update of each of at most `POINTS` stretches; ``curves``, means over them by name; ``recent``.
+    """Return ``at``, the last update of each of up to `POINTS` stretches; ``curves``, their means by name; ``recent``.
 
-    None where no number is known, as of endings before the first episode ends.
+    A mean is None if no number is known, such as for endings before the first episode ends.
     """
     if not lines:
         return {"at": [], "curves": {}, "recent": {}}
@@ -102,7 +102,7 @@ def curves(lines: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _means(lines: Sequence[Mapping[str, Any]], name: str, begins: np.ndarray) -> list[float | None]:
-    """Of stretches of lines that begin there; a line without the number has no weight."""
+    """Return the mean of each stretch of lines, given where each begins; a line without the number has no weight."""
     counted = [line.get("episodes", 0.0) if name in ENDINGS else 1.0 for line in lines]
     weights = np.array([count if name in line else 0.0 for count, line in zip(counted, lines, strict=True)])
     values = np.array([line.get(name, 0.0) for line in lines])

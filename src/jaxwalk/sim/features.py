@@ -62,17 +62,17 @@ class Feature:
 
 
 def share(limits: Limits) -> Sequence[Bound]:
-    """Bounds of flags, traits, places on the map and capped distances."""
+    """Return the bounds of flags, traits, places on the map and capped distances."""
     return [(0.0, 1.0)]
 
 
 def signed(limits: Limits) -> Sequence[Bound]:
-    """Bounds of cosines and commands."""
+    """Return the bounds of cosines and commands."""
     return [(-1.0, 1.0)]
 
 
 def within_diagonals(scale: float) -> Callable[[Limits], Sequence[Bound]]:
-    """Bounds of a distance to either side, divided by ``scale`` [m]."""
+    """Return the bounds of a distance to either side, divided by ``scale`` [m]."""
     return lambda limits: [both(limits.diagonal / scale)]
 
 
@@ -88,7 +88,7 @@ def joined(rows: Sequence[Array]) -> Float[Array, "feature ..."]:
     shape = jnp.broadcast_shapes(*(row.shape[1:] for row in several))
     full = [jnp.broadcast_to(x, (x.shape[0], *shape)).astype(jnp.float32) for x in several]
     groups = [jnp.concatenate(full[i : i + ROWS_AT_ONCE]) for i in range(0, len(full), ROWS_AT_ONCE)]
-    return jnp.concatenate(jax.lax.optimization_barrier(groups))  # without it the compiler merges the groups again
+    return jnp.concatenate(jax.lax.optimization_barrier(groups))  # the barrier keeps the compiler from merging groups
 
 
 def on_map(moment: Moment, x: Array, y: Array) -> Sequence[Array]:

@@ -60,7 +60,7 @@ class Observation:
 
 
 def part(role: str, name: str, which: str) -> slice:
-    """Return where a feature stands in an observation set. Raise KeyError if there is none of that name."""
+    """Return the position of a feature in an observation set. Raise KeyError if it has no feature of that name."""
     begin = 0
     for feature in OBSERVATIONS[role][name]:
         if feature.name == which:

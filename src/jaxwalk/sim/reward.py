@@ -28,7 +28,7 @@ LARGEST_WEIGHT = 1e6
 
 
 class Transition(NamedTuple):
-    """One step: what rewards are functions of."""
+    """One step: the arguments of all reward terms."""
 
     world: World
     scenario: Scenario

@@ -14,12 +14,12 @@ LARGEST = {
     "max_acceleration": 100.0, "offroad_margin": 100.0, "collision_distance": 100.0, "goal_distance": 100.0,
     "moving_speed": 100.0, "start_clearance": 1000.0, "goal_spacing": 1000.0, "kerb_distance": 100.0,
 }  # fmt: skip
-"""Largest values of the fields: above them nothing makes sense, and tables would fill the memory."""
+"""Largest values of the fields: larger ones are meaningless, and their tables would fill the memory."""
 
 
 @dataclass(frozen=True)
 class SimConfig:
-    """The rules of a world, as somebody writes them down. Raise ValueError that names an impossible field."""
+    """The rules of a world as plain numbers. Raise ValueError that names an impossible field."""
 
     dt: float = 0.1
     """Duration of a step [s]."""

@@ -24,20 +24,20 @@ class VehicleState(eqx.Module):
     """The car, about its centre."""
 
     x: Float[Array, "*batch"]
-    """[m]"""
+    """Position of the centre [m]."""
     y: Float[Array, "*batch"]
-    """[m]"""
+    """Position of the centre [m]."""
     cos: Float[Array, "*batch"]
     """Heading, as its cosine and sine: nothing in a step needs the angle."""
     sin: Float[Array, "*batch"]
     speed: Float[Array, "*batch"]
-    """[m/s], never negative."""
+    """Speed [m/s], never negative."""
     steering: Float[Array, "*batch"]
     """Angle commanded in the last step [rad], positive to the left."""
     acceleration: Float[Array, "*batch"]
-    """Commanded in the last step [m/s2]."""
+    """Acceleration commanded in the last step [m/s2]."""
     along: Float[Array, "*batch"]
-    """How far it has come along its lane route [m]."""
+    """Distance travelled along its lane route [m]."""
     course: Course
     """Its route there."""
 
@@ -52,7 +52,7 @@ class Leg(eqx.Module):
     """Its direction, a unit vector (0, 0 for the leg that only stands for the start)."""
     sin: Float[Array, "ped *batch"]
     length: Float[Array, "ped *batch"]
-    """[m]"""
+    """Length of the leg [m]."""
     kind: Int[Array, "ped *batch"]
     """A `jaxwalk.sim.crossing_kind.LegKind`."""
     node: Int[Array, "ped *batch"]
@@ -86,9 +86,9 @@ class PedestrianState(eqx.Module):
     going: Bool[Array, "ped *batch"]
     """Whether it walked in the last step."""
     on_roadway: Bool[Array, "ped *batch"]
-    """Between the kerbs."""
+    """Whether it is between the kerbs."""
     on_crosswalk: Bool[Array, "ped *batch"]
-    """Inside a crosswalk's rectangle."""
+    """Whether it is inside a crosswalk's rectangle."""
 
     @property
     def x(self) -> Float[Array, "ped *batch"]:

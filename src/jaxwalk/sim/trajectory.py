@@ -1,4 +1,4 @@
-"""What leaves the simulator: episodes as plain arrays in the order time, episode, pedestrian.
+"""The simulator's output: episodes as plain arrays in the order time, episode, pedestrian.
 
 A column's annotation declares its axes, and `AXES` is read from it.
 """
@@ -18,13 +18,13 @@ class Walks(eqx.Module):
     """How people walk, frame by frame."""
 
     ped_x: Float[np.ndarray, "frame episode ped"]
-    """[m]"""
+    """Position [m]."""
     ped_y: Float[np.ndarray, "frame episode ped"]
     ped_vx: Float[np.ndarray, "frame episode ped"]
     """Velocity [m/s], along the leg that is being walked; 0 after a step of waiting."""
     ped_vy: Float[np.ndarray, "frame episode ped"]
     on_roadway: Bool[np.ndarray, "frame episode ped"]
-    """Between the kerbs, on a crosswalk or off it."""
+    """Whether the pedestrian is between the kerbs, on a crosswalk or off it."""
     on_crosswalk: Bool[np.ndarray, "frame episode ped"]
     """Inside a crosswalk's rectangle."""
     crossing: Int[np.ndarray, "frame episode ped"]
@@ -61,7 +61,7 @@ class Trajectory(Walks):
     """Heading of the car, as its cosine and sine."""
     car_sin: Float[np.ndarray, "frame episode"]
     car_speed: Float[np.ndarray, "frame episode"]
-    """[m/s]"""
+    """Speed of the car [m/s]."""
     car_acceleration: Float[np.ndarray, "frame episode"]
     """Acceleration commanded in the step that led to the frame [m/s2]; 0 in frame 0."""
 
@@ -70,7 +70,7 @@ class Trajectory(Walks):
     decisions: Int[np.ndarray, "frame episode ped"]
     """How many crossings the pedestrian has decided about so far."""
     at_kerb: Bool[np.ndarray, "frame episode ped"]
-    """On a sidewalk, about to enter a roadway (within ``kerb_distance`` of walking)."""
+    """Whether the pedestrian is on a sidewalk, about to enter a roadway (within ``kerb_distance`` of walking)."""
     enters_roadway: Bool[np.ndarray, "frame episode ped"]
     """The leg being walked leads into a roadway: whoever goes on turns no more before it."""
     going: Bool[np.ndarray, "frame episode ped"]

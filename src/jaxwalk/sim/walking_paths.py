@@ -22,7 +22,7 @@ class Paths(eqx.Module):
     """Everybody's path as a polyline: point 0 is the start, leg k leads from point k to point k + 1."""
 
     x: Float[np.ndarray, "point ped *batch"]
-    """[m]"""
+    """Position [m]."""
     y: Float[np.ndarray, "point ped *batch"]
     jaywalk: Bool[np.ndarray, "leg ped *batch"]
     """The leg is a jaywalk across a roadway."""

@@ -107,5 +107,5 @@ def as_written(number: Array) -> float:
 
 
 def _names_of_arrays() -> list[str]:
-    """The fields of a `SimConfig` that `Rules` holds as arrays."""
+    """Return the fields of a `SimConfig` that `Rules` holds as arrays."""
     return [field.name for field in fields(SimConfig) if field.name not in STATIC]

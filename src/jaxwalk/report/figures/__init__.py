@@ -28,11 +28,11 @@ FIGURES: dict[str, Callable[[Material], Figure]] = {
     "ablation": ablation,
     "learning_curves": learning_curves,
 }
-"""Every figure, by name of its files."""
+"""Every figure, by the name of its files."""
 
 
 def draw_all(names: Iterable[str], material: Material, folder: Path) -> dict[str, str]:
-    """Write the figures of these names; returns drawings for the page, by name."""
+    """Write the figures with these names; return their drawings for the page, by name."""
     folder.mkdir(parents=True, exist_ok=True)
     made = {}
     for name in names:

@@ -1,4 +1,4 @@
-"""Goals and collisions of drivers: all of them, and the co-trained one with more and less jaywalking."""
+"""Goal and collision rates of drivers: of all drivers, and of the co-trained one with less and more jaywalking."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ RATES: tuple[tuple[Callable[[SeedNumbers], OverSeeds], str, int], ...] = (
     (lambda numbers: numbers.goal_rate, "goals [%]", 0),
     (lambda numbers: numbers.collision_rate, "collisions [%]", 1),
 )
-"""What to show, its label, and its place in the paper's pairs."""
+"""What to show, its label, and its index in the paper's pairs."""
 
 
 def baselines(material: Material) -> Figure:
-    """Goals and collisions of every driver, among both populations."""
+    """Draw goal and collision rates of every driver, among both populations."""
     figure, axes = panels(2, height=3.8, sharey=True)
     names = material.drivers
     known = [name for name in names if _published(name, 0)]
@@ -46,7 +46,7 @@ def baselines(material: Material) -> Figure:
 
 
 def _each_seed(axis: Axes, ours: list[OverSeeds], where: list[float], label: str | None) -> None:
-    """A dot for each training seed, where there are several."""
+    """Draw a dot for each training seed, if there are several."""
     several = [(number.each, place) for number, place in zip(ours, where, strict=True) if len(number.each) > 1]
     shown = [(100 * value, place) for each, place in several for value in each if value is not None]
     values, places = [value for value, _ in shown], [place for _, place in shown]
@@ -60,7 +60,7 @@ def _published(driver: str, place: int) -> list[float]:
 
 
 def ablation(material: Material) -> Figure:
-    """Goals and collisions of the co-trained driver by jaywalk multiplier."""
+    """Draw goal and collision rates of the co-trained driver by jaywalk multiplier."""
     figure, axes = panels(2)
     for axis, (rate, label, place) in zip(axes, RATES, strict=True):
         for people, colour, aside in populations(material, spread=0.02):

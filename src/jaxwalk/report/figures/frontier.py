@@ -1,4 +1,4 @@
-"""Collisions against time: a driver that creeps hits nobody, so neither number says much alone."""
+"""Collisions against time: a driver that creeps hits nobody, so neither number is enough alone."""
 
 from __future__ import annotations
 
@@ -12,14 +12,16 @@ from jaxwalk.report.material import Material
 from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PURPLE, RED, SKY, panels
 
 LEAST = 0.01
-"""Collision rates are drawn as at least this [%], since the axis is logarithmic."""
+"""Smallest collision rate drawn [%]; smaller ones are drawn here, since the axis is logarithmic."""
 SIGNS = tuple(zip("sv^<Dox", (GRID, PURPLE, SKY, GREEN, ORANGE, RED, BLUE), strict=True))
-"""A marker and a colour for each driver, in turn."""
+"""A marker and a colour for each driver, in order."""
 
 
 def frontier(material: Material) -> Figure:
-    """Each driver's collisions against its time to the goal, a sign for each training seed; the best lie at the left
-    below, and the line joins the drivers that nobody beats in both, by their means over seeds."""
+    """Draw each driver's collisions against its time to goal, one marker for each training seed; low left is best.
+
+    The line joins the drivers that no other driver beats in both, by their means over seeds.
+    """
     figure, axes = panels(len(material.populations), height=3.9, sharey=True)
     for axis, people in zip(axes, material.populations, strict=True):
         _drivers(axis, material, people)

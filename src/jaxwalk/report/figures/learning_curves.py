@@ -1,4 +1,4 @@
-"""How the drivers learned."""
+"""Learning curves of the drivers."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ from jaxwalk.report.material import LearningCurve, Material
 from jaxwalk.report.style import GREEN, GRID, RED, panels
 
 SMOOTH = 20
-"""Learning curves are running means over one part in this many of the training."""
+"""Learning curves are running means over the training divided by this number."""
 ENDINGS: dict[str, tuple[Callable[[LearningCurve], Sequence[float]], str]] = {
     "goal": (lambda curve: curve.goal_rate, GREEN),
     "collision": (lambda curve: curve.collision_rate, RED),
     "timeout": (lambda curve: curve.timeout_rate, GRID),
 }
-"""How episodes end, where its share stands, and its colour; timeouts only with one training seed, for want of room."""
+"""How episodes end, where the share is stored, and its colour; timeouts only with one training seed, for lack of space.
+"""
 
 
 def learning_curves(material: Material) -> Figure:
-    """Goals and collisions during training, of the episodes that ended in each update."""
+    """Draw goal and collision rates during training, over the episodes that ended in each update."""
     figure, axes = panels(len(material.curves), sharey=True)
     shown = [name for name in ENDINGS if name != "timeout" or not material.several]
     for axis, (name, curves) in zip(axes, material.curves.items(), strict=True):
@@ -39,7 +40,7 @@ def learning_curves(material: Material) -> Figure:
 
 
 def _curve(axis: Axes, curves: list[LearningCurve], ending: str) -> None:
-    """The interquartile mean over training seeds and, if there are several, a thin line for each."""
+    """Draw the interquartile mean over training seeds and, if there are several, a thin line for each."""
     share, colour = ENDINGS[ending]
     steps = curves[0].steps
     seeds = [_running_mean(share(curve), curve.episodes) for curve in curves]
@@ -51,7 +52,7 @@ def _curve(axis: Axes, curves: list[LearningCurve], ending: str) -> None:
 
 
 def _running_mean(values: Sequence[float], weights: Sequence[float]) -> list[float]:
-    """Weighted means over the last stretch up to each value; NaN before the first episode ends."""
+    """Return weighted means over the last values up to each one; NaN before the first episode ends."""
     width = max(1, len(values) // SMOOTH)
     means = []
     for i in range(len(values)):

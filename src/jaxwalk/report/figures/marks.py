@@ -1,4 +1,4 @@
-"""How numbers are drawn: ours with 95 % intervals, the paper's as open diamonds."""
+"""Draw numbers: ours with 95 % intervals, the paper's as open diamonds."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ DIAMOND: dict[str, Any] = {
     "linestyle": "none",
     "zorder": 4,
 }
-"""How the paper's numbers drawn_as."""
+"""How the paper's numbers are drawn."""
 
 
 def populations(material: Material, *, spread: float) -> list[tuple[str, str, float]]:
-    """Each population with its colour and, its place beside the middle, over a width of ``spread`` in all."""
+    """Return each population with its colour and its offset from the middle; ``spread`` is the total width."""
     names = material.populations
     colours = (ORANGE, BLUE, GREEN, PURPLE)
     step = spread / max(len(names) - 1, 1)
@@ -41,10 +41,10 @@ class PointStyle:
     color: str
     label: str | None
     scale: float
-    """Numbers are multiplied by this."""
+    """Factor by which numbers are multiplied."""
     marker: str = "o"
     flat: bool = False
-    """Values go to the right, places up."""
+    """Whether values run along the horizontal axis and places along the vertical one."""
     line: bool = False
     """Whether a line joins the numbers."""
 

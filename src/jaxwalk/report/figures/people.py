@@ -1,4 +1,4 @@
-"""What people do: how much of what happens is jaywalking's, who jaywalks, and who waits at the kerb."""
+"""What people do: jaywalking's share of what happens, who jaywalks, and who waits at the kerb."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ SHARES: dict[str, Callable[[Attribution], Number]] = {
     "of time on a roadway": lambda a: a.per_second.share,
     "of that, car within 20 m": lambda a: a.per_second_near.share,
 }
-"""Jaywalking's shares, by what they are of."""
+"""Jaywalking's shares, by what they are shares of."""
 
 
 def attribution(material: Material) -> Figure:
-    """Jaywalking's share of collisions beside its share of crossings, encounters and time."""
+    """Draw jaywalking's share of collisions next to its share of crossings, encounters and time."""
     figure, (axis,) = panels(1, height=2.6)
     names = list(SHARES)
     for people, colour, aside in populations(material, spread=0.34):
@@ -44,7 +44,7 @@ def attribution(material: Material) -> Figure:
 
 
 def quarters(material: Material) -> Figure:
-    """Jaywalk rate by quarter of the trait."""
+    """Draw the jaywalk rate by quarter of the trait."""
     figure, (axis,) = panels(1, width=COLUMN, height=2.6)
     found = material.cell(material.subject, material.crowd).summary[JAYWALK_RATE].quarters
     points(axis, found, [0.0, 1.0, 2.0, 3.0], PointStyle(color=BLUE, label="ours", scale=100.0))
@@ -63,12 +63,12 @@ KERB_AXES: dict[str, Callable[[Waiting], tuple[WaitBin, ...]]] = {
 MISSES = {"below 1 m": RED, "1 to 2.5 m": ORANGE, "2.5 to 5 m": SKY, "5 m or more": GRID}
 """The predicted misses, in the order of a bin's rates."""
 FEWEST = 20
-"""Bins of fewer kerb moments are not drawn: if nobody waited there, the bootstrap would call that certain."""
+"""Bins with fewer kerb moments are not drawn: if nobody waited there, the bootstrap would show no uncertainty."""
 
 
 def waiting(material: Material) -> Figure:
-    """Wait rate at the kerb by the car's distance and by its speed, for each predicted miss; a driver in each row."""
-    # the driver that heeds nobody, and the subject
+    """Draw the wait rate at the kerb by the car's distance and speed, for each predicted miss; one driver per row."""
+    # the driver that ignores people, and the subject
     drivers = list(dict.fromkeys(d for d in (ROUTE_FOLLOWER, material.subject) if d in material.drivers))
     figure, axes = panels(2, rows=len(drivers), height=2.9 * len(drivers) + 0.4, sharey=True)
     places = [(driver, label) for driver in drivers for label in KERB_AXES]

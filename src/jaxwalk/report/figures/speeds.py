@@ -1,4 +1,4 @@
-"""The car's speed near jaywalkers and near crosswalk users, and what of the difference is theirs."""
+"""The car's speed near jaywalkers and near crosswalk users, and how much of the difference is due to them."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ WEIGHTS: dict[str, tuple[Callable[[SpeedBin], SpeedGap], str]] = {
     "pooled over frames": (lambda b: b.pooled, PURPLE),
     "by encounter": (lambda b: b.by_encounter, GREEN),
 }
-"""How speeds are averaged, where the numbers stand, and their colour."""
+"""How speeds are averaged, where the numbers are stored, and their colour."""
 
 
 def speed_differential(material: Material) -> Figure:
-    """Car speed by distance to the nearest pedestrian on a roadway, by type; the gap shaded, and drawn at the right."""
+    """Draw car speed by distance to the nearest pedestrian on a roadway, by type; shade the gap, and plot it."""
     figure, axes = panels(3, height=3.0)
     bins = material.cell(material.subject, material.crowd).summary[SPEED_DIFFERENTIAL]
     for axis, (title, (gap, _)) in zip(axes, WEIGHTS.items(), strict=False):
@@ -48,7 +48,7 @@ def _middle(b: SpeedBin) -> float:
 
 
 def _speeds(axis: Axes, gaps: Sequence[SpeedGap], middles: list[float]) -> None:
-    """Speeds near both types, and the gap between them."""
+    """Draw the speeds near both types, and the gap between them."""
     near, lines = {"crosswalk": [g.crosswalk for g in gaps], "jaywalk": [g.jaywalk for g in gaps]}, {}
     for k, (kind, colour) in enumerate(TYPES.items()):
         where = [m + 0.16 * (2 * k - 1) for m in middles]
@@ -58,7 +58,7 @@ def _speeds(axis: Axes, gaps: Sequence[SpeedGap], middles: list[float]) -> None:
 
 
 def _gaps(axis: Axes, bins: Sequence[SpeedBin]) -> None:
-    """The differences with both weights, beside the paper's."""
+    """Draw the differences with both weights, next to the paper's."""
     for k, (title, (gap, colour)) in enumerate(WEIGHTS.items()):
         ours = [gap(b).difference for b in bins]
         where = [_middle(b) + 0.16 * (2 * k - 1) for b in bins]
@@ -71,7 +71,7 @@ def _gaps(axis: Axes, bins: Sequence[SpeedBin]) -> None:
 
 
 def surprise(material: Material) -> Figure:
-    """The difference four ways, and what of it is left beyond ghosts, among both populations."""
+    """Draw the difference four ways, and how much more it is than near ghosts, among both populations."""
     figure, axes = panels(len(material.populations), height=3.2, sharey=True)
     for axis, people in zip(axes, material.populations, strict=True):
         found = material.cell(material.subject, people).summary[SPEED_DIFFERENTIAL]
@@ -95,4 +95,4 @@ WAYS: dict[str, tuple[Callable[[SpeedBin], Number], str, str]] = {
     "ghosts": (lambda b: b.placebo.ghosts.difference, GRID, "x"),
     "people minus ghosts": (lambda b: b.placebo.difference, RED, "v"),
 }
-"""How the differences are found in a bin, their colours and markers; the names are those of the table."""
+"""How to find the differences in a bin, their colours and markers; the names are those of the table."""

@@ -1,4 +1,4 @@
-"""How near encounters came to a collision: the share beyond every threshold, not the critical one alone."""
+"""How near encounters came to a collision: the share beyond every threshold, not only the critical one."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ MEASURES: dict[str, tuple[Callable[[Distributions], Distribution], float, str]] 
     "required deceleration above [m/s²]": (lambda d: d.drac, DRAC_CRITICAL, "critical"),
     "distance of the centres below [m]": (lambda d: d.min_distance, SimConfig.collision_distance, "touch"),
 }
-"""The measures: where each distribution stands, the value beyond which an encounter is critical, and its name."""
+"""The measures: where each distribution is stored, the value beyond which an encounter is critical, and its name."""
 FEWEST = 20
 """A curve of fewer encounters is not drawn."""
 
 
 def surrogates(material: Material) -> Figure:
-    """The share of encounters beyond thresholds of four measures, by type and driver."""
+    """Draw the share of encounters beyond thresholds of four measures, by type and driver."""
     figure, axes = panels(2, rows=2, height=5.2)
     drivers = [(material.subject, "-"), *([(material.rival, "--")] if material.rival else [])]
     people = material.populations[0]  # always-go, who leave it to the driver
@@ -52,7 +52,7 @@ def surrogates(material: Material) -> Figure:
 
 
 def _curve(axis: Axes, found: Distribution, colour: str, line: str, label: str) -> None:
-    """One distribution with its band."""
+    """Draw one distribution with its band."""
     if found.count < FEWEST:
         return
     low, value, high = (100 * np.array(x, float) for x in (found.low, found.value, found.high))
