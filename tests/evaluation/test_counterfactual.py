@@ -23,6 +23,7 @@ from jaxwalk.evaluation import (
 from jaxwalk.evaluation.counterfactual import find_hits
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.metrics import OUTCOMES, measure
+from jaxwalk.metrics.crossings import CROSSINGS
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK

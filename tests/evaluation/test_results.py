@@ -13,6 +13,7 @@ from jaxwalk.evaluation import SAMPLES, compare, mode, paired, with_jaywalk_mult
 from jaxwalk.evaluation.settings import jaywalk_multiplier
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
+from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, LearnedPolicy, Random, RouteFollower
 from jaxwalk.scenarios import Drawn
 
@@ -47,7 +48,8 @@ if os.environ["CACHE"]:
 from jaxwalk import Street
 from jaxwalk.evaluation import compare
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower
-drivers = {"route-follower": RouteFollower(), "random": Random()}
+from jaxwalk.scenarios import Drawn
+drivers, street = {"route-follower": RouteFollower(), "random": Random()}, Street.create()
 print(compare(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7, 24), batch=16)[0].to_json())
 """
 
@@ -108,7 +110,7 @@ def test_modes_are_set_and_told(street):
     assert (mode(policy), mode(with_mode(policy, sample=True))) == ("mode", "sample")
     assert with_mode(ConstantSpeed(), sample=True) == ConstantSpeed()
     assert mode(with_mode(Random(), sample=False)) == "sample"
-    assert {"driver": False, "pedestrian": True} == SAMPLES
+    assert SAMPLES == {"driver": False, "pedestrian": True}
 
 
 def test_the_multiplier_is_told_as_it_was_written(street):

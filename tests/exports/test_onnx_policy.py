@@ -24,7 +24,7 @@ def test_a_shipped_policy_is_written_and_knows_where_it_comes_from(tmp_path, rol
     out = tmp_path / "there" / "policy.onnx"
     parity = exporting.export(name, out, role=role)
     assert (parity.rows, parity.other_choices) == (rows, 0)
-    assert 0 < parity.gap < 1e-5
+    assert parity.gap < 1e-5  # badly compiled, both may round alike
     told = {entry.key.removeprefix("jaxwalk."): entry.value for entry in onnx.load(out).metadata_props}
     assert (told["role"], told["recipe"], told["seed"]) == (role, "fast", "0")
     assert told["policy_sha256"] == hashlib.sha256(shipped_policy(role, name).read_bytes()).hexdigest()
