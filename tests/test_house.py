@@ -48,15 +48,11 @@ SAME_CLASSES: set[str] = {
 }  # fmt: skip
 CIRCLES: set[str] = set()
 ODD_DOCSTRINGS: set[str] = {
-    "jaxwalk.adapters.jaxmarl", "jaxwalk.adapters.seat", "jaxwalk.cli.tracks", "jaxwalk.exports.gallery",
-    "jaxwalk.exports.onnx_policy", "jaxwalk.exports.replays", "jaxwalk.learning.config", "jaxwalk.learning.critics",
-    "jaxwalk.learning.distributions", "jaxwalk.learning.flops",
+    "jaxwalk.cli.tracks", "jaxwalk.exports.gallery", "jaxwalk.exports.onnx_policy", "jaxwalk.exports.replays",
 }  # fmt: skip
 ODD_WORDS: set[str] = {
-    "jaxwalk/adapters/jaxmarl.py", "jaxwalk/cli/options/for_playing.py", "jaxwalk/evaluation/counterfactual.py",
-    "jaxwalk/learning/checkpoint.py", "jaxwalk/learning/config.py", "jaxwalk/learning/fit.py",
-    "jaxwalk/learning/flops.py", "jaxwalk/report/sections.py", "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py",
-    "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py",
+    "jaxwalk/cli/options/for_playing.py", "jaxwalk/learning/checkpoint.py", "jaxwalk/report/sections.py",
+    "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py", "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py",
 }  # fmt: skip
 
 FORBIDDEN = re.compile(r"\b(so many|whom|mend|mends|mended|glance|glances|gone on with)\b", re.IGNORECASE)
