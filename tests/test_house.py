@@ -47,9 +47,7 @@ SAME_CLASSES: set[str] = {
     "Box", "Discrete", "Estimate", "Game", "Plan", "Rules",
 }  # fmt: skip
 CIRCLES: set[str] = set()
-ODD_DOCSTRINGS: set[str] = {
-    "jaxwalk.cli.tracks", "jaxwalk.exports.gallery", "jaxwalk.exports.onnx_policy", "jaxwalk.exports.replays",
-}  # fmt: skip
+ODD_DOCSTRINGS: set[str] = set()
 ODD_WORDS: set[str] = {
     "jaxwalk/cli/options/for_playing.py", "jaxwalk/learning/checkpoint.py", "jaxwalk/report/sections.py",
     "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py", "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py",

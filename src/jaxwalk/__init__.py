@@ -52,7 +52,7 @@ def __getattr__(name: str) -> Any:
         value = getattr(import_module(_HOMES[name]), name)
     else:
         raise AttributeError(f"module 'jaxwalk' has no attribute {name!r}")
-    globals()[name] = value  # the next use is an ordinary look-up
+    globals()[name] = value  # the next use is an ordinary attribute access
     return value
 
 

@@ -1,6 +1,6 @@
-"""Everybody acts: the one acting step, and the one rule for random keys, of everything that plays an environment.
+"""The one acting step, and the one rule for random keys, of everything that plays an environment.
 
-Training, evaluation, adapters and export differ in who plays where (a `Cast`) and in what they keep, in nothing else.
+Training, evaluation, adapters and export differ only in who plays where (a `Cast`) and in what they keep.
 """
 
 from __future__ import annotations
@@ -19,43 +19,43 @@ from jaxwalk.interfaces import Environment, Moment, Policy, Roles, View
 SCENARIO_KEYS, FIRST_ACTION_KEY = 0, 1
 """An environment's key is folded with 0 for its scenarios and with 1 + step for its actions, so the two never meet."""
 ALL = slice(None)
-"""All environments."""
+"""A slice of all environments."""
 
 Decide = Callable[[Any, Key[Array, "*batch"], Any, Any], tuple[Array, Any, Any]]
-"""From policy, key, memory and what is seen to the action, the next memory and a record of the decision."""
+"""A function of policy, key, memory and what is seen; returns action, next memory and a record of the decision."""
 
 
 def follow(policy: Policy, key: Key[Array, "*batch"], memory: Any, seen: Any) -> tuple[Array, Any, None]:
-    """Do what the policy says, and record nothing."""
+    """Do what the policy decides, and record nothing."""
     return *policy.act(key, memory, seen), None
 
 
 class Player(NamedTuple):
-    """Somebody who plays a role, everywhere or in some of the environments."""
+    """A policy that plays a role, everywhere or in some of the environments."""
 
     policy: Any
-    """A `Policy`, or whatever ``decide`` understands; it has ``init``."""
+    """A `Policy`, or anything else that ``decide`` accepts; it has ``init``."""
     view: View
-    """What it sees."""
+    """The view that it observes."""
     columns: slice = ALL
     """The environments in which it plays."""
     decide: Decide = follow
-    """How it decides."""
+    """The function by which it decides."""
 
 
 Cast = Roles[tuple[Player, ...]]
-"""Who plays where. A role's players stand in the order of their environments and leave out none."""
+"""The players of each role, in the order of their environments, which together are all environments."""
 
 
 class Acted(NamedTuple):
-    """What everybody did in a step."""
+    """What all players did in a step."""
 
     actions: Roles[Array]
-    """``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
+    """The actions, ``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
     memory: Roles[tuple[Any, ...]]
     """The next memory of each player."""
     records: Roles[tuple[Any, ...]]
-    """What each player recorded, in its own environments."""
+    """The record of each player, in its own environments."""
 
 
 @dataclass(frozen=True)
@@ -70,14 +70,14 @@ class Nothing:
 
 
 class Given(eqx.Module):
-    """A policy that does what it is given: how a role is played from outside a compiled program."""
+    """A policy that returns a given action, so that a role can be played from outside a compiled program."""
 
     action: Any
-    """An array ``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
+    """The action, ``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
     view: View = eqx.field(static=True, default=Nothing())
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
-        """Return None: it remembers nothing."""
+        """Return None: it has no memory."""
         return None
 
     def act(self, key: Key[Array, "*batch"], memory: None, seen: Any) -> tuple[Array, None]:
@@ -91,16 +91,16 @@ def cast_of(policies: Mapping[str, Policy]) -> Cast:
 
 
 def fresh_memory(environment: Environment, cast: Cast, batch: tuple[int, ...]) -> Roles[tuple[Any, ...]]:
-    """Return what everybody remembers at the start of an episode; arrays ``(..., *agents, *batch)``.
+    """Return everybody's memory at the start of an episode; arrays ``(..., *agents, *batch)``.
 
-    ``batch`` counts all environments: a player has room for those in which it doesn't play, too.
+    ``batch`` counts all environments: a player's memory also has room for those in which it doesn't play.
     """
     roles = environment.roles
     return {role: tuple(p.policy.init(roles[role].agents, batch) for p in players) for role, players in cast.items()}
 
 
 def step_key(keys: Key[Array, "*batch"], number: Int[Array, "*#batch"]) -> Key[Array, "*batch"]:
-    """Return each environment's key for its step of that number, counted under its own key from 0."""
+    """Return each environment's key for the step with that number, counted from 0 under the environment's own key."""
     fold = jax.random.fold_in
     for _ in range(keys.ndim):
         fold = jax.vmap(fold)
@@ -108,7 +108,7 @@ def step_key(keys: Key[Array, "*batch"], number: Int[Array, "*#batch"]) -> Key[A
 
 
 def role_key(key: Key[Array, "*batch"], index: int) -> Key[Array, "*batch"]:
-    """Return the key of the role at that place in the environment's roles, from the step's key."""
+    """Return a role's key, from the step's key and the role's index among the environment's roles."""
     fold = jax.random.fold_in
     for _ in range(key.ndim):
         fold = jax.vmap(fold, in_axes=(0, None))
@@ -139,7 +139,7 @@ def act(
 def _play(
     players: tuple[Player, ...], key: Key[Array, "*batch"], memory: tuple[Any, ...], seen: list[Any]
 ) -> tuple[Array, tuple[Any, ...], tuple[Any, ...]]:
-    """Return one role's actions, next memories and records."""
+    """Return the actions, next memories and records of one role."""
     actions, memories, records = [], [], []
     for player, before, shown in zip(players, memory, seen, strict=True):
         at = player.columns
@@ -153,7 +153,7 @@ def _play(
 
 
 def part_of(tree: Any, columns: slice) -> Any:
-    """Return those environments of arrays ``(..., env)``."""
+    """Return the part of arrays ``(..., env)`` that belongs to those environments."""
     return tree if columns == ALL else jax.tree.map(lambda x: x[..., columns], tree)
 
 

@@ -1,4 +1,4 @@
-"""What every part of jaxwalk agrees on: roles, environments, views and policies. Read this first.
+"""The interfaces of jaxwalk: roles, environments, views and policies. Read this first.
 
 Arrays have their named axes first and batch axes last: an observation is ``(feature, *agents, *batch)``, where
 ``agents`` is ``()`` for the one driver and ``(12,)`` for the pedestrians. So the same code runs on one episode and on
@@ -17,8 +17,7 @@ ScenarioT = TypeVar("ScenarioT")
 StateT = TypeVar("StateT")
 
 Roles = dict[str, T]
-"""One value for each role, by the role's name. Code for all roles is a loop over it; no code names a role it doesn't
-have to."""
+"""One value for each role, by the role's name. Code loops over all roles and names one only if it must."""
 
 
 class Box(eqx.Module):
@@ -42,46 +41,46 @@ class RoleSpec(eqx.Module):
 
 
 class Moment(eqx.Module):
-    """One moment of a batch of episodes: all that a view may be a function of."""
+    """One moment of a batch of episodes: everything that a view may depend on."""
 
     world: Any
-    """What stays the same from episode to episode, as the environment has it."""
+    """The part of the environment that stays the same from episode to episode."""
     scenario: Any
-    """What is played; arrays ``(..., *batch)``."""
+    """The scenarios; arrays ``(..., *batch)``."""
     state: Any
-    """Where it stands; arrays ``(..., *batch)``."""
+    """The states; arrays ``(..., *batch)``."""
 
 
 @runtime_checkable
 class View(Protocol):
-    """What a policy sees of a moment. Hashable, and equal to another view that shows the same.
+    """What a policy observes of a moment. Hashable, and equal to another view that shows the same.
 
     A flat observation, ``(feature, *agents, *batch)``, is the usual kind; any pytree will do.
     """
 
     @property
     def name(self) -> str:
-        """What results call it."""
+        """Return its name in results."""
         ...
 
     def __call__(self, moment: Moment) -> Any:
-        """Return what is seen: a pytree with arrays ``(..., *agents, *batch)``."""
+        """Return the observation: a pytree with arrays ``(..., *agents, *batch)``."""
         ...
 
 
 class Outcome(eqx.Module):
-    """What one step brought each agent."""
+    """The result of one step for each agent."""
 
     rewards: Roles[dict[str, Float[Array, "..."]]]
     """Named reward terms, weighted; an agent's reward is their sum. Each ``(*agents, *batch)``."""
     terminated: Roles[Bool[Array, "..."]]
-    """The agent's future is worth nothing: it arrived or collided. ``(*agents, *batch)``."""
+    """Whether the agent's future has no value: it arrived or collided. ``(*agents, *batch)``."""
     truncated: Roles[Bool[Array, "..."]]
-    """The episode ended, but not because of this agent: its value bootstraps. ``(*agents, *batch)``."""
+    """Whether the episode ended, but not because of this agent: its value bootstraps. ``(*agents, *batch)``."""
     ended: Bool[Array, "*batch"]
-    """The episode is over. It ends for everybody at once."""
+    """Whether the episode is over. It ends for all agents at once."""
     events: Any
-    """What happened, as the environment's own pytree of arrays."""
+    """The environment's own events, as a pytree of arrays."""
 
 
 @runtime_checkable
@@ -90,7 +89,7 @@ class Environment(Protocol[ScenarioT, StateT]):
 
     @property
     def roles(self) -> Roles[RoleSpec]:
-        """Every role, always in the same order."""
+        """Return every role, always in the same order."""
         ...
 
     def draw(self, key: Key[Array, ""]) -> ScenarioT:
@@ -106,25 +105,25 @@ class Environment(Protocol[ScenarioT, StateT]):
         ...
 
     def observe(self, scenario: ScenarioT, state: StateT, view: View) -> Any:
-        """Return what the view shows."""
+        """Return the observation of a view."""
         ...
 
     def global_state(self, scenario: ScenarioT, state: StateT) -> Float[Array, "feature *batch"]:
-        """Return what a centralised critic sees."""
+        """Return the global state, which a centralised critic observes."""
         ...
 
     def step(self, scenario: ScenarioT, state: StateT, actions: Roles[Array]) -> tuple[StateT, Outcome]:
-        """Make one step; it never resets."""
+        """Make one step; never reset."""
         ...
 
 
 @runtime_checkable
 class Policy(Protocol):
-    """Decides for all agents of one role. Deterministic given its key."""
+    """Decides for all agents of one role. It is deterministic for a given key."""
 
     @property
     def view(self) -> View:
-        """What it sees."""
+        """Return the view that it observes."""
         ...
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...], /) -> Any:

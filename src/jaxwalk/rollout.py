@@ -42,11 +42,11 @@ class Stream(eqx.Module):
     """A batch of environments that play episode after episode."""
 
     key: Key[Array, "env"]
-    """One key for each environment, made from the seed and the environment's global index."""
+    """A key for each environment, made from the seed and the environment's global index."""
     episode: Int[Array, "env"]
     """Number of the current episode and of its scenario, from 0; -1 before the first one."""
     step: Int[Array, ""]
-    """Steps taken so far."""
+    """Number of steps so far."""
     scenario: Any
     """Current scenarios; arrays ``(..., env)``."""
     state: Any
@@ -157,7 +157,7 @@ def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) 
     places = -(-count // RESTARTS_AT_ONCE)
 
     def some(stream: Stream) -> Stream:
-        (chosen,) = jnp.nonzero(stream.shown, size=places, fill_value=count)  # beyond the last: nobody
+        (chosen,) = jnp.nonzero(stream.shown, size=places, fill_value=count)  # past the end: nothing is written
         begins = jnp.zeros(count, bool).at[chosen].set(True, mode="drop")
         episode = stream.episode + begins
         some_or_last = jnp.minimum(chosen, count - 1)

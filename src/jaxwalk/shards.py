@@ -1,6 +1,6 @@
-"""Division of the environments among devices: each device plays and learns on its shard, and sums go over all shards.
+"""Division of the environments among devices: each device plays and learns on its shard; sums go over all shards.
 
-The cores of a CPU are devices too, if ``JAX_NUM_CPU_DEVICES`` says so before JAX starts; the command line sets it. Two
+A CPU's cores are devices too, if ``JAX_NUM_CPU_DEVICES`` says so before JAX starts; the command line sets it. Two
 cores that each work on half of the environments are much faster than two that share every small matrix product.
 """
 
@@ -20,7 +20,7 @@ SHARDS = "env"
 Axis = str | tuple[()]
 """SHARDS, or () if there is only one shard."""
 EVERYWHERE = PartitionSpec()
-"""The partition of an array that every device has as a whole."""
+"""The partition of an array that every device holds in full."""
 
 
 class ShardsError(ValueError):

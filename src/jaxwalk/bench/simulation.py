@@ -196,7 +196,7 @@ def look_and_act(street: Street, sets: Sets = EVERY) -> Act:
 
 
 def keep(step: Step) -> tuple[jax.Array, ...]:
-    """Return of each street the rewards' sum, what was seen, whether the episode ended, and whether the step counts."""
+    """Return for each street the sum of rewards, the record, whether the episode ended, whether the step counts."""
     terms = [term for terms in step.outcome.rewards.values() for term in terms.values()]
     paid = sum(term.astype(jnp.float32).sum(axis=tuple(range(term.ndim - 1))) for term in terms)
     return jnp.asarray(paid * step.valid), step.record, step.outcome.ended, step.valid

@@ -1,6 +1,6 @@
-"""The command ``jaxwalk``: reads the options, then loads and does what they ask for.
+"""The command ``jaxwalk``: reads the options, then imports and runs the command that they name.
 
-Bad input ends in one message on standard error and exit code 2, with nothing written.
+Bad input gives one message on standard error and exit code 2, and nothing is written.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 from jaxwalk.cli.errors import BAD_INPUT, INTERRUPTED, message
 
 GARBAGE = 100_000
-"""New objects after which Python collects garbage (its own number: 700, later 2,000)."""
+"""Number of new objects after which Python collects garbage (Python's default: 700, later 2,000)."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from jaxwalk.cli import commands
 
         options = commands.parse(arguments)
-        gc.set_threshold(GARBAGE)  # what is imported and traced stays: visiting it again and again takes 0.4 s
+        gc.set_threshold(GARBAGE)  # modules and programs stay in memory: revisiting them takes 0.4 s
         _keep_compiled_code()
         _make_devices_of_cores()
         code = commands.run(options)
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except (ValueError, OSError, MemoryError, RuntimeError) as error:
         if isinstance(error, BrokenPipeError) and error.filename is None:
-            sys.stderr.close()  # somebody read only the beginning of what was printed
+            sys.stderr.close()  # the reader of the output, such as `head`, closed it early
             return 1
         text = message(error)
         if text is None:
@@ -52,16 +52,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _flush() -> None:
-    """Print what is buffered, while a full disk can still be reported."""
+    """Print buffered output, while a full disk can still be reported."""
     try:
         sys.stdout.flush()
     except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is buffered can go nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is buffered can't be written anywhere
         raise
 
 
 def _keep_compiled_code() -> None:
-    """Let JAX keep what it compiles in the user's cache folder, unless JAX's own variables say otherwise."""
+    """Let JAX store compiled code in the user's cache folder, unless JAX's own variables say otherwise."""
     if "JAX_COMPILATION_CACHE_DIR" in os.environ or "JAX_ENABLE_COMPILATION_CACHE" in os.environ:
         return
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(_cache_folder())
@@ -69,7 +69,7 @@ def _keep_compiled_code() -> None:
 
 
 def _make_devices_of_cores() -> None:
-    """Let each core be a device of JAX, so that environments can be shared out, unless somebody chose a number."""
+    """Make each core a device of JAX, so that environments can be shared out, unless the user has set a number."""
     if "host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
         from jaxwalk.runs.provenance import cores
 
@@ -77,7 +77,7 @@ def _make_devices_of_cores() -> None:
 
 
 def _cache_folder() -> Path:
-    """The user's cache folder, as the platform has it."""
+    """Return the user's cache folder on this platform."""
     given = os.environ.get("XDG_CACHE_HOME")
     if given:
         return Path(given) / "jaxwalk"

@@ -1,4 +1,4 @@
-"""From names in options to the street and the policies that act on it."""
+"""Makes the street and the policies from the names in options."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.sim.environment import Street
 
 Policies = dict[str, Policy]
-"""Policies by the names that were given."""
+"""Policies by the names given in the options."""
 
 
 def cast(

@@ -1,4 +1,4 @@
-"""Checks of options that several commands share. Each raises UsageError with what is wrong and what to do."""
+"""Checks of options that several commands share. Each raises UsageError, saying what is wrong and what to do."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from jaxwalk.cli.errors import UsageError
 
 
 def check_driver(driver: str | Sequence[str]) -> None:
-    """Raise unless a driver is named."""
+    """Raise UsageError unless a driver is named."""
     if not driver:
         raise UsageError(
             "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
@@ -17,37 +17,37 @@ def check_driver(driver: str | Sequence[str]) -> None:
 
 
 def check_pedestrians(pedestrians: Sequence[str]) -> None:
-    """Raise unless a population is named."""
+    """Raise UsageError unless a population is named."""
     if not pedestrians:
         raise UsageError("--pedestrians is missing: always-go, learned, a run folder or a policy file")
 
 
 def check_episodes(episodes: int) -> None:
-    """Raise unless there is something to play."""
+    """Raise UsageError unless there is at least one episode to play."""
     if episodes < 1:
         raise UsageError(f"--episodes must be at least 1, not {episodes}")
 
 
 def check_seed(seed: int) -> None:
-    """Raise unless the seed names a set of scenarios."""
+    """Raise UsageError unless the seed can be one of a set of scenarios."""
     if not 0 <= seed < 2**31:
         raise UsageError(f"--seed must lie in [0, 2^31), not {seed}")
 
 
 def check_scenario(scenario: int) -> None:
-    """Raise unless the number can be a scenario's."""
+    """Raise UsageError unless the number can be a scenario's."""
     if not 0 <= scenario < 2**30:
         raise UsageError(f"--scenario must lie in [0, 2^30), not {scenario}")
 
 
 def check_file(out: Path, suffix: str) -> None:
-    """Raise unless ``--out`` names a file with that ending."""
+    """Raise UsageError unless ``--out`` names a file with that ending."""
     if out.suffix != suffix:
         raise UsageError(f"--out {out}: the name must end in {suffix}")
     check_no_folder(out)
 
 
 def check_no_folder(out: Path) -> None:
-    """Raise if ``--out`` names a folder where a file is wanted."""
+    """Raise UsageError if ``--out`` names a folder where a file is needed."""
     if out.is_dir():
         raise UsageError(f"--out {out}: is a folder; name a file")

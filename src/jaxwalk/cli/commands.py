@@ -1,4 +1,4 @@
-"""The commands as a table: a new one is a line here, a class of options and a module with ``run(options)``."""
+"""The table of commands. A new command is a line here, a class of options and a module with ``run(options)``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Command:
 
     name: str
     options: type
-    """A dataclass of its options; the docstring is the command's help."""
+    """A dataclass of the options; its docstring is the command's help."""
     module: str
     """Its ``run(options)`` does the work and returns the exit code. It is imported only when the command runs."""
 
@@ -39,11 +39,11 @@ COMMANDS = (
     Command("observations", options.Observations, "jaxwalk.cli.observations"),
     Command("bench", options.Bench, "jaxwalk.cli.bench"),
 )
-"""In the order in which ``jaxwalk --help`` lists them."""
+"""All commands, in the order in which ``jaxwalk --help`` lists them."""
 
 
 def parse(arguments: list[str]) -> Any:
-    """Return the options of the command that the arguments name. Raise SystemExit for ``--help`` and bad ones."""
+    """Return the options of the command that the arguments name. Raise SystemExit for ``--help`` and bad options."""
     kinds: Any = reduce(or_, (Annotated[each.options, tyro.conf.subcommand(each.name)] for each in COMMANDS))
     return tyro.cli(
         kinds,

@@ -1,4 +1,4 @@
-"""Errors of the command line: what is raised about options, what is said about errors, and the exit codes."""
+"""Errors of the command line: errors about options, the messages of all errors, and the exit codes."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 BAD_INPUT, INTERRUPTED = 2, 130
-"""Exit codes: something given can't be used; Ctrl-C."""
+"""Exit codes: for input that can't be used, and for Ctrl-C."""
 ADVICE = {
     errno.ENOSPC: "make room on the disk, or name another place",
     errno.EDQUOT: "make room on the disk, or name another place",
     errno.EFBIG: "files may not be so large here; raise the limit, or name another place",
     errno.EROFS: "name another place",
 }
-"""What to do about errors of the operating system."""
+"""Advice for errors of the operating system."""
 
 
 class UsageError(ValueError):
-    """Options that don't make sense; one line says why and what to do."""
+    """Options that make no sense. The message says why and what to do, in one line."""
 
 
 @contextmanager
 def bad_values() -> Iterator[None]:
-    """Turn any ValueError that is not jaxwalk's own into a UsageError: use it where something is built from options."""
+    """Turn any ValueError that is not jaxwalk's own into a UsageError. Use it around what is built from options."""
     try:
         yield
     except ValueError as error:
@@ -33,7 +33,7 @@ def bad_values() -> Iterator[None]:
 
 
 def message(error: Exception) -> str | None:
-    """Return what to print about bad input; None for an error of the program itself."""
+    """Return the message about bad input; None for an error in the program itself."""
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         what = " ".join(str(error.strerror or error).split())

@@ -24,7 +24,7 @@ from jaxwalk.sim.observation import HIDDEN
 
 
 def run(options: Evaluate) -> int:
-    """Evaluate and show; nothing is written unless ``--out`` says where."""
+    """Evaluate and show; nothing is written unless ``--out`` names a folder."""
     check(options)
     with bad_values():
         work = _work(options)
@@ -34,7 +34,7 @@ def run(options: Evaluate) -> int:
         print(results.to_json(), end="")
     else:
         console = Console()
-        console.width = max(console.width, 132)  # the numbers need it; a narrower terminal wraps
+        console.width = max(console.width, 132)  # the table needs it; a narrower terminal wraps the lines
         lines = [*said(results), *cost_lines(results.cells), scenarios_line(results.scenarios)]
         console.print(table(results.cells), *map(escape, lines), sep="\n")
     return 0
@@ -62,7 +62,7 @@ def _work(options: Evaluate) -> Evaluation:
 
 
 def _with_progress(work: Evaluation) -> Results:
-    """Evaluate under a bar that shows how far it is."""
+    """Evaluate with a progress bar."""
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("evaluating", total=None)
 
@@ -124,7 +124,7 @@ def table(cells: Sequence[Cell]) -> Table:
 
 
 def cost_lines(cells: Sequence[Cell]) -> list[str]:
-    """Return how long each driver outside JAX took for a step, in each of its cells."""
+    """Return for each driver outside JAX a line with the time that a step took in each of its cells."""
     costs: dict[str, list[float]] = {}
     for cell in cells:
         if cell.driver_ms_per_step is not None:
@@ -136,5 +136,5 @@ def cost_lines(cells: Sequence[Cell]) -> list[str]:
 
 
 def scenarios_line(scenarios: ScenarioSet) -> str:
-    """Return which scenarios were played."""
+    """Return a line that names the scenarios played."""
     return f"{scenarios.name}, hash {scenarios.hash}"

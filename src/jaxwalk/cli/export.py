@@ -10,7 +10,7 @@ from jaxwalk.runs.folder import check_writable
 
 
 def run(options: Export) -> int:
-    """Write the file, and say how well it agrees."""
+    """Write the file, and print how well it agrees with the policy."""
     if options.out is None or options.out.suffix != ".onnx":
         raise UsageError(f"--out {options.out or 'FILE.onnx is missing'}: name a file that ends in .onnx")
     check_no_folder(options.out)

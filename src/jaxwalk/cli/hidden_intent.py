@@ -9,7 +9,7 @@ from jaxwalk.experiments.hidden_intent import IntentEffort, hidden_intent
 
 
 def run(options: HiddenIntent) -> int:
-    """Make everything that is missing; 130 if Ctrl-C ended it."""
+    """Make everything that is missing; return 130 if Ctrl-C ended it."""
     with bad_values():
         plan = IntentEffort(updates=options.updates, episodes=options.episodes, seed=options.seed, seeds=options.seeds)
     return until_interrupted(lambda: f"Read {hidden_intent(options.out, plan)}")

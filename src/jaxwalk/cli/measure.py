@@ -24,7 +24,7 @@ from jaxwalk.sim.sim_config import SimConfig
 
 
 def run(options: Measure) -> int:
-    """Measure and show."""
+    """Measure and show the metrics."""
     if not options.files:
         raise UsageError("FILE is missing: a table of trajectories, as in jaxwalk measure tracks.parquet")
     areas = read_areas(options.areas) if options.areas else None
@@ -56,7 +56,7 @@ def _recordings(sources: list[TrackSource], areas: Areas | None) -> Iterator[tup
 
 
 def _tables(found: dict[str, Any]) -> Iterator[Table]:
-    """Encounters and, where it is known, the speed differential."""
+    """Return tables of the encounters and, if it is known, of the speed differential."""
     cars = f"{found['episodes']:,} cars, {found['hours']:.2f} h, {found['kilometres']:.1f} km; 95 % intervals"
     yield _table(
         f"Encounters of {cars}",
@@ -100,5 +100,5 @@ def _table(title: str, columns: tuple[str, ...], rows: list[tuple[str, ...]]) ->
 
 
 def _left_out(found: dict[str, Any]) -> list[str]:
-    """What could not be told."""
+    """Return a line for each metric that is left out, with the reason."""
     return [f"Left out: {what} ({why})" for what, why in found["left_out"].items()]

@@ -15,13 +15,13 @@ from jaxwalk.runs.folder import check_writable
 from jaxwalk.sim.environment import Street
 
 PAGE = ".html"
-"""What can be played."""
+"""Ending of a page on which episodes can be played."""
 STILL = (".png", ".svg", ".pdf")
-"""Kinds of pictures."""
+"""Endings of pictures."""
 
 
 def run(options: Play) -> int:
-    """Play and show."""
+    """Play the episodes and write them to the file."""
     out = check(options)
     street, drivers, people = cast(
         options.driver, [options.pedestrians], options.map, options.jaywalk_multiplier,
@@ -52,7 +52,7 @@ def _page(options: Play, out: Path, street: Street, drivers: Policies, people: P
 
 
 def check(options: Play) -> Path:
-    """Raise for options that can't be; returns the file to write."""
+    """Raise an error for impossible options; return the file to write."""
     check_driver(options.driver)
     for scenario in options.scenario:
         check_scenario(scenario)

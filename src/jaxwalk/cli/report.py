@@ -17,11 +17,11 @@ from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 
 MOST_POPULATIONS, MOST_INCIDENTS = 3, 200
-"""More would fit into no figure, and into no page."""
+"""Largest numbers of populations and of incidents that fit into the figures and into a page."""
 
 
 def run(options: Report) -> int:
-    """Make the report; of a folder of `jaxwalk reproduce`, again."""
+    """Make the report; make it again if given a folder of `jaxwalk reproduce`."""
     again = [Path(name) for name in options.runs if (Path(name) / "plan.json").is_file()]
     if again:
         if len(options.runs) > 1:
@@ -52,7 +52,7 @@ def _again(folder: Path) -> Path:
 
 
 def check(options: Report) -> None:
-    """Raise for options that can't be."""
+    """Raise an error for impossible options."""
     if not 1 <= len(options.pedestrians) <= MOST_POPULATIONS:
         raise UsageError(f"--pedestrians takes 1 to {MOST_POPULATIONS} populations, not {len(options.pedestrians)}")
     check_episodes(options.episodes)

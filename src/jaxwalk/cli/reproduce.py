@@ -9,7 +9,7 @@ from jaxwalk.experiments.reproduce import Plan, reproduce
 
 
 def run(options: Reproduce) -> int:
-    """Make everything that is missing; 130 if Ctrl-C ended it."""
+    """Make everything that is missing; return 130 if Ctrl-C ended it."""
     with bad_values():
         plan = Plan(
             recipe=options.recipe, minutes=options.minutes, updates=options.updates, episodes=options.episodes,

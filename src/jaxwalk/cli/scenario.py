@@ -12,7 +12,7 @@ from jaxwalk.runs.folder import check_writable
 
 
 def run(options: Scenario) -> int:
-    """Play and write."""
+    """Play the scenario and write the files."""
     check(options)
     street, drivers, people = cast([options.driver], [options.pedestrians], options.map, options.jaywalk_multiplier)
     (driver,), (crowd,) = drivers.values(), people.values()
@@ -24,7 +24,7 @@ def run(options: Scenario) -> int:
 
 
 def check(options: Scenario) -> None:
-    """Raise for options that can't be."""
+    """Raise an error for impossible options."""
     check_driver(options.driver)
     check_scenario(options.scenario)
     check_seed(options.seed)

@@ -14,7 +14,7 @@ from jaxwalk.runs.folder import check_writable
 
 
 def run(options: Share) -> int:
-    """Evaluate the driver, then write the file and its card."""
+    """Evaluate the driver, then write the policy file and its card."""
     if options.out is None:
         raise UsageError("--out FILE.safetensors is missing: where to write the policies")
     check_file(options.out, ".safetensors")

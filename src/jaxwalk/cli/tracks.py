@@ -16,7 +16,7 @@ from jaxwalk.runs.folder import Run, check_writable
 
 
 def run(options: Tracks) -> int:
-    """Play and write."""
+    """Play the episodes and write the file."""
     check(options)
     names = [options.driver, options.pedestrians]
     maps = [options.map] if options.map else []
@@ -38,13 +38,13 @@ def run(options: Tracks) -> int:
 
 
 def map_name(names: list[str]) -> str:
-    """Of the map that run folders among the names were trained on, else of the paper's."""
+    """Return the name of the map that the named run folders were trained on, or the paper's map if there are none."""
     trained = [Run.open(name).experiment.maps for name in names if Path(name).is_dir()]
     return trained[0][0] if trained else "paper"
 
 
 def check(options: Tracks) -> None:
-    """Raise for options that can't be."""
+    """Raise an error for impossible options."""
     check_driver(options.driver)
     check_episodes(options.episodes)
     check_seed(options.seed)

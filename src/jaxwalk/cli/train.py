@@ -27,7 +27,7 @@ GOES_WITH_RESUME = ("resume", "checkpoint_minutes", "watch")
 
 
 def run(options: Train) -> int:
-    """Train or resume; 130 if Ctrl-C ended it."""
+    """Train or resume; return 130 if Ctrl-C ended it."""
     check(options)
     begun = Run.open(options.resume) if options.resume else None
     experiment = begun.experiment if begun else make_experiment(options)
@@ -53,7 +53,7 @@ def run(options: Train) -> int:
 
 
 def check(options: Train) -> None:
-    """Raise for options that exclude each other, and for a folder that can't be written to."""
+    """Raise an error for options that exclude each other, and for a folder that can't be written."""
     for name in ("minutes", "checkpoint_minutes"):
         value = getattr(options, name)
         if value is not None and not 0 < value < float("inf"):
@@ -88,5 +88,5 @@ def make_experiment(options: Train) -> Experiment:
 
 
 def _absolute(name: str) -> str:
-    """Return a map file by its whole path, so that the run can be resumed from anywhere; a bundled map by its name."""
+    """Return a map file's absolute path, so that the run can be resumed from anywhere; a bundled map keeps its name."""
     return str(Path(name).absolute()) if Path(name).is_file() else name

@@ -1,1 +1,1 @@
-"""What others can use: episodes as pictures, pages and files of other tools; policies to share or as ONNX."""
+"""Exports: episodes as pictures, pages and files of other tools; policies as files to share or as ONNX."""

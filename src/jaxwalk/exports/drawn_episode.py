@@ -1,4 +1,4 @@
-"""One episode of an evaluation, drawn."""
+"""A drawing of one episode of an evaluation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
 
 MOVING = (".gif", ".mp4")
-"""Files that show the whole episode; others show its last frame."""
+"""Endings of files that show the whole episode; other files show its last frame."""
 
 
 def draw_episode(
@@ -28,7 +28,7 @@ def draw_episode(
 ) -> Trajectory:
     """Play a scenario as an evaluation does, and write a picture or an animation of it.
 
-    ``time`` [s]: the moment that a picture shows; its end if left out. Raises ViewerError if it had ended before.
+    ``time`` is the moment that a picture shows [s]; by default the end. Raises ViewerError if it is after the end.
     """
     trajectory = replay(street, {"driver": driver, "pedestrian": pedestrians}, Drawn(street, seed), [scenario])
     ground = map_of(street, scenario=scenario, seed=seed)
@@ -44,7 +44,7 @@ def draw_episode(
 
 
 def map_of(street: Street, *, scenario: int, seed: int) -> RoadMap:
-    """The map on which a scenario takes place, on its own."""
+    """Return the map of a scenario, on its own (not in a stack)."""
     import jax
     import numpy as np
 

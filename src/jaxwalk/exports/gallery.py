@@ -1,4 +1,4 @@
-"""The gallery of failures: the worst collisions and the nearest misses of an evaluation, ready to be watched."""
+"""The gallery of failures: the worst collisions and the nearest misses of an evaluation, as episodes to watch."""
 
 from __future__ import annotations
 
@@ -18,31 +18,31 @@ from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 
 LEAD = 3.0
-"""An incident is watched from this long before [s]."""
+"""Time before an incident at which its replay starts [s]."""
 
 
 @dataclass(frozen=True)
 class Cast:
-    """Who was evaluated where."""
+    """The policies that were evaluated, and where."""
 
     street: Street
     drivers: Mapping[str, Policy]
     populations: Mapping[str, Policy]
     seed: int
-    """Of the scenarios."""
+    """Seed of the scenarios."""
 
 
 def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, say: Callable[[str], None]) -> Gallery:
-    """Find the incidents, and record the episodes to watch: those of every incident, under every driver.
+    """Find the incidents, and record for each the episode under every driver.
 
     Args:
         cast: who was evaluated.
-        played: what was measured of each driver among each population.
+        played: the measured rows of each driver among each population.
         most: incidents of each kind (collisions, near misses) for each driver and population.
-        say: called with a line as the work goes on.
+        say: called with a line of progress.
 
     Raises:
-        ReplayError: a driver does not do the same again in the same scenario.
+        ReplayError: a driver acts differently when the same scenario is played again.
     """
     found = {pair: find_incidents(rows, most=most) for pair, rows in played.items()}
     say("    recording episodes")
@@ -58,7 +58,7 @@ def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, sa
         say(f"    collisions of {pair[0]} among {pair[1]}: could they have been avoided?")
         return _incidents(cast, pair, played[pair], found[pair], places)
 
-    with ThreadPoolExecutor(AT_ONCE) as pool:  # most of the time goes into compiling, each on one core
+    with ThreadPoolExecutor(AT_ONCE) as pool:  # most of the time is compiling, and each compilation uses one core
         incidents = tuple(chain.from_iterable(pool.map(incidents_of, found)))
     scenarios = max(rows.episodes for rows in played.values())
     return Gallery(
@@ -75,7 +75,7 @@ def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, sa
 def _incidents(
     cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents, places: Mapping[tuple[str, str, int], int]
 ) -> list[WatchedIncident]:
-    """Return what is said of every incident of a driver among a population; ``places`` are those of its episodes."""
+    """Return a description of each incident of a driver among a population; ``places`` are those of its episodes."""
     if not len(some.scenario):
         return []
     street, driver, people = cast.street, cast.drivers[pair[0]], cast.populations[pair[1]]
@@ -108,5 +108,5 @@ def _incidents(
 
 
 def _number(value: float) -> float | None:
-    """Return a value for JSON, to three digits; None for NaN and infinity."""
+    """Return a value for JSON, rounded to three digits; None for NaN and infinity."""
     return round(float(value), 3) if abs(value) < float("inf") else None

@@ -1,4 +1,4 @@
-"""A trained policy as an ONNX file, written only if it acts as the policy does."""
+"""A trained policy as an ONNX file, which is written only if it acts as the policy does."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
 LARGEST_GAP = 1e-4
-"""A file is written only if no action, or logit, differs by more."""
+"""Largest difference of an action or a logit with which a file is still written."""
 ENVIRONMENTS, STEPS = 64, 256
-"""How much is played to compare on: all that the policy meets there."""
+"""Number of environments and of steps in which file and policy are compared."""
 
 
 class Met(eqx.Module):
-    """What a policy met and did: arrays ``(..., row)``."""
+    """What a policy observed and did: arrays ``(..., row)``."""
 
     observation: Array | np.ndarray
     memory: Held | None
-    """Before it acted."""
+    """The memory before it acted."""
     action: Array | np.ndarray
     outputs: Array | np.ndarray
-    """Of its network."""
+    """The outputs of its network."""
 
 
 @dataclass(frozen=True)
@@ -48,22 +48,22 @@ class Parity:
     """How well a file agrees with its policy."""
 
     rows: int
-    """Observations compared."""
+    """Number of observations compared."""
     gap: float
-    """Largest difference of an action of a driver; of pedestrians, of a logit."""
+    """Largest difference of a driver's action, or of a pedestrian's logit."""
     other_choices: int
-    """Pedestrians' actions that differ although logits are further apart than rounding explains."""
+    """Number of pedestrians' actions that differ although the logits are further apart than rounding explains."""
 
     @property
     def passes(self) -> bool:
-        """Whether the file may be written."""
+        """Return whether the file may be written."""
         return self.gap <= LARGEST_GAP and not self.other_choices
 
 
 def export(name: str, out: Path, *, role: str) -> Parity:
     """Write the policy of a run folder, a policy file or a shipped name as ONNX.
 
-    Raises PolicyError if onnx or ONNX Runtime is missing, or the network in ONNX acts otherwise than the policy.
+    Raises PolicyError if onnx or ONNX Runtime is missing, or the network in ONNX acts differently from the policy.
     """
     street = world_of([name], ())
     policy = contestant(street, role, name, sample=False)
@@ -83,7 +83,7 @@ def export(name: str, out: Path, *, role: str) -> Parity:
 
 
 def _origin(file: Path, street: Street) -> dict[str, str]:
-    """Where the network comes from, for its metadata."""
+    """Return the origin of the network, for the file's metadata."""
     about = read_metadata(file)
     told = {name: str(about[name]) for name in ("recipe", "seed", "steps", "commit") if name in about}
     made = {
@@ -95,7 +95,7 @@ def _origin(file: Path, street: Street) -> dict[str, str]:
 
 
 def met(street: Street, role: str, policy: LearnedPolicy) -> Met:
-    """What the policy meets in scenarios of a training seed, beside people who always go or a route-follower."""
+    """Return what the policy observes and does in training scenarios, with people who always go or a route follower."""
     policies: dict[str, Policy] = {"driver": RouteFollower(), "pedestrian": AlwaysGo()}
     policies[role] = policy
     cast = cast_of(policies) | {role: (Player(policy, policy.view, decide=_meet),)}
@@ -116,19 +116,19 @@ def met(street: Street, role: str, policy: LearnedPolicy) -> Met:
 
 
 def _meet(policy: LearnedPolicy, key: Key[Array, "env"], memory: Held | None, seen: Array) -> tuple[Array, Any, Met]:
-    """Let the policy act, and record everything about it."""
+    """Let the policy act, and return its action, its next memory and the record of both."""
     action, after = policy.act(key, memory, seen)
     return action, after, Met(seen, memory, action, policy.actor.network(seen))
 
 
 def _rows(x: Array, *, axes: int) -> np.ndarray:
-    """``(time, *features, *agents, env)`` as ``(*features, row)``; ``axes``: how many agent and env axes there are."""
+    """Return ``(time, *features, *agents, env)`` as ``(*features, row)``; ``axes``: number of agent and env axes."""
     kept = np.moveaxis(np.asarray(x), 0, -1)
     return kept.reshape(*kept.shape[: kept.ndim - axes - 1], -1)
 
 
 def check_parity(content: bytes, policy: LearnedPolicy, met: Met) -> Parity:
-    """How the network in an ONNX file compares with the policy on all that it met."""
+    """Compare the network in an ONNX file with the policy on all recorded observations."""
     try:
         session = import_module("onnxruntime").InferenceSession(content, providers=["CPUExecutionProvider"])
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""Chosen scenarios of an evaluation, played again and recorded for a page."""
+"""Recordings for a page: chosen scenarios of an evaluation are played again."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def recording(
     *,
     seed: int,
 ) -> dict[str, Any]:
-    """A page's document: every driver in the scenarios of a seed whose numbers are given for each population."""
+    """Return a page's document: every driver in the scenarios of a seed with the numbers given for each population."""
     found = [
         entry
         for people, policy in populations.items()
@@ -39,7 +39,7 @@ def recording(
 
 
 def maps_of(street: Street) -> list[RoadMap]:
-    """The maps of a street, each on its own."""
+    """Return the maps of a street, each on its own."""
     maps = jax.device_get(street.world.maps)
     return [jax.tree.map(lambda x, i=i: x[i], maps) for i in range(len(maps.roads))]
 
@@ -47,7 +47,7 @@ def maps_of(street: Street) -> list[RoadMap]:
 def _entries(
     street: Street, drivers: Mapping[str, Policy], people: tuple[str, Policy], numbers: Sequence[int], seed: int
 ) -> list[dict[str, Any]]:
-    """Up to `BATCH` scenarios under every driver."""
+    """Return the page's entries of up to `BATCH` scenarios under every driver."""
     source = Drawn(street, seed)
     scenarios, _ = source.take(np.asarray(numbers))
     config = street.config
@@ -63,7 +63,7 @@ def _entries(
 
 
 def _routes(street: Street, scenarios: Scenario) -> list[np.ndarray]:
-    """Of every scenario the car's lane route, a point for each metre, ``(point, 2)`` [m]."""
+    """Return the car's lane route in every scenario, with a point for each metre, ``(point, 2)`` [m]."""
     maps, every = jax.device_get(street.world.maps), round(1 / ROUTE_SPACING)
     chosen = list(zip(np.asarray(scenarios.map).tolist(), np.asarray(scenarios.route).tolist(), strict=True))
     return [

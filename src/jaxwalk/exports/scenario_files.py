@@ -1,4 +1,4 @@
-"""One episode of an evaluation as files for other simulators."""
+"""Files of one episode of an evaluation for other simulators."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
 EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
-"""Files of the folder."""
+"""Names of the files in the folder."""
 
 
 def export_scenario(

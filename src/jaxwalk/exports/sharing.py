@@ -1,4 +1,4 @@
-"""A policy to share: one safetensors file that knows its results, and a model card beside it."""
+"""Files to share a policy: one safetensors file that includes its results, and a model card beside it."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def share(
     folder: Path, out: Path, populations: Sequence[str], *, episodes: int, seed: int,
     progress: Callable[[str, str, int, int], None] | None = None,
 ) -> Path:  # fmt: skip
-    """Write the policy file of a run folder with the driver's results among the populations; returns the card's path.
+    """Write the policy file of a run folder with the driver's results among the populations; return the card's path.
 
     Raises RunError if the run has no policy yet, ContestantError for an unknown population.
     """
-    run, here = Run.open(folder), str(folder.resolve())  # whole, so that it is no shipped policy's name
+    run, here = Run.open(folder), str(folder.resolve())  # the whole path can't be a shipped policy's name
     street = world_of([here], ())
     driver = {"driver": contestant(street, "driver", here)}
     people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
@@ -47,7 +47,7 @@ def share(
 
 
 def _label(population: str) -> str:
-    """What to call a population elsewhere: a run folder is somewhere else there."""
+    """Return a population's name for readers elsewhere: the path of a run folder means nothing there."""
     if population in (*POPULATIONS, *SHIPPED["pedestrian"]) or not Path(population).is_dir():
         return Path(population).name
     experiment = Run.open(population).experiment
@@ -55,7 +55,7 @@ def _label(population: str) -> str:
 
 
 def model_card(file: Path) -> str:
-    """What people want to know of a shared policy, as Markdown; all of it from the file itself."""
+    """Return the model card of a shared policy as Markdown; everything in it comes from the file itself."""
     about = read_metadata(file)
     who = "A car trained alone, among pedestrians who always go" if about["single_agent"] else "Car and pedestrians"
     maps, versions = ", ".join(about["maps"]), ", ".join(f"{name} {x}" for name, x in about["versions"].items())

@@ -1,4 +1,4 @@
-"""Episodes of an evaluation as trajectories for others."""
+"""Trajectories of an evaluation's episodes, as a table in a file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from jaxwalk.sim.environment import Street
 
 
 class SeveralMapsError(ValueError):
-    """A file of trajectories has one map."""
+    """The street has several maps, but a file of trajectories has one."""
 
 
 def record_tracks(
@@ -66,7 +66,7 @@ def _recorded(
     seed: int,
     progress: Callable[[int, int], None] | None,
 ) -> Iterator[Tracks]:
-    """The episodes, one after the other; played a batch at a time."""
+    """Yield the episodes one after the other; they are played in batches."""
     policies, source = {"driver": driver, "pedestrian": pedestrians}, Drawn(street, seed, episodes)
     for first in range(0, episodes, BATCH):
         numbers = (first + np.arange(BATCH)) % episodes

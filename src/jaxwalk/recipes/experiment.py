@@ -1,4 +1,4 @@
-"""What a training is: the world, the weights of the rewards and the learner's numbers, under a name.
+"""The definition of a training: the world, the weights of the rewards and the learner's numbers, under a name.
 
 This module imports no JAX, so that a command line starts quickly.
 """
@@ -14,13 +14,13 @@ from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 
 @dataclass(frozen=True)
 class Experiment:
-    """All that is needed to repeat a training. An ablation is a function Experiment -> Experiment."""
+    """Everything needed to repeat a training. An ablation is a function Experiment -> Experiment."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid"}
     """Unknown fields of a file are errors, here and in all parts."""
 
     recipe: str
-    """The recipe that it started from."""
+    """Name of the recipe that it started from."""
     train: TrainConfig
     """How the learner learns."""
     driver_weights: dict[str, float]
@@ -32,14 +32,14 @@ class Experiment:
     jaywalk_multiplier: float = JAYWALK_MULTIPLIER
     """P(jaywalk | decision) = jaywalking tendency x this."""
     sim: SimConfig = field(default_factory=SimConfig)
-    """The world's rules."""
+    """The rules of the world."""
     seed: int = 0
     """The seed of networks, scenarios and actions."""
     minutes: float | None = None
     """Time [min] for which the training is planned when it starts. None: `TrainConfig.updates` is the plan."""
 
     def __post_init__(self) -> None:
-        """Raise ValueError, naming the field, for values of which no environment can be made."""
+        """Raise ValueError for values with which no environment can be made, naming the field."""
         if not self.maps:
             raise ValueError("maps must name at least one map")
         if not 0 <= self.seed < 2**32:
@@ -51,12 +51,12 @@ class Experiment:
 
     @property
     def single_agent(self) -> bool:
-        """Whether only the car learns; pedestrians then always go."""
+        """Return whether only the car learns; pedestrians then always go."""
         return not self.train.roles["pedestrian"].learns
 
     @property
     def steps_per_update(self) -> int:
-        """Environment steps in one update."""
+        """Return the number of environment steps in one update."""
         return self.train.environments * self.train.steps
 
 

@@ -50,7 +50,7 @@ def _street(experiment: Experiment) -> Street:
 
 
 def _check_sets(experiment: Experiment) -> None:
-    """Raise WorldError for unknown observation sets, and for a driver with discrete actions."""
+    """Raise WorldError for unknown observation sets, and for a gated driver."""
     if experiment.train.roles["driver"].gated:
         raise WorldError("train.roles.driver.gated must be false: only pedestrians choose between 0 and 1")
     for role, sets in OBSERVATIONS.items():

@@ -1,7 +1,7 @@
 """A page in the run folder that shows the progress of a training: ``watch.html``, opened from disk.
 
-Every few seconds the page loads ``watch.js``, which is written whole after updates and does nothing but hand over the
-numbers: no server is needed, and nothing is asked of the accelerator that ``metrics.jsonl`` has not.
+After updates, ``watch.js`` is written whole: a script that only hands over the numbers. The page loads it every few
+seconds, so no server is needed. The numbers are those of ``metrics.jsonl``: the accelerator computes nothing more.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where scenarios come from: a source gives them by number, whatever made them."""
+"""Sources of scenarios: a source gives scenarios by number, however they were made."""
 
 from jaxwalk.scenarios.drawn import Drawn
 from jaxwalk.scenarios.source import Source, source_hash

@@ -1,4 +1,4 @@
-"""Scenarios drawn at random, each from its seed and its number alone."""
+"""Scenarios drawn at random, each from only its seed and its number."""
 
 from __future__ import annotations
 
@@ -24,29 +24,29 @@ NUMBERS = 2**30
 
 @dataclass(frozen=True)
 class Drawn:
-    """The first ``count`` scenarios of a seed: those with which evaluation environments would begin a rollout.
+    """The first ``count`` scenarios of a seed: those with which evaluation environments begin a rollout.
 
     No training meets them. Raises ValueError for an impossible seed or count.
     """
 
     street: Street
-    """Where they are drawn."""
+    """The street in which the scenarios are drawn."""
     seed: int
     count: int = NUMBERS
 
     def __post_init__(self) -> None:
-        """Refuse what can't be drawn."""
+        """Raise ValueError for an impossible seed or count."""
         if not 0 <= self.seed < SEEDS:
             raise ValueError(f"seed must be 0 or more and below {SEEDS}, not {self.seed}")
         if not 1 <= self.count <= NUMBERS:
             raise ValueError(f"count must lie in [1, {NUMBERS}], not {self.count}")
 
     def __len__(self) -> int:
-        """How many scenarios it has."""
+        """Return the number of scenarios."""
         return self.count
 
     def take(self, numbers: Int[np.ndarray, "episode"]) -> tuple[Scenario, Key[Array, "episode"]]:
-        """Return the scenarios of these numbers, and a key for each. Raise ValueError for one that there isn't."""
+        """Return the scenarios of these numbers, and a key for each. Raise ValueError for a number out of range."""
         for wrong in numbers[(numbers < 0) | (numbers >= self.count)][:1]:
             raise ValueError(f"scenario must lie in [0, {self.count}), not {wrong}")
         fold_in = jax.vmap(jax.random.fold_in, in_axes=(None, 0))
@@ -58,7 +58,7 @@ class Drawn:
         return source_hash(self)
 
     def describe(self) -> dict[str, Any]:
-        """Return seed, count and hash."""
+        """Return the seed, the count and the hash."""
         return {"seed": self.seed, "count": self.count, "hash": self.hash()}
 
 

@@ -1,4 +1,4 @@
-"""What evaluation needs to know about the origin of scenarios: give me these numbers, and say which set it is."""
+"""The source of scenarios, as evaluation needs it: it gives scenarios by number, and identifies its set."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Array, Int, Key
 
 HASHED_AT_ONCE = 512
-"""Scenarios made at once for the hash."""
+"""Number of scenarios that are made at once for the hash."""
 HASH_DIGITS = 16
-"""Hexadecimal digits of a source's hash."""
+"""Number of hexadecimal digits of a source's hash."""
 
 
 @runtime_checkable
@@ -20,7 +20,7 @@ class Source(Protocol):
     """A numbered set of scenarios. Scenario i is always the same, whatever else is taken with it."""
 
     def __len__(self) -> int:
-        """How many scenarios it has; their numbers are 0, 1, ..."""
+        """Return the number of scenarios; they are numbered 0, 1, ..."""
         ...
 
     def take(self, numbers: Int[np.ndarray, "episode"]) -> tuple[Any, Key[Array, "episode"]]:
@@ -31,11 +31,11 @@ class Source(Protocol):
         ...
 
     def hash(self) -> str:
-        """Return `HASH_DIGITS` hexadecimal digits that stand for everything chance decides in the set."""
+        """Return `HASH_DIGITS` hexadecimal digits that identify everything in the set that chance decides."""
         ...
 
     def describe(self) -> dict[str, Any]:
-        """Return what results say about the set, as plain JSON."""
+        """Return what results state about the set, as plain JSON."""
         ...
 
 
@@ -47,7 +47,7 @@ def source_hash(source: Source) -> str:
     digest = hashlib.sha256()
     for first in range(0, len(source), HASHED_AT_ONCE):
         numbers = first + np.arange(HASHED_AT_ONCE)
-        scenarios, _ = source.take(numbers % len(source))  # always as many, so that one program makes them all
+        scenarios, _ = source.take(numbers % len(source))  # always the same number, so that one program makes them all
         table = np.concatenate([_bytes(x) for x in jax.tree.leaves(scenarios)], axis=1)
         digest.update(table[: len(source) - first].tobytes())
     return digest.hexdigest()[:HASH_DIGITS]

@@ -1,6 +1,6 @@
-"""What anybody's own part must do to work with the rest: call a check, and it says in words what doesn't hold.
+"""Checks that a part of your own works with the rest: call one, and its message says what doesn't hold.
 
-Our own environments, drivers, pedestrians, metrics and sources pass the same checks.
+jaxwalk's own environments, drivers, pedestrians, metrics and sources pass the same checks.
 """
 
 from jaxwalk.testing.environment_contract import check_environment

@@ -16,9 +16,9 @@ from jaxwalk.rollout import draw_batch
 from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same
 
 BATCH = 4
-"""Episodes that are checked together."""
+"""Number of episodes that are checked together."""
 ROUNDING = 1e-5
-"""One episode alone may round differently than in a batch."""
+"""Tolerance between an episode played alone and in a batch, which may round differently."""
 
 
 def check_environment(
@@ -56,7 +56,7 @@ def check_environment(
 
 
 def random_actions(roles: Roles[RoleSpec], key: Key[Array, ""], batch: int) -> Roles[Array]:
-    """Return uniformly random actions of everybody."""
+    """Return uniformly random actions of all agents."""
     found = {}
     for place, (role, spec) in enumerate(roles.items()):
         own, shape = jax.random.fold_in(key, place), (*spec.agents, batch)
@@ -102,7 +102,7 @@ def _check_views(environment: Environment, views: Mapping[str, Sequence[str]], s
 
 
 def _check_step(environment: Environment, scenario: Any, state: Any, actions: Roles[Array]) -> Any:
-    """Check one step; returns the state after it."""
+    """Check one step; return the state after it."""
     after, outcome = environment.step(scenario, state, actions)
     again, outcome_again = environment.step(scenario, state, actions)
     require(
@@ -140,5 +140,5 @@ def _check_outcome(environment: Environment, outcome: Outcome) -> None:
 
 
 def describes(action: Box | Discrete) -> str:
-    """Return what an action of that kind must be, in words."""
+    """Return in words what an action of that kind must be."""
     return f"integers in [0, {action.n})" if isinstance(action, Discrete) else f"{action.size} numbers"

@@ -15,11 +15,11 @@ from jaxwalk.testing.environment_contract import describes, random_actions
 from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same
 
 BATCH = 4
-"""Episodes that are checked together."""
+"""Number of episodes that are checked together."""
 BEYOND = 1e-4
-"""Numbers may exceed [-1, 1] by this much, by rounding."""
+"""Largest excess of an action over [-1, 1] that counts as rounding."""
 ROUNDING = 1e-5
-"""One episode alone may round differently than in a batch."""
+"""Tolerance between an episode played alone and in a batch, which may round differently."""
 
 
 def check_driver(policy: Policy, environment: Environment, *, steps: int = 8, seed: int = 0) -> None:
@@ -73,7 +73,7 @@ def _check_view(view: View) -> None:
 
 
 def _check_act(policy: Policy, keys: Key[Array, "episode"], memory: Any, seen: Any) -> tuple[Array, Any]:
-    """Check one call of ``act``; returns what it returned."""
+    """Check one call of ``act``; return its result."""
     action, after = policy.act(keys, memory, seen)
     again = policy.act(keys, memory, seen)
     require(same((action, after), again), "act: equal keys, memories and views must give equal actions")

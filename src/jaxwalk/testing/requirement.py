@@ -1,4 +1,4 @@
-"""Requirements in words, and comparisons that checks share."""
+"""Requirements with messages in words, and comparisons that checks share."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def form(tree: Any) -> Any:
 
 
 def plain(x: Any) -> np.ndarray:
-    """Return an array, or a random key's words, as NumPy has it."""
+    """Return an array as a NumPy array; a random key as its words."""
     is_key = eqx.is_array(x) and jax.numpy.issubdtype(x.dtype, jax.dtypes.prng_key)
     return np.asarray(jax.random.key_data(x) if is_key else x)
 

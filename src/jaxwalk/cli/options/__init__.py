@@ -1,4 +1,4 @@
-"""The options of every command, and nothing else: no work, no heavy imports, so that ``--help`` answers at once."""
+"""The options of every command. This package does no work and imports little, so that ``--help`` answers at once."""
 
 from jaxwalk.cli.options.for_bench import Bench
 from jaxwalk.cli.options.for_drivers import Export, Observations

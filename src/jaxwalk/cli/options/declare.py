@@ -1,4 +1,4 @@
-"""How an option is declared: its default in words, what to write after it, and types that several commands share."""
+"""Helpers to declare options: the default in words, the placeholder of the value, and types that commands share."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ else:
 
 
 def option(default: str, kind: str | None = None, name: str | None = None) -> Any:
-    """Return how ``--help`` shows an option: its default in words, and what to write after it."""
+    """Return how ``--help`` shows an option: its default in words, and the placeholder of its value."""
     return tyro.conf.arg(help_behavior_hint=f"(default: {default})", metavar=kind, name=name)
 
 

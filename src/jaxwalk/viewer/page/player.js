@@ -139,8 +139,8 @@ class Player {
     return moment(this.entries, this.time.toFixed(this.digits));
   }
 
-  // At rest: the address of the moment (not at every step of a drag: browsers allow a hundred changes in 30 s), and the
-  // picture in words.
+  // Updates the page's address and the description of the picture. The address waits for a pause, because browsers allow
+  // only a hundred changes in 30 s.
   #settle() {
     clearTimeout(this.settling);
     this.settling = setTimeout(() => history.replaceState(null, "", this.link), 250);

@@ -44,8 +44,8 @@ class Episode {
     return new Episode(about, await inflate(about.record), dt);
   }
 
-  // On which leg of the path somebody is in each frame: the first one, from the last frame's on, that passes there and is
-  // not yet walked to its end (who turns round passes the same place again).
+  // The leg of the path that a pedestrian is on in each frame: the first one from the last frame's leg on that passes
+  // there and isn't finished (after turning round, a pedestrian passes the same place again).
   #legs(plan, person) {
     const ends = lengths(plan), walked = lengths(person);
     let leg = 0;

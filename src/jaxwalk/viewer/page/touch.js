@@ -41,7 +41,7 @@ class Touch {
     this.look({ ...this.drawing.toMetres(width / 2 - dx, height / 2 - dy), zoom: scale / fit });
   }
 
-  // What is under a place [px, py] stays there.
+  // The point of the map under [px, py] stays there.
   #zoom(factor, [px, py]) {
     const { clientWidth: width, clientHeight: height } = this.canvas, { scale, fit } = this.drawing;
     const zoom = Math.min(Math.max((scale / fit) * factor, 1), 20), kept = this.drawing.toMetres(px, py);
