@@ -26,7 +26,7 @@ class Camera:
     """Record an episode step by step, and draw its current frame."""
 
     def __init__(self, street: Street, *, width: int = WIDTH) -> None:
-        """``width``: width of the pictures in pixels."""
+        """Prepare to record; ``width`` is that of the pictures in pixels."""
         self.street, self.width = street, width
         self.trajectory: Trajectory | None = None
         self.figure: EpisodeFigure | None = None

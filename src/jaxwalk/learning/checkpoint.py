@@ -69,7 +69,7 @@ def _check_room(path: Path, size: int) -> None:
 
 
 def latest(path: str | Path) -> int | None:
-    """The number of updates of the newest checkpoint in the folder; None if there is none."""
+    """Return the number of updates of the newest checkpoint in the folder; None if there is none."""
     if not Path(path).is_dir():
         return None
     with _manager(path, create=False) as manager:
