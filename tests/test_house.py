@@ -34,15 +34,10 @@ DEEP_FUNCTIONS: set[str] = {
 SAME_MODULES: set[str] = set()
 SAME_CLASSES: set[str] = set()
 CIRCLES: set[str] = set()
-ODD_DOCSTRINGS: set[str] = {
-    "jaxwalk.adapters.jaxmarl", "jaxwalk.adapters.seat", "jaxwalk.learning.config", "jaxwalk.learning.critics",
-    "jaxwalk.learning.distributions", "jaxwalk.learning.flops",
-}  # fmt: skip
+ODD_DOCSTRINGS: set[str] = set()
 ODD_WORDS: set[str] = {
-    "jaxwalk/adapters/jaxmarl.py", "jaxwalk/cli/options/for_playing.py", "jaxwalk/evaluation/counterfactual.py",
-    "jaxwalk/learning/checkpoint.py", "jaxwalk/learning/config.py", "jaxwalk/learning/fit.py",
-    "jaxwalk/learning/flops.py", "jaxwalk/report/sections.py", "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py",
-    "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py",
+    "jaxwalk/cli/options/for_playing.py", "jaxwalk/learning/checkpoint.py", "jaxwalk/report/sections.py",
+    "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py", "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py",
 }  # fmt: skip
 
 FORBIDDEN = re.compile(r"\b(so many|whom|mend|mends|mended|glance|glances|gone on with)\b", re.IGNORECASE)

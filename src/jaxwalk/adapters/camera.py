@@ -1,4 +1,4 @@
-"""Pictures of an episode while it is played from outside."""
+"""Take pictures of an episode that is played from outside."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ _goal = eqx.filter_jit(vehicle.goal)
 
 
 class Camera:
-    """Writes down an episode, step by step, and shows where it stands."""
+    """Record an episode step by step, and draw its current frame."""
 
     def __init__(self, street: Street, *, width: int = WIDTH) -> None:
-        """``width`` of the pictures in pixels."""
+        """Prepare to record; ``width`` is that of the pictures in pixels."""
         self.street, self.width = street, width
         self.trajectory: Trajectory | None = None
         self.figure: EpisodeFigure | None = None
 
     def begin(self, stream: Stream) -> None:
-        """An episode's first frame; ``stream`` holds one environment."""
+        """Start recording at an episode's first frame; ``stream`` holds one environment."""
         row, scenario = self._row(stream), stream.scenario
         frames = self.street.world.rules.horizon + 1
         goal_x, goal_y = _goal(self.street.world, scenario)
@@ -55,7 +55,7 @@ class Camera:
         self.map_index = int(scenario.map[0])
 
     def add(self, stream: Stream, events: Bool[np.ndarray, "event env"]) -> None:
-        """The frame after a step; ``events`` in the order of `EVENTS`."""
+        """Record the frame after a step; ``events`` are in the order of `EVENTS`."""
         if self.trajectory is None:
             raise RuntimeError("the camera has seen no beginning")
         now = int(stream.state.step[0])
@@ -65,7 +65,7 @@ class Camera:
         self.trajectory.goal[:], self.trajectory.collision[:] = happened["goal"], happened["collision"]
 
     def picture(self) -> UInt8[np.ndarray, "height width 3"]:
-        """The last frame."""
+        """Return a picture of the last frame."""
         if self.trajectory is None:
             raise RuntimeError("the camera has seen no beginning")
         if self.figure is None:
@@ -75,7 +75,7 @@ class Camera:
         return self.figure.pixels(self.figure.last)
 
     def _row(self, stream: Stream) -> dict[str, np.ndarray]:
-        """A moment as the rows of a `Trajectory`."""
+        """Return a moment as the rows of a `Trajectory`."""
         seen = _frame(self.street.world, stream.scenario, stream.state)
         return in_order({name: np.asarray(x) for name, x in seen.items()})
 

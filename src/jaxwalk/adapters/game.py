@@ -1,7 +1,7 @@
-"""A batch of streets in which some roles are played by policies and the others from outside: what all adapters share.
+"""A batch of streets with some roles played by policies and the others from outside: shared by all adapters.
 
-Chance is as in a rollout and an evaluation: an environment's key and the number of its episode give the scenario and,
-with the step, what policies draw. So the first episode of key i of a seed's EVALUATION keys is scenario i of an
+Randomness works as in a rollout and an evaluation: an environment's key and the number of its episode give the scenario
+and, with the step, the policies' draws. So the first episode of key i of a seed's EVALUATION keys is scenario i of an
 evaluation.
 """
 
@@ -23,15 +23,15 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
 
 SEEDS = 2**32
-"""Seeds lie in [0, this)."""
+"""Upper limit of seeds: they lie in [0, this)."""
 SCENARIOS = 2**30
-"""Numbers of scenarios lie in [0, this)."""
+"""Upper limit of scenario numbers: they lie in [0, this)."""
 EVENTS = ("goal", "collision", "timeout")
-"""How an episode can end: the first two terminate it for the driver, the last truncates it."""
+"""How an episode can end: the first two terminate it for the driver, the last one truncates it."""
 
 
 class WorldOptions(TypedDict, total=False):
-    """Options of every adapter about its street, as those of `Street.create`."""
+    """Options that every adapter has for its street; they are those of `Street.create`."""
 
     maps: Sequence[str | Path]
     """Bundled maps or map files; a scenario draws one (default: ``paper``)."""
@@ -42,11 +42,11 @@ class WorldOptions(TypedDict, total=False):
 
 
 class Game(eqx.Module):
-    """What stays the same: the street, and who plays there."""
+    """What stays the same: the street, and the policies of its roles."""
 
     street: Street
     policies: Roles[Policy | None]
-    """Who plays each role; None: it is played from outside."""
+    """The policy of each role; None for a role played from outside."""
 
     @classmethod
     def create(
@@ -58,9 +58,9 @@ class Game(eqx.Module):
         pedestrian_reward: Weights = "fast",
         **world: Unpack[WorldOptions],
     ) -> Game:
-        """A game; ``driver`` and ``pedestrians`` as `player` takes them, or None for a role played from outside.
+        """Return a game; ``driver`` and ``pedestrians`` are as for `player`, or None for a role played from outside.
 
-        Raises AdapterError for an unknown name, and what `Street.create` raises.
+        Raise AdapterError for an unknown name, and the errors of `Street.create`.
         """
         maps = world.get("maps", ("paper",))
         world["maps"] = (maps,) if isinstance(maps, str | Path) else tuple(maps)
@@ -73,7 +73,7 @@ class Game(eqx.Module):
         return cls(street, {role: None if who is None else player(role, who) for role, who in chosen.items()})
 
     def memory(self, count: int) -> Roles[tuple[Any, ...]]:
-        """Return what policies remember at the start of ``count`` episodes."""
+        """Return the policies' memories at the start of ``count`` episodes."""
         roles = self.street.roles
         return {
             role: (None if policy is None else policy.init(roles[role].agents, (count,)),)
@@ -82,7 +82,7 @@ class Game(eqx.Module):
 
 
 def keys_of(seed: int, domain: int, *, first: int = 0, count: int = 1) -> Key[Array, "env"]:
-    """The keys ``first`` .. ``first + count - 1`` of a seed, TRAINING or EVALUATION."""
+    """Return the keys ``first`` .. ``first + count - 1`` of a seed, for TRAINING or EVALUATION."""
     if not 0 <= seed < SEEDS:
         raise AdapterError(f"seed must be 0 or more and below {SEEDS}, not {seed}")
     if not 0 <= first < SCENARIOS:
@@ -91,14 +91,14 @@ def keys_of(seed: int, domain: int, *, first: int = 0, count: int = 1) -> Key[Ar
 
 
 def begin(game: Game, keys: Key[Array, "env"]) -> Stream:
-    """The first episode of each key."""
+    """Return the first episode of each key."""
     return start(game.street, keys, game.memory(keys.size))
 
 
 def play(game: Game, stream: Stream, actions: Roles[Array | None]) -> tuple[Stream, Step]:
-    """Make one step: the given actions of the roles played from outside, the policies' of the others.
+    """Make one step: roles played from outside take the given actions, the others those of their policies.
 
-    Every episode has its own random numbers for every step, whatever happened in the episodes before it.
+    Every episode has its own random numbers for every step, whatever happened in earlier episodes.
     """
 
     def act_or_obey(key: Key[Array, "env"], scenario: Any, state: Any, memory: Any) -> tuple[Any, Any, None]:
@@ -111,12 +111,12 @@ def play(game: Game, stream: Stream, actions: Roles[Array | None]) -> tuple[Stre
 
 
 def renew(game: Game, stream: Stream, which: Bool[Array, "env"]) -> Stream:
-    """The next episode wherever ``which`` says."""
+    """Begin the next episode wherever ``which`` is true."""
     stream = eqx.tree_at(lambda s: s.shown, stream, which)
     return restart(game.street, stream, game.memory(which.size))
 
 
 def rewards_of(outcome: Outcome) -> Roles[Array]:
-    """Return each agent's reward, ``(*agents, *batch)``: the sum of its terms; 0 where nothing is paid."""
+    """Return each agent's reward, ``(*agents, *batch)``: the sum of its terms, or 0 without terms."""
     agents = outcome.terminated
     return {role: sum(terms.values(), jnp.zeros(agents[role].shape)) for role, terms in outcome.rewards.items()}

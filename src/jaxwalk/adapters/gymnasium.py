@@ -37,7 +37,7 @@ _MODES = {AutoresetMode.NEXT_STEP: NEXT_STEP, AutoresetMode.SAME_STEP: SAME_STEP
 class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     """One car among pedestrians: a `gymnasium.Env`.
 
-    ``reset(seed=s)`` begins the first episode of a seed, further calls of ``reset`` its next ones.
+    ``reset(seed=s)`` begins the first episode of a seed; further calls of ``reset`` begin its next ones.
     ``reset(seed=s, options={"scenario": n})`` plays scenario n of ``jaxwalk evaluate --seed s``.
     """
 
@@ -55,17 +55,17 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         render_mode: str | None = None,
         **world: Unpack[WorldOptions],
     ) -> None:
-        """A street.
+        """Create a street.
 
         Args:
             observation: the driver's observation set (``docs/adapters.md``).
-            pedestrians: who they are: a rule or shipped policy by name, a policy file or a `Policy`.
-            reward: the recipe by which the car is paid, or a weight for each of some terms.
+                pedestrians: a rule or shipped policy by name, a policy file or a `Policy`.
+                reward: name of the recipe that defines the car's reward, or weights of reward terms.
             render_mode: ``rgb_array`` or None.
             world: ``maps``, ``jaywalk_multiplier`` and ``config`` (`WorldOptions`).
 
         Raises:
-            ValueError: one of these is impossible; the message names it.
+                ValueError: an option is impossible; the message names it.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise AdapterError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
@@ -90,7 +90,7 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return observation[0], {}
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Acceleration and steering for a step, as shares of their limits."""
+        """Make one step with acceleration and steering, as shares of their limits."""
         if self._ended:
             raise AdapterError("the episode is over: call reset before the next step")
         seen = self.seat.step(np.asarray(action)[None])
@@ -103,16 +103,16 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return seen.observation[0], float(seen.reward[0]), *ends, info
 
     def render(self) -> np.ndarray | None:
-        """The street as it stands, with ``render_mode="rgb_array"``."""
+        """Return a picture of the street now, with ``render_mode="rgb_array"``."""
         return None if self.camera is None else self.camera.picture()
 
 
 class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """Many streets at once, in one compiled step: a `gymnasium.vector.VectorEnv` with automatic resets.
+    """Many streets in one compiled step: a `gymnasium.vector.VectorEnv` with automatic resets.
 
     With ``reset(seed=s)``, street i plays the episodes of the seed's i-th key, so no two seeds share a street
-    (Gymnasium's own wrappers take seed s + i); with a list of seeds, each street is what `StreetEnv` is with its seed.
-    ``options={"scenario": n}``: street i begins with scenario n + i of ``jaxwalk evaluate --seed s``.
+    (Gymnasium's own wrappers use seed s + i). With a list of seeds, each street equals a `StreetEnv` with its seed.
+    With ``options={"scenario": n}``, street i begins with scenario n + i of ``jaxwalk evaluate --seed s``.
     """
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012 (as Gymnasium declares it)
@@ -127,10 +127,10 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **world: Unpack[WorldOptions],
     ) -> None:
-        """As `StreetEnv`, ``num_envs`` of them.
+        """Create ``num_envs`` streets; the other options are those of `StreetEnv`.
 
-        ``autoreset_mode``: NEXT_STEP, where the step after an episode's last one ignores the action and begins the
-        next, or SAME_STEP, where that last step already returns the next one's beginning (the info has ``final_obs``).
+        ``autoreset_mode``: with NEXT_STEP, the step after an episode's last one ignores the action and begins the next
+        episode. With SAME_STEP, the last step already returns the start of the next one (the info has ``final_obs``).
         """
         mode = AutoresetMode(autoreset_mode)
         if mode not in _MODES:
@@ -146,7 +146,7 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | list[int] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode everywhere."""
+        """Begin an episode in every street."""
         begins = seed is not None or self._np_random is None or "scenario" in (options or {})
         super().reset(seed=seed[0] if isinstance(seed, list) else seed)
         if begins:
@@ -154,7 +154,7 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return self.seat.next(np.ones(self.num_envs, bool)), {}
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """A step in every street."""
+        """Make one step in every street."""
         seen = self.seat.step(actions)
         infos = _infos(self.seat, seen, seen.valid) if seen.final is None else _with_final(self.seat, seen)
         return seen.observation, seen.reward, seen.terminated, seen.truncated, infos
@@ -165,12 +165,12 @@ def _game(pedestrians: str | Path | Policy, reward: Weights, world: WorldOptions
 
 
 def _spaces(seat: Seat) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
-    """What is seen and what can be done."""
+    """Return the observation space and the action space."""
     return gymnasium.spaces.Box(seat.low, seat.high), gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
 
 
 def _keys(env: Any, seed: int | list[int] | None, options: dict[str, Any] | None, count: int) -> jax.Array:
-    """Keys of the environments; without a seed, one that Gymnasium drew."""
+    """Return the environments' keys; without a seed, Gymnasium draws one."""
     if isinstance(seed, list):
         if len(seed) != count:
             raise AdapterError(f"{count} environments need as many seeds, not {len(seed)}")
@@ -181,7 +181,7 @@ def _keys(env: Any, seed: int | list[int] | None, options: dict[str, Any] | None
 
 
 def _infos(seat: Seat, seen: Seen, mask: np.ndarray) -> dict[str, Any]:
-    """The info of those environments, as Gymnasium lays it out: each column with a mask, 0 where it says nothing."""
+    """Return the info in Gymnasium's layout: each column with a mask, 0 where the mask is false."""
     if not mask.any():
         return {}
     events = zip(EVENTS, seen.events & mask, strict=True)
@@ -197,7 +197,7 @@ def _masked(columns: Iterable[tuple[str, np.ndarray]], mask: np.ndarray) -> dict
 
 
 def _with_final(seat: Seat, seen: Seen) -> dict[str, Any]:
-    """The info with SAME_STEP: that of an episode's last step is in ``final_info``, beside its ``final_obs``."""
+    """Return the info with SAME_STEP: the last step's info is in ``final_info``, next to its ``final_obs``."""
     ended = seen.ended
     infos = _infos(seat, seen, ~ended)
     if ended.any() and seen.final is not None:

@@ -1,7 +1,7 @@
-"""The street in the manner of JaxMARL: functions of keys and states, for `jax.jit` and `jax.vmap`. It needs no JaxMARL.
+"""The street with JaxMARL's interface: functions of keys and states, for `jax.jit` and `jax.vmap`. It needs no JaxMARL.
 
-Agents are those whom nobody else plays: with ``driver="route-follower"``, the twelve pedestrians, who are alike, as
-JaxMARL's IPPO and MAPPO scripts want them; with ``pedestrians="always-go"``, the car alone; else all thirteen.
+Agents are the roles without a policy. With ``driver="route-follower"``: the twelve pedestrians, who are alike, as
+JaxMARL's IPPO and MAPPO scripts expect; with ``pedestrians="always-go"``: only the car; else all thirteen.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from jaxwalk.rollout import Stream
 from jaxwalk.sim.observation import bounds
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"
-"""The car's name, and how those of the people begin."""
+"""The car's name, and the prefix of the pedestrians' names."""
 
 
 class ChoiceSpace:
-    """A choice among ``n``."""
+    """A choice among ``n`` actions."""
 
     def __init__(self, n: int) -> None:
         self.n, self.shape, self.dtype = n, (), jnp.int32
@@ -39,7 +39,7 @@ class ChoiceSpace:
 
 
 class BoxSpace:
-    """Numbers between bounds."""
+    """Arrays of numbers between bounds."""
 
     def __init__(self, low: Any, high: Any, shape: tuple[int, ...]) -> None:
         self.low, self.high, self.shape, self.dtype = jnp.asarray(low), jnp.asarray(high), shape, jnp.float32
@@ -52,10 +52,10 @@ class BoxSpace:
 
 
 class StreetState(eqx.Module):
-    """One environment; its arrays end in an axis of size 1, the simulator's batch."""
+    """One environment; its arrays end in an axis of size 1, the simulator's batch axis."""
 
     stream: Stream
-    """What it plays, and the key from which come its episodes one after the other."""
+    """The episode in progress, and the key from which all its episodes come."""
 
     @property
     def step(self) -> Int[Array, ""]:
@@ -69,14 +69,14 @@ class StreetState(eqx.Module):
 
 
 Brought = tuple[dict[str, Array], StreetState, dict[str, Array], dict[str, Array], dict[str, Array]]
-"""Of a step: observations, next state, rewards, dones and infos (arrays with one number for each agent)."""
+"""The result of a step: observations, next state, rewards, dones and infos (arrays with one number per agent)."""
 
 
 class StreetMARL:
     """The street with the attributes and methods of JaxMARL's ``MultiAgentEnv``.
 
-    An episode ends for all at once, and JaxMARL knows one way to end: ``dones`` is true for goal, collision and timeout
-    alike (``infos`` tells which). `vmap` over it is cheap: `_merged` makes all environments one batch.
+    An episode ends for all agents at once, and JaxMARL has one way to end: ``dones`` is true for goal, collision and
+    timeout alike (``infos`` says which). `vmap` over it is cheap: `_merged` makes all environments one batch.
     """
 
     def __init__(
@@ -90,9 +90,9 @@ class StreetMARL:
         pedestrian_reward: Weights = "fast",
         **world: Unpack[WorldOptions],
     ) -> None:
-        """A street; ``driver`` and ``pedestrians`` name who plays these roles, where that isn't left to the agents.
+        """Create a street; ``driver`` and ``pedestrians`` are the policies of roles that are not agents.
 
-        Raises ValueError for an impossible option; the message names it.
+        Raise ValueError for an impossible option; the message names it.
         """
         if driver is not None and pedestrians is not None:
             raise AdapterError("driver and pedestrians are both played by policies: leave one of them to the agents")
@@ -117,19 +117,19 @@ class StreetMARL:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """The name of the environment."""
         return "jaxwalk_street"
 
     def observation_space(self, agent: str) -> BoxSpace:
-        """What an agent sees."""
+        """Return the observation space of an agent."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> BoxSpace | ChoiceSpace:
-        """The driver: acceleration and steering, shares of their limits. A pedestrian: wait (0) or go (1)."""
+        """Return the action space: acceleration and steering as shares of their limits, or wait (0) and go (1)."""
         return self.action_spaces[agent]
 
     def reset(self, key: Array) -> tuple[dict[str, Array], StreetState]:
-        """The beginning of an environment's first episode. All chance in it, and in later ones, is in the key."""
+        """Begin an environment's first episode. The key determines all randomness in it and in later episodes."""
 
         def begins(keys: Array) -> tuple[Roles[Array], StreetState]:
             began = begin(self.game, keys)
@@ -141,8 +141,10 @@ class StreetMARL:
     def step(
         self, key: Array, state: StreetState, actions: dict[str, Array], reset_state: StreetState | None = None
     ) -> Brought:
-        """As `step_env`; where the episode ended, observations and state are those of the beginning of the next one
-        (or ``reset_state`` and its own)."""
+        """Make a step like `step_env`; where the episode ends, return observations and state of the next one's start.
+
+        If ``reset_state`` is given, the next episode starts from it.
+        """
         seen, after, rewards, dones, infos = self._play(state, actions, renews=reset_state is None)
         if reset_state is not None:
             fresh = self.get_obs(reset_state), reset_state
@@ -150,15 +152,15 @@ class StreetMARL:
         return seen, after, rewards, dones, infos
 
     def step_env(self, key: Array, state: StreetState, actions: dict[str, Array]) -> Brought:
-        """One step. The ``key`` isn't needed: an environment has its own from `reset`."""
+        """Make one step. The ``key`` is not needed: an environment has its own from `reset`."""
         return self._play(state, actions, renews=False)
 
     def get_obs(self, state: StreetState) -> dict[str, Array]:
-        """What everybody sees."""
+        """Return every agent's observation."""
         return self._by_name(_merged(lambda now: self._observe(_stream(now)))(state))
 
     def get_avail_actions(self, state: StreetState) -> dict[str, Bool[Array, "2"]]:
-        """Pedestrians can always wait and go. (A driver has no choices to be counted.)"""
+        """Return that pedestrians can always wait and go. (The driver's actions are continuous.)"""
         return {name: jnp.ones(2, bool) for name in self.agent_classes.get("pedestrian", ())}
 
     def _space(self, role: str) -> BoxSpace:
@@ -167,7 +169,7 @@ class StreetMARL:
         return BoxSpace(low, high, low.shape)
 
     def _play(self, state: StreetState, actions: dict[str, Array], *, renews: bool) -> Brought:
-        """One step, and then perhaps the next episode."""
+        """Make one step, and begin the next episode if ``renews`` and the episode ended."""
 
         def plays(now: StreetState, given: Roles[Array | None]) -> tuple[Any, ...]:
             after, step = play(self.game, _stream(now), given)
@@ -180,7 +182,7 @@ class StreetMARL:
         return self._by_name(seen), after, self._by_name(rewards), dones, self._infos(outcome)
 
     def _observe(self, now: Stream) -> Roles[Array]:
-        """Return what the roles see that are left to agents."""
+        """Return the observations of the roles that are agents."""
         return {
             role: self.game.street.observe(now.scenario, now.state, self.views[role]) for role in self.agent_classes
         }
@@ -195,7 +197,7 @@ class StreetMARL:
         return parts
 
     def _together(self, actions: dict[str, Array]) -> Roles[Array | None]:
-        """Return everybody's actions as arrays of one environment; None for a role that a policy plays."""
+        """Return all agents' actions as arrays of one environment; None for a role that has a policy."""
         driver, people = None, None
         if "driver" in self.agent_classes:
             driver = jnp.asarray(actions[DRIVER], jnp.float32).reshape(2, 1)
@@ -205,7 +207,7 @@ class StreetMARL:
         return {"driver": driver, "pedestrian": people}
 
     def _infos(self, outcome: Outcome) -> dict[str, Array]:
-        """How the episode ended, if it did, and the terms of the rewards: an array with a number for each agent."""
+        """Return how the episode ended, if it did, and the reward terms: arrays with one number per agent."""
         events = {name: getattr(outcome.events, name)[0] for name in EVENTS}
         infos = {name: jnp.full((self.num_agents,), happened) for name, happened in events.items()}
         others = self.num_agents - 1
@@ -219,7 +221,7 @@ class StreetMARL:
 
 
 def _stream(state: StreetState) -> Stream:
-    """The stream of a batch; it counts its steps once, a state has a number for each environment."""
+    """Return the stream of a batch; it has one step count, while a state has one for each environment."""
     return eqx.tree_at(lambda s: s.step, state.stream, jnp.zeros((), jnp.int32))
 
 
@@ -228,14 +230,14 @@ def _state(stream: Stream) -> StreetState:
 
 
 def _typed(key: Array) -> Array:
-    """A key as JAX has them now; JaxMARL's scripts make the older kind, two bare numbers."""
+    """Return a key of JAX's present type; JaxMARL's scripts make the older kind, two plain numbers."""
     return key if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else jax.random.wrap_key_data(key)
 
 
 def _merged(function: Any) -> Any:
-    """A function of arrays that end in an environment axis, whose `vmap` puts the new axis into that one.
+    """Return the function with a `vmap` that merges the new axis into the environment axis, its arrays' last one.
 
-    Plain `vmap` would put environments in front, where the simulator is several times slower.
+    Plain `vmap` would put the new axis first, where the simulator is several times slower.
     """
     merged = custom_vmap(function)
 

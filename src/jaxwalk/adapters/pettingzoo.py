@@ -26,13 +26,13 @@ from jaxwalk.sim.observation import bounds
 from jaxwalk.sim.sim_config import SimConfig
 
 DRIVER, PEDESTRIAN = "driver", "pedestrian_"
-"""The car's name, and how those of the people begin."""
+"""The car's name, and the prefix of the pedestrians' names."""
 
 
 class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
-    """One car, ``driver``, and everybody else, ``pedestrian_0`` and so on. An episode ends for all at once.
+    """One car, ``driver``, and pedestrians ``pedestrian_0`` and so on. An episode ends for all agents at once.
 
-    Whoever collided has ``terminated``, and so has a driver who arrived; for all others the end is ``truncated``.
+    Agents in a collision have ``terminated``, and so has a driver who arrived; for all others the end is ``truncated``.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (as PettingZoo declares it)
@@ -52,9 +52,9 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         render_mode: str | None = None,
         **world: Unpack[WorldOptions],
     ) -> None:
-        """A street; options as those of `jaxwalk.adapters.gymnasium.StreetEnv`, for each role.
+        """Create a street; options are those of `jaxwalk.adapters.gymnasium.StreetEnv`, for each role.
 
-        Raises ValueError for an impossible one; the message names it.
+        Raise ValueError for an impossible option; the message names it.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise AdapterError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
@@ -83,11 +83,11 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         self._seed: int | None = None
 
     def observation_space(self, agent: str) -> Space:
-        """What an agent sees."""
+        """Return the observation space of an agent."""
         return self._observation_spaces[agent]
 
     def action_space(self, agent: str) -> Space:
-        """The driver: acceleration and steering, shares of their limits. A pedestrian: wait (0) or go (1)."""
+        """Return the action space: acceleration and steering as shares of their limits, or wait (0) and go (1)."""
         return self._action_spaces[agent]
 
     def reset(
@@ -110,7 +110,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
     def step(
         self, actions: dict[str, Any]
     ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """One step of everybody."""
+        """Make one step of all agents."""
         if self._stream is None or not self.agents:
             raise AdapterError("the episode is over: call reset before the next step")
         together = self._together(actions)
@@ -128,16 +128,16 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         return self._by_name(seen), rewards, terminated, truncated, infos
 
     def render(self) -> np.ndarray | None:
-        """The street as it stands, with ``render_mode="rgb_array"``."""
+        """Return a picture of the street now, with ``render_mode="rgb_array"``."""
         return None if self.camera is None else self.camera.picture()
 
     def _by_name(self, each: Roles[Any]) -> dict[str, np.ndarray]:
-        """Each agent's part of arrays ``(..., env)`` and ``(..., ped, env)`` of one environment."""
+        """Return each agent's part of arrays ``(..., env)`` and ``(..., ped, env)`` of one environment."""
         people = {f"{PEDESTRIAN}{i}": each["pedestrian"][..., i, 0] for i in range(self.people)}
         return {name: np.array(x) for name, x in {DRIVER: each["driver"][..., 0], **people}.items()}
 
     def _together(self, actions: dict[str, Any]) -> Roles[np.ndarray]:
-        """Everybody's actions as arrays of one environment."""
+        """Return all agents' actions as arrays of one environment."""
         missing = [name for name in self.agents if name not in actions]
         if missing:
             raise AdapterError(f"no action for {', '.join(missing)}: every agent acts at every step")
@@ -151,7 +151,7 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         return {"driver": drive[:, None], "pedestrian": go[:, None]}
 
     def _infos(self, outcome: Outcome) -> dict[str, dict[str, Any]]:
-        """How the episode ended, if it did, and the terms of each agent's reward."""
+        """Return how the episode ended, if it did, and the terms of each agent's reward."""
         events = {name: bool(getattr(outcome.events, name)[0]) for name in EVENTS}
         infos = {name: {**events, "rewards": {}} for name in self.possible_agents}
         for term, of_driver in outcome.rewards["driver"].items():
@@ -183,7 +183,7 @@ def _next(game: Game, views: Roles[View], stream: Stream) -> tuple[Stream, Roles
 def _step(
     game: Game, views: Roles[View], stream: Stream, actions: Roles[Any]
 ) -> tuple[Stream, Roles[Array], Roles[Array], Outcome]:
-    """The stream after a step, what everybody sees, each agent's reward, and all else that the step brought."""
+    """Return the stream after a step, all observations, each agent's reward, and the outcome."""
     stream, step = play(game, stream, jax.tree.map(jnp.asarray, actions))
     return stream, _observe(game, views, stream), rewards_of(step.outcome), step.outcome
 

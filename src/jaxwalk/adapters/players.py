@@ -1,4 +1,4 @@
-"""Who plays the roles that the user of an adapter doesn't, and what everybody is paid."""
+"""The policies of roles that the user of an adapter does not play, and the rewards of all roles."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, shipped
 from jaxwalk.recipes import RECIPES
 
 Weights = str | Mapping[str, float]
-"""A recipe's name, or a weight for each of some reward terms (`jaxwalk.sim.reward`)."""
+"""A recipe's name, or weights of reward terms (`jaxwalk.sim.reward`)."""
 
 _RULES: dict[str, Any] = {"driver": DRIVERS, "pedestrian": POPULATIONS}
 
 
 class AdapterError(ValueError):
-    """What an adapter was asked for can't be done; one line says why and what to do."""
+    """Raised for an impossible option of an adapter; one line says why and what to do."""
 
 
 def player(role: str, who: str | Path | Policy) -> Policy:
-    """A policy for a role: itself, or by the name of a rule or shipped policy, or a policy file.
+    """Return a role's policy: a `Policy` itself, a rule or shipped policy by name, or a policy file.
 
-    A trained policy acts as in an evaluation: pedestrians draw their actions, a driver takes the likeliest one.
+    A trained policy acts as in an evaluation: pedestrians sample their actions, a driver takes the likeliest one.
     """
     if not isinstance(who, str | Path):
         return who
@@ -38,7 +38,7 @@ def player(role: str, who: str | Path | Policy) -> Policy:
 
 
 def weights_of(role: str, weights: Weights) -> Mapping[str, float]:
-    """What a role is paid for: as given, or as the recipe of that name pays."""
+    """Return the weights of a role's reward terms: as given, or those of the recipe with that name."""
     if not isinstance(weights, str):
         return weights
     if weights not in RECIPES:

@@ -1,7 +1,7 @@
-"""The driver's seat in a batch of streets, for a loop in Python: what goes in and comes out are NumPy arrays.
+"""The driver's seat in a batch of streets, for a loop in Python: inputs and outputs are NumPy arrays.
 
-A step is one call of one compiled function, and one packed array is all that it hands to the host: many small transfers
-would cost more than the simulation.
+A step is one call of one compiled function, and returns one packed array to the host: many small transfers would cost
+more than the simulation.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from jaxwalk.rollout import Stream
 from jaxwalk.sim.observation import bounds
 
 NEVER, NEXT_STEP, SAME_STEP = "never", "next step", "same step"
-"""When an ended episode gives way to the next: when asked, in place of the step after its last, or right after that."""
+"""When the next episode begins: on request, in place of the step after the last one, or in the last step itself."""
 
 
 class Seen(NamedTuple):
-    """What a step brought; arrays ``(env, ...)``."""
+    """The result of a step; arrays ``(env, ...)``."""
 
     observation: Float[np.ndarray, "env feature"]
-    """Of the state after the step, or of the next episode's first one."""
+    """Observation of the state after the step, or of the next episode's first state."""
     final: Float[np.ndarray, "env feature"] | None
-    """With SAME_STEP: of the state after the step."""
+    """Observation of the state after the step, with SAME_STEP only."""
     terms: Float[np.ndarray, "term env"]
-    """What was earned, in the order of `Seat.terms`."""
+    """Rewards of the step, in the order of `Seat.terms`."""
     events: Bool[np.ndarray, "event env"]
-    """In the order of `EVENTS`: how the episode ended, if it did."""
+    """How the episode ended, if it did, in the order of `EVENTS`."""
     valid: Bool[np.ndarray, "env"]
-    """False where the step stood for the beginning of an episode: nothing was done or earned."""
+    """False where the step was the start of an episode: there was no action and no reward."""
 
     @property
     def reward(self) -> Float[np.ndarray, "env"]:
@@ -45,23 +45,25 @@ class Seen(NamedTuple):
 
     @property
     def terminated(self) -> Bool[np.ndarray, "env"]:
-        """Arrived or collided."""
+        """Whether the car arrived or collided."""
         return self.events[0] | self.events[1]
 
     @property
     def truncated(self) -> Bool[np.ndarray, "env"]:
-        """Out of time."""
+        """Whether time ran out."""
         return self.events[2]
 
     @property
     def ended(self) -> Bool[np.ndarray, "env"]:
-        """For whatever reason."""
+        """Whether the episode ended for any reason."""
         return self.terminated | self.truncated
 
 
 class SeatProgram:
-    """A game and how it is played from the seat. Compiled code holds all of it as constants: what is not handed over at
-    every call costs no time there. Equal rules share that code."""
+    """A game, and how the seat plays it. Compiled code holds all of it as constants: they cost no time at each call.
+
+    Equal programs share the compiled code.
+    """
 
     def __init__(self, game: Game, observation: str, autoreset: str) -> None:
         self.game, self.autoreset = game, autoreset
@@ -80,10 +82,10 @@ class SeatProgram:
 
 
 class Seat:
-    """Drives the cars of ``count`` streets."""
+    """Drive the cars of ``count`` streets."""
 
     def __init__(self, game: Game, count: int, *, observation: str, autoreset: str) -> None:
-        """Raises ValueError for an unknown observation set."""
+        """Raise ValueError for an unknown observation set."""
         if count < 1:
             raise AdapterError(f"the number of environments must be at least 1, not {count}")
         self.count, street = count, game.street
@@ -95,28 +97,28 @@ class Seat:
 
     @property
     def stream(self) -> Stream:
-        """Where the streets stand; its keys are raw."""
+        """The streets' current state; its keys are raw."""
         return jax.tree.unflatten(self.structure, self._begun())
 
     def _begun(self) -> list[Array]:
-        """The arrays of the stream: a plain list is handed over much faster than a tree of objects."""
+        """Return the arrays of the stream: a plain list is passed much faster than a tree of objects."""
         if not self._leaves:
             raise AdapterError("nothing has begun yet: call reset first")
         return self._leaves
 
     def begin(self, keys: Key[Array, "env"]) -> Float[np.ndarray, "env feature"]:
-        """The first episode of each key."""
+        """Begin the first episode of each key."""
         stream, seen = _begin(self.rules, jax.random.key_data(keys))
         self._leaves, self.structure = jax.tree.flatten(stream)
         return np.asarray(seen).T.copy()
 
     def next(self, which: Bool[np.ndarray, "env"]) -> Float[np.ndarray, "env feature"]:
-        """The next episode wherever ``which`` says."""
+        """Begin the next episode wherever ``which`` is true."""
         self._leaves, seen = _next(self.rules, self.structure, self._begun(), which)
         return np.asarray(seen).T.copy()
 
     def step(self, action: Any) -> Seen:
-        """One step of every street; ``action`` is (env, 2), acceleration and steering."""
+        """Make one step in every street; ``action`` is (env, 2), acceleration and steering."""
         action = np.asarray(action, np.float32)
         if action.shape != (self.count, 2):
             raise AdapterError(f"an action is acceleration and steering: {(self.count, 2)} numbers, not {action.shape}")
@@ -126,7 +128,7 @@ class Seat:
         return self._unpacked(np.asarray(packed))
 
     def _unpacked(self, packed: Float[np.ndarray, "row env"]) -> Seen:
-        """What `_step` packed; everything is copied, so that it stays when the device's memory is used again."""
+        """Unpack the result of `_step`; everything is copied, since the device reuses its memory."""
         features = len(self.low)
         both = self.rules.autoreset == SAME_STEP
         blocks = np.split(packed, np.cumsum([features, features * both, len(self.terms), len(EVENTS)]))
@@ -156,7 +158,7 @@ def _next(rules: SeatProgram, structure: Any, leaves: list[Array], which: Array)
 def _step(
     rules: SeatProgram, structure: Any, leaves: list[Array], action: Array
 ) -> tuple[list[Array], Float[Array, "row env"]]:
-    """The stream after a step, and what `Seat._unpacked` takes apart."""
+    """Return the stream after a step, and the array that `Seat._unpacked` takes apart."""
     stream, step = play(
         rules.game, _keyed(jax.tree.unflatten(structure, leaves)), {"driver": action, "pedestrian": None}
     )

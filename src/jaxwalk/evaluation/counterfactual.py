@@ -1,4 +1,4 @@
-"""Could a collision have been avoided, and by whom? Replay every collision of an evaluation with one thing changed.
+"""Who could have avoided a collision? Replay every collision of an evaluation with one thing changed.
 
 ``docs/metrics.md``, Counterfactuals, explains the changes and the labels. A scenario holds all randomness and a step is
 deterministic, so everything else stays the same until the change makes a difference.

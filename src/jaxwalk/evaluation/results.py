@@ -172,7 +172,7 @@ class Stopped(ValueError):
     """Raised if a driver fails in the middle of a comparison. The message is that of the driver's error."""
 
     def __init__(self, message: str, rows: dict[tuple[str, str], Rows]) -> None:
-        """``rows``: the rows evaluated until then, in whole batches."""
+        """Keep ``rows``, the rows evaluated until then, in whole batches."""
         super().__init__(message)
         self.rows = rows
 

@@ -1,1 +1,1 @@
-"""Multi-agent PPO for any `jaxwalk.interfaces.Environment`: `mappo.init`, then `mappo.update` again and again."""
+"""Multi-agent PPO for any `jaxwalk.interfaces.Environment`: call `mappo.init`, then `mappo.update` repeatedly."""

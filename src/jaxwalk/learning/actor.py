@@ -1,4 +1,4 @@
-"""A policy that can be trained: a network and the distribution that it parametrises."""
+"""A policy that can be trained: a network, and the distribution with its outputs as parameters."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distrib
 from jaxwalk.learning.networks import MLP, make_mlp
 
 DISCRETE, GATED = "discrete", "gated"
-"""The kinds of policy that choose among n, everywhere or where the first feature of the observation is above 0; the
-kinds of continuous policies are `RoleConfig.noise`."""
+"""The kinds of policy with discrete actions: everywhere, or only where the observation's first feature is above 0. The
+kinds with continuous actions are those of `RoleConfig.noise`."""
 OTHERWISE = 1
-"""What a gated policy does where there is nothing to decide."""
+"""A gated policy's action where there is nothing to decide."""
 CHOSEN_PART = 16
-"""`run_where` runs a network on this part (1 / 16) of the columns at once: somewhat more than are chosen in a step."""
+"""`run_where` runs a network on this part (1 / 16) of the columns at once: slightly more than one step selects."""
 
 
 class Actor(eqx.Module):
-    """All agents of a role share one."""
+    """The policy that all agents of a role share."""
 
     network: MLP
-    """From observation to logits or means."""
+    """The network from observations to logits or means."""
     log_std: Float[Array, " size"] | None
-    """Log standard deviation of each number of a continuous action, the same everywhere."""
+    """Log standard deviation of each component of a continuous action; it does not depend on the observation."""
     observes: str = eqx.field(static=True)
-    """The observation set it reads."""
+    """Name of the observation set that the policy reads."""
     kind: str = eqx.field(static=True)
     """``discrete``, ``gated``, ``clipped`` or ``tanh``."""
     hold: int = eqx.field(static=True, default=1)
-    """Steps for which a gated policy's decision stands."""
+    """Steps for which a gated policy keeps a decision."""
 
     def __call__(self, observation: Float[Array, "feature *rest"]) -> Distribution:
-        """The distribution of every agent's action; of a gated policy, where it decides."""
+        """Return the distribution of every agent's action; for a gated policy, of its decisions."""
         outputs = self.network(observation)
         if self.log_std is None:
             return Categorical(outputs)
@@ -47,38 +47,38 @@ class Actor(eqx.Module):
         return TanhGaussian(outputs, self.log_std)
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Held | None:
-        """Return what it remembers at the start of an episode; None unless it is gated."""
+        """Return the memory at the start of an episode; None unless the policy is gated."""
         nothing = jnp.zeros((*agents, *batch), jnp.int32)
         return Held(nothing, nothing) if self.kind == GATED else None
 
 
 class Held(eqx.Module):
-    """What a gated policy remembers: arrays ``(*agents, *batch)``."""
+    """A gated policy's memory: arrays ``(*agents, *batch)``."""
 
     choice: Int[Array, "*rest"]
-    """Its last decision."""
+    """The last decision."""
     left: Int[Array, "*rest"]
-    """Steps for which that still stands, if there is anything to decide."""
+    """Steps for which the decision is still valid, as long as there is something to decide."""
 
 
 class Choice(eqx.Module):
-    """What an actor does and how it came to it."""
+    """An actor's action, and how it was chosen."""
 
     action: Array
-    """What the environment gets."""
+    """The action that the environment gets."""
     raw: Array
-    """What was sampled, before clipping or squashing."""
+    """The sample before clipping or squashing."""
     log_prob: Float[Array, "*rest"]
-    """Its log-probability, where it was decided now."""
+    """Log-probability of the sample, where a decision was made now."""
     decided: Bool[Array, "*rest"] | None
-    """Whether it was; None for all."""
+    """Whether a decision was made now; None for everywhere."""
 
 
 def decide(
     actor: Actor, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature *rest"], *,
     sample: bool,
 ) -> tuple[Choice, Held | None]:  # fmt: skip
-    """Every agent's action and what is remembered; without ``sample`` the likeliest one. Can't be differentiated."""
+    """Return every agent's action and the new memory; without ``sample``, the likeliest action. Not differentiable."""
     if memory is None:
         choice = actor(observation)
         raw = choice.sample(key) if sample else choice.mode()
@@ -96,9 +96,9 @@ def decide(
 def run_where(
     network: MLP, columns: Float[Array, "feature *rest"], which: Bool[Array, "*rest"]
 ) -> Float[Array, "out *rest"]:
-    """Run the network on the columns chosen by ``which``; elsewhere the outputs are 0. Can't be differentiated.
+    """Run the network on the columns selected by ``which``; elsewhere the outputs are 0. Not differentiable.
 
-    Few columns are chosen, so the network runs on those alone, a part of them at a time.
+    Few columns are selected, so the network runs only on those, one part of them at a time.
     """
     flat = columns.reshape(columns.shape[0], -1)
     count = flat.shape[1]
@@ -106,7 +106,7 @@ def run_where(
 
     def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
         waiting, found = left
-        (chosen,) = jnp.nonzero(waiting, size=places, fill_value=count)  # beyond the last: nobody
+        (chosen,) = jnp.nonzero(waiting, size=places, fill_value=count)  # an index beyond the last one is nobody
         seen = network(flat.at[:, chosen].get(mode="fill", fill_value=0))
         return waiting.at[chosen].set(False, mode="drop"), found.at[:, chosen].set(seen, mode="drop")
 
@@ -117,7 +117,7 @@ def run_where(
 
 
 def make_actor(key: Key[Array, ""], observation_size: int, action: Box | Discrete, config: RoleConfig) -> Actor:
-    """An untrained actor, whose actions hardly depend on what it sees."""
+    """Return an untrained actor; its actions hardly depend on the observation."""
     discrete = isinstance(action, Discrete)
     outputs = action.n if isinstance(action, Discrete) else action.size
     network = make_mlp(key, (observation_size, *config.actor_hidden, outputs), final_scale=0.01)

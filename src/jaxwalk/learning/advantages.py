@@ -1,4 +1,4 @@
-"""Estimating how much better an action was than expected, and what a state was worth. Time is the leading axis."""
+"""Estimate how much better actions were than expected, and the value of states. Time is the leading axis."""
 
 from __future__ import annotations
 
@@ -12,40 +12,40 @@ from jaxwalk.shards import Axis
 
 
 class Transitions(NamedTuple):
-    """The steps of a rollout as one agent met them; arrays ``(time, ...)`` that broadcast against each other."""
+    """The steps of a rollout from one agent's perspective; arrays ``(time, ...)`` that broadcast against each other."""
 
     reward: Float[Array, "time ..."]
     terminated: Bool[Array, "time ..."]
-    """The agent's future is worth nothing."""
+    """The agent's future has value 0."""
     truncated: Bool[Array, "time ..."]
-    """The episode ended, but the agent's future is worth something."""
+    """The episode ended, but the agent's future still has a value."""
     valid: Bool[Array, "time ..."]
-    """False where the environment only waited for its restart."""
+    """False where the environment only restarted."""
     decided: Bool[Array, "time ..."] | None = None
-    """Whether a decision was made; None: in every step."""
+    """Whether a decision was made; None if there was one in every step."""
 
 
 class Advantages(NamedTuple):
-    """What a rollout says about returns; arrays ``(time, ...)``."""
+    """Estimates from a rollout; arrays ``(time, ...)``."""
 
     advantage: Float[Array, "time ..."]
-    """How much better than expected the decision was; without meaning where there was none."""
+    """How much better the decision was than expected; meaningless where there was none."""
     target: Float[Array, "time ..."]
-    """The lambda-return: what a critic should have expected."""
+    """The lambda-return: the target for the critic."""
 
 
 def generalised_advantage(
     steps: Transitions, value: Float[Array, "after ..."], *, discount: float, gae_lambda: float
 ) -> Advantages:
-    """Sum temporal differences, each later one weighted by lambda (Schulman 2016, eq. 16).
+    """Estimate advantages by generalised advantage estimation (Schulman 2016, eq. 16).
 
     Without ``decided``, every step is a decision. With it, a decision lasts until the next one (Sutton 1999, options):
-    the difference spans all its steps, lambda applies once for each decision, and ``value`` matters only where
-    something is decided, in final states, and after the last step.
+    the temporal difference spans all its steps, lambda applies once per decision, and ``value`` matters only at
+    decisions, in final states, and after the last step.
 
-    ``value[t + 1]`` is the value of the state that step t led to, before any reset: a rollout shows a final state in
-    the step after it, which only restarts and is not ``valid``. So a truncated step bootstraps from ``value[t + 1]``,
-    a terminated one from 0; neither takes anything from the steps after; and a restarting step has advantage 0.
+    ``value[t + 1]`` is the value of the state after step t, before any reset: in a rollout, the next step, which only
+    restarts and is not ``valid``, holds the final state. So a truncated step bootstraps from ``value[t + 1]`` and a
+    terminated one from 0; neither uses later steps; and a restarting step has advantage 0.
     """
     decided = jnp.ones((), bool) if steps.decided is None else steps.decided
     ends = steps.terminated | steps.truncated
@@ -53,7 +53,7 @@ def generalised_advantage(
 
     def backwards(later: tuple[Array, Array], step: tuple[Array, ...]) -> tuple[tuple[Array, Array], Advantages]:
         reward, value, terminated, ends, valid, decided = step
-        expected, advantage = later  # as seen from here: of the next decision, discounted to the next step
+        expected, advantage = later  # those of the next decision, discounted to the next step
         expected = reward + discount * jnp.where(terminated, 0.0, expected)
         surplus = discount * jnp.where(ends, 0.0, advantage)
         advantage = jnp.where(valid, expected - value + gae_lambda * surplus, 0.0)
@@ -67,9 +67,9 @@ def generalised_advantage(
 
 
 def normalised(x: Float[Array, "..."], weight: Float[Array, "..."], axis: Axis = ()) -> Float[Array, "..."]:
-    """Shifted and scaled to weighted mean 0 and standard deviation 1 over the whole array; 0 where weightless.
+    """Return the array shifted and scaled to weighted mean 0 and standard deviation 1; 0 where the weight is 0.
 
-    With ``axis``, over the arrays of all shards.
+    With ``axis``, mean and deviation are over the arrays of all shards.
     """
     weight = jnp.broadcast_to(weight, x.shape)
     total = jnp.maximum(jax.lax.psum(jnp.sum(weight), axis), 1.0)

@@ -1,4 +1,4 @@
-"""Who plays a role where: a fixed policy, earlier versions of the learner, the learner. Worked out once, and passed."""
+"""Decide who plays each role in which environments: a fixed policy, earlier versions of the learner, or the learner."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from jaxwalk.learning.config import SNAPSHOTS, TrainConfig
 
 @dataclass(frozen=True)
 class Columns:
-    """Who plays a role in which environments: parts of the environment axis."""
+    """Who plays a role in which environments: slices of the environment axis."""
 
     fixed: slice
-    """A fixed policy."""
+    """Environments of a fixed policy."""
     early: tuple[slice, ...]
-    """The learner as it was after each of `SNAPSHOTS` updates."""
+    """Environments of the learner as it was after each of `SNAPSHOTS` updates."""
     own: slice
-    """The learner; it learns from these environments only."""
+    """Environments of the learner; it learns only from these."""
 
 
 @dataclass(frozen=True)
 class Shard:
-    """What one device plays and learns from: a part of the environments, and who plays where in them."""
+    """One device's part of the training: a part of the environments, and who plays in them."""
 
     config: TrainConfig
-    """The training's, with the shard's number of environments."""
+    """The configuration of the training, with the shard's number of environments."""
     columns: Roles[Columns]
-    """By role."""
+    """The columns of each role."""
 
 
 def shard_of(config: TrainConfig) -> Shard:
-    """Return each device's shard; they are all alike."""
+    """Return each device's shard; all shards are alike."""
     return whole(replace(config, environments=config.environments // config.shards, shards=1))
 
 
@@ -49,8 +49,10 @@ def whole(config: TrainConfig) -> Shard:
 
 
 def _columns(config: TrainConfig, role: str) -> Columns:
-    """The first role's stand-ins have the first environments, the other roles' the last ones: so there are environments
-    in which all learn, and each role's stand-ins meet the learners of the others."""
+    """Return who plays a role where. The first role's stand-ins get the first environments, the other roles' the last.
+
+    So there are environments in which all roles learn, and each role's stand-ins meet the other roles' learners.
+    """
     choice, count = config.roles[role], config.environments
     fixed, early = round(choice.fixed * count), round(choice.early * count)
     bounds = [0, fixed, *(fixed + early * (k + 1) // len(SNAPSHOTS) for k in range(len(SNAPSHOTS))), count]
@@ -78,13 +80,13 @@ def learning_cast(
 
 
 def sample(actor: Actor, key: Array, memory: Any, seen: Array) -> tuple[Array, Any, Choice]:
-    """Sample an action, and record how likely it was."""
+    """Sample an action, and record its probability."""
     choice, memory = decide(actor, key, memory, seen, sample=True)
     return choice.action, memory, choice
 
 
 def remember(early: tuple[Actor, ...], actor: Actor, updates: Int[Array, ""]) -> tuple[Actor, ...]:
-    """Return the snapshots after that many updates: each follows the actor until its time has come."""
+    """Return the snapshots after this number of updates: each follows the actor until its own number is reached."""
 
     def follow(snapshot: Actor, until: int) -> Actor:
         return jax.tree.map(lambda new, old: jnp.where(updates <= until, new, old), actor, snapshot)
@@ -93,10 +95,10 @@ def remember(early: tuple[Actor, ...], actor: Actor, updates: Int[Array, ""]) ->
 
 
 def snapshots(config: TrainConfig, actors: Roles[Actor]) -> Roles[tuple[Actor, ...]]:
-    """Return the snapshots of untrained actors by role; empty where no earlier version plays."""
+    """Return the snapshots of untrained actors by role; empty if no earlier version plays."""
     return {role: (actor,) * len(SNAPSHOTS) if config.roles[role].early else () for role, actor in actors.items()}
 
 
 def width(columns: slice) -> int:
-    """Return how many environments these are."""
+    """Return the number of environments."""
     return columns.stop - columns.start

@@ -1,9 +1,9 @@
-"""Saving training in the middle, so that it goes on as if it had never stopped.
+"""Save training, so that it can resume as if it had never stopped.
 
-Orbax writes a checkpoint under another name and renames it when it is whole, so an interrupted save leaves the one
-before it. A checkpoint is a folder per number of updates inside the folder given. The newest may still be damaged, as
-by a power failure; so two are kept, and `restore_newest` goes back to the older one. Orbax, which takes a second to
-import, is imported where it is needed: the first update of a training doesn't wait for it.
+Orbax writes a checkpoint under a temporary name and renames it when it is complete, so an interrupted save leaves the
+previous one intact. A checkpoint is a folder inside the given folder, named after its number of updates. The newest may
+still be damaged, for instance by a power failure; so two are kept, and `restore_newest` falls back to the older one.
+Orbax takes a second to import, so it is imported where needed: the first update of a training does not wait for it.
 """
 
 from __future__ import annotations
@@ -22,36 +22,36 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 KEPT = 2
-"""Older checkpoints than the last so many are deleted."""
+"""Number of checkpoints kept; older ones are deleted."""
 LISTS = 1_000_000
-"""What a checkpoint holds besides its arrays has at most so many bytes."""
+"""Largest size of what a checkpoint holds besides its arrays [bytes]."""
 UNFINISHED = "*.orbax-checkpoint-tmp*"
-"""Names of checkpoints that are not whole."""
+"""Names of incomplete checkpoints."""
 
 T = TypeVar("T")
 
 
 class CheckpointError(ValueError):
-    """A checkpoint that can't be continued from; one line says why and what to do."""
+    """Raised for a checkpoint from which training cannot resume; one line says why and what to do."""
 
 
 class DamagedError(CheckpointError):
-    """A checkpoint that can't be read."""
+    """Raised for a checkpoint that cannot be read."""
 
 
 def save(path: str | Path, learner: Any, *, updates: int) -> None:
     """Write all arrays of the learner (random keys too) into folder ``path`` under the number ``updates``.
 
-    Raises OSError if that fails, as on a full disk; the checkpoints before are there still.
+    Raise OSError if that fails, for instance on a full disk; earlier checkpoints remain.
     """
     from orbax.checkpoint.args import StandardSave
 
     arrays = _named_arrays(learner)
     _check_room(Path(path), sum(_data(x).nbytes for x in arrays.values()))
-    # Arrays that several devices hold orbax would cut up, by a program for each shape; a numpy array can't be a key.
+    # Orbax would split arrays that several devices hold, by a program for each shape; a NumPy array cannot be a key.
     arrays |= jax.device_get({name: x for name, x in arrays.items() if not _is_key(x)})
     try:
-        with _manager(path, create=True) as manager:  # which also removes what a killed process left unfinished
+        with _manager(path, create=True) as manager:  # this also removes what a killed process left incomplete
             if not manager.save(updates, args=StandardSave(arrays)):
                 raise OSError(errno.EEXIST, "a newer checkpoint is in the way", str(path))
             manager.wait_until_finished()
@@ -62,14 +62,14 @@ def save(path: str | Path, learner: Any, *, updates: int) -> None:
 
 
 def _check_room(path: Path, size: int) -> None:
-    """Raise OSError unless the disk has room for arrays of so many bytes: orbax would print pages before it fails."""
+    """Raise OSError unless the disk has room for ``size`` bytes: orbax would print pages before it fails."""
     path.mkdir(parents=True, exist_ok=True)
     if shutil.disk_usage(path).free < size + LISTS:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
 def latest(path: str | Path) -> int | None:
-    """The number of updates of the newest checkpoint in the folder; None if there is none."""
+    """Return the number of updates of the newest checkpoint in the folder; None if there is none."""
     if not Path(path).is_dir():
         return None
     with _manager(path, create=False) as manager:
@@ -77,10 +77,10 @@ def latest(path: str | Path) -> int | None:
 
 
 def restore_newest(path: str | Path, like: T, *, tell: Callable[[str], None]) -> T | None:
-    """The learner of the newest checkpoint that can be read; None if there is no checkpoint at all.
+    """Return the learner of the newest readable checkpoint; None if there is no checkpoint at all.
 
-    Damaged ones that are newer are renamed, since they would be in the way of those to come, and ``tell`` is called
-    with a line about each. DamagedError if none can be read; then they stay as they are. ``like``: see `restore`.
+    Damaged newer ones are renamed, so that they do not block later checkpoints, and ``tell`` is called with a line
+    about each. Raise DamagedError if none is readable; then none is renamed. ``like``: see `restore`.
     """
     damaged: dict[int, DamagedError] = {}
     for updates in _numbers(path):
@@ -99,7 +99,7 @@ def restore_newest(path: str | Path, like: T, *, tell: Callable[[str], None]) ->
 
 
 def _numbers(path: str | Path) -> list[int]:
-    """The updates of all checkpoints, newest first."""
+    """Return the numbers of updates of all checkpoints, newest first."""
     if not Path(path).is_dir():
         return []
     with _manager(path, create=False) as manager:
@@ -107,17 +107,17 @@ def _numbers(path: str | Path) -> list[int]:
 
 
 def _put_aside(checkpoint: Path) -> Path:
-    """Rename a checkpoint so that it is none any more."""
+    """Rename a checkpoint, so that it does not count as one any more."""
     aside = checkpoint.with_name(f"{checkpoint.name}.damaged")
     shutil.rmtree(aside, ignore_errors=True)
     return checkpoint.rename(aside)
 
 
 def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
-    """The learner of the newest checkpoint in the folder, or of that number.
+    """Return the learner of the newest checkpoint in the folder, or of the one with this number.
 
-    ``like`` is a learner for the same environment and configuration, such as `mappo.init` makes: it says how the
-    arrays are put together, and everything that is no array is taken from it.
+    ``like`` is a learner for the same environment and configuration, for instance from `mappo.init`: it gives the
+    structure of the arrays, and everything that is not an array.
     """
     from orbax.checkpoint.args import StandardRestore
 
@@ -142,7 +142,7 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
 
 
 def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tuple[int, ...]]) -> None:
-    """Raise unless the checkpoint has exactly the wanted arrays."""
+    """Raise CheckpointError unless the checkpoint has exactly the wanted arrays."""
     mend = "train with the configuration that it was made with, or start anew in another folder"
     for name in sorted(wanted.keys() ^ stored.keys()):
         lack = "lacks" if name in wanted else "has an unexpected"
@@ -154,7 +154,7 @@ def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tu
 
 
 def _as_os_error(error: Exception, path: Path) -> OSError:
-    """The operating system's reason, if it was it that refused: tensorstore tells it in the midst of pages."""
+    """Return the operating system's error, if there was one: tensorstore hides it in a long message."""
     for number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES):
         if os.strerror(number) in str(error):
             return OSError(number, os.strerror(number), str(path))
@@ -170,7 +170,7 @@ def _data(x: Array) -> Array:
 
 
 def _manager(path: str | Path, *, create: bool) -> Any:
-    """Orbax's, of that folder."""
+    """Return orbax's checkpoint manager for the folder."""
     import orbax.checkpoint as ocp
 
     options = ocp.CheckpointManagerOptions(
@@ -180,7 +180,7 @@ def _manager(path: str | Path, *, create: bool) -> Any:
 
 
 def _name_now(name: str) -> str:
-    """Return today's name of an array; 0.1 had an attribute for each role where there is a mapping now."""
+    """Return the present name of an array; version 0.1 had an attribute for each role instead of a mapping."""
     return re.sub(r"^\.stream\.memory\.(driver|pedestrian)", r".stream.memory['\1']", name)
 
 

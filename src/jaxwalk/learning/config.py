@@ -1,4 +1,4 @@
-"""Everything the learner can be told, with the two recipes. No JAX import, so that a command line starts quickly."""
+"""All settings of the learner, and the two recipes. There is no JAX import, so that command lines start quickly."""
 
 from __future__ import annotations
 
@@ -7,30 +7,30 @@ from dataclasses import dataclass
 from typing import Literal
 
 GLOBAL = "global"
-"""The name by which a critic asks for the environment's global state."""
+"""The name by which a critic reads the environment's global state."""
 SHARED = "shared"
 """Name of the one critic of shared credit; the others are named after their roles."""
 SNAPSHOTS = (10, 30)
-"""After so many updates a role is remembered as it is, for `RoleConfig.early`."""
+"""Numbers of updates after which a snapshot of a role is kept, for `RoleConfig.early`."""
 
 LARGEST = {"environments": 2**20, "steps": 2**16, "updates": 2**31 - 1, "chunk_rows": 2**31 - 1}
-"""No field of `TrainConfig` may be above this."""
+"""Largest values of fields of `TrainConfig`."""
 MOST_LAYERS, MOST_UNITS = 16, 2**14
-"""Of a network: hidden layers, and units in each."""
+"""Largest network: number of hidden layers, and units in each."""
 LAYERS = f"must be at most {MOST_LAYERS} numbers, each in [1, {MOST_UNITS}]"
 
 
 @dataclass(frozen=True)
 class RoleConfig:
-    """How one role learns. Impossible values raise ValueError, naming the field."""
+    """How one role learns. Raise ValueError that names an impossible field."""
 
     fixed: float = 0.0
-    """Share of the environments in which a fixed policy plays the role. At 1 it isn't trained and has no networks."""
+    """Share of the environments in which a fixed policy plays the role. At 1 it is not trained and has no networks."""
     early: float = 0.0
-    """Share in which earlier versions of itself play it, as they were after ``SNAPSHOTS`` updates. In the remaining
-    environments it plays as it is, and only from those it learns."""
+    """Share in which earlier versions of the role play it, as they were after ``SNAPSHOTS`` updates. The current
+    version plays in the remaining environments, and learns only from those."""
     observes: str = "paper"
-    """The observation set its actor reads."""
+    """The observation set that the actor reads."""
     actor_hidden: tuple[int, ...] = (128, 128)
     """Units of the actor's hidden layers (paper, section III-B: 128 pedestrian, 256 driver)."""
     critic_hidden: tuple[int, ...] = (128, 128)
@@ -40,21 +40,21 @@ class RoleConfig:
     entropy: float = 0.01
     """Weight of the entropy bonus [1 / nat] (paper, Table II: 0.03 pedestrian, 0.01 driver)."""
     epochs: int | float = 4
-    """Passes over each rollout (paper, Table II: 4). Below 1, only so much of the rollout is learned from: twelve
-    pedestrians make more data than they need."""
+    """Passes over each rollout (paper, Table II: 4). Below 1, only that share of the rollout is used: twelve
+    pedestrians produce more data than they need."""
     gated: bool = False
-    """Choices between 0 and 1 only. Whether the role decides only where the first feature of what it observes is above
-    0, takes 1 elsewhere, and learns from those decisions alone."""
+    """Only for choices between 0 and 1. Whether the role decides only where its observation's first feature is above 0,
+    takes 1 elsewhere, and learns only from those decisions."""
     hold: int = 1
-    """Gated roles only. Steps for which a decision stands, as long as there is anything to decide."""
+    """Gated roles only. Steps for which a decision is kept, as long as there is something to decide."""
     noise: Literal["clipped", "tanh"] = "clipped"
-    """Continuous actions only. ``clipped``: the mean is bounded by tanh, noise is added, the environment gets the
-    action clipped to [-1, 1]. ``tanh``: noise is added first, then everything is squashed. The paper is silent."""
+    """Continuous actions only. ``clipped``: the mean is bounded by tanh, noise is added, and the environment gets the
+    action clipped to [-1, 1]. ``tanh``: noise is added first, then the sum is squashed. The paper does not say."""
     initial_std: float = 0.6
-    """Continuous actions only: standard deviation of the noise at the start of training (the paper is silent)."""
+    """Continuous actions only: standard deviation of the noise at the start of training (the paper does not say)."""
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be trained."""
+        """Raise ValueError for a field that cannot be trained."""
         for name in ("fixed", "early"):
             _require(self, 0 <= getattr(self, name) <= 1, name, "must lie in [0, 1]")
         _require(self, self.fixed + self.early < 1 or not self.learns, "early", "leaves nothing to learn from")
@@ -78,50 +78,50 @@ class RoleConfig:
 
 @dataclass(frozen=True)
 class TrainConfig:
-    """How training goes. Impossible values raise ValueError, naming the field."""
+    """Settings of a training. Raise ValueError that names an impossible field."""
 
     roles: dict[str, RoleConfig]
     """How each of the environment's roles learns."""
     environments: int = 512
-    """Environments played side by side (paper, Table II)."""
+    """Number of parallel environments (paper, Table II)."""
     steps: int = 256
     """Steps of each environment in a rollout (paper, Table II)."""
     minibatches: int = 8
     """Parts into which an epoch divides the rollout's time steps (paper, Table II)."""
     updates: int = 5000
-    """Rollouts in the whole training (paper, Table II): how long to train, and when an annealed rate reaches 0."""
+    """Rollouts in the whole training (paper, Table II): its length, and when an annealed learning rate reaches 0."""
     learning_rate: float = 3e-4
     """Adam's step size (paper, Table II)."""
     anneal: bool = False
     """Whether the learning rate falls linearly to 0 over ``updates`` (paper: constant)."""
     adam_epsilon: float = 1e-5
-    """Added to the root in Adam's denominator; the paper is silent, this is usual in PPO."""
+    """Added to the square root in Adam's denominator; the paper does not say, this is usual in PPO."""
     max_grad_norm: float = 0.5
-    """Each network's gradient is shortened to this norm (paper, Table II)."""
+    """Largest norm of each network's gradient (paper, Table II)."""
     discount: float = 0.995
-    """Worth now of a reward one step (0.1 s) later (paper, Table II)."""
+    """Discount factor per step of 0.1 s (paper, Table II)."""
     gae_lambda: float = 0.95
-    """How far advantages look before they trust the critic (paper, Table II)."""
+    """Lambda of generalised advantage estimation (paper, Table II)."""
     clip: float = 0.2
-    """Probability ratios beyond 1 +- this gain nothing more (paper, Table II)."""
+    """Clip range of PPO: probability ratios beyond 1 +- this bring no further gain (paper, Table II)."""
     value_coefficient: float = 0.5
-    """Weight of the squared value error. Each network has its own Adam, so this matters only to ``max_grad_norm``."""
+    """Weight of the squared value error. Each network has its own Adam, so this only matters for ``max_grad_norm``."""
     reward_scale: float = 1.0
-    """The learner sees rewards times this (its metrics don't): critics learn values of size 1 soonest."""
+    """Factor on the rewards that the learner sees (not on its metrics): critics learn values of size 1 fastest."""
     credit: Literal["individual", "shared"] = "individual"
     """``individual``: a critic for each role and a value for each agent. ``shared``: one critic on the global state,
     one reward (the mean over learning roles of the mean over a role's agents), one advantage for everybody."""
     shared_critic_hidden: tuple[int, ...] = (256, 256)
     """Units of the shared critic's hidden layers (paper, section III-B); unused with individual credit."""
     chunk_rows: int = 2048
-    """Rows (one agent in one step each) whose gradient is taken at once: speed only, never the result.
+    """Rows (one agent in one step each) whose gradient is computed at once: this affects only speed, never the result.
     About 2,048 suits a CPU's cache; a GPU wants a whole minibatch."""
     shards: int = 1
-    """Devices (accelerators, or cores of a processor) among which the environments are shared out; each shard has its
-    stand-ins. For speed; but with another number a training comes out as with another seed."""
+    """Devices (accelerators, or CPU cores) that share the environments; each shard has its own stand-ins. This is for
+    speed; but another number changes a training like another seed does."""
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be trained."""
+        """Raise ValueError for settings that cannot be trained."""
         for name in ("environments", "steps", "minibatches", "updates", "chunk_rows", "shards"):
             _require(self, getattr(self, name) >= 1, name, "must be at least 1")
         for name, most in LARGEST.items():
@@ -147,7 +147,7 @@ class TrainConfig:
         _require(self, bool(self.learning_roles), "fixed", "must be below 1 for at least one role", None)
 
     def __hash__(self) -> int:
-        """Let compiled programs be kept by configuration."""
+        """Return a hash, so that compiled programs are cached by configuration."""
         return hash(repr(self))
 
     @property
@@ -157,13 +157,13 @@ class TrainConfig:
 
 
 def own_environments(config: TrainConfig, role: str) -> int:
-    """In how many environments a role's learner plays: all but those of its stand-ins."""
+    """Return the number of environments in which a role's learner plays: all but those of its stand-ins."""
     choice, count = config.roles[role], config.environments // config.shards
     return config.shards * (count - round(choice.fixed * count) - round(choice.early * count))
 
 
 def _possible_layers(hidden: tuple[int, ...]) -> bool:
-    """Whether hidden layers can be made."""
+    """Return whether the sizes of hidden layers are possible."""
     return len(hidden) <= MOST_LAYERS and all(0 < units <= MOST_UNITS for units in hidden)
 
 

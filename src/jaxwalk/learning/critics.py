@@ -22,27 +22,27 @@ from jaxwalk.learning.networks import MLP, make_mlp
 from jaxwalk.rollout import Step
 
 FORWARD_CHUNKS = 4
-"""Without a gradient to keep, chunks may be this many times larger: large products are quicker."""
+"""Factor on the size of chunks when no gradient is kept: large products are faster."""
 
 
 class Critic(eqx.Module):
-    """A value for each agent of a role, or one for everybody."""
+    """A critic: a value for each agent of a role, or one value for everybody."""
 
     network: MLP
-    """From what it reads to one number."""
+    """The network from the critic's input to one number."""
     role: str = eqx.field(static=True)
-    """Whose observations it reads; ``shared`` reads none."""
+    """The role whose observations it reads; ``shared`` reads none."""
     reads: tuple[str, ...] = eqx.field(static=True)
     """Observation sets of the role, and ``"global"``."""
     agents: tuple[int, ...] = eqx.field(static=True)
     """The agent axes of its values."""
 
     def __call__(self, views: Views) -> Float[Array, "..."]:
-        """Values ``(*agents, *batch)``."""
+        """Return the values ``(*agents, *batch)``."""
         return self.network(critic_input(views[self.role], self.reads, self.agents))[0]
 
     def select(self, views: Views) -> Views:
-        """The part of ``views`` that it reads."""
+        """Return the part of ``views`` that it reads."""
         return {self.role: {name: views[self.role][name] for name in self.reads}}
 
 
@@ -50,19 +50,19 @@ class Estimates(eqx.Module):
     """A critic's values in a rollout, and the advantages from them; arrays ``(time, *agents, env)``."""
 
     value: Float[Array, "..."]
-    """What it expected of the state before the step, where it was asked."""
+    """The critic's estimate for the state before the step, where it was computed."""
     advantage: Float[Array, "..."]
-    """How much better than that the decision was."""
+    """How much better the decision was than the estimate."""
     target: Float[Array, "..."]
-    """What it should have expected: the lambda-return."""
+    """The target of the estimate: the lambda-return."""
     weight: Float[Array, "..."]
-    """1 where it should learn that, 0 elsewhere."""
+    """1 where the critic learns from the target, 0 elsewhere."""
 
 
 def critic_input(
     seen: dict[str, Float[Array, "_ ..."]], names: tuple[str, ...], agents: tuple[int, ...]
 ) -> Float[Array, "feature ..."]:
-    """The named observation sets, one after the other; the global state for every agent."""
+    """Return the named observation sets, concatenated; the global state is repeated for every agent."""
 
     def view(name: str) -> Array:
         if name != GLOBAL:
@@ -75,7 +75,7 @@ def critic_input(
 
 
 def make_critics(environment: Environment, config: TrainConfig, views: Views, key: Key[Array, ""]) -> dict[str, Critic]:
-    """Untrained critics, by name."""
+    """Return untrained critics by name."""
     shared = config.credit == "shared"
     names = (SHARED,) if shared else config.learning_roles
     critics = {}
@@ -89,11 +89,11 @@ def make_critics(environment: Environment, config: TrainConfig, views: Views, ke
 
 
 def estimate_advantages(shard: Shard, critic: Critic, played: Step, final: Views) -> Estimates:
-    """Value the rollout's states and the ``final`` one after it, and estimate advantages from the values.
+    """Estimate the values of the rollout's states and of the ``final`` one after it, and the advantages.
 
-    For a gated role, only states in which something is decided are valued, and those at an end. From such states alone
-    a critic would know nothing about others, in which a rollout may end: so it learns from the rollout's first states
-    too, whatever they are.
+    For a gated role, values are estimated only at decisions and at the ends of episodes. From those states alone a
+    critic would learn nothing about others, in which a rollout may end: so it also learns from the rollout's first
+    states, whatever they are.
     """
     config, shared = shard.config, critic.role == SHARED
     own = slice(0, config.environments) if shared else shard.columns[critic.role].own
@@ -118,7 +118,7 @@ def estimate_advantages(shard: Shard, critic: Critic, played: Step, final: Views
 
 
 def _ends(role: str, outcome: Outcome) -> tuple[Bool[Array, "time ..."], Bool[Array, "time ..."]]:
-    """Return where a role's agents terminated and were truncated. A shared future is over as soon as anybody's is."""
+    """Return where a role's agents terminated and were truncated. A shared future ends as soon as anybody's does."""
     if role != SHARED:
         return outcome.terminated[role], outcome.truncated[role]
     flat = [x.reshape(x.shape[0], -1, x.shape[-1]).any(axis=1) for x in outcome.terminated.values()]
@@ -127,7 +127,7 @@ def _ends(role: str, outcome: Outcome) -> tuple[Bool[Array, "time ..."], Bool[Ar
 
 
 def _values(config: TrainConfig, critic: Critic, views: Views, own: slice) -> Float[Array, "time *agents env"]:
-    """Of all states of a rollout."""
+    """Return the values of all states of a rollout."""
     rows, agents = FORWARD_CHUNKS * config.chunk_rows, math.prod(critic.agents)
     chunks = plan_chunks(agents=agents, environments=width(own), steps=config.steps, rows=rows)
     return map_chunks(critic, views, chunks=chunks)
@@ -136,7 +136,7 @@ def _values(config: TrainConfig, critic: Critic, views: Views, own: slice) -> Fl
 def _sparse_values(
     critic: Critic, views: Views, decided: Bool[Array, "time *agents env"], final: Bool[Array, "time env"]
 ) -> Float[Array, "time *agents env"]:
-    """Where something is decided, in final states and in the first ones; 0 elsewhere."""
+    """Return values at decisions, in final states and in the first states; 0 elsewhere."""
     asked = (decided | by_agent(final, decided)).at[0].set(True)
     room = -(-asked.size // CHOSEN_PART)
 
@@ -157,6 +157,6 @@ def blended_reward(rewards: dict[str, Float[Array, "time ..."]]) -> Float[Array,
 
 
 def _reward(config: TrainConfig, name: str, played: Step, own: slice) -> Float[Array, "time ..."]:
-    """Return the reward whose sum the critic predicts. A role that doesn't learn has no part in a shared one."""
+    """Return the reward whose sum the critic predicts. A role that does not learn has no part in a shared reward."""
     rewards = {role: sum(played.outcome.rewards[role].values(), start=jnp.zeros(())) for role in config.learning_roles}
     return config.reward_scale * (blended_reward(rewards) if name == SHARED else rewards[name])[..., own]

@@ -1,8 +1,8 @@
-"""The three ways to choose an action at random: a choice among n, a clipped and a squashed Gaussian.
+"""The three action distributions: categorical, clipped Gaussian and squashed Gaussian.
 
-``raw`` is what was sampled, before clipping or squashing. It is what rollouts store and what `log_prob` takes:
-recovering it from a saturated action would give infinities. Features lead, ``(feature, *agents, *batch)``; a key array
-``(*batch)`` gives each episode of the batch its own noise.
+``raw`` is the sample before clipping or squashing. Rollouts store it, and `log_prob` takes it: recovering it from a
+saturated action would give infinities. Features lead, ``(feature, *agents, *batch)``; a key array ``(*batch)`` gives
+each episode of the batch its own noise.
 """
 
 from __future__ import annotations
@@ -22,27 +22,27 @@ class Categorical(eqx.Module):
     logits: Float[Array, "n *rest"]
 
     def sample(self, keys: Key[Array, "*batch"]) -> Int[Array, "*rest"]:
-        """By the inverse of the cumulative distribution: one uniform number for each choice."""
+        """Sample by the inverse of the cumulative distribution: one uniform number for each choice."""
         uniform = _noise(jax.random.uniform, keys, self.logits.shape[1:])
         bounds = jnp.cumsum(jax.nn.softmax(self.logits, axis=0), axis=0)[:-1]
         return jnp.sum(uniform >= bounds, axis=0, dtype=jnp.int32)
 
     def mode(self) -> Int[Array, "*rest"]:
-        """The likeliest choice."""
+        """Return the likeliest choice."""
         return jnp.argmax(self.logits, axis=0).astype(jnp.int32)
 
     def action(self, raw: Int[Array, "*rest"]) -> Int[Array, "*rest"]:
-        """What the environment gets."""
+        """Return the action for the environment."""
         return raw
 
     def log_prob(self, raw: Int[Array, "*rest"]) -> Float[Array, "*rest"]:
-        """Of the choice."""
+        """Return the log-probability of the choice."""
         log_p = jax.nn.log_softmax(self.logits, axis=0)
         index = jnp.arange(log_p.shape[0]).reshape(-1, *(1,) * raw.ndim)
         return jnp.sum(jnp.where(index == raw, log_p, 0.0), axis=0)
 
     def entropy(self, raw: Int[Array, "*rest"]) -> Float[Array, "*rest"]:
-        """Exact; ``raw`` is not needed."""
+        """Return the exact entropy; ``raw`` is not needed."""
         log_p = jax.nn.log_softmax(self.logits, axis=0)
         return -jnp.sum(jnp.exp(log_p) * log_p, axis=0)
 
@@ -50,61 +50,61 @@ class Categorical(eqx.Module):
 class ClippedGaussian(eqx.Module):
     """Independent Gaussians; the environment gets the action clipped to [-1, 1].
 
-    Clipping is part of the environment: probability and entropy are those of the Gaussian itself.
+    Clipping belongs to the environment: probability and entropy are those of the Gaussian itself.
     """
 
     mean: Float[Array, "size *rest"]
     log_std: Float[Array, " size"]
 
     def sample(self, keys: Key[Array, "*batch"]) -> Float[Array, "size *rest"]:
-        """A raw action."""
+        """Sample a raw action."""
         return self.mean + jnp.exp(_as(self.log_std, self.mean)) * _noise(jax.random.normal, keys, self.mean.shape)
 
     def mode(self) -> Float[Array, "size *rest"]:
-        """The likeliest raw action."""
+        """Return the likeliest raw action."""
         return self.mean
 
     def action(self, raw: Float[Array, "size *rest"]) -> Float[Array, "size *rest"]:
-        """What the environment gets."""
+        """Return the action for the environment."""
         return jnp.clip(raw, -1.0, 1.0)
 
     def log_prob(self, raw: Float[Array, "size *rest"]) -> Float[Array, "*rest"]:
-        """Of the action before clipping."""
+        """Return the log-density of the action before clipping."""
         return jnp.sum(_normal_log_prob(raw, self.mean, _as(self.log_std, self.mean)), axis=0)
 
     def entropy(self, raw: Float[Array, "size *rest"]) -> Float[Array, "*rest"]:
-        """Exact; ``raw`` is not needed."""
+        """Return the exact entropy; ``raw`` is not needed."""
         return jnp.broadcast_to(_normal_entropy(self.log_std), self.mean.shape[1:])
 
 
 class TanhGaussian(eqx.Module):
-    """Independent Gaussians squashed by tanh: the density of ``tanh(raw)``, written in ``raw``."""
+    """Independent Gaussians squashed by tanh: the density of ``tanh(raw)`` as a function of ``raw``."""
 
     mean: Float[Array, "size *rest"]
     log_std: Float[Array, " size"]
 
     def sample(self, keys: Key[Array, "*batch"]) -> Float[Array, "size *rest"]:
-        """A raw action."""
+        """Sample a raw action."""
         return self.mean + jnp.exp(_as(self.log_std, self.mean)) * _noise(jax.random.normal, keys, self.mean.shape)
 
     def mode(self) -> Float[Array, "size *rest"]:
-        """The raw action in the middle: its squashed form is the median."""
+        """Return the mean of the raw action: after squashing, it is the median."""
         return self.mean
 
     def action(self, raw: Float[Array, "size *rest"]) -> Float[Array, "size *rest"]:
-        """What the environment gets."""
+        """Return the action for the environment."""
         return jnp.tanh(raw)
 
     def log_prob(self, raw: Float[Array, "size *rest"]) -> Float[Array, "*rest"]:
-        """Of the squashed action: the Gaussian's, less the log slopes of tanh."""
+        """Return the log-density of the squashed action: the Gaussian's, minus the log slopes of tanh."""
         log_p = _normal_log_prob(raw, self.mean, _as(self.log_std, self.mean))
         return jnp.sum(log_p - _log_tanh_slope(raw), axis=0)
 
     def entropy(self, raw: Float[Array, "size *rest"]) -> Float[Array, "*rest"]:
-        """Of the squashed action, estimated at the sample: H(Gaussian) + log |d tanh / d raw|.
+        """Estimate the entropy of the squashed action at the sample: H(Gaussian) + log |d tanh / d raw|.
 
-        Its mean over samples of this policy is the entropy. Written as mean + std x noise with the noise held fixed,
-        the sample also carries the gradient: it shrinks a mean or a spread that would saturate.
+        The mean of this over samples of this policy is the entropy. The sample, written as mean + std x noise with
+        fixed noise, also carries the gradient: it shrinks a mean or a spread that would saturate.
         """
         std = jnp.exp(_as(self.log_std, self.mean))
         noise = jax.lax.stop_gradient((raw - self.mean) / std)
@@ -115,7 +115,7 @@ Distribution = Categorical | ClippedGaussian | TanhGaussian
 
 
 def _noise(sampler: Callable[..., Array], keys: Key[Array, "*batch"], shape: tuple[int, ...]) -> Array:
-    """Noise of the shape, whose last axes are those of ``keys``: every key makes its own part."""
+    """Return noise of this shape; its last axes are those of ``keys``, and every key makes its own part."""
     own = shape[: len(shape) - keys.ndim]
 
     def make(key: Key[Array, ""]) -> Array:
@@ -139,5 +139,5 @@ def _normal_entropy(log_std: Float[Array, " size"]) -> Float[Array, ""]:
 
 
 def _log_tanh_slope(x: Array) -> Array:
-    """log(1 - tanh(x)^2), finite for every finite x."""
+    """Return log(1 - tanh(x)^2), finite for every finite x."""
     return 2.0 * (math.log(2.0) - x - jax.nn.softplus(-2.0 * x))

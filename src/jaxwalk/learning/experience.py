@@ -1,4 +1,4 @@
-"""Gathering experience: what learning reads of a state, and what is recorded of a step."""
+"""Gather experience: what learning reads of a state, and what a rollout records of a step."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from jaxwalk.learning.config import GLOBAL, SHARED
 from jaxwalk.rollout import Act
 
 Views = dict[str, dict[str, Float[Array, "_ ..."]]]
-"""What is seen of a state, by who sees it (a learning role, or the shared critic) and the view's name."""
+"""Views of a state, by observer (a learning role, or the shared critic) and the view's name."""
 
 
 class Record(eqx.Module):
-    """What a rollout keeps of each step: of learning roles, in the environments that they learn from."""
+    """What a rollout keeps of each step for learning roles, in the environments from which they learn."""
 
     views: Views
-    """Before the step."""
+    """The views before the step."""
     choices: Roles[Choice]
-    """By learning role."""
+    """The choices of each learning role."""
 
 
 def gather_views(environment: Environment, shard: Shard, scenario: Any, state: Any) -> Views:
@@ -46,7 +46,7 @@ def _see(environment: Environment, scenario: Any, state: Any, role: str, name: s
 
 
 def recording_act(environment: Environment, shard: Shard, cast: Cast) -> Act:
-    """Return the acting step of a rollout: everybody acts, and what the learners saw and chose is recorded."""
+    """Return the acting step of a rollout: everybody acts, and the learners' views and choices are recorded."""
 
     def act_and_record(key: Key[Array, "env"], scenario: Any, state: Any, memory: Any) -> tuple[Any, Any, Record]:
         acted = act(environment, cast, key, scenario, state, memory)
@@ -57,6 +57,6 @@ def recording_act(environment: Environment, shard: Shard, cast: Cast) -> Act:
 
 
 def _own(shard: Shard, cast: Cast, role: str, records: tuple[Any, ...]) -> Choice:
-    """Return what the role's learner recorded."""
+    """Return the choice that the role's learner recorded."""
     own = shard.columns[role].own
     return next(record for player, record in zip(cast[role], records, strict=True) if player.columns == own)

@@ -1,7 +1,7 @@
-"""Descending a loss over a rollout: epochs of minibatches of time steps, each gradient summed over small chunks.
+"""Minimise a loss over a rollout: epochs of minibatches of time steps, each gradient summed over small chunks.
 
-Whole minibatches of a large rollout do not fit a processor's cache; the gradient of a sum is the sum of gradients, so
-chunks of about 2,048 rows give the same result sooner.
+Whole minibatches of a large rollout do not fit into a CPU's cache. The gradient of a sum is the sum of gradients, so
+chunks of about 2,048 rows give the same result faster.
 """
 
 from __future__ import annotations
@@ -26,12 +26,15 @@ Entries = TypeVar("Entries", bound=Actions | Targets)
 GATED_PART = 16
 """See `gated_part`."""
 Loss = Callable[[Any, Any], tuple[Array, dict[str, Array]]]
-"""From network and chunk to the summed loss, and sums to report: ``weight`` (what to divide by) among them."""
+"""From network and chunk to the summed loss, and sums to report; ``weight`` among them is the divisor."""
 
 
 def gated_part(config: TrainConfig) -> int:
-    """A gated role learns from at most one in so many of its rows: its decisions, which are far fewer, and for its
-    critic the first ones of the rollout, for which there is room twice."""
+    """Return n, where a gated role learns from at most 1 / n of its rows.
+
+    Those are its decisions, which are far fewer, and for its critic also the rollout's first rows: there is room for
+    twice as many.
+    """
     return min(GATED_PART, max(config.steps // 2, 1))
 
 
@@ -43,7 +46,7 @@ class Chunks(eqx.Module):
 
 
 def plan_chunks(*, agents: int, environments: int, steps: int, rows: int) -> Chunks:
-    """Chunks of at most ``rows`` rows where that is possible, and as large as divides evenly."""
+    """Return chunks of at most ``rows`` rows if possible, and as large as divides evenly."""
     width = agents * environments
     if width <= rows:
         return Chunks(max(k for k in range(1, steps + 1) if steps % k == 0 and k * width <= rows), 1)
@@ -52,7 +55,7 @@ def plan_chunks(*, agents: int, environments: int, steps: int, rows: int) -> Chu
 
 
 def take_chunk(data: Any, times: Int[Array, " k"], part: Int[Array, ""], parts: int) -> Any:
-    """From arrays ``(time, ..., env)`` those times and that part of the envs: ``(..., k, env)``."""
+    """Take some times and one part of the envs from arrays ``(time, ..., env)``: ``(..., k, env)``."""
 
     def take(x: Array) -> Array:
         chosen = x.at[times].get(mode="promise_in_bounds", wrap_negative_indices=False)
@@ -65,7 +68,7 @@ def take_chunk(data: Any, times: Int[Array, " k"], part: Int[Array, ""], parts: 
 
 
 def map_chunks(function: Callable[[Any], Array], data: Any, *, chunks: Chunks) -> Float[Array, "time ... env"]:
-    """Apply to all of the data ``(time, ..., env)`` in chunks; the function keeps the last two axes of its chunk."""
+    """Apply a function to data ``(time, ..., env)`` in chunks; it keeps the last two axes of its chunk."""
     length = jax.tree.leaves(data)[0].shape[0]
     groups, parts = _places(jnp.arange(length), chunks)
     out = jax.lax.map(lambda at: function(take_chunk(data, at[0], at[1], chunks.parts)), (groups, parts))
@@ -75,9 +78,9 @@ def map_chunks(function: Callable[[Any], Array], data: Any, *, chunks: Chunks) -
 
 
 def take_rows(data: Any, rows: tuple[Int[Array, " row"], ...]) -> Any:
-    """From arrays ``(time, feature, *agents, env)`` those rows, each named by time, agents and env: ``(feature, row)``.
+    """Take rows from arrays ``(time, feature, *agents, env)``, each given by time, agents and env: ``(feature, row)``.
 
-    An array without the agents' axes is the same for all of them. An index beyond an axis takes its last entry.
+    An array without the agents' axes is the same for all agents. An index beyond an axis takes its last entry.
     """
 
     def take(x: Array) -> Array:
@@ -89,9 +92,9 @@ def take_rows(data: Any, rows: tuple[Int[Array, " row"], ...]) -> Any:
 
 
 def pack_weighted(data: Entries, *, columns: int) -> Entries:
-    """Pack the entries that have weight, of data ``(time, ..., *agents, env)``, into ``(time, ..., columns)``.
+    """Pack the entries with weight, from data ``(time, ..., *agents, env)``, into ``(time, ..., columns)``.
 
-    Room that is left has no weight; if there is too little room, the last entries are left out.
+    Unused room has weight 0; if there is too little room, the last entries are dropped.
     """
     length = data.weight.shape[0]
     room = length * columns
@@ -118,9 +121,9 @@ def _places(times: Int[Array, " step"], chunks: Chunks) -> tuple[Int[Array, "chu
 def mean_gradient(
     loss: Loss, network: Any, data: Any, times: Int[Array, " step"], *, chunks: Chunks, axis: Axis = ()
 ) -> tuple[Float[Array, " parameter"], dict[str, Array]]:
-    """Gradient of the loss's weighted mean over these time steps, as one vector, and the means of what it reports.
+    """Return the gradient of the loss's weighted mean over these time steps as one vector, and the reported means.
 
-    With ``axis``, over the data of all shards.
+    With ``axis``, means are over the data of all shards.
     """
 
     def add(total: Any, where: tuple[Array, Array]) -> tuple[Any, dict[str, Array]]:
@@ -131,16 +134,16 @@ def mean_gradient(
     gradient, sums = jax.lax.scan(add, jax.tree.map(jnp.zeros_like, network), _places(times, chunks))
     vector, _ = ravel_pytree(gradient)
     numbers, as_before = ravel_pytree((vector, {name: jnp.sum(each) for name, each in sums.items()}))
-    vector, sums = as_before(jax.lax.psum(numbers, axis))  # one sum over all shards, not one for each number
+    vector, sums = as_before(jax.lax.psum(numbers, axis))  # one sum over all shards instead of one for each number
     weight = jnp.maximum(sums["weight"], 1e-8)
     return vector / weight, {name: total / weight for name, total in sums.items()}
 
 
 def optimiser(config: TrainConfig) -> optax.GradientTransformation:
-    """Adam on a gradient of bounded norm; `descend` brings the learning rate.
+    """Return Adam with gradients of bounded norm; `descend` sets the learning rate.
 
-    ``init`` takes a network, ``update`` the gradient as one vector: what is remembered are vectors too, in the order of
-    `ravel_pytree`. The numbers are the same, from a few large kernels, which compile sooner than many small.
+    ``init`` takes a network, ``update`` the gradient as one vector. The optimiser's state consists of vectors too, in
+    the order of `ravel_pytree`. The numbers are the same, but a few large kernels compile faster than many small ones.
     """
     bounded = optax.clip_by_global_norm(config.max_grad_norm)
     return optax.flatten(optax.chain(bounded, optax.scale_by_adam(eps=config.adam_epsilon)))
@@ -149,9 +152,9 @@ def optimiser(config: TrainConfig) -> optax.GradientTransformation:
 def learning_rate(
     config: TrainConfig, updates: Int[Array, ""], planned: Int[Array, ""] | None = None
 ) -> Float[Array, ""]:
-    """For the update that follows so many: constant, or falling linearly to 0 after the ``planned`` number.
+    """Return the rate of the next update: constant, or falling linearly to 0 after the ``planned`` number of updates.
 
-    The number is an array, or ``config.updates``: a change of the array compiles nothing anew.
+    The number is an array, or ``config.updates``: a change of the array compiles nothing again.
     """
     end = config.updates if planned is None else planned
     left = jnp.clip(1.0 - updates / end, 0.0, 1.0) if config.anneal else jnp.ones(())
@@ -162,24 +165,24 @@ def descend(
     parameters: Float[Array, " parameter"], memory: optax.OptState, gradient: Float[Array, " parameter"], *,
     rate: Array, config: TrainConfig,
 ) -> tuple[Float[Array, " parameter"], optax.OptState]:  # fmt: skip
-    """One step against the gradient; returns the parameters and what the optimiser remembers."""
+    """Take one gradient step; return the parameters and the optimiser's state."""
     direction, memory = optimiser(config).update(gradient, memory)
     return optax.tree.add_scale(parameters, -rate, direction), memory
 
 
 class Fit(NamedTuple):
-    """How a network is fitted to a rollout."""
+    """How to fit a network to a rollout."""
 
     config: TrainConfig
     rate: Float[Array, ""]
     """The learning rate."""
     epochs: int | float
-    """Passes over the rollout; a broken number leaves out the last minibatches."""
+    """Passes over the rollout; a fractional number leaves out the last minibatches."""
     agents: int
-    """Rows that the data has for each step of an environment."""
+    """Rows in the data for each step of an environment."""
     environments: int
     axis: Axis = ()
-    """With it, gradients are those of all shards' data."""
+    """If given, gradients are over the data of all shards."""
 
 
 def fit(
@@ -187,8 +190,8 @@ def fit(
 ) -> tuple[Network, optax.OptState, dict[str, Array]]:
     """Fit a network by epochs of minibatches to data ``(time, ..., env)``.
 
-    Returns the network, what the optimiser remembers, and the means of what is reported. Minibatches are sets of time
-    steps: permuting every row instead costs more than the update itself.
+    Return the network, the optimiser's state, and the means of what the loss reports. Minibatches are sets of time
+    steps: permuting all rows instead costs more than the update itself.
     """
     config, epochs = how.config, how.epochs
     steps = len(jax.tree.leaves(data)[0])

@@ -1,7 +1,7 @@
-"""How many floating-point operations the networks cost, by formula: what a training can be measured against.
+"""Compute how many floating-point operations the networks need, by formula: a reference for the speed of training.
 
-Only matrix products count, two operations for each weight and row; the simulation, the optimiser and whatever is done
-to every number on its own come on top. What gated roles compute only to fill their room is counted, as it is computed.
+Only matrix products count, with two operations for each weight and row; the simulation, the optimiser and elementwise
+operations come on top. Padding rows of gated roles count, since they are computed.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from jaxwalk.rollout import draw_batch
 
 @dataclass(frozen=True)
 class Sizes:
-    """What an environment brings: how many numbers the networks read and give, and for how many agents."""
+    """Sizes from the environment: how many numbers the networks read and return, and for how many agents."""
 
     observations: Mapping[str, Mapping[str, int]]
-    """Of each learning role (or the shared critic), the features of each observation set that is read."""
+    """Number of features in each observation set, for each learning role (or the shared critic)."""
     actions: Mapping[str, int]
-    """Of each role, numbers that its actor gives for each agent."""
+    """Outputs of each role's actor per agent."""
     agents: Mapping[str, int]
-    """Of each role."""
+    """Number of agents of each role."""
 
 
 @dataclass(frozen=True)
@@ -40,20 +40,20 @@ class NetworkFlops:
     """Floating-point operations for each environment step [FLOP]."""
 
     acting: float
-    """The actors in the rollout."""
+    """Forward passes of the actors in the rollout."""
     judging: float
-    """The critics' values of the rollout's states, the one after the last included."""
+    """Forward passes of the critics over the rollout's states, including the one after the last step."""
     fits: Mapping[str, float]
     """All epochs of each network: actors by role, critics as ``NAME critic``."""
 
     @property
     def total(self) -> float:
-        """Of everything."""
+        """The sum of all parts."""
         return self.acting + self.judging + sum(self.fits.values())
 
 
 def sizes_of(environment: Environment, config: TrainConfig) -> Sizes:
-    """Sizes of an environment; nothing is computed."""
+    """Return the sizes of an environment, without computing anything."""
 
     def view() -> object:
         scenario = draw_batch(environment, jax.random.split(jax.random.key(0), 1))
@@ -69,7 +69,7 @@ def sizes_of(environment: Environment, config: TrainConfig) -> Sizes:
 
 
 def network_flops(config: TrainConfig, sizes: Sizes) -> NetworkFlops:
-    """What is computed for each environment step, rows that have no weight in a loss included."""
+    """Return the operations for each environment step; rows without weight in a loss are included."""
     acting, judging, fits = 0.0, 0.0, {}
     for role in config.learning_roles:
         layers = _actor_layers(config, sizes, role)
@@ -85,40 +85,41 @@ def network_flops(config: TrainConfig, sizes: Sizes) -> NetworkFlops:
 
 
 def forward_flops(layers: Sequence[int]) -> int:
-    """One row through fully connected layers of these sizes, inputs first."""
+    """Return the operations of one row through fully connected layers of these sizes, inputs first."""
     return sum(2 * a * b for a, b in pairwise(layers))
 
 
 def fit_flops(layers: Sequence[int]) -> int:
-    """One row forwards and backwards: each layer's outputs, weights' and inputs' gradients cost the same.
+    """Return the operations of one row forwards and backwards, per layer: outputs, weight gradients, input gradients.
 
-    Nobody needs the gradient of the first layer's inputs.
+    All three cost the same; the gradient of the first layer's inputs is not needed.
     """
     return 3 * forward_flops(layers) - forward_flops(layers[:2])
 
 
 def passes(config: TrainConfig, epochs: int | float) -> float:
-    """Passes over a rollout that so many epochs make, in whole minibatches (`jaxwalk.learning.fit.fit`)."""
+    """Return the passes over a rollout that ``epochs`` make, in whole minibatches (`jaxwalk.learning.fit.fit`)."""
     return max(round(epochs * config.minibatches), 1) / config.minibatches
 
 
 def acted_rows(config: TrainConfig, sizes: Sizes, role: str) -> float:
-    """Rows of a role's actor in a rollout, for each environment step, earlier versions' included.
+    """Return the rows of a role's actor in a rollout, for each environment step, including earlier versions.
 
-    A gated role's are seen by one glance; if more have to decide, the further ones are not counted: see CHOSEN_PART.
+    For a gated role this counts one run on a part of the columns; more decisions need more runs: see CHOSEN_PART.
     """
     return _rows(config, sizes, role, 1 - config.roles[role].fixed, CHOSEN_PART)
 
 
 def fitted_rows(config: TrainConfig, sizes: Sizes, role: str) -> float:
-    """Rows of a role's actor or critic in a pass over a rollout, for each environment step: those that a gated role has
-    room for, filled up with rows of no weight, which cost the same: see `gated_part`.
+    """Return the rows of a role's actor or critic in one pass over a rollout, for each environment step.
+
+    For a gated role this is the available room: padding rows without weight cost the same (see `gated_part`).
     """
     return _rows(config, sizes, role, _own_share(config, role), gated_part(config))
 
 
 def judged_rows(config: TrainConfig, sizes: Sizes, name: str) -> float:
-    """Rows that a critic values, for each environment step: the rollout's and, all of them, those after the last."""
+    """Return the rows that a critic evaluates for each environment step: the rollout's, and all after the last."""
     if name == SHARED:
         return (config.steps + 1) / config.steps
     share = _own_share(config, name)
@@ -130,7 +131,7 @@ def _own_share(config: TrainConfig, role: str) -> float:
 
 
 def _rows(config: TrainConfig, sizes: Sizes, role: str, share: float, part: int) -> float:
-    """For each environment step, a role's agents in that share of environments; of a gated role one in ``part``."""
+    """Return the rows of a role's agents in this share of environments, for each step; one in ``part`` if gated."""
     rows = round(sizes.agents[role] * config.environments * share)
     return (-(-rows // part) if config.roles[role].gated else rows) / config.environments
 

@@ -1,7 +1,7 @@
 """The terms of PPO's objective, one value for each entry, and the sums over them.
 
-Every loss is a weighted *sum*, so that sums over chunks add up to that over the minibatch; whoever adds them divides by
-the summed weight.
+Every loss is a weighted *sum*, so that sums over chunks add up to the sum over the minibatch; the caller divides by the
+summed weight.
 """
 
 from __future__ import annotations
@@ -18,37 +18,37 @@ from jaxwalk.learning.actor import Actor
 from jaxwalk.shards import Axis
 
 LOG_RATIO_BOUND = 20.0
-"""Log-ratios are kept within +- this, so that no ratio overflows; PPO's clip is far inside."""
+"""Bound of log-ratios: they stay within +- this, so that no ratio overflows; PPO's clip is far inside."""
 
 
 class Actions(eqx.Module):
-    """What an actor did and how good it was: arrays ``(..., *agents, *batch)``, or with time in front."""
+    """An actor's actions and their advantages: arrays ``(..., *agents, *batch)``, or with time in front."""
 
     observation: Float[Array, "..."]
-    """What it saw: features first."""
+    """The observation, features first."""
     raw: Array
-    """What it sampled, before clipping or squashing."""
+    """The sample before clipping or squashing."""
     log_prob: Float[Array, "..."]
-    """How likely it was to."""
+    """Log-probability of the sample when it was drawn."""
     advantage: Float[Array, "..."]
-    """How much better that was than expected."""
+    """How much better the action was than expected."""
     weight: Float[Array, "..."]
-    """1 where it counts, 0 where the environment only restarted or, of a gated role, nothing was to be learned."""
+    """1 for entries that count; 0 where the environment restarted or a gated role has nothing to learn."""
 
 
 class Targets(eqx.Module):
-    """What a critic saw and should have said."""
+    """A critic's inputs and targets."""
 
     views: Any
-    """What it reads."""
+    """The critic's inputs."""
     target: Float[Array, "..."]
-    """The return it should have expected: ``(*agents, *batch)``."""
+    """The target return: ``(*agents, *batch)``."""
     weight: Float[Array, "..."]
-    """1 where it counts, 0 where the environment only restarted or, of a gated role, nothing was to be learned."""
+    """1 for entries that count; 0 where the environment restarted or a gated role has nothing to learn."""
 
 
 def actor_loss(actor: Actor, actions: Actions, *, clip: float, entropy: float) -> tuple[Array, dict[str, Array]]:
-    """PPO's loss of an actor: minus the clipped surrogate and the entropy bonus (Schulman 2017, eq. 9), summed."""
+    """Return an actor's summed loss: minus the clipped surrogate and the entropy bonus (Schulman 2017, eq. 9)."""
     choice = actor(actions.observation)
     ratio = log_ratio(choice.log_prob(actions.raw), actions.log_prob)
     surrogate = clipped_surrogate(ratio, actions.advantage, clip=clip)
@@ -66,7 +66,7 @@ def actor_loss(actor: Actor, actions: Actions, *, clip: float, entropy: float) -
 def critic_loss(
     critic: Callable[[Any], Array], targets: Targets, *, coefficient: float
 ) -> tuple[Array, dict[str, Array]]:
-    """A critic's loss: its squared error (Schulman 2017, eq. 9), summed."""
+    """Return a critic's summed loss: its squared error (Schulman 2017, eq. 9)."""
     value = critic(targets.views)
     error = weighted_sum(squared_error(value, targets.target), targets.weight)
     weight = jnp.sum(jnp.broadcast_to(targets.weight, value.shape))
@@ -74,41 +74,41 @@ def critic_loss(
 
 
 def log_ratio(log_prob: Float[Array, "..."], old_log_prob: Float[Array, "..."]) -> Float[Array, "..."]:
-    """Log of how much likelier the action has become."""
+    """Return the log of the probability ratio between the new and the old policy."""
     return jnp.clip(log_prob - old_log_prob, -LOG_RATIO_BOUND, LOG_RATIO_BOUND)
 
 
 def clipped_surrogate(
     log_ratio: Float[Array, "..."], advantage: Float[Array, "..."], *, clip: float
 ) -> Float[Array, "..."]:
-    """min(ratio A, clip(ratio, 1 - clip, 1 + clip) A), to be raised (Schulman 2017, eq. 7)."""
+    """Return min(ratio A, clip(ratio, 1 - clip, 1 + clip) A), to be maximised (Schulman 2017, eq. 7)."""
     ratio = jnp.exp(log_ratio)
     return jnp.minimum(ratio * advantage, jnp.clip(ratio, 1.0 - clip, 1.0 + clip) * advantage)
 
 
 def squared_error(value: Float[Array, "..."], target: Float[Array, "..."]) -> Float[Array, "..."]:
-    """The critic's loss of one value; plain, without clipping (Schulman 2017, eq. 9)."""
+    """Return the critic's loss of one value; plain, without clipping (Schulman 2017, eq. 9)."""
     return (value - target) ** 2
 
 
 def approximate_kl(log_ratio: Float[Array, "..."]) -> Float[Array, "..."]:
-    """(ratio - 1) - log ratio: its mean over old samples is KL(old || new), and each entry is at least 0."""
+    """Return (ratio - 1) - log ratio: its mean over old samples is KL(old || new), and each entry is at least 0."""
     return jnp.expm1(log_ratio) - log_ratio
 
 
 def beyond_clip(log_ratio: Float[Array, "..."], *, clip: float) -> Float[Array, "..."]:
-    """1 where the ratio has left [1 - clip, 1 + clip]."""
+    """Return 1 where the ratio is outside [1 - clip, 1 + clip], else 0."""
     return (jnp.abs(jnp.expm1(log_ratio)) > clip).astype(jnp.float32)
 
 
 def weighted_sum(x: Float[Array, "..."], weight: Float[Array, "..."]) -> Float[Array, ""]:
-    """Sum of ``x`` times ``weight``, which broadcasts; weightless entries don't count even if they aren't finite."""
+    """Return the sum of ``x`` times ``weight``, which broadcasts; entries of weight 0 may be infinite or NaN."""
     weight = jnp.broadcast_to(weight, x.shape)
     return jnp.sum(jnp.where(weight > 0, x * weight, 0.0))
 
 
 def weighted_mean(x: Float[Array, "..."], weight: Float[Array, "..."], axis: Axis = ()) -> Float[Array, ""]:
-    """Weighted mean over the whole array, with ``axis`` over those of all shards; 0 if nothing has weight."""
+    """Return the weighted mean over the whole array, with ``axis`` over those of all shards; 0 without any weight."""
     total = jnp.sum(jnp.broadcast_to(weight, x.shape))
     return jax.lax.psum(weighted_sum(x, weight), axis) / jnp.maximum(jax.lax.psum(total, axis), 1e-8)
 
@@ -116,9 +116,9 @@ def weighted_mean(x: Float[Array, "..."], weight: Float[Array, "..."], axis: Axi
 def explained_variance(
     value: Float[Array, "..."], target: Float[Array, "..."], weight: Float[Array, "..."], axis: Axis = ()
 ) -> Float[Array, ""]:
-    """1 - var(target - value) / var(target): 1 for a perfect critic, 0 for a constant one.
+    """Return 1 - var(target - value) / var(target): 1 for a perfect critic, 0 for a constant one.
 
-    With ``axis``, over the arrays of all shards.
+    With ``axis``, variances are over the arrays of all shards.
     """
 
     def variance(x: Array) -> Array:

@@ -1,10 +1,10 @@
-"""Multi-agent PPO (Schulman 2017; for several agents Yu 2022): `init` once, then `update` again and again.
+"""Multi-agent PPO (Schulman 2017; for several agents Yu 2022): call `init` once, then `update` repeatedly.
 
 One update plays a rollout with the current actors, estimates the advantage of every action, and fits every network.
-Actors and critics share no weights, so each is fitted on its own: one more role is one more turn of a loop.
+Actors and critics share no weights, so each is fitted separately: another role is another iteration of a loop.
 
-Environments may be shared out among devices (`TrainConfig.shards`): each plays its own and takes gradients of them;
-networks are the same everywhere, since sums go over all shards.
+Devices can share the environments (`TrainConfig.shards`): each plays its own part and computes gradients from it.
+Networks are the same on all devices, since sums go over all shards.
 """
 
 from __future__ import annotations
@@ -35,32 +35,32 @@ from jaxwalk.rollout import Step, Stream, environment_keys, rollout, waiting
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 
 ONCE = {"xla_backend_optimization_level": 0}
-"""Options for what runs once: compiling it well takes longer than running it badly compiled."""
+"""Options for code that runs once: full optimisation would take longer than running the unoptimised code."""
 
 
 class Learner(eqx.Module):
-    """Everything that training changes or continues from. A checkpoint holds exactly this."""
+    """Everything that training changes or resumes from. A checkpoint holds exactly this."""
 
     actors: dict[str, Actor]
-    """By role; only of roles that learn."""
+    """Actors by role, only of roles that learn."""
     critics: dict[str, Critic]
-    """By role, or the one named ``shared``."""
+    """Critics by role, or the one named ``shared``."""
     early: dict[str, tuple[Actor, ...]]
-    """By role, what the actor was after each of `SNAPSHOTS` updates; empty where that plays nowhere."""
+    """By role, the actor as it was after each of `SNAPSHOTS` updates; empty if it plays nowhere."""
     actor_memories: dict[str, optax.OptState]
-    """What the actors' optimisers remember."""
+    """The states of the actors' optimisers."""
     critic_memories: dict[str, optax.OptState]
-    """What the critics' optimisers remember."""
+    """The states of the critics' optimisers."""
     others: Roles[Policy | None]
-    """Who plays a role where its learner doesn't; None: nobody else does."""
+    """The policy of a role where its learner does not play; None if there is none."""
     stream: Stream
     """The environments in the middle of their episodes."""
     key: Key[Array, ""]
-    """For the shuffling: each update folds in its number."""
+    """Key for shuffling: each update folds in its number."""
     updates: Int[Array, ""]
-    """Updates made."""
+    """Number of updates so far."""
     planned: Int[Array, ""]
-    """Updates in the whole training, as far as the annealing knows: `init` takes it from the configuration."""
+    """Updates in the whole training, for annealing: `init` takes it from the configuration."""
 
 
 def init(
@@ -68,11 +68,12 @@ def init(
 ) -> Learner:
     """Return an untrained learner, its environments waiting for their first episodes.
 
-    ``others``: who plays a role where its learner doesn't; a role that is left out learns everywhere.
+    ``others``: the policy of a role where its learner does not play; a role that is left out learns everywhere.
 
     Raises:
-        ValueError: the configuration's roles aren't the environment's; a role that others play has no policy in
-            ``others``, or one that it doesn't need.
+            ValueError: the configuration's roles are not the environment's; or ``others`` lacks a policy for a role
+            that
+                others play, or has one that is not needed.
         ShardsError: there are fewer devices than shards.
     """
     others = {role: (others or {}).get(role) for role in config.roles}
@@ -86,7 +87,7 @@ def init(
 def _untrained(
     environment: Environment, config: TrainConfig, key: Key[Array, ""], others: Roles[Policy | None]
 ) -> Learner:
-    """`init`, all of it on one device."""
+    """Do the work of `init`, all of it on one device."""
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
     stream = waiting(environment, environment_keys(stream_key, 0, config.environments))
     everything = whole(config)
@@ -116,10 +117,10 @@ def _untrained(
 
 @eqx.filter_jit
 def update(environment: Environment, config: TrainConfig, learner: Learner) -> tuple[Learner, dict[str, Array]]:
-    """Play a rollout and learn from it; returns the learner and scalars to log.
+    """Play a rollout and learn from it; return the learner and scalars to log.
 
-    ``finite`` among them is 1 if all the others, every network and what the optimisers remember are finite, else 0.
-    Nothing is donated: what goes in stays usable, and it is small beside the rollout.
+    Its scalar ``finite`` is 1 if all others, every network and the optimisers' states are finite, else 0. Nothing is
+    donated: the input stays usable, and it is small compared with the rollout.
     """
     arrays, rest = eqx.partition(learner, eqx.is_array)
 
@@ -160,8 +161,10 @@ def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[L
 
 
 def _where(learner: Learner) -> Any:
-    """Return the learner with a `PartitionSpec` in place of each array: the environments are shared out among the
-    devices, everything else is on each of them."""
+    """Return the learner with a `PartitionSpec` in place of each array.
+
+    Devices share the environments; everything else is on each of them.
+    """
     specs: Any = jax.tree.map(lambda _: EVERYWHERE, eqx.filter(learner, eqx.is_array))
     return eqx.tree_at(
         lambda x: x.stream, specs, by_environment(learner.stream), is_leaf=lambda x: isinstance(x, PartitionSpec)
@@ -169,8 +172,7 @@ def _where(learner: Learner) -> Any:
 
 
 def _rollout_metrics(shard: Shard, played: Step) -> dict[str, Array]:
-    """Return each role's rewards in the environments in which its learner plays, and how episodes ended in those of the
-    first learning role."""
+    """Return each role's rewards where its learner plays, and the endings where the first learning role plays."""
     metrics = {}
     for role, columns in shard.columns.items():
         own = columns.own if shard.config.roles[role].learns else ALL
@@ -193,13 +195,13 @@ def _check_roles(environment: Environment, config: TrainConfig, others: Roles[Po
 
 
 def _strongly_typed(x: Any) -> Any:
-    """The same array without JAX's weak type, which the first `update` would lose and so compile twice."""
+    """Return the array without JAX's weak type: the first `update` would lose it, and the second compile again."""
     numeric = eqx.is_array(x) and not jnp.issubdtype(x.dtype, jax.dtypes.prng_key)
     return x.astype(x.dtype) if numeric else x
 
 
 def _shuffle_keys(learner: Learner, kind: int, count: int) -> Key[Array, " count"]:
-    """Keys of this update for that many networks; ``kind`` tells actors (0) from critics (1)."""
+    """Return this update's keys for a number of networks; ``kind`` separates actors (0) from critics (1)."""
     return jax.random.split(jax.random.fold_in(jax.random.fold_in(learner.key, learner.updates), kind), count)
 
 
@@ -234,7 +236,7 @@ def _improve_actors(
 def _improve_critics(
     config: TrainConfig, learner: Learner, played: Step, estimates: dict[str, Estimates]
 ) -> tuple[dict[str, Critic], dict[str, optax.OptState], dict[str, Array]]:
-    """Fit every critic to the rollout; a shared one as often as the role with the most epochs."""
+    """Fit every critic to the rollout; a shared one for as many epochs as the role with the most."""
     critics, memories, metrics = {}, {}, {}
     for (name, critic), key in zip(
         learner.critics.items(), _shuffle_keys(learner, 1, len(learner.critics)), strict=True
@@ -254,12 +256,12 @@ def _improve_critics(
 def _how(
     config: TrainConfig, learner: Learner, epochs: int | float, agents: tuple[int, ...], data: Actions | Targets
 ) -> Fit:
-    """Return how this update fits a network to data with those agent axes."""
+    """Return how this update fits a network to data with these agent axes."""
     rate = learning_rate(config, learner.updates, learner.planned)
     return Fit(config, rate, epochs, math.prod(agents), data.weight.shape[-1], SHARDS)
 
 
 def _only_decisions(data: Entries, how: Fit) -> tuple[Entries, Fit]:
-    """Return a gated role's data without what it doesn't learn from, and how to fit a network to that."""
+    """Return a gated role's data without entries it does not learn from, and how to fit a network to it."""
     columns = -(-how.agents * how.environments // gated_part(how.config))
     return pack_weighted(data, columns=columns), how._replace(agents=1, environments=columns)

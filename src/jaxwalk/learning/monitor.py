@@ -1,6 +1,6 @@
-"""Scalars that tell how training goes: reward terms, how episodes ended, and whether all numbers are finite.
+"""Scalars that monitor training: reward terms, how episodes ended, and whether all numbers are finite.
 
-With ``axis``, they tell of the environments of all shards.
+With ``axis``, they cover the environments of all shards.
 """
 
 from __future__ import annotations
@@ -18,25 +18,25 @@ from jaxwalk.learning.losses import weighted_mean
 from jaxwalk.shards import Axis
 
 ENDINGS = ("goal", "collision", "timeout")
-"""Events that are counted over the episodes that ended, if the environment's ``events`` have them."""
+"""Events that are counted over the episodes that ended, if the environment's ``events`` has them."""
 
 
 def by_agent(x: Array, like: Array) -> Array:
-    """An array ``(time, env)`` with axes put between, so that it broadcasts against ``(time, *agents, env)``."""
+    """Return an array ``(time, env)`` with axes inserted, so that it broadcasts against ``(time, *agents, env)``."""
     return x.reshape(x.shape[0], *(1,) * (like.ndim - 2), x.shape[-1])
 
 
 def reward_metrics(role: str, terms: dict[str, Array], valid: Array, axis: Axis = ()) -> dict[str, Float[Array, ""]]:
-    """Each named term's mean per agent and step, and their sum's, unscaled."""
+    """Return the mean of each named term per agent and step, and of their sum, unscaled."""
     means = {name: weighted_mean(term, by_agent(valid, term), axis) for name, term in terms.items()}
     total = jnp.sum(jnp.stack(list(means.values()))) if means else jnp.zeros(())
     return {f"reward/{role}/{name}": mean for name, mean in means.items()} | {f"reward/{role}": total}
 
 
 def episode_metrics(outcome: Outcome, valid: Array, axis: Axis = ()) -> dict[str, Float[Array, ""]]:
-    """Episodes that ended in the rollout, their mean length (in a steady state) and the rate of each ending.
+    """Return the episodes that ended in the rollout, their mean length (in a steady state) and the rate of each ending.
 
-    With no ended episode the rates are 0: look at ``episodes`` first.
+    If no episode ended, the rates are 0: check ``episodes`` first.
     """
     ended = outcome.ended & (valid > 0)
     episodes = jax.lax.psum(jnp.sum(ended, dtype=jnp.float32), axis)
@@ -51,7 +51,7 @@ def episode_metrics(outcome: Outcome, valid: Array, axis: Axis = ()) -> dict[str
 
 
 def all_finite(tree: Any) -> Float[Array, ""]:
-    """1 if every number in a pytree is finite, else 0."""
+    """Return 1 if every number in a pytree is finite, else 0."""
     numbers, _ = ravel_pytree(eqx.filter(tree, eqx.is_inexact_array))
     return jnp.isfinite(numbers).all().astype(jnp.float32)
 

@@ -1,6 +1,6 @@
 """Multilayer perceptrons on arrays with features first: ``(feature, *rest) -> (out, *rest)``.
 
-With the rows innermost each layer is one matrix product ``W @ x`` with long contiguous rows, which a CPU runs several
+With the rows innermost, each layer is one matrix product ``W @ x`` with long contiguous rows, which a CPU runs several
 times faster than rows of features.
 """
 
@@ -26,11 +26,11 @@ class MLP(eqx.Module):
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """Features in, units of each hidden layer, outputs."""
+        """Number of features, units of each hidden layer, and outputs."""
         return (self.weights[0].shape[1], *(weight.shape[0] for weight in self.weights))
 
     def __call__(self, x: Float[Array, "feature *rest"]) -> Float[Array, "out *rest"]:
-        """Apply to every column: all axes after the first are carried along."""
+        """Apply the network to every column: all axes after the first are kept."""
         rows = x.reshape(x.shape[0], -1)
         for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
             rows = jax.nn.relu(weight @ rows + bias[:, None])
@@ -39,14 +39,15 @@ class MLP(eqx.Module):
 
 
 def make_mlp(key: Key[Array, ""], sizes: Sequence[int], *, final_scale: float) -> MLP:
-    """A network with orthogonal weights (scale sqrt 2, the last layer ``final_scale``) and zero biases.
+    """Return a network with orthogonal weights (scale sqrt 2, the last layer ``final_scale``) and zero biases.
 
-    The usual start of PPO: Saxe 2014 for the weights, Andrychowicz 2021 for a policy that starts nearly uniform.
+    This is PPO's usual initialisation: Saxe 2014 for the weights, Andrychowicz 2021 for a nearly uniform initial
+    policy.
     """
     shapes = list(zip(sizes[1:], sizes[:-1], strict=True))
     scales = [math.sqrt(2.0)] * (len(shapes) - 1) + [final_scale]
     ends = list(accumulate(math.prod(shape) for shape in shapes))
-    noise = jax.random.normal(key, (ends[-1],))  # at once: each call of its own would take half a second to compile
+    noise = jax.random.normal(key, (ends[-1],))  # one call: each separate call would take half a second to compile
     weights = tuple(
         scale * orthogonal(noise[end - math.prod(shape) : end].reshape(shape))
         for shape, scale, end in zip(shapes, scales, ends, strict=True)
@@ -55,9 +56,9 @@ def make_mlp(key: Key[Array, ""], sizes: Sequence[int], *, final_scale: float) -
 
 
 def orthogonal(noise: Float[Array, "out in"]) -> Float[Array, "out in"]:
-    """A random matrix whose rows, or columns if those are fewer, are orthonormal, from Gaussian ``noise``.
+    """Return a random matrix with orthonormal rows (columns, if those are fewer), from Gaussian ``noise``.
 
-    By QR, with the signs of R's diagonal taken out so that all such matrices are equally likely (Mezzadri 2007).
+    It uses QR, and removes the signs of R's diagonal so that all such matrices are equally likely (Mezzadri 2007).
     """
     wide = noise.shape[0] < noise.shape[1]
     q, r = jnp.linalg.qr(noise.T if wide else noise)

@@ -80,7 +80,7 @@ def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float
 def holm(p: Sequence[float]) -> tuple[float, ...]:
     """Return the adjusted p-values of a family of tests, in the same order (Holm, 1979).
 
-    With probability 1 - alpha, every true null hypothesis has an adjusted p-value above alpha.
+    With probability at least 1 - alpha, every true null hypothesis has an adjusted p-value above alpha.
     """
     order = np.argsort(p, kind="stable")
     worse = np.maximum.accumulate(np.asarray(p, np.float64)[order] * np.arange(len(p), 0, -1))

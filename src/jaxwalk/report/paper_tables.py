@@ -17,7 +17,7 @@ QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
 
 
 def make_all(names: Iterable[str], material: Material) -> dict[str, Table]:
-    """The tables of these names."""
+    """Return the tables with these names."""
     return {name: TABLES[name](material) for name in names}
 
 
