@@ -219,11 +219,11 @@ def test_later_co_trainings_are_as_long_as_the_first(tiny, tmp_path, quiet, monk
     """The minutes are for the first one alone: the number that it planned is asked of the others."""
     asked = []
 
-    def train(run, *, resume, console, name):
+    def train(run, *, resume, display):
         minutes = run.experiment.minutes
         if minutes is not None:
             run.describe(replace(module.with_training(run.experiment, updates=17), minutes=None))
-        asked.append((name.strip(), minutes, run.experiment.train.updates, run.experiment.seed))
+        asked.append((display.name.strip(), minutes, run.experiment.train.updates, run.experiment.seed))
         return module_trained
 
     module_trained = type("Trained", (), {"interrupted": False, "steps": 1, "seconds": 1.0})()

@@ -59,13 +59,13 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
         Args:
             observation: the driver's observation set (``docs/adapters.md``).
-                pedestrians: a rule or shipped policy by name, a policy file or a `Policy`.
-                reward: name of the recipe that defines the car's reward, or weights of reward terms.
+            pedestrians: a rule or shipped policy by name, a policy file or a `Policy`.
+            reward: name of the recipe that defines the car's reward, or weights of reward terms.
             render_mode: ``rgb_array`` or None.
             world: ``maps``, ``jaywalk_multiplier`` and ``config`` (`WorldOptions`).
 
         Raises:
-                ValueError: an option is impossible; the message names it.
+            ValueError: an option is impossible; the message names it.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise AdapterError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")

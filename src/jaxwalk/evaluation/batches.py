@@ -37,10 +37,10 @@ def evaluate(
 
     Args:
         street: the world.
-            policies: the policy of each role.
+        policies: the policy of each role.
         source: the scenarios.
-            batch: episodes played at once, twice over; memory grows with it (about 0.4 MB per episode).
-            progress: called after every batch with the number of episodes played so far, and the total.
+        batch: episodes played at once, twice over; memory grows with it (about 0.4 MB per episode).
+        progress: called after every batch with the number of episodes played so far, and the total.
 
     Raises:
         ValueError: ``batch`` is below 1.
@@ -82,9 +82,9 @@ def replay(
     """Return the episodes of some scenarios of a source, as `evaluate` plays them with the same ``batch``.
 
     Raises:
-            ValueError: there are no ``numbers`` or more than ``batch``, the source lacks one of them, or ``batch`` is
+        ValueError: there are no ``numbers`` or more than ``batch``, the source lacks one of them, or ``batch`` is
             below
-                1.
+            1.
     """
     _check_batch(batch)
     chosen = np.asarray(numbers, np.int64)

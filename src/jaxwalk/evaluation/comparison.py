@@ -45,7 +45,7 @@ def paired(rows_a: Rows, rows_b: Rows) -> Paired:
     """Compare two evaluations of the same scenarios (the same seed, and the same street except for what is compared).
 
     Raises:
-            ValueError: the scenarios differ, or are in another order.
+        ValueError: the scenarios differ, or are in another order.
     """
     a, b = rows_a[OUTCOMES], rows_b[OUTCOMES]
     if not np.array_equal(a.scenario, b.scenario):
@@ -81,9 +81,9 @@ def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> tupl
     The p-values are adjusted for the number of tests (Holm).
 
     Args:
-            a: name of driver A in all pairs.
-            b: name of driver B.
-            among: name of each population, jaywalk multiplier, and pairs.
+        a: name of driver A in all pairs.
+        b: name of driver B.
+        among: name of each population, jaywalk multiplier, and pairs.
     """
     tests = [
         (people, multiplier, ending, found)

@@ -85,16 +85,16 @@ def counterfactuals(
     """Replay collisions of an evaluation, both unchanged and with each of `CHANGES`.
 
     Args:
-            street: the world; this and the following must be the same as in the evaluation.
-            policies: the policy of each role.
+        street: the world; this and the following must be the same as in the evaluation.
+        policies: the policy of each role.
         source: the scenarios.
         hits: the collisions, from `find_hits`.
-            batch: episodes played at once. By default `SMALL_BATCH`, which is quicker for few collisions; if rounding
-                makes those replays differ, `BATCH`, which `evaluate` uses.
-            progress: called after every batch with the number of collisions replayed so far, and the total.
+        batch: episodes played at once. By default `SMALL_BATCH`, which is quicker for few collisions; if rounding
+            makes those replays differ, `BATCH`, which `evaluate` uses.
+        progress: called after every batch with the number of collisions replayed so far, and the total.
 
     Raises:
-            ReplayError: an unchanged replay ends differently from its row.
+        ReplayError: an unchanged replay ends differently from its row.
         ValueError: ``batch`` is below 1.
     """
     if batch is not None and batch < 1:

@@ -30,8 +30,8 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
 
     Args:
         path: the file.
-            cells: for each cell, a value for every name (None: empty), and its `Rows` last.
-            names: columns that distinguish cells.
+        cells: for each cell, a value for every name (None: empty), and its `Rows` last.
+        names: columns that distinguish cells.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -27,8 +27,8 @@ def walk_ghosts(street: Street, scenarios: Scenario, keys: Key[Array, "episode"]
     Args:
         street: the world.
         scenarios: a batch, arrays ``(..., episode)``.
-            keys: one key for each episode, as for `jaxwalk.evaluation.play`.
-            frames: number of frames; at least 1.
+        keys: one key for each episode, as for `jaxwalk.evaluation.play`.
+        frames: number of frames; at least 1.
     """
     others, people, first = _begin(street, scenarios, keys)
     blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]

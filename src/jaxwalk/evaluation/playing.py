@@ -63,19 +63,19 @@ def play(
 
     Args:
         street: the world.
-            policies: the policy of each role. A `HostDriver` is asked between steps, all others act within the compiled
-                program.
+        policies: the policy of each role. A `HostDriver` is asked between steps, all others act within the compiled
+            program.
         scenarios: a batch, arrays ``(..., episode)``.
-            keys: one key for each episode; a policy's draws depend only on the key and the step.
-            numbers: numbers of the scenarios, for the trajectory's ``scenario`` (default: 0, 1, ...).
-            until: the last step of each episode, unless it ends earlier; such an episode has no ending (default: the
-                horizon).
+        keys: one key for each episode; a policy's draws depend only on the key and the step.
+        numbers: numbers of the scenarios, for the trajectory's ``scenario`` (default: 0, 1, ...).
+        until: the last step of each episode, unless it ends earlier; such an episode has no ending (default: the
+            horizon).
 
     Returns:
-            Frames up to the longest episode's end. After its own end, an episode repeats its last frame.
+        Frames up to the longest episode's end. After its own end, an episode repeats its last frame.
 
     Raises:
-            ValueError: ``keys`` is not a batch, or its length differs from the scenarios'.
+        ValueError: ``keys`` is not a batch, or its length differs from the scenarios'.
         DriverError: a `HostDriver` failed.
     """
     if keys.ndim != 1 or scenarios.route.shape != keys.shape:

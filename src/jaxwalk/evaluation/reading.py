@@ -63,13 +63,13 @@ def as_document(kind: Callable[..., T], content: Any, origin: Origin) -> T:
         origin: where the content comes from.
 
     Raises:
-            DocumentError: a field is missing, unknown or of the wrong type, or a number is not finite.
+        DocumentError: a field is missing, unknown or of the wrong type, or a number is not finite.
     """
     try:
         for place in _wrong_numbers(content, ()):
             raise origin.damaged(place, "the number is not finite")
         reader: TypeAdapter[T] = TypeAdapter(cast("Any", kind))
-        return reader.validate_json(json.dumps(content))
+        return reader.validate_json(json.dumps(content), strict=True)
     except RecursionError as error:
         raise origin.damaged((), "lists inside lists without end") from error
     except ValidationError as error:
@@ -81,9 +81,9 @@ def as_results(content: Any, origin: Origin) -> Results:
     """Return the content of a JSON file as typed results.
 
     Raises:
-            DocumentError: the schema differs, a field is missing, unknown or of the wrong type, or a table's size
+        DocumentError: the schema differs, a field is missing, unknown or of the wrong type, or a table's size
             differs
-                from that of the metrics.
+            from that of the metrics.
     """
     if not isinstance(content, Mapping) or content.get("schema") != SCHEMA:
         raise DocumentError(f"{origin.path}: of another version (its schema is not {SCHEMA}); {origin.advice}")

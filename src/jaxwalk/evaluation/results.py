@@ -190,18 +190,18 @@ def compare(
 
     Args:
         street: the world.
-            drivers: drivers by name.
+        drivers: drivers by name.
         populations: pedestrian policies by name.
         source: the scenarios.
         batch: episodes played at once.
-            progress: called with driver, population, episodes of the cell played so far, and the total.
+        progress: called with driver, population, episodes of the cell played so far, and the total.
 
     Returns:
         The results, and the rows of each (driver, population).
 
     Raises:
         ValueError: ``batch`` is below 1.
-            Stopped: a driver that is not JAX failed; the error holds the rows so far.
+        Stopped: a driver that is not JAX failed; the error holds the rows so far.
     """
     cells, rows = [], {}
     for driver_name, driver in drivers.items():

@@ -109,7 +109,7 @@ def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) ->
     resamples seeds and scenarios (`jaxwalk.metrics.over_seeds`), so it also covers training with other seeds.
 
     Raises:
-            ValueError: A and B did not play the same scenarios.
+        ValueError: A and B did not play the same scenarios.
     """
     seeds = max(len(a), len(b))
     a, b = (list(side) * (seeds // len(side)) for side in (a, b))

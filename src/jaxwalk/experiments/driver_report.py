@@ -29,17 +29,17 @@ def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Ca
     """Evaluate every driver among every population, and write report, figures, tables and numbers into the folder.
 
     Args:
-            folder: created if missing; files of an earlier report are replaced.
-            cast: drivers and populations; sections about one driver show the first.
-            episodes: number of scenarios for each driver and population.
-            most: number of incidents of each kind in the gallery, for each driver and population; 0: no gallery.
-            say: called with a line of text as the work progresses.
+        folder: created if missing; files of an earlier report are replaced.
+        cast: drivers and populations; sections about one driver show the first.
+        episodes: number of scenarios for each driver and population.
+        most: number of incidents of each kind in the gallery, for each driver and population; 0: no gallery.
+        say: called with a line of text as the work progresses.
 
     Returns:
         The path of the page.
 
     Raises:
-            InUseError: another process is writing into the folder.
+        InUseError: another process is writing into the folder.
     """
     with held(folder):
         return _report(folder, cast, episodes, most, say)

@@ -71,9 +71,9 @@ def init(
     ``others``: the policy of a role where its learner does not play; a role that is left out learns everywhere.
 
     Raises:
-            ValueError: the configuration's roles are not the environment's; or ``others`` lacks a policy for a role
+        ValueError: the configuration's roles are not the environment's; or ``others`` lacks a policy for a role
             that
-                others play, or has one that is not needed.
+            others play, or has one that is not needed.
         ShardsError: there are fewer devices than shards.
     """
     others = {role: (others or {}).get(role) for role in config.roles}

@@ -32,10 +32,10 @@ def braking_times(
     """Return what the car did after each road entry, and the time from entry to braking (or to the last frame) [s].
 
     Args:
-            trajectory: the recorded episodes.
-            episode: the episode of each encounter.
+        trajectory: the recorded episodes.
+        episode: the episode of each encounter.
         enter: first frame of the pedestrian on the roadway.
-            last: last frame of the pedestrian on the roadway; later braking does not count for this crossing.
+        last: last frame of the pedestrian on the roadway; later braking does not count for this crossing.
     """
     onset, braking = _held_braking(trajectory)
     after = _next(onset)[enter + 1, episode]  # the first command that can answer frame `enter` leads to the next frame

@@ -49,7 +49,7 @@ def identifiability(crossings: Int[np.ndarray, "person"], multiplier: float) -> 
     """Return what can be known about people, given the number of crossings seen of each.
 
     Raises:
-            ValueError: there are no people, or a number of crossings or the multiplier is negative.
+        ValueError: there are no people, or a number of crossings or the multiplier is negative.
     """
     if len(crossings) == 0 or crossings.min() < 0 or multiplier < 0:
         raise ValueError(f"people, crossings and multiplier must be there and not negative (multiplier {multiplier})")

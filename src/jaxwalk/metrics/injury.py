@@ -24,8 +24,8 @@ def monfort_mueller_mais3(speed, hood_height=MEDIAN_CAR):
     mean age (42.4 years) and share of men (0.59) of their 202 crashes. ``docs/metrics.md`` says how it was checked.
 
     Args:
-            speed: speed of the car at impact [m/s]; any shape.
-            hood_height: height of the leading edge of the car's hood [cm]; broadcasts with ``speed``.
+        speed: speed of the car at impact [m/s]; any shape.
+        hood_height: height of the leading edge of the car's hood [cm]; broadcasts with ``speed``.
     """
     faster, higher = KMH * np.asarray(speed, float) - MEAN_SPEED, np.asarray(hood_height, float) - MEAN_HOOD
     return _logistic(-0.460 + 0.091 * faster + 0.039 * higher + 0.002 * faster * higher)
@@ -43,7 +43,7 @@ def rosen_sander_fatal(speed):
     Rosén and Sander (2009), *Pedestrian fatality risk as a function of car impact speed*: 490 German cases (GIDAS).
 
     Args:
-            speed: speed of the car at impact [m/s]; any shape.
+        speed: speed of the car at impact [m/s]; any shape.
     """
     return _logistic(-6.9 + 0.090 * KMH * np.asarray(speed, float))
 

@@ -46,7 +46,7 @@ class Summary:
         """Return the summary whose `as_dict` is this document, also after saving it as JSON and reading it again.
 
         Raises:
-                ValueError: a part is unknown, missing or has the wrong type; the message names the first such part.
+            ValueError: a part is unknown, missing or has the wrong type; the message names the first such part.
         """
         try:
             found = _model(tuple(metrics)).model_validate_json(json.dumps(document), strict=True)
@@ -88,12 +88,12 @@ def measure(
 
     Args:
         trajectory: recorded episodes; frames after their ``length`` are ignored.
-            ghosts: people that the cars could not see, for the placebo.
-            config: says when a car is moving and what a touch is (default: that of `SimConfig`).
-            metrics: what to measure; the metrics that these need are measured too.
+        ghosts: people that the cars could not see, for the placebo.
+        config: says when a car is moving and what a touch is (default: that of `SimConfig`).
+        metrics: what to measure; the metrics that these need are measured too.
 
     Raises:
-            ValueError: an episode is longer than the trajectory, or two metrics have the same name.
+        ValueError: an episode is longer than the trajectory, or two metrics have the same name.
     """
     frames = len(trajectory.car_x)
     if trajectory.length.size and trajectory.length.max() >= frames:
@@ -114,9 +114,9 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
     """Return the numbers of all metrics of the rows.
 
     Args:
-            rows: the rows that `measure` returned.
-            resamples: number of bootstrap resamples over episodes.
-            seed: seed of the bootstrap.
+        rows: the rows that `measure` returned.
+        resamples: number of bootstrap resamples over episodes.
+        seed: seed of the bootstrap.
     """
     columns = {metric.name: metric.columns(rows) for metric in rows.metrics}
     flat = {(name, column): values for name, found in columns.items() for column, values in found.items()}

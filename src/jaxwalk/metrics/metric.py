@@ -106,7 +106,7 @@ class Rows:
         """Return the rows of all parts, as if all their episodes had been measured together.
 
         Raises:
-                ValueError: there are no parts, or their step durations or metrics differ.
+            ValueError: there are no parts, or their step durations or metrics differ.
         """
         if not parts:
             raise ValueError("there are no rows to join")
@@ -153,7 +153,7 @@ def with_needs(findings: Iterable[Finding[Any]]) -> tuple[Finding[Any], ...]:
     """Return the findings and everything that they need; each comes after its own needs.
 
     Raises:
-            ValueError: two findings have the same name.
+        ValueError: two findings have the same name.
     """
     ordered: dict[str, Finding[Any]] = {}
 

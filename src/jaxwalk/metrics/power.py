@@ -18,15 +18,15 @@ def scenarios_needed(a: float, b: float, *, both: float | None = None, power: fl
     paired-sample design*). The exact test is more conservative and has slightly less power: 0.77 to 0.79, not 0.8.
 
     Args:
-            a: rate of the first driver, in [0, 1].
-            b: rate of the second driver on the same scenarios.
-            both: share of scenarios with this ending in both (default: a b, as if all scenarios were equally difficult,
-                which asks for more scenarios than needed).
+        a: rate of the first driver, in [0, 1].
+        b: rate of the second driver on the same scenarios.
+        both: share of scenarios with this ending in both (default: a b, as if all scenarios were equally difficult,
+            which asks for more scenarios than needed).
         power: in (0, 1).
-            alpha: largest p-value that counts as significant.
+        alpha: largest p-value that counts as significant.
 
     Raises:
-            ValueError: the rates are equal (no number of scenarios is enough), or impossible together.
+        ValueError: the rates are equal (no number of scenarios is enough), or impossible together.
     """
     both = a * b if both is None else both
     if not 0 <= both <= min(a, b) or max(a, b) > 1 or a + b - both > 1 + ROUNDING:

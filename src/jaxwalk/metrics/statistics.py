@@ -226,10 +226,10 @@ def kaplan_meier_median(
     """Return the first time by which half of the subjects had their event; None if the curve stays above one half.
 
     Args:
-            times: when the event came, or when the subject was last observed without it.
-            observed: whether the event came; else the time is right-censored.
-            confidence: level of the interval: the times at which the log-log band of the curve falls to one half
-                (Brookmeyer and Crowley, 1982); an end that is never reached is None.
+        times: when the event came, or when the subject was last observed without it.
+        observed: whether the event came; else the time is right-censored.
+        confidence: level of the interval: the times at which the log-log band of the curve falls to one half
+            (Brookmeyer and Crowley, 1982); an end that is never reached is None.
     """
     times, observed = np.asarray(times, np.float64), np.asarray(observed, bool)
     if not observed.any():

@@ -90,10 +90,10 @@ def measure_surrogates(
     """Return the surrogates of all encounters.
 
     Args:
-            trajectory: the trajectory in which the encounters were found.
+        trajectory: the trajectory in which the encounters were found.
         encounters: the encounters.
         collision_distance: centres closer than this touch [m].
-            moving_speed: a car at this speed or more hits somebody; people walk into a slower car [m/s].
+        moving_speed: a car at this speed or more hits somebody; people walk into a slower car [m/s].
     """
     steps = crossing_steps(trajectory, encounters)
     met = steps.frame >= encounters.start[steps.encounter]

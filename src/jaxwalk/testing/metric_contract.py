@@ -20,7 +20,7 @@ def check_metric(metric: Metric[Any, Any], trajectory: Trajectory, ghosts: Ghost
     Args:
         metric: what to check.
         trajectory: recorded episodes.
-        ghosts: people whom the cars could not see, if the metric needs them.
+        ghosts: people that the cars could not see, if the metric needs them.
 
     Raises:
         ContractError: something doesn't hold; the message says what.
