@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jaxwalk import Drawn, Street
 from jaxwalk.evaluation import counterfactuals, evaluate, find_hits, paired, summarise_counterfactuals
 from jaxwalk.interfaces import View
-from jaxwalk.metrics import SURROGATES, summarise
+from jaxwalk.metrics import SPEED_DIFFERENTIAL, SURROGATES, summarise
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.report.surprise import in_words
 from jaxwalk.sim.features import SPEED
@@ -41,7 +41,7 @@ collision = paired(fast, slow).collision
 print("collisions at full speed {:.0%}, at 4 m/s {:.0%}; p = {:.3f}".format(*collision.rates, collision.p))
 
 summary = summarise(slow)
-print(in_words(summary.as_dict()["speed_differential"]))
+print(in_words(summary[SPEED_DIFFERENTIAL]))
 crosswalk = summary[SURROGATES].crosswalk
 print(f"TTC below 1.5 s in {crosswalk.ttc_critical.value:.0%} of the encounters at crosswalks")
 
