@@ -36,7 +36,7 @@ def native(street, environments):
         return {"driver": action, "pedestrian": jnp.ones((12, environments), jnp.int32)}, memory, seen
 
     def kept(step):
-        return step.record, sum(step.outcome.rewards.driver.values()), step.outcome.ended, step.valid
+        return step.record, sum(step.outcome.rewards["driver"].values()), step.outcome.ended, step.valid
 
     play = jax.jit(lambda stream: rollout(street, act, stream, BLOCK, keep=kept), donate_argnums=0)
     stream = start(street, environment_keys(seed_key(0, TRAINING), 0, environments))
