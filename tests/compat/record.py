@@ -65,7 +65,8 @@ def jaxwalk(*arguments: str | Path, folder: Path, flags: str = "") -> str:
 
     The compiler's flags change rounding, and so outcomes: those of the caller are dropped.
     """
-    keep = {name: value for name, value in os.environ.items() if name != "PYTHONWARNINGS"}
+    dropped = ("PYTHONWARNINGS", "JAX_DISABLE_MOST_OPTIMIZATIONS")  # compiled otherwise, it rounds otherwise
+    keep = {name: value for name, value in os.environ.items() if name not in dropped}
     environment = {**keep, "JAX_NUM_CPU_DEVICES": "2", "XLA_FLAGS": flags}
     command = [sys.executable, "-m", "jaxwalk", *map(str, arguments)]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
