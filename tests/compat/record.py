@@ -191,6 +191,8 @@ def record(part: str, out: Path, folder: Path) -> None:
         shutil.rmtree(out / "trained", ignore_errors=True)
         make_trained(out / "trained", folder=folder)
         played, resumed = play_trained(out / "trained", folder=folder), resume_trained(out / "trained", folder=folder)
+        for note in (out / "trained").rglob("commit_success.txt"):
+            note.unlink()  # it holds nothing but paths of the machine that recorded
         write(out / "trained.json.gz", {"outcomes": played, "resumed": resumed})
 
 
