@@ -66,7 +66,7 @@ def _functions() -> Iterator[tuple[str, Function]]:
                 yield f"{_module(file)}.{node.name}", node
 
 
-def _agree(found: set[str], allowed: set[str], rule: str) -> None:
+def check_exceptions(found: set[str], allowed: set[str], rule: str) -> None:
     """Fail for what breaks a rule without being an exception, and for exceptions that are no longer needed."""
     assert not found - allowed, f"{rule}: {sorted(found - allowed)}"
     assert not allowed - found, f"no exception any more, take it out of the list: {sorted(allowed - found)}"
@@ -74,17 +74,17 @@ def _agree(found: set[str], allowed: set[str], rule: str) -> None:
 
 def test_no_module_is_long():
     found = {_module(file) for file in FILES if len(file.read_text(encoding="utf-8").splitlines()) > LINES}
-    _agree(found, LONG_MODULES, f"modules of more than {LINES} lines")
+    check_exceptions(found, LONG_MODULES, f"modules of more than {LINES} lines")
 
 
 def test_no_function_is_long():
     found = {name for name, node in _functions() if (node.end_lineno or 0) - node.lineno + 1 > FUNCTION_LINES}
-    _agree(found, LONG_FUNCTIONS, f"functions of more than {FUNCTION_LINES} lines")
+    check_exceptions(found, LONG_FUNCTIONS, f"functions of more than {FUNCTION_LINES} lines")
 
 
 def test_no_function_has_many_parameters():
     found = {name for name, node in _functions() if _parameters(node) > PARAMETERS}
-    _agree(found, MANY_PARAMETERS, f"functions of more than {PARAMETERS} parameters")
+    check_exceptions(found, MANY_PARAMETERS, f"functions of more than {PARAMETERS} parameters")
 
 
 def _parameters(node: Function) -> int:
@@ -95,7 +95,7 @@ def _parameters(node: Function) -> int:
 
 def test_statements_are_not_nested_deeply():
     found = {name for name, node in _functions() if _depth(node.body) > NESTING}
-    _agree(found, DEEP_FUNCTIONS, f"functions with compound statements nested more than {NESTING} deep")
+    check_exceptions(found, DEEP_FUNCTIONS, f"functions with compound statements nested more than {NESTING} deep")
 
 
 def _depth(body: list[ast.stmt]) -> int:
@@ -122,7 +122,7 @@ def test_no_two_modules_of_one_name():
         name = _module(file)
         if file.stem != "__main__" and file.parent.name != "cli":
             places[name.rpartition(".")[2]].add(name)
-    _agree({name for name, found in places.items() if len(found) > 1}, SAME_MODULES, "modules of one name")
+    check_exceptions({name for name, found in places.items() if len(found) > 1}, SAME_MODULES, "modules of one name")
 
 
 def test_no_two_classes_of_one_name():
@@ -132,14 +132,14 @@ def test_no_two_classes_of_one_name():
         for node in ast.walk(_tree(file)):
             if isinstance(node, ast.ClassDef) and "options" not in file.parts:
                 places[node.name].append(_module(file))
-    _agree({name for name, found in places.items() if len(found) > 1}, SAME_CLASSES, "classes of one name")
+    check_exceptions({name for name, found in places.items() if len(found) > 1}, SAME_CLASSES, "classes of one name")
 
 
 def test_no_circle_of_imports():
     """Also between modules of one room, and through imports inside functions; ``import-linter`` has the floors."""
     imports = _imports()
     found = {" ".join(sorted(circle)) for circle in _circles(imports)}
-    _agree(found, CIRCLES, "modules that import each other in a circle")
+    check_exceptions(found, CIRCLES, "modules that import each other in a circle")
 
 
 def _imports() -> dict[str, set[str]]:
@@ -193,14 +193,16 @@ def _docstrings(file: Path) -> Iterator[tuple[int, str]]:
 
 def test_no_docstring_begins_with_of():
     found = {_module(file) for file in FILES for _, text in _docstrings(file) if text.startswith("Of ")}
-    _agree(found, ODD_DOCSTRINGS, 'modules with docstrings that begin with "Of "')
+    check_exceptions(found, ODD_DOCSTRINGS, 'modules with docstrings that begin with "Of "')
 
 
 def test_plain_words():
     """In code, comments, messages and what stands beside the code."""
     beside = [path for kind in ("html", "js", "css", "toml") for path in (SRC / "jaxwalk").rglob(f"*.{kind}")]
     texts = {str(path.relative_to(SRC)): path.read_text(encoding="utf-8") for path in [*FILES, *beside]}
-    _agree({name for name, text in texts.items() if FORBIDDEN.search(text)}, ODD_WORDS, f"words ({FORBIDDEN.pattern})")
+    check_exceptions(
+        {name for name, text in texts.items() if FORBIDDEN.search(text)}, ODD_WORDS, f"words ({FORBIDDEN.pattern})"
+    )
 
 
 @pytest.mark.parametrize(
