@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import io
+import os
 import platform
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +15,11 @@ from jaxtyping import install_import_hook
 from rich.console import Console
 
 install_import_hook("jaxwalk", "beartype.beartype")  # before the first import of jaxwalk
+
+# Most programs run a few times only: compiling them well takes longer than running them badly compiled. What runs often,
+# or is compared with recorded numbers, asks for more: `sim.play.AS_SHIPPED`. Processes that tests start inherit both.
+QUICKLY = {"JAX_DISABLE_MOST_OPTIMIZATIONS": "1", "XLA_FLAGS": "--xla_cpu_use_fusion_emitters=false"}
+os.environ.update(QUICKLY)
 
 SMALL = {"environments": 8, "steps": 8, "minibatches": 2, "updates": 6}
 """A training so small that its time is all compiling, which is done once."""
@@ -35,13 +42,11 @@ def pytest_configure(config):
 
     from compiling import Recorder, Relief
 
+    gc.set_threshold(100_000, 20, 20)  # tracing makes millions of objects that stay; looking for garbage took a tenth
     config.pluginmanager.register(Recorder(config.getoption("compile_report")), "compiling")
     config.pluginmanager.register(Relief(), "relief")
 
     jax.config.update("jax_num_cpu_devices", 2)  # so that environments can be shared out, on any machine
-    # Most programs run a few times only, so that compiling them well takes longer than running them badly compiled.
-    # What runs often, or is compared with recorded numbers, asks for more: `sim.play.AS_SHIPPED`.
-    jax.config.update("jax_disable_most_optimizations", True)
     # Two workers may meet in the cache; a half-written entry is compiled anew.
     config.addinivalue_line("filterwarnings", "ignore:Error (reading|writing) persistent compilation:UserWarning")
     if getattr(config, "cache", None) is not None:
@@ -89,9 +94,8 @@ def _processor() -> str:
 
 @pytest.fixture(scope="session", autouse=True)
 def strict_processes():
-    """Processes that tests start also turn warnings into errors, and compile quickly."""
+    """Processes that tests start also turn warnings into errors."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
         cache = [f"ignore:Error {doing} persistent compilation:UserWarning" for doing in ("reading", "writing")]
         patch.setenv("PYTHONWARNINGS", ",".join(["error", *cache]))
         yield

@@ -20,7 +20,11 @@ SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if 
 """But for those that show the future (`test_future.py`), tendencies or a belief about them (`test_belief.py`)."""
 TRACES = Counter()
 """How often Python ran through each compiled function, by the shapes it was called with."""
-AS_SHIPPED = {"xla_backend_optimization_level": 3, "xla_llvm_disable_expensive_passes": False}
+AS_SHIPPED = {
+    "xla_backend_optimization_level": 3,
+    "xla_llvm_disable_expensive_passes": False,
+    "xla_cpu_use_fusion_emitters": True,
+}
 """How users' programs are compiled: for what is called often, and what is compared with recorded numbers."""
 
 
