@@ -62,7 +62,7 @@ def crossings_seen(
     intended = (people.crossing != NO_CROSSING) & ~entered
     seen = people.decisions - intended
     number = jnp.arange(scenario.jaywalk_draw.shape[0]).reshape(-1, *(1,) * seen.ndim)
-    jaywalk = scenario.jaywalk_draw < scenario.jaywalking_tendency * world.jaywalk_multiplier
+    jaywalk = scenario.jaywalks(world, scenario.jaywalk_draw)
     jaywalks = (jaywalk & (number < seen)).sum(axis=0)
     return jaywalks, seen - jaywalks
 

@@ -44,7 +44,7 @@ OBSERVATIONS: dict[str, dict[str, tuple[Feature, ...]]] = {
 
 @dataclass(frozen=True)
 class Observation:
-    """A named observation set of a role, as a view. Raise ValueError for an unknown name."""
+    """A named observation set of a role, as a view. Raise ValueError for an unknown role or name."""
 
     role: str
     name: str
@@ -103,7 +103,9 @@ def global_state(moment: Moment) -> Float[Array, "feature *batch"]:
 
 
 def _check(role: str, name: str) -> None:
-    """Raise ValueError for a set that doesn't exist."""
+    """Raise ValueError for a role or a set that doesn't exist."""
+    if role not in OBSERVATIONS:
+        raise ValueError(f"no role '{role}'; there are: {', '.join(OBSERVATIONS)}")
     if name not in OBSERVATIONS[role]:
         known = ", ".join(OBSERVATIONS[role])
         raise ValueError(f"no observation set '{name}' for the {role}; there are: {known}")

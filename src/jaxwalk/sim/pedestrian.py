@@ -104,8 +104,7 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     crossing = jnp.where(left, NO_CROSSING, leg.crossing)
     side = jnp.where(landed & ~hop.to_midpoint, -1, hop.side)
     decided = (side >= 0) & (crossing == NO_CROSSING)
-    probability = scenario.jaywalking_tendency * world.jaywalk_multiplier
-    jaywalk = decided & (_take(scenario.jaywalk_draw, leg.decisions) < probability)
+    jaywalk = decided & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
     way = _jaywalk(world, scenario, leg, goal, jnp.maximum(side, 0))
 
     end_x = jnp.where(begins, leg.landing_x, jnp.where(jaywalk, way.x, node_x))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int, Key
+from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.sim.lookup import look_up
 from jaxwalk.sim.world import World
@@ -28,7 +28,7 @@ class Scenario(eqx.Module):
     goals: Int[Array, "goal ped *batch"]
     """The waypoints to walk to, one after the other."""
     jaywalk_draw: Float[Array, "crossing ped *batch"]
-    """For each crossing to come: below tendency x multiplier, it is a jaywalk."""
+    """For each crossing to come: whether it is a jaywalk (`Scenario.jaywalks`)."""
     zone_draw: Float[Array, "crossing ped *batch"]
     """For each crossing to come: where in the jaywalk zone it would begin."""
 
@@ -41,6 +41,10 @@ class Scenario(eqx.Module):
         """Return each pedestrian's own speed [m/s]."""
         slowest, fastest = world.rules.slowest_walk, world.rules.fastest_walk
         return slowest + (fastest - slowest) * self.traits[1]
+
+    def jaywalks(self, world: World, draw: Float[Array, "..."]) -> Bool[Array, "..."]:
+        """Return which crossings are jaywalks (equation 1), by their ``jaywalk_draw``: ``(ped, *batch)`` or more."""
+        return draw < self.jaywalking_tendency * world.jaywalk_multiplier
 
 
 def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:

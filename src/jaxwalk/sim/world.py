@@ -70,11 +70,13 @@ class World(eqx.Module):
     def create(cls, maps: Sequence[str | Path], config: SimConfig, *, jaywalk_multiplier: float) -> World:
         """Return the world of some maps (bundled names or files).
 
-        Raise MapError for a wrong map, and ValueError for a negative or infinite multiplier.
+        Raise MapError for a wrong map, and ValueError for a negative or infinite multiplier, or roads that are too
+        narrow for ``offroad_margin``.
         """
         check_multiplier(jaywalk_multiplier)
         spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
         stacked = stack_maps([load_map(name, **spacing) for name in maps])
+        _check_margin(stacked, config.offroad_margin)
         packed = pack_tables(stacked)
         goals, crossings = table_sizes(config, shortest_crossing=shortest_crossing(packed["side"]))
         numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
@@ -99,6 +101,15 @@ def check_multiplier(multiplier: float) -> None:
     """Raise ValueError for a jaywalk multiplier that is negative or infinite."""
     if not 0 <= multiplier < float("inf"):
         raise ValueError(f"jaywalk_multiplier must be 0 or more, not {multiplier}")
+
+
+def _check_margin(maps: RoadMap, margin: float) -> None:
+    """Raise ValueError if no place of some road is ``margin`` [m] inside it."""
+    boxes = np.asarray(maps.roads).reshape(-1, 4)
+    sizes = (boxes[:, 2:] - boxes[:, :2])[np.isfinite(boxes).all(axis=1)]
+    most = float(sizes.min()) / 2
+    if margin > most:
+        raise ValueError(f"offroad_margin must be at most half the narrowest road's width, {most:g} m, not {margin:g}")
 
 
 def as_written(number: Array) -> float:
