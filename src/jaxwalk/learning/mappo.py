@@ -21,7 +21,7 @@ from jax.sharding import PartitionSpec
 from jaxtyping import Array, Int, Key
 
 from jaxwalk.acting import ALL, fresh_memory, part_of
-from jaxwalk.interfaces import Environment, Policy, Roles
+from jaxwalk.interfaces import Discrete, Environment, Policy, Roles
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
 from jaxwalk.learning.casting import Shard, learning_cast, remember, shard_of, snapshots, whole
@@ -71,13 +71,13 @@ def init(
     ``others``: the policy of a role where its learner does not play; a role that is left out learns everywhere.
 
     Raises:
-        ValueError: the configuration's roles are not the environment's; or ``others`` lacks a policy for a role
-            that
-            others play, or has one that is not needed.
+        ValueError: the configuration's roles are not the environment's; a gated role does not choose between 0 and 1;
+            or ``others`` names a role that does not exist, lacks a policy that is needed, or has one that is not.
         ShardsError: there are fewer devices than shards.
     """
-    others = {role: (others or {}).get(role) for role in config.roles}
-    _check_roles(environment, config, others)
+    given = others or {}
+    others = {role: given.get(role) for role in config.roles}
+    _check_roles(environment, config, {**given, **others})
     mesh = mesh_of(config.shards)
     learner = _untrained(environment, config, key, others)
     return place(learner, _where(learner), mesh)
@@ -186,8 +186,14 @@ def _check_roles(environment: Environment, config: TrainConfig, others: Roles[Po
     wanted = list(environment.roles)
     if list(config.roles) != wanted:
         raise ValueError(f"roles must be the environment's, {', '.join(wanted)}, not {', '.join(config.roles)}")
+    for role in others:
+        if role not in wanted:
+            raise ValueError(f"others: no role is called {role}; there are: {', '.join(wanted)}")
     for role, choice in config.roles.items():
         given, share = others[role] is not None, choice.fixed
+        action = environment.roles[role].action
+        if choice.gated and not (isinstance(action, Discrete) and action.n == 2):
+            raise ValueError(f"gated: the {role} doesn't choose between 0 and 1, so it can't be gated")
         if given and not share:
             raise ValueError(f"others: the {role} learns everywhere (fixed is 0), so no fixed policy can play it")
         if share and not given:
