@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation import Stopped, compare, evaluate, play
-from jaxwalk.evaluation.interventions import Brake
+from jaxwalk.evaluation.interventions import Brake, TakeOver
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.host import DriverError, HostDriver
@@ -128,3 +128,12 @@ def test_an_intervention_changes_its_actions(street, undecided):
     played = play(street, {"driver": brake, "pedestrian": undecided}, scenarios, keys, until=until)
     assert (played.car_acceleration[1:11] > 0).all()
     assert (played.car_acceleration[11:] < 0).all()
+
+
+def test_two_of_them_are_refused(street, undecided):
+    """Only one is asked, and its answer would stand for the other's too."""
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
+    other = HostDriver("yours", Follower(), observes="paper")
+    both = TakeOver(hosted(), other, jnp.full(BATCH, 10))
+    with pytest.raises(ValueError, match="one driver that isn't written in JAX, not mine and yours"):
+        play(street, {"driver": both, "pedestrian": undecided}, scenarios, keys)

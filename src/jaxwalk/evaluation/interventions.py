@@ -19,7 +19,7 @@ from jaxwalk.interfaces import Moment, Policy, View
 from jaxwalk.sim.scenario import Scenario
 
 FULL_BRAKING = -1.0
-"""Acceleration as a share of its limit (3 m/s2)."""
+"""Acceleration as a share of ``max_acceleration``."""
 WAIT = 0
 """The action of a pedestrian who stands."""
 
