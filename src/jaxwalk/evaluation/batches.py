@@ -83,8 +83,7 @@ def replay(
 
     Raises:
         ValueError: there are no ``numbers`` or more than ``batch``, the source lacks one of them, or ``batch`` is
-            below
-            1.
+            below 1.
     """
     _check_batch(batch)
     chosen = np.asarray(numbers, np.int64)

@@ -121,7 +121,7 @@ def _in_words(b: str, people: str, ending: str, found: Comparison, p: float, tes
         return f"{b} {side} among {people}: {numbers}."
     if rate_a == rate_b:
         return f"Equally many {ending}s of both among {people}: {numbers}."
-    # (one test of a family has to reach this p-value: Holm's correction asks no more of the smallest one)
+    # One test of a family has to reach this p-value, since Holm's correction asks no more of the smallest one.
     needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios, alpha=FOUND / tests)
     enough = f"rates like these take some {float(f'{needed:.1e}'):,.0f} to tell apart"
     return f"Whether {b} {side} among {people} is open: {numbers}; {enough}."

@@ -102,8 +102,9 @@ def as_results(content: Any, origin: Origin) -> Results:
 def _check_metrics(cells: list[Any], origin: Origin) -> None:
     """Raise DocumentError if every cell lacks a metric: then the file is whole, but was written without it."""
     for metric in METRICS:
-        if cells and not any(isinstance(cell, dict) and metric.name in cell for cell in cells):
-            raise DocumentError(f"{origin.path}: of another version (it lacks the metric {metric.name}); {origin.advice}")
+        if cells and all(isinstance(cell, dict) and metric.name not in cell for cell in cells):
+            lacks = f"of another version (it lacks the metric {metric.name})"
+            raise DocumentError(f"{origin.path}: {lacks}; {origin.advice}")
 
 
 def _nested(cell: Any) -> Any:

@@ -15,12 +15,12 @@ from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distrib
 from jaxwalk.learning.networks import MLP, make_mlp
 
 DISCRETE, GATED = "discrete", "gated"
-"""The kinds of policy with discrete actions: everywhere, or only where the observation's first feature is above 0. The
-kinds with continuous actions are those of `RoleConfig.noise`."""
+"""The kinds of policy with discrete actions: one decides everywhere, the other only where the observation's first
+feature is above 0. The kinds with continuous actions are those of `RoleConfig.noise`."""
 OTHERWISE = 1
 """A gated policy's action where there is nothing to decide."""
 CHOSEN_PART = 16
-"""`run_where` runs a network on this part (1 / 16) of the columns at once: slightly more than one step selects."""
+"""`run_where` runs a network on one part in 16 of the columns at once: slightly more than a step usually selects."""
 
 
 class Actor(eqx.Module):
@@ -71,7 +71,7 @@ class Choice(eqx.Module):
     log_prob: Float[Array, "*rest"]
     """Log-probability of the sample, where a decision was made now."""
     decided: Bool[Array, "*rest"] | None
-    """Whether a decision was made now; None for everywhere."""
+    """Whether a decision was made now; None if there is one in every step."""
 
 
 def decide(

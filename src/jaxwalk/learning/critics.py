@@ -142,7 +142,7 @@ def _sparse_values(
 
     def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
         waiting, values = left
-        rows = jnp.nonzero(waiting, size=room, fill_value=waiting.shape[0])  # beyond the last: none
+        rows = jnp.nonzero(waiting, size=room, fill_value=waiting.shape[0])  # an index beyond the last one is nobody
         found = critic.network(critic_input(take_rows(views[critic.role], rows), critic.reads, ()))[0]
         return waiting.at[rows].set(False, mode="drop"), values.at[rows].set(found, mode="drop")
 

@@ -1,7 +1,7 @@
 """Multi-agent PPO (Schulman 2017; for several agents Yu 2022): call `init` once, then `update` repeatedly.
 
 One update plays a rollout with the current actors, estimates the advantage of every action, and fits every network.
-Actors and critics share no weights, so each is fitted separately: another role is another iteration of a loop.
+Actors and critics share no weights, so each is fitted separately: one more role is one more turn of a loop.
 
 Devices can share the environments (`TrainConfig.shards`): each plays its own part and computes gradients from it.
 Networks are the same on all devices, since sums go over all shards.
@@ -39,7 +39,7 @@ ONCE = {"xla_backend_optimization_level": 0}
 
 
 class Learner(eqx.Module):
-    """Everything that training changes or resumes from. A checkpoint holds exactly this."""
+    """Everything that training changes, or needs to resume. A checkpoint holds exactly this."""
 
     actors: dict[str, Actor]
     """Actors by role, only of roles that learn."""

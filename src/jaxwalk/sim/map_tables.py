@@ -17,13 +17,13 @@ SIDE_BITS, NODE_BITS = 12, 12
 NO_SIDE = (1 << SIDE_BITS) - 1
 
 POINT_SPACING = 2.5
-"""The route ahead is shown at multiples of this distance [m] ..."""
+"""Distance that separates possible points of the route ahead [m]."""
 POINTS = (1, 2, 3, 4, 5, 6, 8, 10)
-"""... namely these."""
+"""The points of the route ahead that are shown, as multiples of `POINT_SPACING`."""
 
 
 class Tables(eqx.Module):
-    """What a step needs to know about the maps: one look-up for people at the end of a leg, one for the car."""
+    """What a step needs to know about the maps, with one look-up for people at the end of a leg and one for the car."""
 
     hop: Int[Array, "map node goal"]
     """Bits: next node; whether that node, and whether the node itself, is a crosswalk's midpoint; the side of the
@@ -85,7 +85,7 @@ def shortest_crossing(side: Mapping[str, np.ndarray]) -> float:
 
 
 def _pack_routes(maps: RoadMap) -> tuple[np.ndarray, np.ndarray]:
-    """Return the tables ``course`` and ``finish``. Points ahead that lie beyond a route's last one are the last one."""
+    """Return the tables ``course`` and ``finish``. A point ahead beyond the route's last point is the last one."""
     x, y, cos, sin, length = (
         np.asarray(field) for field in (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin, maps.route_length)
     )

@@ -1,4 +1,4 @@
-"""How pedestrians walk: along shortest ways, and jaywalking where they once decided to."""
+"""How pedestrians walk: along shortest paths, and straight across a roadway where they have decided to jaywalk."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jaxwalk.sim.world import World
 
 
 def place(world: World, scenario: Scenario) -> PedestrianState:
-    """Return everybody at their start waypoint, as if at the end of a leg."""
+    """Return all pedestrians at their start waypoints, as if each had just finished a leg."""
     x, y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, scenario.start)
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
@@ -34,7 +34,7 @@ def place(world: World, scenario: Scenario) -> PedestrianState:
 
 
 def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Array, "ped *batch"]) -> PedestrianState:
-    """Make one step: people who go move along their committed path at their own speed; people who wait stand.
+    """Make one step: people who go walk along their committed path at their own speed, and people who wait stand.
 
     The rest of a step after the end of a leg is carried into the next leg (but not over a second end). What follows a
     leg depends on nothing that happens during it, so it is computed for everybody at once whenever somebody needs it:
@@ -58,7 +58,7 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
 
 
 def _on_surface(world: World, scenario: Scenario, people: PedestrianState) -> PedestrianState:
-    """Fill in what everybody stands on, from the geometry of the map."""
+    """Return the people with what they stand on, from the geometry of the map."""
     surfaces = (
         inside(world.maps.roads, scenario.map, people.x, people.y),
         inside(world.maps.crosswalks, scenario.map, people.x, people.y),
@@ -73,21 +73,21 @@ def velocity(world: World, scenario: Scenario, people: PedestrianState) -> tuple
 
 
 def at_kerb(world: World, people: PedestrianState) -> Bool[Array, "ped *batch"]:
-    """Return who is on a sidewalk with a roadway within ``kerb_distance`` of the committed path."""
+    """Return which pedestrians are on a sidewalk, and enter a roadway within ``kerb_distance`` of their path."""
     return (people.to_kerb > 0) & (people.to_kerb <= world.rules.kerb_distance)
 
 
 def enters_roadway(people: PedestrianState) -> Bool[Array, "ped *batch"]:
-    """Return whose leg leads into a roadway: they turn no more before it."""
+    """Return which pedestrians are on a leg that leads into a roadway, so that they don't turn before it."""
     return people.leg.kerb < 0
 
 
 def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     """Return the leg that follows.
 
-    Someone who has come to where a jaywalk begins goes across; everybody else continues along the graph: to the next
-    node, or, from where a jaywalk landed, to the node of the first edge. Leaving for the last edge before a crosswalk
-    (or its landing, for who turns there) is where the crossing is decided: equation 1.
+    A pedestrian at the point where its jaywalk begins goes across. All others continue along the graph: to the next
+    node, or after a jaywalk to the node of the first edge. A crossing is decided (equation 1) when a pedestrian begins
+    the last edge before a crosswalk; or at the crosswalk's landing, if it turns there.
     """
     begins, landed = leg.kind == LegKind.TO_ZONE, leg.kind == LegKind.ACROSS
     arrived = (leg.kind <= LegKind.CROSSWALK) & (leg.node == leg.goal)
@@ -139,7 +139,7 @@ class Jaywalk(NamedTuple):
     """Where it leaves the kerb line [m]."""
     y: Array
     landing_x: Array
-    """Where it reaches the opposite one [m]."""
+    """Where it reaches the opposite kerb line [m]."""
     landing_y: Array
     to_kerb: Array
     """Path from here to the roadway [m]."""
@@ -152,7 +152,7 @@ class Jaywalk(NamedTuple):
 def _jaywalk(
     world: World, scenario: Scenario, leg: Leg, goal: Int[Array, "ped *batch"], side: Int[Array, "ped *batch"]
 ) -> Jaywalk:
-    """Return the jaywalk that somebody at the end of a leg would make at a side.
+    """Return the jaywalk that each pedestrian would make at a side, from the end of its leg.
 
     It begins uniformly in the part of the zone not yet passed (else in the whole zone), and is slanted toward the goal
     by at most 45 degrees within the opposite zone, so it is clear of crosswalks and junctions.

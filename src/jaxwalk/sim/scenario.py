@@ -1,4 +1,4 @@
-"""A scenario holds all chance of an episode. It is a function of uniform numbers: a point of the unit cube."""
+"""A scenario holds all random choices of an episode. It is a function of uniform numbers: a point of the unit cube."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from jaxwalk.sim.lookup import look_up
 from jaxwalk.sim.world import World
 
 TRAITS = 4
-"""Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed and two without effect."""
+"""Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed, and two that the simulator
+ignores but that policies of pedestrians see."""
 
 
 class Scenario(eqx.Module):
-    """Everything that chance decides about one episode (batches: arrays ``(..., *batch)``)."""
+    """All random choices of one episode; of a batch of them, arrays ``(..., *batch)``."""
 
     map: Int[Array, "*batch"]
     """Index of the map."""
@@ -60,7 +61,7 @@ def dimensions(world: World) -> int:
 def uniforms(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
     """Draw numbers in (0, 1).
 
-    They are odd multiples of 2**-17, two from each random word: random words are what costs time.
+    They are odd multiples of 2**-17, two from each random word, because it is random words that take time.
     """
     words = jax.random.bits(key, (-(-count // 2),), jnp.uint32)
     halves = jnp.concatenate([words >> 16, words & 0xFFFF])[:count]

@@ -1,4 +1,4 @@
-"""What stays the same from episode to episode: the maps, the rules, and how often people jaywalk."""
+"""What is the same in every episode: the maps, the rules, and how often people jaywalk."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ STATIC = ("dt", "horizon", "pedestrians")
 
 
 class Rules(eqx.Module):
-    """The numbers of a `SimConfig`, which documents them and their units. Another value of an array compiles nothing.
+    """The numbers of a `SimConfig`, which documents them and their units.
 
-    A change of ``fastest_walk`` or ``goal_spacing`` that changes the length of a scenario's tables is the exception.
+    Another value of an array needs no new compilation, unless ``fastest_walk`` or ``goal_spacing`` changes the length
+    of a scenario's tables.
     """
 
     dt: float = eqx.field(static=True)
@@ -52,7 +53,7 @@ class Rules(eqx.Module):
 
 
 class World(eqx.Module):
-    """All that an episode happens in. Functions of the simulator take it whole."""
+    """Everything that is the same in all episodes. Functions of the simulator take it whole."""
 
     maps: RoadMap
     """Stacked maps; a scenario names one."""
