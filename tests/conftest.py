@@ -102,6 +102,31 @@ def strict_processes():
         yield
 
 
+AT_ONCE = 16
+"""Episodes that evaluations of tests play at once: many more than most of them ask for, badly compiled, take long."""
+READERS = ("evaluation.batches", "evaluation.counterfactual", "exports.track_table", "exports.replays", "cli.evaluate")
+"""Modules that know how many episodes are played at once."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def small_batches():
+    """Evaluations play a few episodes at once."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in READERS:
+            patch.setattr(f"jaxwalk.{module}.BATCH", AT_ONCE)
+        yield
+
+
+@pytest.fixture(scope="module")
+def compiled_well():
+    """Programs that are first called in this module's tests run for long: they are compiled as users' are."""
+    import jax
+
+    jax.config.update("jax_disable_most_optimizations", False)
+    yield
+    jax.config.update("jax_disable_most_optimizations", True)
+
+
 @pytest.fixture(scope="session")
 def street():
     """The paper's street; nobody is paid."""

@@ -115,19 +115,19 @@ def test_a_driver_of_ones_own_is_evaluated_and_its_cost_shown(place, capsys):
     assert main(["evaluate", "--driver", "mine:Mine", "--episodes", "3", "--seed", "7", "--out", "kept"]) == 0
     cell = json.loads((place / "kept" / "results.json").read_text())["cells"][0]
     assert (cell["driver"], cell["driver_observes"]) == ("mine:Mine", "paper")
-    assert f"mine:Mine: {cell['driver_ms_per_step']:.3g} ms for a step of 512 episodes" in capsys.readouterr().out
+    assert f"mine:Mine: {cell['driver_ms_per_step']:.3g} ms for a step of 16 episodes" in capsys.readouterr().out
 
 
 def test_what_was_evaluated_before_a_driver_failed_is_kept(place, capsys):
     (place / "mine.py").write_text(OWN)
-    assert main(["evaluate", "--driver", "mine.py:Mine", "--episodes", "600", "--seed", "7", "--out", "kept"]) == 2
+    assert main(["evaluate", "--driver", "mine.py:Mine", "--episodes", "20", "--seed", "7", "--out", "kept"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     message = " ".join(err.split())
-    assert "jaxwalk: mine.py:Mine: act returned shape (512, 1); return an array of shape (512, 2)" in message
-    assert "(scenario 512 and 511 others, played together, step 2); the 512 episodes evaluated before are" in message
+    assert "jaxwalk: mine.py:Mine: act returned shape (16, 1); return an array of shape (16, 2)" in message
+    assert "(scenario 16 and 15 others, played together, step 2); the 16 episodes evaluated before are" in message
     assert sorted(path.name for path in (place / "kept").iterdir()) == [".lock", "episodes-partial.csv"]
-    assert len((place / "kept" / "episodes-partial.csv").read_text().splitlines()) == 1 + 512
+    assert len((place / "kept" / "episodes-partial.csv").read_text().splitlines()) == 1 + 16
 
 
 def test_observations_are_listed(capsys):

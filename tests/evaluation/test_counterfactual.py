@@ -71,7 +71,7 @@ def often(street):
 
 
 @pytest.fixture(scope="module")
-def hits(often):
+def hits(often, compiled_well):
     """The blind driver among always-go, 64 episodes."""
     return evaluate(often, {"driver": BLIND, "pedestrian": WALKERS}, Drawn(often, 7, 64), batch=BATCH)
 

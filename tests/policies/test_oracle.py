@@ -19,6 +19,7 @@ from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.observation import PRIVILEGED, part, size
 from jaxwalk.sim.prediction import ABSENT, FAR
+from sim.play import AS_SHIPPED
 
 SIZE = size("driver", PRIVILEGED)
 LENGTH = 90.0
@@ -52,7 +53,7 @@ def drive(driver, person):
         return (along, speed, memory), (along, speed, jnp.hypot(along - ahead, left), action[1])
 
     begin = (jnp.zeros(CASES), jnp.zeros(CASES), driver.init((), (CASES,)))
-    _, played = jax.jit(lambda: jax.lax.scan(body, begin, jnp.arange(STEPS_PLAYED)))()
+    _, played = jax.jit(lambda: jax.lax.scan(body, begin, jnp.arange(STEPS_PLAYED)), compiler_options=AS_SHIPPED)()
     *played, steering = map(np.asarray, played)
     assert (steering == 0).all()
     return played

@@ -31,7 +31,7 @@ Progress = Callable[[int, int], None]
 
 
 def evaluate(
-    street: Street, policies: Roles[Policy], source: Source, *, batch: int = BATCH, progress: Progress | None = None
+    street: Street, policies: Roles[Policy], source: Source, *, batch: int | None = None, progress: Progress | None = None
 ) -> Rows:
     """Play all scenarios of a source and measure them.
 
@@ -39,7 +39,7 @@ def evaluate(
         street: the world.
         policies: the policy of each role.
         source: the scenarios.
-        batch: episodes played at once, twice over; memory grows with it (about 0.4 MB per episode).
+        batch: episodes played at once, twice over (default: `BATCH`); memory grows with it, about 0.4 MB per episode.
         progress: called after every batch with the number of episodes played so far, and the total.
 
     Raises:
@@ -50,10 +50,10 @@ def evaluate(
 
 
 def evaluate_batches(
-    street: Street, policies: Roles[Policy], source: Source, *, batch: int = BATCH, progress: Progress | None = None
+    street: Street, policies: Roles[Policy], source: Source, *, batch: int | None = None, progress: Progress | None = None
 ) -> Iterator[Rows]:
     """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played."""
-    _check_batch(batch)
+    batch = _size(batch)
     episodes, config = len(source), street.config
 
     def rows(first: int) -> Rows:
@@ -77,7 +77,7 @@ def evaluate_batches(
 
 
 def replay(
-    street: Street, policies: Roles[Policy], source: Source, numbers: Sequence[int], *, batch: int = BATCH
+    street: Street, policies: Roles[Policy], source: Source, numbers: Sequence[int], *, batch: int | None = None
 ) -> Trajectory:
     """Return the episodes of some scenarios of a source, as `evaluate` plays them with the same ``batch``.
 
@@ -85,7 +85,7 @@ def replay(
         ValueError: there are no ``numbers`` or more than ``batch``, the source lacks one of them, or ``batch`` is
             below 1.
     """
-    _check_batch(batch)
+    batch = _size(batch)
     chosen = np.asarray(numbers, np.int64)
     if not 0 < len(chosen) <= batch:
         raise ValueError(f"replay takes 1 to {batch} scenarios at once, not {len(chosen)}")
@@ -96,6 +96,8 @@ def replay(
     return part_of(trajectory, frames=int(trajectory.length[:count].max()) + 1, episodes=slice(count))
 
 
-def _check_batch(batch: int) -> None:
-    if batch < 1:
+def _size(batch: int | None) -> int:
+    """Return the number of episodes played at once. Raise ValueError if it is below 1."""
+    if batch is not None and batch < 1:
         raise ValueError(f"batch must be at least 1, not {batch}")
+    return BATCH if batch is None else batch

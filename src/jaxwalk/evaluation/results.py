@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from jaxtyping import Float
 
-from jaxwalk.evaluation.batches import BATCH, evaluate_batches
+from jaxwalk.evaluation.batches import evaluate_batches
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
@@ -183,7 +183,7 @@ def compare(
     populations: Mapping[str, Policy],
     source: Source,
     *,
-    batch: int = BATCH,
+    batch: int | None = None,
     progress: Callable[[str, str, int, int], None] | None = None,
 ) -> tuple[Results, dict[tuple[str, str], Rows]]:
     """Evaluate every driver among every population, on the same scenarios.
@@ -193,7 +193,7 @@ def compare(
         drivers: drivers by name.
         populations: pedestrian policies by name.
         source: the scenarios.
-        batch: episodes played at once.
+        batch: episodes played at once (default: as `evaluate`).
         progress: called with driver, population, episodes of the cell played so far, and the total.
 
     Returns:
