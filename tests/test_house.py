@@ -35,10 +35,7 @@ SAME_MODULES: set[str] = set()
 SAME_CLASSES: set[str] = set()
 CIRCLES: set[str] = set()
 ODD_DOCSTRINGS: set[str] = set()
-ODD_WORDS: set[str] = {
-    "jaxwalk/cli/options/for_playing.py", "jaxwalk/report/sections.py", "jaxwalk/report/suite.py",
-    "jaxwalk/report/surprise.py", "jaxwalk/report/verdicts.py",
-}  # fmt: skip
+ODD_WORDS: set[str] = set()
 
 FORBIDDEN = re.compile(r"\b(so many|whom|mend|mends|mended|glance|glances|gone on with)\b", re.IGNORECASE)
 """Words for which there are plainer ones."""
