@@ -31,8 +31,9 @@ Progress = Callable[[int, int], None]
 
 
 def evaluate(
-    street: Street, policies: Roles[Policy], source: Source, *, batch: int | None = None, progress: Progress | None = None
-) -> Rows:
+    street: Street, policies: Roles[Policy], source: Source, *,
+    batch: int | None = None, progress: Progress | None = None,
+) -> Rows:  # fmt: skip
     """Play all scenarios of a source and measure them.
 
     Args:
@@ -50,8 +51,9 @@ def evaluate(
 
 
 def evaluate_batches(
-    street: Street, policies: Roles[Policy], source: Source, *, batch: int | None = None, progress: Progress | None = None
-) -> Iterator[Rows]:
+    street: Street, policies: Roles[Policy], source: Source, *,
+    batch: int | None = None, progress: Progress | None = None,
+) -> Iterator[Rows]:  # fmt: skip
     """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played."""
     batch = _size(batch)
     episodes, config = len(source), street.config
@@ -83,8 +85,7 @@ def replay(
 
     Raises:
         ValueError: there are no ``numbers`` or more than ``batch``, the source lacks one of them, or ``batch`` is
-            below
-            1.
+            below 1.
     """
     batch = _size(batch)
     chosen = np.asarray(numbers, np.int64)
