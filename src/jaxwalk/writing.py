@@ -5,8 +5,11 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+_own_unfinished: set[Path] = set()
+"""The temporary files that this process is writing."""
 
 
 @contextmanager
@@ -17,6 +20,7 @@ def whole(path: str | Path) -> Iterator[Path]:
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    _own_unfinished.add(unfinished)
     try:
         with naming(path):
             yield unfinished
@@ -24,6 +28,7 @@ def whole(path: str | Path) -> Iterator[Path]:
             unfinished.replace(path)
     finally:
         unfinished.unlink(missing_ok=True)
+        _own_unfinished.discard(unfinished)
 
 
 @contextmanager
@@ -54,6 +59,13 @@ def remove_unfinished(folder: Path) -> None:
     """Remove the temporary files of killed processes from a folder into which nobody else writes."""
     for path in filter(is_unfinished, folder.iterdir()):
         path.unlink()
+
+
+def remove_own_unfinished() -> None:
+    """Remove the temporary files of this process, which is about to end."""
+    for path in list(_own_unfinished):
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
 
 
 def _to_disk(path: Path) -> None:
