@@ -186,7 +186,7 @@ def test_who_decides_at_the_kerb(scenarios, midway):
     random, walkers = np.random.default_rng(3), midway.pedestrian
     lead = random.choice([-0.5, 0.5], walkers.remaining.shape).astype(np.float32)  # from the leg's end to the roadway
     walkers = eqx.tree_at(
-        lambda p: (p.leg.kerb, p.remaining),
+        lambda p: (p.leg.kerb_past_end, p.remaining),
         walkers,
         (jnp.asarray(lead), jnp.asarray(random.uniform(0, 3, lead.shape), jnp.float32)),
     )

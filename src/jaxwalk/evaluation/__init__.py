@@ -1,7 +1,7 @@
 """Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them."""
 
 from jaxwalk.evaluation.batches import BATCH, evaluate, replay
-from jaxwalk.evaluation.comparison import Comparison, Paired, compared, paired
+from jaxwalk.evaluation.comparison import EndingCounts, PairedEndings, compare_endings, paired
 from jaxwalk.evaluation.counterfactual import (
     Counterfactuals,
     CounterfactualSummary,
@@ -16,8 +16,8 @@ from jaxwalk.evaluation.episode_file import write_rows
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.playing import play
-from jaxwalk.evaluation.results import Cell, Results, ScenarioSet, Stopped, compare
-from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
+from jaxwalk.evaluation.results import Cell, Results, ScenarioSet, Stopped, evaluate_grid
+from jaxwalk.evaluation.settings import SAMPLES, acts_by, jaywalk_multiplier, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
 
 __all__ = [
@@ -25,26 +25,26 @@ __all__ = [
     "SAMPLES",
     "Cell",
     "ComparedEnding",
-    "Comparison",
     "CounterfactualSummary",
     "Counterfactuals",
+    "EndingCounts",
     "Incidents",
     "Match",
-    "Paired",
+    "PairedEndings",
     "ReplayError",
     "Results",
     "ScenarioSet",
     "Stopped",
+    "acts_by",
     "check_parquet",
-    "compare",
-    "compared",
+    "compare_endings",
     "counterfactuals",
     "describe",
     "evaluate",
+    "evaluate_grid",
     "find_hits",
     "find_incidents",
     "jaywalk_multiplier",
-    "mode",
     "over_training_seeds",
     "paired",
     "paired_over_seeds",

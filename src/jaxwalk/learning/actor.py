@@ -57,7 +57,7 @@ class Held(eqx.Module):
 
     choice: Int[Array, "*rest"]
     """The last decision."""
-    left: Int[Array, "*rest"]
+    steps_left: Int[Array, "*rest"]
     """Steps for which the decision is still valid, as long as there is something to decide."""
 
 
@@ -84,13 +84,13 @@ def decide(
         raw = choice.sample(key) if sample else choice.mode()
         return Choice(choice.action(raw), raw, choice.log_prob(raw), None), None
     may = observation[0] > 0
-    now = may & (memory.left == 0)
+    now = may & (memory.steps_left == 0)
     choice = Categorical(run_where(actor.network, observation, now))
     new = choice.sample(key) if sample else choice.mode()
     kept = jnp.where(now, new, memory.choice)
-    left = jnp.where(now, actor.hold - 1, memory.left - 1)
+    steps_left = jnp.where(now, actor.hold - 1, memory.steps_left - 1)
     action = jnp.where(may, kept, OTHERWISE)
-    return Choice(action, action, choice.log_prob(action), now), Held(kept, jnp.where(may, left, 0))
+    return Choice(action, action, choice.log_prob(action), now), Held(kept, jnp.where(may, steps_left, 0))
 
 
 def run_where(
@@ -104,15 +104,15 @@ def run_where(
     count = flat.shape[1]
     places = -(-count // CHOSEN_PART)
 
-    def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
-        waiting, found = left
+    def some(progress: tuple[Array, Array]) -> tuple[Array, Array]:
+        waiting, found = progress
         (chosen,) = jnp.nonzero(waiting, size=places, fill_value=count)  # an index beyond the last one is nobody
         seen = network(flat.at[:, chosen].get(mode="fill", fill_value=0))
         return waiting.at[chosen].set(False, mode="drop"), found.at[:, chosen].set(seen, mode="drop")
 
     outputs = network.sizes[-1]
     begin = (which.reshape(-1), jnp.zeros((outputs, count), columns.dtype))
-    _, found = jax.lax.while_loop(lambda left: left[0].any(), some, begin)
+    _, found = jax.lax.while_loop(lambda progress: progress[0].any(), some, begin)
     return found.reshape(outputs, *columns.shape[1:])
 
 

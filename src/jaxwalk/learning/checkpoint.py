@@ -25,6 +25,12 @@ KEPT = 2
 """Number of checkpoints kept; older ones are deleted."""
 LISTS = 1_000_000
 """Largest size of what a checkpoint holds besides its arrays [bytes]."""
+RENAMED = {
+    r"^\.stream\.memory\.(driver|pedestrian)": r".stream.memory['\1']",
+    r"^(\.stream\.memory\b.*)\.left$": r"\1.steps_left",
+    r"^(\.stream\.state\.pedestrian\.(?:leg|following))\.kerb$": r"\1.kerb_past_end",
+}
+"""What version 0.1 called an array (a pattern), and what it is called now."""
 UNFINISHED = "*.orbax-checkpoint-tmp*"
 """Names of incomplete checkpoints."""
 
@@ -180,8 +186,10 @@ def _manager(path: str | Path, *, create: bool) -> Any:
 
 
 def _name_now(name: str) -> str:
-    """Return the present name of an array; version 0.1 had an attribute for each role instead of a mapping."""
-    return re.sub(r"^\.stream\.memory\.(driver|pedestrian)", r".stream.memory['\1']", name)
+    """Return the present name of an array in a checkpoint of version 0.1."""
+    for before, now in RENAMED.items():
+        name = re.sub(before, now, name)
+    return name
 
 
 def _names(arrays: Any) -> list[str]:

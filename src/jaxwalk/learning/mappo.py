@@ -80,7 +80,7 @@ def init(
     _check_roles(environment, config, {**given, **others})
     mesh = mesh_of(config.shards)
     learner = _untrained(environment, config, key, others)
-    return place(learner, _where(learner), mesh)
+    return place(learner, _partition_specs(learner), mesh)
 
 
 @eqx.filter_jit(compiler_options=ONCE)  # pyright: ignore[reportCallIssue] (it passes on what `jax.jit` takes)
@@ -128,8 +128,8 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
         learner, metrics = _update(environment, shard_of(config), eqx.combine(arrays, rest))
         return eqx.filter(learner, eqx.is_array), metrics
 
-    where, mesh = _where(learner), mesh_of(config.shards)
-    shared = jax.shard_map(work, mesh=mesh, in_specs=(where,), out_specs=(where, EVERYWHERE), check_vma=False)
+    specs, mesh = _partition_specs(learner), mesh_of(config.shards)
+    shared = jax.shard_map(work, mesh=mesh, in_specs=(specs,), out_specs=(specs, EVERYWHERE), check_vma=False)
     arrays, metrics = shared(arrays)
     metrics["steps"] = arrays.updates.astype(jnp.float32) * (config.steps * config.environments)
     return eqx.combine(arrays, rest), metrics
@@ -160,7 +160,7 @@ def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[L
     return learner, metrics
 
 
-def _where(learner: Learner) -> Any:
+def _partition_specs(learner: Learner) -> Any:
     """Return the learner with a `PartitionSpec` in place of each array.
 
     Devices share the environments; everything else is on each of them.
@@ -230,9 +230,10 @@ def _improve_actors(
             weight=counts,
         )
         loss = partial(actor_loss, clip=config.clip, entropy=config.roles[role].entropy)
-        how = _how(config, learner, config.roles[role].epochs, environment.roles[role].agents, data)
-        data, how = _only_decisions(data, how) if actor.kind == GATED else (data, how)
-        actors[role], memories[role], report = fit(how, loss, actor, learner.actor_memories[role], data, key)
+        settings = _fit_settings(config, learner, config.roles[role].epochs, environment.roles[role].agents, data)
+        if actor.kind == GATED:
+            data, settings = _only_decisions(data, settings)
+        actors[role], memories[role], report = fit(settings, loss, actor, learner.actor_memories[role], data, key)
         metrics |= {f"{role}/{name}": x for name, x in report.items()}
         if actor.log_std is not None:
             metrics[f"{role}/std"] = jnp.mean(jnp.exp(actors[role].log_std))
@@ -251,15 +252,16 @@ def _improve_critics(
         roles = config.learning_roles if name == SHARED else (name,)
         loss = partial(critic_loss, coefficient=config.value_coefficient)
         data = Targets(critic.select(played.record.views), found.target, found.weight)
-        how = _how(config, learner, max(config.roles[role].epochs for role in roles), critic.agents, data)
-        data, how = _only_decisions(data, how) if name != SHARED and config.roles[name].gated else (data, how)
-        critics[name], memories[name], report = fit(how, loss, critic, learner.critic_memories[name], data, key)
+        settings = _fit_settings(config, learner, max(config.roles[role].epochs for role in roles), critic.agents, data)
+        if name != SHARED and config.roles[name].gated:
+            data, settings = _only_decisions(data, settings)
+        critics[name], memories[name], report = fit(settings, loss, critic, learner.critic_memories[name], data, key)
         metrics |= {f"{name}/critic_{key}": x for key, x in report.items()}
         metrics[f"{name}/explained_variance"] = explained_variance(found.value, found.target, found.weight, SHARDS)
     return critics, memories, metrics
 
 
-def _how(
+def _fit_settings(
     config: TrainConfig, learner: Learner, epochs: int | float, agents: tuple[int, ...], data: Actions | Targets
 ) -> Fit:
     """Return how this update fits a network to data with these agent axes."""
@@ -267,7 +269,7 @@ def _how(
     return Fit(config, rate, epochs, math.prod(agents), data.weight.shape[-1], SHARDS)
 
 
-def _only_decisions(data: Entries, how: Fit) -> tuple[Entries, Fit]:
+def _only_decisions(data: Entries, settings: Fit) -> tuple[Entries, Fit]:
     """Return a gated role's data without entries it does not learn from, and how to fit a network to it."""
-    columns = -(-how.agents * how.environments // gated_part(how.config))
-    return pack_weighted(data, columns=columns), how._replace(agents=1, environments=columns)
+    columns = -(-settings.agents * settings.environments // gated_part(settings.config))
+    return pack_weighted(data, columns=columns), settings._replace(agents=1, environments=columns)

@@ -40,8 +40,8 @@ class Tables(eqx.Module):
 
 
 SIDE_COLUMNS = (
-    "x", "y", "ux", "uy", "near", "far", "across_x", "across_y", "kerb", "far_near", "far_far", "far_landing",
-    "far_outer",
+    "x", "y", "ux", "uy", "near", "far", "across_x", "across_y", "landing_to_kerb", "far_near", "far_far",
+    "far_landing", "far_outer",
 )  # fmt: skip
 """A side's landing [m], unit vector and zone along the kerb [m], vector to the opposite landing [m], distance from the
 landing to the kerb [m], zone of the opposite side [m], and that side's landing and outer node."""
@@ -81,7 +81,7 @@ def pack_tables(maps: RoadMap) -> dict[str, Any]:
 def shortest_crossing(side: Mapping[str, np.ndarray]) -> float:
     """Return the shortest distance between the two landings of a crosswalk [m], from ``Tables.side``."""
     widths = np.hypot(side["across_x"], side["across_y"])
-    return float(widths[side["kerb"] > 0].min())
+    return float(widths[side["landing_to_kerb"] > 0].min())
 
 
 def _pack_routes(maps: RoadMap) -> tuple[np.ndarray, np.ndarray]:
@@ -119,8 +119,8 @@ def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     other = np.arange(len(real)) ^ 1
     landing, outer = np.clip(m["side_landing"], 0, None), np.clip(m["side_outer"], 0, None)
     x, y = m["node_x"][landing], m["node_y"][landing]
-    kerb = np.where(real, _kerb_distance(m, landing, other), 0)
-    columns = (x, y, m["side_ux"], m["side_uy"], m["zone_near"], m["zone_far"], x[other] - x, y[other] - y, kerb,
+    to_kerb = np.where(real, _landing_to_kerb(m, landing, other), 0)
+    columns = (x, y, m["side_ux"], m["side_uy"], m["zone_near"], m["zone_far"], x[other] - x, y[other] - y, to_kerb,
                m["zone_near"][other], m["zone_far"][other], landing[other], outer[other])  # fmt: skip
     edge = np.hypot(m["node_x"][outer] - x, m["node_y"][outer] - y)
     distance = np.where(np.isfinite(m["distance"]), m["distance"], 0)  # infinite only where there is padding
@@ -128,7 +128,7 @@ def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return hop.astype(np.int32), np.stack(columns, 1).astype(np.float32), turn.astype(np.float32)
 
 
-def _kerb_distance(m: dict, landing: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _landing_to_kerb(m: dict, landing: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Return the distance from each landing straight to the roadway that its crosswalk crosses half-way [m]."""
     x, y = m["node_x"][landing][:, None], m["node_y"][landing][:, None]
     middle_x, middle_y = (x + x[other]) / 2, (y + y[other]) / 2

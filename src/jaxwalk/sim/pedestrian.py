@@ -24,7 +24,7 @@ def place(world: World, scenario: Scenario) -> PedestrianState:
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
         end_x=x, end_y=y, cos=zero, sin=zero, length=zero, kind=none, node=scenario.start, landing_x=zero,
-        landing_y=zero, kerb=jnp.full_like(x, jnp.inf), crossing=none, decisions=none, goal=scenario.goals[0],
+        landing_y=zero, kerb_past_end=jnp.full_like(x, jnp.inf), crossing=none, decisions=none, goal=scenario.goals[0],
         arrivals=none,
     )  # fmt: skip
     people = PedestrianState(
@@ -79,7 +79,7 @@ def at_kerb(world: World, people: PedestrianState) -> Bool[Array, "ped *batch"]:
 
 def enters_roadway(people: PedestrianState) -> Bool[Array, "ped *batch"]:
     """Return which pedestrians are on a leg that leads into a roadway, so that they don't turn before it."""
-    return people.leg.kerb < 0
+    return people.leg.kerb_past_end < 0
 
 
 def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
@@ -100,8 +100,8 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     to_crosswalk = hop.to_midpoint & ~landed
     on_crosswalk = to_crosswalk | (hop.from_midpoint & ~landed)
 
-    left = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
-    crossing = jnp.where(left, NO_CROSSING, leg.crossing)
+    done = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
+    crossing = jnp.where(done, NO_CROSSING, leg.crossing)
     side = jnp.where(landed & ~hop.to_midpoint, -1, hop.side)
     decided = (side >= 0) & (crossing == NO_CROSSING)
     jaywalk = decided & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
@@ -111,8 +111,9 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     end_y = jnp.where(begins, leg.landing_y, jnp.where(jaywalk, way.y, node_y))
     dx, dy = end_x - leg.end_x, end_y - leg.end_y
     length = jnp.sqrt(dx * dx + dy * dy)
-    by_crosswalk = way.kerb + jnp.where(to_crosswalk, 0, length)
-    to_kerb = jnp.where(decided, jnp.where(jaywalk, way.to_kerb, by_crosswalk), jnp.where(left, jnp.inf, leg.kerb))
+    by_crosswalk = way.landing_to_kerb + jnp.where(to_crosswalk, 0, length)
+    no_longer = jnp.where(done, jnp.inf, leg.kerb_past_end)
+    to_kerb = jnp.where(decided, jnp.where(jaywalk, way.to_kerb, by_crosswalk), no_longer)
     walks = jnp.where(jaywalk, LegKind.TO_ZONE, jnp.where(on_crosswalk, LegKind.CROSSWALK, LegKind.SIDEWALK))
     return Leg(
         end_x=end_x,
@@ -124,7 +125,7 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
         node=jnp.where(jaywalk, way.node, node),
         landing_x=jnp.where(jaywalk, way.landing_x, leg.landing_x),
         landing_y=jnp.where(jaywalk, way.landing_y, leg.landing_y),
-        kerb=to_kerb - length,
+        kerb_past_end=to_kerb - length,
         crossing=jnp.where(decided, jnp.where(jaywalk, JAYWALK, CROSSWALK), crossing),
         decisions=leg.decisions + decided,
         goal=goal,
@@ -145,7 +146,7 @@ class Jaywalk(NamedTuple):
     """Path from here to the roadway [m]."""
     node: Array
     """First node after it."""
-    kerb: Array
+    landing_to_kerb: Array
     """From the crosswalk's landing to the roadway [m]."""
 
 
@@ -176,9 +177,9 @@ def _jaywalk(
         y=of["y"] + begin * of["uy"],
         landing_x=opposite_x + end * of["ux"],
         landing_y=opposite_y + end * of["uy"],
-        to_kerb=jnp.abs(begin - here) + of["kerb"] * slant,
+        to_kerb=jnp.abs(begin - here) + of["landing_to_kerb"] * slant,
         node=jnp.where(near_landing, of["far_landing"], of["far_outer"]).astype(jnp.int32),
-        kerb=of["kerb"],
+        landing_to_kerb=of["landing_to_kerb"],
     )
 
 

@@ -60,7 +60,7 @@ class Leg(eqx.Module):
     landing_x: Float[Array, "ped *batch"]
     """Where a committed jaywalk will reach the opposite sidewalk [m]."""
     landing_y: Float[Array, "ped *batch"]
-    kerb: Float[Array, "ped *batch"]
+    kerb_past_end: Float[Array, "ped *batch"]
     """Metres from its end to where the committed path enters a roadway: negative if before the end, inf if nowhere."""
     crossing: Int[Array, "ped *batch"]
     """The `jaxwalk.sim.crossing_kind.CrossingKind` decided for the next or current crossing."""
@@ -103,7 +103,7 @@ class PedestrianState(eqx.Module):
     @property
     def to_kerb(self) -> Float[Array, "ped *batch"]:
         """Metres of committed path until it enters a roadway; inf where it doesn't, negative once it has."""
-        return self.leg.kerb + self.remaining
+        return self.leg.kerb_past_end + self.remaining
 
     @property
     def crossing(self) -> Int[Array, "ped *batch"]:

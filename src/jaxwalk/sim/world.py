@@ -105,7 +105,7 @@ def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, in
 def check_multiplier(multiplier: float) -> None:
     """Raise ValueError for a jaywalk multiplier that is negative or infinite."""
     if not 0 <= multiplier < float("inf"):
-        raise ValueError(f"jaywalk_multiplier must be 0 or more, not {multiplier}")
+        raise ValueError(f"jaywalk_multiplier must be a finite number of 0 or more, not {multiplier}")
 
 
 def _check_margin(maps: RoadMap, margin: float) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from jaxwalk.cli.options.declare import Flag, option
+from jaxwalk.cli.options.declare import Acting, Flag, option
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Evaluate:
     come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders or policy files; or
     your own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs/drivers.md)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
-    """always-go, learned and paper-learned (who come with jaxwalk), run folders or policy files."""
+    """always-go, learned and paper-learned (which come with jaxwalk), run folders or policy files."""
     compare: Annotated[tuple[str, ...], option("none", "A B")] = ()
     """Two drivers: say in words if B collides less often than A, and reaches the goal more often (paired tests)."""
     episodes: Annotated[int, option("2000", "N")] = 2000
@@ -34,14 +34,14 @@ class Evaluate:
     """Bundled maps or map files."""
     jaywalk_multiplier: Annotated[tuple[float, ...], option("0.25", "X [X ...]")] = (0.25,)
     """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
-    sample_driver: Flag = False
-    """A learned driver draws its actions at random, as in training; else it takes the likeliest."""
+    driver_acts: Annotated[Acting, option("mode", "HOW")] = "mode"
+    """How a learned driver chooses: mode, the likeliest action; sample, at random as in training."""
+    pedestrians_act: Annotated[Acting, option("sample", "HOW")] = "sample"
+    """How learned pedestrians choose: mode or sample."""
     trust: Flag = False
     """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
     driver_seconds: Annotated[float, option("10", "S")] = 10.0
     """Time limit of a driver that is not JAX for one step of its batch."""
-    pedestrian_mode: Flag = False
-    """Learned pedestrians take the likeliest action; else they draw at random, as in training."""
     counterfactuals: Annotated[int, option("0", "N")] = 0
     """Replay up to N collisions of each cell with other actions: who could have avoided them? About 0.2 s each."""
     out: Annotated[Path | None, option("none", "DIR")] = None
@@ -98,7 +98,7 @@ class Report:
     """Drivers as in `jaxwalk evaluate`: names or run folders, the one that matters most first (default: three that come
     with jaxwalk). Or one folder of `jaxwalk reproduce`: its report is made again."""
     pedestrians: Annotated[tuple[str, ...], option("always-go learned", "P [P ...]")] = ("always-go", "learned")
-    """Among whom, up to three: always-go, learned, run folders or policy files."""
+    """Up to three populations: always-go, learned, run folders or policy files."""
     episodes: Annotated[int, option("500", "N")] = 500
     """Scenarios for each driver and population."""
     incidents: Annotated[int, option("40", "N")] = 40
@@ -129,8 +129,8 @@ class Share:
     out: Annotated[Path | None, option("needed", "FILE")] = None
     """FILE.safetensors; the card is FILE.md. Existing ones are replaced."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
-    """Among whom the driver is evaluated: always-go, learned, run folders or policy files."""
+    """Populations to evaluate the driver among: always-go, learned, run folders or policy files."""
     episodes: Annotated[int, option("2000", "N")] = 2000
-    """Scenarios among each."""
+    """Scenarios for each population."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios; none is ever met in training."""
