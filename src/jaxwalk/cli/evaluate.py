@@ -11,7 +11,14 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from jaxwalk.cli.checks import check_driver, check_episodes, check_pedestrians, check_seed
+from jaxwalk.cli.checks import (
+    check_count,
+    check_driver,
+    check_driver_seconds,
+    check_episodes,
+    check_pedestrians,
+    check_seed,
+)
 from jaxwalk.cli.errors import UsageError, bad_values
 from jaxwalk.cli.options import Evaluate
 from jaxwalk.evaluation import BATCH, Cell, Results, ScenarioSet, check_parquet, with_jaywalk_multiplier
@@ -19,6 +26,7 @@ from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.report.suite import said
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.sim.observation import HIDDEN
@@ -45,13 +53,13 @@ def _work(options: Evaluate) -> Evaluation:
     """Return what the options ask for, with all policies loaded."""
     drivers = tuple(dict.fromkeys((*options.driver, *options.compare)))
     street = world_of([*drivers, *options.pedestrians], options.map)
-    chosen = {"sample": options.sample_driver or None, "trust": options.trust, "seconds": options.driver_seconds}
-    people_sample = False if options.pedestrian_mode else None
+    loading = {"trust": options.trust, "seconds": options.driver_seconds}
+    samples = {"driver": options.driver_acts == "sample", "pedestrian": options.pedestrians_act == "sample"}
     return Evaluation(
         streets=tuple(with_jaywalk_multiplier(street, x) for x in dict.fromkeys(options.jaywalk_multiplier)),
-        drivers={name: contestant(street, "driver", name, **chosen) for name in drivers},
+        drivers={name: contestant(street, "driver", name, sample=samples["driver"], **loading) for name in drivers},
         populations={
-            name: contestant(street, "pedestrian", name, sample=people_sample) for name in options.pedestrians
+            name: contestant(street, "pedestrian", name, sample=samples["pedestrian"]) for name in options.pedestrians
         },
         episodes=options.episodes,
         seed=options.seed,
@@ -81,10 +89,10 @@ def check(options: Evaluate) -> None:
     check_pedestrians(options.pedestrians)
     check_episodes(options.episodes)
     check_seed(options.seed)
+    check_driver_seconds(options.driver_seconds)
+    check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
     if not options.jaywalk_multiplier:
         raise UsageError("--jaywalk-multiplier needs a number, such as 0.25")
-    if options.counterfactuals < 0:
-        raise UsageError(f"--counterfactuals must be 0 or more, not {options.counterfactuals}")
     if options.encounters and not options.out:
         raise UsageError("--encounters needs --out DIR, where encounters.parquet is to be")
     if options.encounters:

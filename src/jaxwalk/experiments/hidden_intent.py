@@ -30,8 +30,9 @@ from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.intent_document import IntentDocument, IntentPlan, IntentStreet, KnownIntent, as_intent_document
 from jaxwalk.report.intent_page import BLIND, page
 from jaxwalk.runs.contestants import contestant
+from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.provenance import provenance
-from jaxwalk.runs.study import Effort, Work
+from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, TOLD

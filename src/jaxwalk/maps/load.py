@@ -8,6 +8,7 @@ from pathlib import Path
 from jaxwalk.maps.check import find_faults
 from jaxwalk.maps.check_size import size_faults
 from jaxwalk.maps.file import MapError, parse
+from jaxwalk.maps.map_text import MapText
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.tables import build
 
@@ -27,13 +28,29 @@ def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clea
     ``goal_spacing`` and ``start_clearance`` [m] are those of SimConfig. Raises MapError, with a line for every fault,
     if the map can't be read or is wrong.
     """
-    file = parse(_read(name_or_path), str(name_or_path))
+    text, source = _read(name_or_path), str(name_or_path)
+    return build_map(text, source, goal_spacing=goal_spacing, start_clearance=start_clearance)
+
+
+def build_map(text: str, source: str, *, goal_spacing: float, start_clearance: float) -> RoadMap:
+    """Return the arrays of a map file's text, as `load_map` does. ``source`` names the map in a MapError."""
+    file = parse(text, source)
     if too_much := size_faults(file):
-        raise MapError(str(name_or_path), too_much)
+        raise MapError(source, too_much)
     faults = find_faults(file, goal_spacing=goal_spacing, start_clearance=start_clearance)
     if faults:
-        raise MapError(str(name_or_path), faults)
+        raise MapError(source, faults)
     return build(file, goal_spacing=goal_spacing, start_clearance=start_clearance)
+
+
+def read_map(name_or_path: str | Path) -> MapText:
+    """Return the text of a bundled map or of a file. Raises MapError if it can't be read; its content isn't checked."""
+    return MapText.of(map_name(name_or_path), _read(name_or_path))
+
+
+def map_name(name_or_path: str | Path) -> str:
+    """Return a bundled map's name as it is, and a file's without its folder."""
+    return Path(name_or_path).name
 
 
 def _read(name_or_path: str | Path) -> str:
