@@ -34,9 +34,11 @@ def town(whole, tmp_path):
 
 
 def test_a_copied_run_folder_evaluates_to_the_same_document_without_its_map_file(town, tmp_path, capsys, monkeypatch):
+    command = "evaluate --driver run --pedestrians run --episodes 3"
+
     def document(folder):
         monkeypatch.chdir(folder)
-        assert main(["evaluate", "--driver", "run", "--pedestrians", "run", "--episodes", "3", "--json"]) == 0
+        assert main([*command.split(), "--json"]) == 0
         out, err = capsys.readouterr()
         assert err.strip() == ""
         return out
