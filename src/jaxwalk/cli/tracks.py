@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from rich.console import Console
 from rich.progress import Progress
 
@@ -12,20 +10,20 @@ from jaxwalk.cli.checks import check_driver, check_episodes, check_file, check_s
 from jaxwalk.cli.options import Tracks
 from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
-from jaxwalk.runs.folder import Run, check_writable
+from jaxwalk.maps import map_labels
+from jaxwalk.runs.folder import check_writable
 from jaxwalk.scenarios import Drawn
 
 
 def run(options: Tracks) -> int:
     """Play the episodes and write the file."""
     check(options)
-    names = [options.driver, options.pedestrians]
     maps = [options.map] if options.map else []
     street, drivers, people = cast([options.driver], [options.pedestrians], maps, options.jaywalk_multiplier)
     (driver,), (crowd,) = drivers.values(), people.values()
     options.out.parent.mkdir(parents=True, exist_ok=True)
     about = {
-        "map": options.map or map_name(names), "driver": options.driver, "pedestrians": options.pedestrians,
+        "map": ", ".join(map_labels(street.maps)), "driver": options.driver, "pedestrians": options.pedestrians,
         "jaywalk_multiplier": options.jaywalk_multiplier, "seed": options.seed,
     }  # fmt: skip
     with Progress(console=Console(stderr=True), transient=True) as bar:
@@ -36,12 +34,6 @@ def run(options: Tracks) -> int:
         )  # fmt: skip
     print(f"{options.out}: {options.episodes:,} episodes, scenarios 0 to {options.episodes - 1} of seed {options.seed}")
     return 0
-
-
-def map_name(names: list[str]) -> str:
-    """Return the name of the map that the named run folders were trained on, or the paper's map if there are none."""
-    trained = [Run.open(name).experiment.maps for name in names if Path(name).is_dir()]
-    return trained[0][0] if trained else "paper"
 
 
 def check(options: Tracks) -> None:

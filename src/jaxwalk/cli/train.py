@@ -32,12 +32,12 @@ def run(options: Train) -> int:
     begun = Run.open(options.resume) if options.resume else None
     experiment = begun.experiment if begun else make_experiment(options)
     with bad_values():
-        street = make_street(experiment)
+        street = make_street(experiment, begun.maps() if begun else None)
         experiment = experiment if begun or options.shards else shared_out(experiment)
         mesh_of(experiment.train.shards)
     if begun:
         check_writable(begun.path)
-    folder = begun or Run.create(options.run_folder or "", experiment)
+    folder = begun or Run.create(options.run_folder or "", experiment, street.maps)
     name = "single-agent" if experiment.single_agent else "co-trained"
     display = Display(Console(stderr=True), name, options.watch)
     trained = train(

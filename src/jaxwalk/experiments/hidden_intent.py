@@ -104,7 +104,7 @@ def _evaluate(work: IntentWork) -> None:
         there = with_jaywalk_multiplier(street, multiplier)
         chosen, matches = play_rounds(there, rounds, scenarios, work.say)
         known = _identifiability(there, multiplier, _rows(matches, BLIND), scenarios)
-        streets.append(IntentStreet(multiplier, results_of(chosen, matches, paired=_pairs(matches)), known))
+        streets.append(IntentStreet(multiplier, results_of(there, chosen, matches, paired=_pairs(matches)), known))
     document = IntentDocument(IntentPlan(**asdict(work.plan)), provenance(), tuple(streets))
     work.keep(RESULT, document.as_dict())
 
