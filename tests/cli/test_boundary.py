@@ -1,4 +1,4 @@
-"""The edges of a process: its environment, its streams and its signals. `tests/reliability/faults.py` plays many more."""
+"""The edges of a process: its environment, streams and signals. `tests/reliability/faults.py` plays many more."""
 
 from __future__ import annotations
 
