@@ -67,7 +67,7 @@ def try_jax(set_here: set[str]) -> None:
 
 @contextmanager
 def _flags_are_read() -> Iterator[None]:
-    """Let XLA read its flags in another process meanwhile. Raises RuntimeError at the end if there is one that it lacks."""
+    """Let XLA read its flags in another process meanwhile. Raises RuntimeError at the end if it lacks one of them."""
     if not os.environ.get("XLA_FLAGS"):
         yield
         return
