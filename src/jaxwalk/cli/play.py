@@ -8,6 +8,7 @@ from jaxwalk.cli.casting import Policies, cast
 from jaxwalk.cli.checks import check_driver, check_no_folder, check_scenario, check_seed
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Play
+from jaxwalk.evaluation import named
 from jaxwalk.exports.drawn_episode import MOVING, draw_episode
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
@@ -35,9 +36,10 @@ def run(options: Play) -> int:
 
 
 def _drawing(options: Play, out: Path, street: Street, drivers: Policies, people: Policy) -> str:
-    (driver,), (scenario,) = drivers.values(), options.scenario
+    ((name, driver),), (scenario,) = drivers.items(), options.scenario
     policies, source = {"driver": driver, "pedestrian": people}, Drawn(street, options.seed)
-    played = draw_episode(street, policies, source, scenario, out, time=options.time)
+    with named({"driver": name, "pedestrian": options.pedestrians}):
+        played = draw_episode(street, policies, source, scenario, out, time=options.time)
     ending = "goal" if played.goal[0] else "collision" if played.collision[0] else "timeout"
     return f"scenario {scenario} of seed {options.seed}: {ending} after {played.length[0] * played.dt:.1f} s"
 

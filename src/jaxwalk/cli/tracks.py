@@ -10,6 +10,7 @@ from rich.progress import Progress
 from jaxwalk.cli.casting import cast
 from jaxwalk.cli.checks import check_driver, check_episodes, check_file, check_seed
 from jaxwalk.cli.options import Tracks
+from jaxwalk.evaluation import named
 from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
 from jaxwalk.runs.folder import Run, check_writable
@@ -28,7 +29,8 @@ def run(options: Tracks) -> int:
         "map": options.map or map_name(names), "driver": options.driver, "pedestrians": options.pedestrians,
         "jaywalk_multiplier": options.jaywalk_multiplier, "seed": options.seed,
     }  # fmt: skip
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    who = {"driver": options.driver, "pedestrian": options.pedestrians}
+    with named(who), Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("playing", total=options.episodes)
         record_tracks(
             street, {"driver": driver, "pedestrian": crowd}, Drawn(street, options.seed, options.episodes), options.out,

@@ -31,7 +31,12 @@ Progress = Callable[[int, int], None]
 
 
 def evaluate(
-    street: Street, policies: Roles[Policy], source: Source, *, batch: int | None = None, progress: Progress | None = None
+    street: Street,
+    policies: Roles[Policy],
+    source: Source,
+    *,
+    batch: int | None = None,
+    progress: Progress | None = None,
 ) -> Rows:
     """Play all scenarios of a source and measure them.
 
@@ -45,12 +50,18 @@ def evaluate(
     Raises:
         ValueError: ``batch`` is below 1.
         DriverError: a driver that is not JAX failed.
+        ActionError: an action of another policy isn't in its space.
     """
     return Rows.join(list(evaluate_batches(street, policies, source, batch=batch, progress=progress)))
 
 
 def evaluate_batches(
-    street: Street, policies: Roles[Policy], source: Source, *, batch: int | None = None, progress: Progress | None = None
+    street: Street,
+    policies: Roles[Policy],
+    source: Source,
+    *,
+    batch: int | None = None,
+    progress: Progress | None = None,
 ) -> Iterator[Rows]:
     """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played."""
     batch = _size(batch)

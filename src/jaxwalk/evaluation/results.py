@@ -12,10 +12,11 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxwalk.evaluation.batches import evaluate_batches
+from jaxwalk.evaluation.broken import ActionError, named
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
-from jaxwalk.interfaces import Policy
+from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
@@ -169,7 +170,7 @@ class Results:
 
 
 class Stopped(ValueError):
-    """Raised if a driver fails in the middle of a comparison. The message is that of the driver's error."""
+    """Raised if a policy fails in the middle of a comparison. The message is that of the policy's error."""
 
     def __init__(self, message: str, rows: dict[tuple[str, str], Rows]) -> None:
         """Keep ``rows``, the rows evaluated until then, in whole batches."""
@@ -201,7 +202,7 @@ def compare(
 
     Raises:
         ValueError: ``batch`` is below 1.
-        Stopped: a driver that is not JAX failed; the error holds the rows so far.
+        Stopped: a driver that is not JAX failed, or an action isn't in its space; the error holds the rows so far.
     """
     cells, rows = [], {}
     for driver_name, driver in drivers.items():
@@ -210,7 +211,7 @@ def compare(
             policies = {"driver": driver, "pedestrian": pedestrians}
             batches = evaluate_batches(street, policies, source, batch=batch, progress=tell)
             before = _cost(driver)
-            measured, failure = _joined(batches)
+            measured, failure = _joined(batches, {"driver": driver_name, "pedestrian": name})
             if measured is not None:
                 rows[driver_name, name] = measured
             if measured is None or failure is not None:
@@ -220,13 +221,14 @@ def compare(
     return Results(ScenarioSet.of(source), tuple(cells)), rows
 
 
-def _joined(batches: Iterable[Rows]) -> tuple[Rows | None, DriverError | None]:
-    """Return the rows of all batches, or of those before the driver failed (None if none), and the driver's error."""
+def _joined(batches: Iterable[Rows], names: Roles[str]) -> tuple[Rows | None, DriverError | ActionError | None]:
+    """Return the rows of all batches, or of those before a policy failed (None if none), and the policy's error."""
     parts, failure = [], None
     try:
-        for part in batches:
-            parts.append(part)
-    except DriverError as error:
+        with named(names):
+            for part in batches:
+                parts.append(part)
+    except (DriverError, ActionError) as error:
         failure = error
     return Rows.join(parts) if parts else None, failure
 

@@ -4,7 +4,7 @@ results.json            all numbers (`jaxwalk.evaluation.Results`)
 suite.md                the same as tables (`jaxwalk.report.suite`)
 episodes.csv            a row per episode; with several jaywalk multipliers a file for each
 encounters.parquet      a row per encounter, if asked for
-episodes-partial.csv    whole batches of an evaluation that a driver's error ended
+episodes-partial.csv    whole batches of an evaluation that a policy's error ended
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from jaxwalk.evaluation import (
     counterfactuals,
     find_hits,
     jaywalk_multiplier,
+    named,
     paired,
     summarise_counterfactuals,
     write_encounters,
@@ -70,7 +71,7 @@ def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     Results are written before collisions are replayed, which takes long, and once more afterwards.
 
     Raises:
-        Stopped: a driver that is not JAX failed; the message says what was kept.
+        Stopped: a policy failed; the message says what was kept.
     """
     results, rows = _play(work, tell)
     if work.pair is not None:
@@ -131,12 +132,10 @@ def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tel
     replayed = []
     for number, (cell, (street, driver, people, found)) in enumerate(zip(cells, played, strict=True)):
         tell(f"replaying collisions of {driver} among {people}", number, len(cells))
-        table = counterfactuals(
-            street,
-            {"driver": work.drivers[driver], "pedestrian": work.populations[people]},
-            Drawn(street, work.seed, work.episodes),
-            find_hits(found).first(work.counterfactuals),
-        )
+        policies = {"driver": work.drivers[driver], "pedestrian": work.populations[people]}
+        source, hits = Drawn(street, work.seed, work.episodes), find_hits(found).first(work.counterfactuals)
+        with named({"driver": driver, "pedestrian": people}):
+            table = counterfactuals(street, policies, source, hits)
         replayed.append(replace(cell, counterfactuals=summarise_counterfactuals(table)))
     return tuple(replayed)
 
