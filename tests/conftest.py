@@ -16,8 +16,9 @@ from rich.console import Console
 
 install_import_hook("jaxwalk", "beartype.beartype")  # before the first import of jaxwalk
 
-# Most programs run a few times only: compiling them well takes longer than running them badly compiled. What runs often,
-# or is compared with recorded numbers, asks for more: `sim.play.AS_SHIPPED`. Processes that tests start inherit both.
+# Most programs run a few times only: compiling them well takes longer than running them badly compiled. What runs
+# often, or is compared with recorded numbers, asks for more: `sim.play.AS_SHIPPED`. Processes that tests start inherit
+# both.
 QUICKLY = {"JAX_DISABLE_MOST_OPTIMIZATIONS": "1", "XLA_FLAGS": "--xla_cpu_use_fusion_emitters=false"}
 os.environ.update(QUICKLY)
 

@@ -26,7 +26,7 @@ MANY_PARAMETERS: set[str] = set()
 DEEP_FUNCTIONS: set[str] = {
     "jaxwalk.bench.drawing.draw", "jaxwalk.bench.quantities._shares", "jaxwalk.bench.starting.watch",
     "jaxwalk.evaluation.reading._check_sizes",
-    "jaxwalk.evaluation.results.compare", "jaxwalk.evaluation.batches.evaluate_batches",
+    "jaxwalk.evaluation.results.evaluate_grid", "jaxwalk.evaluation.batches.evaluate_batches",
     "jaxwalk.learning.checkpoint.save", "jaxwalk.report.figures.surrogates.surrogates",
     "jaxwalk.report.paper_tables.ablation", "jaxwalk.report.paper_tables.approach",
     "jaxwalk.report.paper_tables.baselines", "jaxwalk.runs.study._do", "jaxwalk.sim.reward.check_weights",
@@ -35,10 +35,7 @@ SAME_MODULES: set[str] = set()
 SAME_CLASSES: set[str] = set()
 CIRCLES: set[str] = set()
 ODD_DOCSTRINGS: set[str] = set()
-ODD_WORDS: set[str] = {
-    "jaxwalk/cli/options/for_playing.py", "jaxwalk/learning/checkpoint.py", "jaxwalk/report/sections.py",
-    "jaxwalk/report/suite.py", "jaxwalk/report/surprise.py", "jaxwalk/report/verdicts.py", "jaxwalk/runs/folder.py",
-}  # fmt: skip
+ODD_WORDS: set[str] = set()
 
 FORBIDDEN = re.compile(r"\b(so many|whom|mend|mends|mended|glance|glances|gone on with)\b", re.IGNORECASE)
 """Words for which there are plainer ones."""

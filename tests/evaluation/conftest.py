@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from jaxwalk.evaluation import compare, evaluate
+from jaxwalk.evaluation import evaluate, evaluate_grid
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.observation import Observation
@@ -51,4 +51,4 @@ def compared(street, driver, undecided):
     """Two drivers among two populations: results and rows."""
     drivers = {"route-follower": driver, "random": Random()}
     populations = {"undecided": undecided, "always-go": AlwaysGo()}
-    return compare(street, drivers, populations, Drawn(street, 7, 24), batch=BATCH)
+    return evaluate_grid(street, drivers, populations, Drawn(street, 7, 24), batch=BATCH)

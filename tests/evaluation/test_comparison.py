@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from jaxwalk.evaluation import Comparison, Paired, compared
+from jaxwalk.evaluation import EndingCounts, PairedEndings, compare_endings
 from jaxwalk.metrics import scenarios_needed
 
 
-def comparison(both: int, only_a: int, only_b: int, p: float, scenarios: int = 10_000) -> Comparison:
-    return Comparison(scenarios, both, only_a, only_b, (only_b - only_a) / scenarios, p)
+def comparison(both: int, only_a: int, only_b: int, p: float, scenarios: int = 10_000) -> EndingCounts:
+    return EndingCounts(scenarios, both, only_a, only_b, (only_b - only_a) / scenarios, p)
 
 
-def said(collision: Comparison, goal: Comparison) -> list[str]:
-    pairs = Paired(collision.scenarios, goal=goal, collision=collision, timeout=goal)
-    return [found.in_words for found in compared("old", "new", [("always-go", 0.25, pairs)])]
+def said(collision: EndingCounts, goal: EndingCounts) -> list[str]:
+    pairs = PairedEndings(collision.scenarios, goal=goal, collision=collision, timeout=goal)
+    return [found.in_words for found in compare_endings("old", "new", [("always-go", 0.25, pairs)])]
 
 
 def test_what_is_found_is_said():
@@ -33,8 +33,8 @@ def test_what_is_not_found_is_said_to_be_open_and_what_it_would_take():
 
 
 def test_p_values_are_adjusted_for_all_populations_together():
-    pairs = Paired(10_000, *(comparison(0, 9, 1, 0.02) for _ in range(3)))
-    found = compared("old", "new", [("always-go", 0.25, pairs), ("learned", 0.25, pairs)])
+    pairs = PairedEndings(10_000, *(comparison(0, 9, 1, 0.02) for _ in range(3)))
+    found = compare_endings("old", "new", [("always-go", 0.25, pairs), ("learned", 0.25, pairs)])
     assert [one.p_holm for one in found] == pytest.approx([0.08] * 4)
     assert [one.pedestrians for one in found] == ["always-go"] * 2 + ["learned"] * 2
     assert all("is open" in one.in_words for one in found)

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation import Stopped, compare, evaluate, play
-from jaxwalk.evaluation.interventions import Brake
+from jaxwalk.evaluation import Stopped, evaluate, evaluate_grid, play
+from jaxwalk.evaluation.interventions import Brake, TakeOver
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo
 from jaxwalk.policies.host import DriverError, HostDriver
@@ -74,7 +74,7 @@ def test_every_batch_is_its_own_although_two_are_under_way(street, rows, undecid
 
 
 def test_its_cost_is_in_its_cell_and_in_no_other(street, driver, undecided):
-    results, _ = compare(
+    results, _ = evaluate_grid(
         street, {"mine": hosted(), "jax": driver}, {"undecided": undecided}, Drawn(street, 7, BATCH), batch=BATCH
     )
     assert results.cell("mine", "undecided").as_dict()["driver_ms_per_step"] > 0
@@ -88,7 +88,7 @@ def test_a_failure_names_scenario_and_step_and_keeps_whole_batches(street, drive
         return action
 
     with pytest.raises(Stopped, match=r"mine: act returned \[1 nan\].*\(scenario (19|35), step 5\)") as stopped:
-        compare(
+        evaluate_grid(
             street, {"jax": driver, "mine": hosted(fails)}, {"undecided": undecided},
             Drawn(street, 7, 40), batch=BATCH,
         )  # fmt: skip
@@ -128,3 +128,12 @@ def test_an_intervention_changes_its_actions(street, undecided):
     played = play(street, {"driver": brake, "pedestrian": undecided}, scenarios, keys, until=until)
     assert (played.car_acceleration[1:11] > 0).all()
     assert (played.car_acceleration[11:] < 0).all()
+
+
+def test_two_of_them_are_refused(street, undecided):
+    """Only one is asked, and its answer would stand for the other's too."""
+    scenarios, keys = Drawn(street, 7).take(np.arange(BATCH))
+    other = HostDriver("yours", Follower(), observes="paper")
+    both = TakeOver(hosted(), other, jnp.full(BATCH, 10))
+    with pytest.raises(ValueError, match="one driver that isn't written in JAX, not mine and yours"):
+        play(street, {"driver": both, "pedestrian": undecided}, scenarios, keys)

@@ -70,9 +70,10 @@ def found(compiled_well):
     street, source = Street.create(), Drawn(Street.create(), 2, EPISODES)
     observation.OBSERVATIONS["driver"]["known"] = KNOWN
     try:
+        drivers = {what: Known(jnp.array(what, float)) for what in (BLIND, CROSSWALKS, CROSSWALK_USERS)}
         rows = {
-            what: evaluate(street, {"driver": Known(jnp.array(what, float)), "pedestrian": AlwaysGo()}, source, batch=512)
-            for what in (BLIND, CROSSWALKS, CROSSWALK_USERS)
+            what: evaluate(street, {"driver": driver, "pedestrian": AlwaysGo()}, source, batch=512)
+            for what, driver in drivers.items()
         }
         return {what: summarise(played)[SPEED_DIFFERENTIAL] for what, played in rows.items()}
     finally:

@@ -9,7 +9,7 @@ import sys
 import jax
 import pytest
 
-from jaxwalk.evaluation import SAMPLES, compare, mode, paired, with_jaywalk_multiplier, with_mode, write_rows
+from jaxwalk.evaluation import SAMPLES, acts_by, evaluate_grid, paired, with_jaywalk_multiplier, with_mode, write_rows
 from jaxwalk.evaluation.settings import jaywalk_multiplier
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
@@ -46,17 +46,17 @@ import os, jax
 if os.environ["CACHE"]:
     jax.config.update("jax_compilation_cache_dir", os.environ["CACHE"])
 from jaxwalk import Street
-from jaxwalk.evaluation import compare
+from jaxwalk.evaluation import evaluate_grid
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower
 from jaxwalk.scenarios import Drawn
 drivers, street = {"route-follower": RouteFollower(), "random": Random()}, Street.create()
-print(compare(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7, 24), batch=16)[0].to_json())
+print(evaluate_grid(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7, 24), batch=16)[0].to_json())
 """
 
 
 def test_the_same_call_gives_the_same_document_here_and_in_another_process(street, compared):
     drivers = {"route-follower": RouteFollower(), "random": Random()}
-    again, _ = compare(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7, 24), batch=16)
+    again, _ = evaluate_grid(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7, 24), batch=16)
     assert [again.cell(name, "always-go").as_dict() for name in drivers] == [
         compared[0].cell(name, "always-go").as_dict() for name in drivers
     ]
@@ -107,9 +107,9 @@ def test_pairs_of_the_same_scenarios(compared, rows):
 def test_modes_are_set_and_told(street):
     actor = make_actor(jax.random.key(0), 20, street.roles["pedestrian"].action, RoleConfig())
     policy = LearnedPolicy(actor, "driver")
-    assert (mode(policy), mode(with_mode(policy, sample=True))) == ("mode", "sample")
+    assert (acts_by(policy), acts_by(with_mode(policy, sample=True))) == ("mode", "sample")
     assert with_mode(ConstantSpeed(), sample=True) == ConstantSpeed()
-    assert mode(with_mode(Random(), sample=False)) == "sample"
+    assert acts_by(with_mode(Random(), sample=False)) == "sample"
     assert SAMPLES == {"driver": False, "pedestrian": True}
 
 

@@ -87,3 +87,10 @@ def test_pairs_pool_the_seeds(matches, rows):
     assert found.difference.low <= found.difference.value <= found.difference.high <= 0
     with pytest.raises(ValueError, match="same scenarios"):
         paired_over_seeds("goal", [follower], [dataclasses.replace(random, rows=rows)])
+
+
+def test_only_equal_seeds_are_paired(matches):
+    """Pair (seed, scenario) would otherwise have one seed's A and another's B."""
+    for other in (matches[:2], matches[::-1]):
+        with pytest.raises(ValueError, match=r"A has the training seeds \[3, 4, 5\] and B \[.*3\b.*\]"):
+            paired_over_seeds("goal", matches, other)

@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 from rich.console import Console
 
-from jaxwalk.evaluation import compare, evaluate
+from jaxwalk.evaluation import evaluate, evaluate_grid
 from jaxwalk.experiments import hidden_intent as module
 from jaxwalk.experiments import tournament
 from jaxwalk.experiments.hidden_intent import IntentEffort, hidden_intent
@@ -27,7 +27,7 @@ def made(tiny, tmp_path_factory):
     """The folder, the document and the page of two training seeds; and what was said, by a second time too."""
     folder, said = tmp_path_factory.mktemp("intent") / "out", (io.StringIO(), io.StringIO())
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tournament, "compare", partial(compare, batch=PLAN.episodes))
+        patch.setattr(tournament, "evaluate_grid", partial(evaluate_grid, batch=PLAN.episodes))
         patch.setattr(module, "evaluate", partial(evaluate, batch=PLAN.episodes))
         for file in said:
             page = hidden_intent(folder, PLAN, base=single_agent(tiny), console=Console(file=file, width=200))

@@ -118,6 +118,19 @@ def _unknown_field(document):
     document["cells"][0]["waiting"]["patience"] = 1
 
 
+def _too_large(document):
+    document["cells"][0]["outcomes"]["goal"]["value"] = 1e40
+
+
+def _without_a_metric(document):
+    for cell in document["cells"]:
+        del cell["waiting"]
+
+
+def _a_cell_without_a_metric(document):
+    del document["cells"][1]["waiting"]
+
+
 def _no_seed(document):
     del document["seed"]
 
@@ -127,6 +140,9 @@ def _no_seed(document):
     [
         ("results", _of_words, "results.json: damaged (cells.3.outcomes.goal.value: "),
         ("results", _infinite, "results.json: damaged (cells.0.attribution.per_crossing.exposure_jaywalk: "),
+        ("results", _too_large, "damaged (cells.0.outcomes.goal.value: the number is not finite or above 1e+39)"),
+        ("results", _without_a_metric, "results.json: of another version (it lacks the metric waiting)"),
+        ("results", _a_cell_without_a_metric, "results.json: damaged (cells.1.waiting: Field required)"),
         ("results", _another_headline, "results.json: damaged (cells.1.goal_rate: differs from the same number"),
         ("results", _few_quarters, "results.json: damaged (cells.2.jaywalk_rate.quarters: has 3 entries, not 4)"),
         ("results", _uneven_curve, "(cells.0.surrogate_distributions.jaywalk.pet: has 11 entries, not 10)"),

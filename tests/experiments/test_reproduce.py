@@ -9,7 +9,7 @@ from functools import partial
 import pytest
 from rich.console import Console
 
-from jaxwalk.evaluation import compare, evaluate, replay
+from jaxwalk.evaluation import evaluate, evaluate_grid, replay
 from jaxwalk.evaluation.reading import DocumentError
 from jaxwalk.experiments import reproduce as module
 from jaxwalk.experiments import tournament
@@ -47,7 +47,7 @@ def _play_little(patch):
     """Two rules, two multipliers, and no more episodes at once than there are."""
     patch.setattr(tournament, "COMPARED", RULES)
     patch.setattr(tournament, "MULTIPLIERS", MULTIPLIERS)
-    patch.setattr(tournament, "compare", partial(compare, batch=PLAN.episodes))
+    patch.setattr(tournament, "evaluate_grid", partial(evaluate_grid, batch=PLAN.episodes))
     patch.setattr(module, "evaluate", partial(evaluate, batch=PLAN.episodes))
     patch.setattr("jaxwalk.exports.replays.BATCH", PLAN.episodes)
     for place in ("drawn_episode", "gallery", "replays"):

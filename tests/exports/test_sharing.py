@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from jaxwalk.evaluation import compare
+from jaxwalk.evaluation import evaluate_grid
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.exports.sharing import share
 from jaxwalk.policies import SHIPPED, read_metadata, shipped_policy
@@ -23,7 +23,7 @@ def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
 
     street = world_of([str(out)], ())
     drivers, people = {"it": contestant(street, "driver", str(out))}, {"p": contestant(street, "pedestrian", str(out))}
-    found, _ = compare(street, drivers, people, Drawn(street, 3, 6))
+    found, _ = evaluate_grid(street, drivers, people, Drawn(street, 3, 6))
     told = about["results"]["among"]["learned (fast, training seed 0)"]
     assert told["goal_rate"] == json.loads(found.to_json())["cells"][0]["goal_rate"]
     assert about["results"]["scenarios"] == {"seed": 3, "count": 6, "hash": found.scenarios.hash}

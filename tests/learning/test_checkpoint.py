@@ -55,7 +55,7 @@ def test_a_damaged_one_makes_way_for_the_older_and_for_those_to_come(two):
 def test_if_all_are_damaged_they_stay_and_it_is_said(two):
     for number in ("1", "2"):
         _damage(two / number)
-    with pytest.raises(DamagedError, match=r"checkpoint 2 can't be read .*; nor can an older one. Start anew"):
+    with pytest.raises(DamagedError, match=r"checkpoint 2 can't be read .*; neither can an older one. Start again"):
         restore_newest(two, _learner(0), tell=print)
     assert sorted(path.name for path in two.iterdir()) == ["1", "2"]
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.interfaces import Box
+from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import decide
 from jaxwalk.learning.casting import whole
 from jaxwalk.learning.checkpoint import CheckpointError, latest, restore, save
@@ -141,6 +141,16 @@ def test_who_plays_must_be_said_exactly_once():
         init(game, CONFIG, jax.random.key(0), others={"pedestrian": AlwaysGo()})
     with pytest.raises(ValueError, match="must play the pedestrian"):
         init(game, games.with_roles(CONFIG, pedestrian=idle), jax.random.key(0))
+    with pytest.raises(ValueError, match="others: no role is called pedestrians; there are: driver, pedestrian"):
+        init(game, CONFIG, jax.random.key(0), others={"pedestrians": AlwaysGo()})
+
+
+@pytest.mark.parametrize("action", [Box(1), Box(2), Discrete(3)])
+def test_only_a_choice_between_0_and_1_can_be_gated(action):
+    game = games.game("tracking", driver=action)
+    gated = games.with_roles(CONFIG, driver=dataclasses.replace(ROLE, gated=True))
+    with pytest.raises(ValueError, match="gated: the driver doesn't choose between 0 and 1"):
+        init(game, gated, jax.random.key(0))
 
 
 def test_blended_reward_by_hand():

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.evaluation import compare, evaluate
+from jaxwalk.evaluation import evaluate, evaluate_grid
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.scenarios import Drawn
@@ -126,7 +126,7 @@ def test_among_always_go_it_always_arrives(street, played):
 
 
 def test_the_command_line_says_that_it_is_privileged(monkeypatch, capsys):
-    monkeypatch.setattr("jaxwalk.experiments.evaluating.compare", partial(compare, batch=16))
+    monkeypatch.setattr("jaxwalk.experiments.evaluating.evaluate_grid", partial(evaluate_grid, batch=16))
     command = ["evaluate", "--driver", "oracle", "--episodes", "4"]
     assert main(command) == 0
     assert "oracle (privileged)" in capsys.readouterr().out

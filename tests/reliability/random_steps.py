@@ -70,7 +70,7 @@ def look(street, step):
 
 def _kerbs(state):
     """The only numbers that may be infinite: how far it is to the roadway, for whoever's path enters none."""
-    return [state.pedestrian.leg.kerb, state.pedestrian.following.kerb]
+    return [state.pedestrian.leg.kerb_past_end, state.pedestrian.following.kerb_past_end]
 
 
 def _or_nowhere(x):

@@ -12,8 +12,10 @@ import numpy as np
 
 from compiling import FORGOTTEN
 from jaxwalk.rollout import draw_batch, environment_keys, seed_key
-from jaxwalk.sim import pedestrian
+from jaxwalk.sim import pedestrian, vehicle
 from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
+from jaxwalk.sim.prediction import foresee
+from jaxwalk.sim.state import State
 
 ENVIRONMENTS, STEPS, PEOPLE = 256, 500, 12
 SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in {*HIDDEN, BELIEF}]
@@ -60,6 +62,14 @@ def random_actions(seed):
 @jax.jit
 def reset(street, scenario):
     return street.reset(scenario)
+
+
+@jax.jit
+def refreshed(street, scenario, state):
+    """The state after somebody was moved by hand: with the car's route at ``along``, and what it sees and predicts."""
+    course = vehicle.course(street.world, scenario, state.vehicle.along)
+    car = eqx.tree_at(lambda car: car.course, state.vehicle, course)
+    return State(state.step, car, state.pedestrian, foresee(street.world, scenario, car, state.pedestrian))
 
 
 def view(street, scenario, state):
@@ -125,7 +135,7 @@ def _play(street, scenario, state, actions):
 
 def _everything(street, scenario, state, actions):
     TRACES["everything", len(FORGOTTEN), state.step.shape, street.world.maps.roads.shape] += 1
-    state = street.refreshed(scenario, state)
+    state = refreshed(street, scenario, state)
     seen = {f"{role} {name}": street.observe(scenario, state, street.view(role, name)) for role, name in SETS}
     seen["global"] = street.global_state(scenario, state)
     after, outcome = street.step(scenario, state, actions)

@@ -13,7 +13,7 @@ from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim import belief
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
 from jaxwalk.sim.observation import BELIEF, TOLD, part
-from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, everything, people, play, reset
+from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, everything, people, play, refreshed, reset
 
 TYPES = (JAYWALK, CROSSWALK)
 posterior = jax.jit(belief.posterior)  # one program, not one for each operation
@@ -76,11 +76,6 @@ def _look(street, scenario, state):
     return [street.observe(scenario, state, street.view("driver", name)) for name in ("route", TOLD, BELIEF)]
 
 
-@jax.jit
-def _refreshed(street, scenario, state):
-    return street.refreshed(scenario, state)
-
-
 @pytest.fixture(scope="module")
 def jaywalking(paid_street):
     """The street on which half of the crossings are jaywalks."""
@@ -134,7 +129,7 @@ def looked(jaywalking, scenarios):
     state = reset(jaywalking, scenarios)
     for _ in range(300):
         state, *_ = everything(jaywalking, scenarios, state, actions())
-    state = _refreshed(jaywalking, scenarios, state)  # as the tests do: other programs round differently
+    state = refreshed(jaywalking, scenarios, state)  # as the tests do: other programs round differently
     return state, _look(jaywalking, scenarios, state)
 
 
@@ -155,14 +150,14 @@ def test_the_sets_end_with_the_nearest_peoples_numbers(jaywalking, scenarios, lo
 def test_who_is_who_does_not_show(jaywalking, scenarios, looked):
     state, seen = looked
     scenario, state = people(scenarios, state, np.random.default_rng(0).permutation(PEOPLE))
-    again = _look(jaywalking, scenario, _refreshed(jaywalking, scenario, state))
+    again = _look(jaywalking, scenario, refreshed(jaywalking, scenario, state))
     for before, after in zip(seen, again, strict=True):
         np.testing.assert_allclose(after, before, atol=1e-6)
 
 
 def test_of_who_is_not_there_nothing_is_known(jaywalking, scenarios, looked):
     scenario, state = people(scenarios, looked[0], [3, 5])
-    _, told, believed = _look(jaywalking, scenario, _refreshed(jaywalking, scenario, state))
+    _, told, believed = _look(jaywalking, scenario, refreshed(jaywalking, scenario, state))
     np.testing.assert_array_equal(told[-4:], belief.PRIOR_MEAN)
     np.testing.assert_array_equal(believed[-4:], belief.PRIOR_MEAN)
     np.testing.assert_array_equal(np.sort(told[-6:-4], 0), np.sort(scenario.jaywalking_tendency, 0))

@@ -9,9 +9,9 @@ import pytest
 
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import size
+from jaxwalk.sim.observation import Observation, bounds, size
 from jaxwalk.sim.vehicle import goal
-from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, reset, with_car
+from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, refreshed, reset, with_car
 
 DRIVER = [f"{role} {name}" for role, name in SETS if role == "driver"]
 
@@ -29,6 +29,17 @@ def moving(scenarios, midway):
 def seen(paid_street, scenarios, moving):
     _, _, seen, _ = everything(paid_street, scenarios, moving, actions())
     return {name: np.asarray(x, float) for name, x in seen.items()}
+
+
+@pytest.mark.parametrize(
+    ("role", "name", "said"),
+    [("driver", "nothing", "no observation set 'nothing' for the driver"), ("cyclist", "paper", "no role 'cyclist'")],
+)
+def test_what_does_not_exist_is_named(street, role, name, said):
+    with pytest.raises(ValueError, match=said):
+        Observation(role, name)
+    with pytest.raises(ValueError, match=said):
+        bounds(street.world, role, name)
 
 
 def test_sizes(seen):
@@ -175,13 +186,13 @@ def test_who_decides_at_the_kerb(scenarios, midway):
     random, walkers = np.random.default_rng(3), midway.pedestrian
     lead = random.choice([-0.5, 0.5], walkers.remaining.shape).astype(np.float32)  # from the leg's end to the roadway
     walkers = eqx.tree_at(
-        lambda p: (p.leg.kerb, p.remaining),
+        lambda p: (p.leg.kerb_past_end, p.remaining),
         walkers,
         (jnp.asarray(lead), jnp.asarray(random.uniform(0, 3, lead.shape), jnp.float32)),
     )
     state = eqx.tree_at(lambda s: s.pedestrian, midway, walkers)
     street = Street.create()
-    state = street.refreshed(scenarios, state)
+    state = refreshed(street, scenarios, state)
     decides = np.asarray(street.observe(scenarios, state, street.view("pedestrian", "kerb"))[0], bool)
     to_kerb = lead + np.asarray(walkers.remaining)
     dx, dy = (np.asarray(of_all) - np.asarray(of_car) for of_all, of_car in

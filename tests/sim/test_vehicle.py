@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxwalk import Street
 from jaxwalk.sim.sim_config import SimConfig
-from jaxwalk.sim.vehicle import goal
+from jaxwalk.sim.vehicle import course, drive, goal, place
 from sim.play import ENVIRONMENTS, STEPS, actions, everything, inside, play, reset, with_car
 
 CONFIG = SimConfig()
@@ -153,3 +156,24 @@ def test_progress_never_jumps(driven):
     _, played = driven
     assert np.abs(np.diff(played["along"], axis=0)).max() <= 1 + 1e-4
     assert played["along"].min() >= 0
+
+
+@pytest.mark.parametrize(
+    ("config", "steps", "travelled"),
+    [
+        (SimConfig(max_speed=13.9, max_acceleration=50.0), 8, 0.5 + 1.0 + 6 * 1.39),
+        (SimConfig(dt=1.0), 3, 3 + 6 + 8.33),
+    ],
+    ids=["a fast car", "a long step"],
+)
+def test_progress_keeps_up(scenarios, config, steps, travelled):
+    """Straight ahead at full throttle, by more than a metre a step."""
+    world = Street.create(config=config).world
+    car, step = place(world, scenarios), jax.jit(drive)
+    ahead = course(world, scenarios, jnp.full(ENVIRONMENTS, 20.0))
+    straight = np.hypot(ahead.x - car.x, ahead.y - car.y) > 20 - 1e-3
+    assert straight.mean() > 0.3
+    throttle = actions((1.0, 0.0))["driver"]
+    for _ in range(steps):
+        car = step(world, scenarios, car, throttle)
+    np.testing.assert_allclose(np.asarray(car.along)[straight], travelled, atol=1e-3)

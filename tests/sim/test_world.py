@@ -69,3 +69,10 @@ def test_an_impossible_multiplier_is_refused():
     for multiplier in (-0.1, float("inf"), float("nan")):
         with pytest.raises(ValueError, match="jaywalk_multiplier must be 0 or more"):
             Street.create(jaywalk_multiplier=multiplier)
+
+
+def test_a_margin_that_no_road_has_is_refused():
+    """The paper's roads are 8 m wide; a car put back 5 m from one edge would be off the road at the other."""
+    assert Street.create(config=SimConfig(offroad_margin=4.0)).config.offroad_margin == 4
+    with pytest.raises(ValueError, match="offroad_margin must be at most half the narrowest road's width, 4 m, not 5"):
+        Street.create(config=SimConfig(offroad_margin=5.0))

@@ -11,8 +11,9 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
+from jaxwalk.cli.checks import check_driver, check_episodes, check_pedestrians, check_seed
 from jaxwalk.cli.errors import UsageError, bad_values
-from jaxwalk.cli.options import Evaluate, Share
+from jaxwalk.cli.options import Evaluate
 from jaxwalk.evaluation import BATCH, Cell, Results, ScenarioSet, check_parquet, with_jaywalk_multiplier
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.report.suite import said
@@ -76,13 +77,10 @@ def check(options: Evaluate) -> None:
     """Raise UsageError for options that make no sense."""
     if options.compare and (len(options.compare) != 2 or len(set(options.compare)) != 2):
         raise UsageError(f"--compare needs two different drivers, not {' '.join(options.compare)}: as in --compare A B")
-    if not options.driver and not options.compare:
-        raise UsageError(
-            "--driver is missing: a name such as co-trained or route-follower, a run folder or a policy file"
-        )
-    if not options.pedestrians:
-        raise UsageError("--pedestrians is missing: always-go, learned, a run folder or a policy file")
-    check_scenarios(options)
+    check_driver(options.driver or options.compare)
+    check_pedestrians(options.pedestrians)
+    check_episodes(options.episodes)
+    check_seed(options.seed)
     if not options.jaywalk_multiplier:
         raise UsageError("--jaywalk-multiplier needs a number, such as 0.25")
     if options.counterfactuals < 0:
@@ -93,14 +91,6 @@ def check(options: Evaluate) -> None:
         check_parquet()
     if options.out:
         check_writable(options.out)
-
-
-def check_scenarios(options: Evaluate | Share) -> None:
-    """Raise UsageError for an impossible number or seed of scenarios."""
-    if options.episodes < 1:
-        raise UsageError(f"--episodes must be at least 1, not {options.episodes}")
-    if not 0 <= options.seed < 2**31:
-        raise UsageError(f"--seed must lie in [0, 2^31), not {options.seed}")
 
 
 def table(cells: Sequence[Cell]) -> Table:

@@ -1,8 +1,12 @@
 """Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them."""
 
 from jaxwalk.evaluation.batches import BATCH, evaluate, replay
+<<<<<<< HEAD
 from jaxwalk.evaluation.broken import ActionError, named
 from jaxwalk.evaluation.comparison import Comparison, Paired, compared, paired
+=======
+from jaxwalk.evaluation.comparison import EndingCounts, PairedEndings, compare_endings, paired
+>>>>>>> main
 from jaxwalk.evaluation.counterfactual import (
     Counterfactuals,
     CounterfactualSummary,
@@ -17,8 +21,8 @@ from jaxwalk.evaluation.episode_file import write_rows
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.playing import play
-from jaxwalk.evaluation.results import Cell, Results, ScenarioSet, Stopped, compare
-from jaxwalk.evaluation.settings import SAMPLES, jaywalk_multiplier, mode, with_jaywalk_multiplier, with_mode
+from jaxwalk.evaluation.results import Cell, Results, ScenarioSet, Stopped, evaluate_grid
+from jaxwalk.evaluation.settings import SAMPLES, acts_by, jaywalk_multiplier, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
 
 __all__ = [
@@ -27,27 +31,31 @@ __all__ = [
     "ActionError",
     "Cell",
     "ComparedEnding",
-    "Comparison",
     "CounterfactualSummary",
     "Counterfactuals",
+    "EndingCounts",
     "Incidents",
     "Match",
-    "Paired",
+    "PairedEndings",
     "ReplayError",
     "Results",
     "ScenarioSet",
     "Stopped",
+    "acts_by",
     "check_parquet",
-    "compare",
-    "compared",
+    "compare_endings",
     "counterfactuals",
     "describe",
     "evaluate",
+    "evaluate_grid",
     "find_hits",
     "find_incidents",
     "jaywalk_multiplier",
+<<<<<<< HEAD
     "mode",
     "named",
+=======
+>>>>>>> main
     "over_training_seeds",
     "paired",
     "paired_over_seeds",

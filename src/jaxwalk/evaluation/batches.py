@@ -31,6 +31,7 @@ Progress = Callable[[int, int], None]
 
 
 def evaluate(
+<<<<<<< HEAD
     street: Street,
     policies: Roles[Policy],
     source: Source,
@@ -38,6 +39,11 @@ def evaluate(
     batch: int | None = None,
     progress: Progress | None = None,
 ) -> Rows:
+=======
+    street: Street, policies: Roles[Policy], source: Source, *,
+    batch: int | None = None, progress: Progress | None = None,
+) -> Rows:  # fmt: skip
+>>>>>>> main
     """Play all scenarios of a source and measure them.
 
     Args:
@@ -56,6 +62,7 @@ def evaluate(
 
 
 def evaluate_batches(
+<<<<<<< HEAD
     street: Street,
     policies: Roles[Policy],
     source: Source,
@@ -63,6 +70,11 @@ def evaluate_batches(
     batch: int | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Rows]:
+=======
+    street: Street, policies: Roles[Policy], source: Source, *,
+    batch: int | None = None, progress: Progress | None = None,
+) -> Iterator[Rows]:  # fmt: skip
+>>>>>>> main
     """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played."""
     batch = _size(batch)
     episodes, config = len(source), street.config
@@ -94,8 +106,7 @@ def replay(
 
     Raises:
         ValueError: there are no ``numbers`` or more than ``batch``, the source lacks one of them, or ``batch`` is
-            below
-            1.
+            below 1.
     """
     batch = _size(batch)
     chosen = np.asarray(numbers, np.int64)

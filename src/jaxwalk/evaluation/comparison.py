@@ -12,7 +12,7 @@ from jaxwalk.metrics import OUTCOMES, Rows, holm, mcnemar, scenarios_needed
 
 
 @dataclass(frozen=True)
-class Comparison:
+class EndingCounts:
     """How often one kind of ending happens in A and in B."""
 
     scenarios: int
@@ -32,16 +32,16 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class Paired:
+class PairedEndings:
     """The endings of the same scenarios under A and under B."""
 
     scenarios: int
-    goal: Comparison
-    collision: Comparison
-    timeout: Comparison
+    goal: EndingCounts
+    collision: EndingCounts
+    timeout: EndingCounts
 
 
-def paired(rows_a: Rows, rows_b: Rows) -> Paired:
+def paired(rows_a: Rows, rows_b: Rows) -> PairedEndings:
     """Compare two evaluations of the same scenarios (the same seed, and the same street except for what is compared).
 
     Raises:
@@ -50,16 +50,16 @@ def paired(rows_a: Rows, rows_b: Rows) -> Paired:
     a, b = rows_a[OUTCOMES], rows_b[OUTCOMES]
     if not np.array_equal(a.scenario, b.scenario):
         raise ValueError("only evaluations of the same scenarios can be paired: use the same seed and episodes")
-    return Paired(
+    return PairedEndings(
         scenarios=len(a.scenario),
-        goal=_compared(a.goal, b.goal),
-        collision=_compared(a.collision, b.collision),
-        timeout=_compared(~a.goal & ~a.collision, ~b.goal & ~b.collision),
+        goal=_ending_counts(a.goal, b.goal),
+        collision=_ending_counts(a.collision, b.collision),
+        timeout=_ending_counts(~a.goal & ~a.collision, ~b.goal & ~b.collision),
     )
 
 
-def _compared(a: np.ndarray, b: np.ndarray) -> Comparison:
-    return Comparison(
+def _ending_counts(a: np.ndarray, b: np.ndarray) -> EndingCounts:
+    return EndingCounts(
         scenarios=len(a),
         both=int((a & b).sum()),
         only_a=int((a & ~b).sum()),
@@ -75,7 +75,7 @@ SAID = {"collision": ("collides less", "collides more"), "goal": ("reaches the g
 """Words for an ending that is rarer in B, and for one that is more frequent."""
 
 
-def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> tuple[ComparedEnding, ...]:
+def compare_endings(a: str, b: str, among: Sequence[tuple[str, float, PairedEndings]]) -> tuple[ComparedEnding, ...]:
     """Test collisions and goals of two drivers in pairs, and describe the findings in words.
 
     The p-values are adjusted for the number of tests (Holm).
@@ -111,7 +111,7 @@ def compared(a: str, b: str, among: Sequence[tuple[str, float, Paired]]) -> tupl
     )
 
 
-def _in_words(b: str, people: str, ending: str, found: Comparison, p: float, tests: int) -> str:
+def _in_words(b: str, people: str, ending: str, found: EndingCounts, p: float, tests: int) -> str:
     """Return, say, ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios.``"""
     (rate_a, rate_b), (less, more) = found.rates, SAID[ending]
     side = less if rate_b < rate_a else more
@@ -121,7 +121,7 @@ def _in_words(b: str, people: str, ending: str, found: Comparison, p: float, tes
         return f"{b} {side} among {people}: {numbers}."
     if rate_a == rate_b:
         return f"Equally many {ending}s of both among {people}: {numbers}."
-    # (one test of a family has to reach this p-value: Holm's correction asks no more of the smallest one)
+    # One test of a family has to reach this p-value, since Holm's correction asks no more of the smallest one.
     needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios, alpha=FOUND / tests)
     enough = f"rates like these take some {float(f'{needed:.1e}'):,.0f} to tell apart"
     return f"Whether {b} {side} among {people} is open: {numbers}; {enough}."

@@ -14,9 +14,9 @@ from jaxwalk.sim.events import distance
 from jaxwalk.sim.trajectory import Trajectory
 
 BEFORE = 2.0
-"""Time before an incident that shows what the car was doing [s] ..."""
+"""What the car was doing is judged by the time since this long before the incident [s]."""
 WALKED = 1.0
-"""... and where the pedestrian came from [s]."""
+"""Where the pedestrian came from is judged by the time since this long before the incident [s]."""
 TURN = np.radians(20)
 """A larger change of heading is a turn [rad]."""
 ACROSS = 0.3
@@ -45,9 +45,9 @@ class Incidents:
     nearest: Float[np.ndarray, "incident"]
     """Smallest distance of the centres in a near miss [m]; NaN for a collision."""
     first: Int[np.ndarray, "incident"]
-    """First frame of a near miss ..."""
+    """First frame of a near miss; the frame of a collision."""
     last: Int[np.ndarray, "incident"]
-    """... and its last frame; the frame of a collision."""
+    """Last frame of a near miss; the frame of a collision."""
 
 
 def find_incidents(rows: Rows, *, most: int) -> Incidents:

@@ -19,7 +19,7 @@ from jaxwalk.interfaces import Moment, Policy, View
 from jaxwalk.sim.scenario import Scenario
 
 FULL_BRAKING = -1.0
-"""Acceleration as a share of its limit (3 m/s2)."""
+"""Acceleration as a share of ``max_acceleration``."""
 WAIT = 0
 """The action of a pedestrian who stands."""
 
@@ -103,8 +103,8 @@ def on_the_crosswalk(
 ) -> Scenario:
     """Return the scenarios with one crossing (counted from 0) of one pedestrian each made on the crosswalk.
 
-    Only that crossing's draw changes: no probability exceeds it any more. Actions do not change, since decisions are
-    made before the road.
+    Only that crossing's draw changes, to a number above every probability. No policy changes: the scenario decides how
+    somebody crosses, before the road.
     """
     draws = scenarios.jaywalk_draw.at[crossing, ped, np.arange(len(ped))].set(jnp.inf)
     return eqx.tree_at(lambda scenario: scenario.jaywalk_draw, scenarios, draws)

@@ -78,7 +78,7 @@ def play(
         Frames up to the longest episode's end. After its own end, an episode repeats its last frame.
 
     Raises:
-        ValueError: ``keys`` is not a batch, or its length differs from the scenarios'.
+        ValueError: ``keys`` is not a batch, or its length differs from the scenarios'; or there are two `HostDriver`s.
         DriverError: a `HostDriver` failed.
         ActionError: an action of another policy isn't in its space.
     """
@@ -87,7 +87,7 @@ def play(
         raise ValueError(f"play needs a batch of scenarios and one key for each, not: {shapes}")
     last = np.full(keys.shape, street.world.rules.horizon) if until is None else until
     numbers = np.arange(len(keys)) if numbers is None else np.asarray(numbers)
-    host = next((x for x in jax.tree.leaves(policies) if isinstance(x, HostDriver)), None)
+    host = _host_driver(policies)
     compiled = policies if host is None else _answered(policies, Given(jnp.zeros((2, *keys.shape))))
     setup = Setup(street, compiled, scenarios, keys, jnp.asarray(last, jnp.int32))
     memory = fresh_memory(street, cast_of(compiled), keys.shape)
@@ -99,6 +99,15 @@ def play(
         blocks.append({name: np.asarray(x) for name, x in frames.items()})
     _check_actions(street, game, numbers)
     return _trajectory(street, scenarios, game, blocks, numbers)
+
+
+def _host_driver(policies: Roles[Policy]) -> HostDriver | None:
+    """Return the driver that cannot be compiled, wherever it is in the policies; None if there is none."""
+    hosts = {id(x): x for x in jax.tree.leaves(policies) if isinstance(x, HostDriver)}
+    if len(hosts) > 1:
+        names = " and ".join(host.name for host in hosts.values())
+        raise ValueError(f"play can ask one driver that isn't written in JAX, not {names}; let one of them drive")
+    return next(iter(hosts.values()), None)
 
 
 def _play(setup: Setup, game: Underway) -> Iterator[tuple[Underway, Frame]]:

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from jaxwalk.evaluation.document_parts import SeedNumbers
 from jaxwalk.evaluation.results import HEADLINE, SCHEMA, Cell, Results
-from jaxwalk.metrics import JAYWALK_RATE, SPEED_DIFFERENTIAL, SURROGATE_DISTRIBUTIONS, WAITING, OverSeeds
+from jaxwalk.metrics import JAYWALK_RATE, METRICS, SPEED_DIFFERENTIAL, SURROGATE_DISTRIBUTIONS, WAITING, OverSeeds
 from jaxwalk.metrics.decisions import QUARTERS
 from jaxwalk.metrics.meetings import BINS
 from jaxwalk.metrics.severity import Distribution, Distributions
@@ -63,11 +63,11 @@ def as_document(kind: Callable[..., T], content: Any, origin: Origin) -> T:
         origin: where the content comes from.
 
     Raises:
-        DocumentError: a field is missing, unknown or of the wrong type, or a number is not finite.
+        DocumentError: a field is missing, unknown or of the wrong type, or a number is not finite or too large.
     """
     try:
         for place in _wrong_numbers(content, ()):
-            raise origin.damaged(place, "the number is not finite")
+            raise origin.damaged(place, f"the number is not finite or above {LARGEST:g}")
         reader: TypeAdapter[T] = TypeAdapter(cast("Any", kind))
         return reader.validate_json(json.dumps(content), strict=True)
     except RecursionError as error:
@@ -81,14 +81,14 @@ def as_results(content: Any, origin: Origin) -> Results:
     """Return the content of a JSON file as typed results.
 
     Raises:
-        DocumentError: the schema differs, a field is missing, unknown or of the wrong type, or a table's size
-            differs
-            from that of the metrics.
+        DocumentError: the schema differs, a metric or a field is missing, unknown or of the wrong type, or a table's
+            size differs from that of the metrics.
     """
     if not isinstance(content, Mapping) or content.get("schema") != SCHEMA:
         raise DocumentError(f"{origin.path}: of another version (its schema is not {SCHEMA}); {origin.advice}")
     nested = {name: value for name, value in content.items() if name != "schema"}
     if isinstance(nested.get("cells"), list):
+        _check_metrics(nested["cells"], origin)
         nested["cells"] = [_nested(cell) for cell in nested["cells"]]
     results = as_document(Results, nested, origin)
     for number, cell in enumerate(results.cells):
@@ -97,6 +97,14 @@ def as_results(content: Any, origin: Origin) -> Results:
     for number, numbers in enumerate(results.over_seeds):
         _check_seeds(numbers, origin.inside("over_seeds", number))
     return results
+
+
+def _check_metrics(cells: list[Any], origin: Origin) -> None:
+    """Raise DocumentError if every cell lacks a metric: then the file is whole, but was written without it."""
+    for metric in METRICS:
+        if cells and all(isinstance(cell, dict) and metric.name not in cell for cell in cells):
+            lacks = f"of another version (it lacks the metric {metric.name})"
+            raise DocumentError(f"{origin.path}: {lacks}; {origin.advice}")
 
 
 def _nested(cell: Any) -> Any:

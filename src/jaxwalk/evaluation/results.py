@@ -15,8 +15,13 @@ from jaxwalk.evaluation.batches import evaluate_batches
 from jaxwalk.evaluation.broken import ActionError, named
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
+<<<<<<< HEAD
 from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
 from jaxwalk.interfaces import Policy, Roles
+=======
+from jaxwalk.evaluation.settings import acts_by, jaywalk_multiplier
+from jaxwalk.interfaces import Policy
+>>>>>>> main
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
@@ -170,7 +175,11 @@ class Results:
 
 
 class Stopped(ValueError):
+<<<<<<< HEAD
     """Raised if a policy fails in the middle of a comparison. The message is that of the policy's error."""
+=======
+    """Raised if a driver fails in the middle of a grid. The message is that of the driver's error."""
+>>>>>>> main
 
     def __init__(self, message: str, rows: dict[tuple[str, str], Rows]) -> None:
         """Keep ``rows``, the rows evaluated until then, in whole batches."""
@@ -178,7 +187,7 @@ class Stopped(ValueError):
         self.rows = rows
 
 
-def compare(
+def evaluate_grid(
     street: Street,
     drivers: Mapping[str, Policy],
     populations: Mapping[str, Policy],
@@ -256,8 +265,8 @@ def make_cell(
     return Cell(
         driver=driver_name,
         pedestrians=population_name,
-        driver_mode=mode(car),
-        pedestrian_mode=mode(people),
+        driver_mode=acts_by(car),
+        pedestrian_mode=acts_by(people),
         jaywalk_multiplier=jaywalk_multiplier(street),
         summary=summarise(rows),
         driver_observes=car.view.name,

@@ -18,7 +18,7 @@ SAMPLES: Roles[bool] = {"driver": False, "pedestrian": True}
 P = TypeVar("P")
 
 
-def mode(policy: Any) -> str:
+def acts_by(policy: Any) -> str:
     """Return ``sample`` for a policy that draws its actions at random, ``mode`` for one that takes the likeliest."""
     return "sample" if getattr(policy, "sample", False) else "mode"
 

@@ -109,9 +109,11 @@ def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) ->
     resamples seeds and scenarios (`jaxwalk.metrics.over_seeds`), so it also covers training with other seeds.
 
     Raises:
-        ValueError: A and B did not play the same scenarios.
+        ValueError: A and B have different training seeds, or the same ones in another order, or they did not play the
+            same scenarios.
     """
     seeds = max(len(a), len(b))
+    _check_seeds_agree(a, b)
     a, b = (list(side) * (seeds // len(side)) for side in (a, b))
     joined = [Rows.join([match.rows for match in side]) for side in (a, b)]
     pairs = paired(*joined)
@@ -129,6 +131,13 @@ def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) ->
         difference=Interval.of(over_seeds(ends_b - ends_a, np.ones_like(ends_a)).mean),
         p=found.p,
     )
+
+
+def _check_seeds_agree(a: Sequence[Match], b: Sequence[Match]) -> None:
+    """Raise ValueError unless a side has a single match, or both sides have the same training seeds in one order."""
+    of_a, of_b = ([match.cell.training_seed for match in side] for side in (a, b))
+    if min(len(of_a), len(of_b)) != 1 and of_a != of_b:
+        raise ValueError(f"A has the training seeds {of_a} and B {of_b}; only matches with equal seeds can be paired")
 
 
 def _ended(rows: Rows, ending: str) -> np.ndarray:

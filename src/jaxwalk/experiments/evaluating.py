@@ -18,9 +18,9 @@ from jaxwalk.evaluation import (
     ComparedEnding,
     Results,
     Stopped,
-    compare,
-    compared,
+    compare_endings,
     counterfactuals,
+    evaluate_grid,
     find_hits,
     jaywalk_multiplier,
     named,
@@ -100,7 +100,7 @@ def _play(work: Evaluation, tell: Tell) -> tuple[Results, list[Played]]:
 
     for street in work.streets:
         try:
-            results, played = compare(
+            results, played = evaluate_grid(
                 street, work.drivers, work.populations, Drawn(street, work.seed, work.episodes), progress=progress
             )
         except Stopped as stopped:
@@ -119,7 +119,7 @@ def _compared(work: Evaluation, pair: tuple[str, str], rows: list[Played]) -> tu
         for street, played in zip(work.streets, rows, strict=True)
         for people in work.populations
     ]
-    return compared(a, b, among)
+    return compare_endings(a, b, among)
 
 
 def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tell: Tell) -> tuple[Cell, ...]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from jaxwalk.evaluation import (
     Match,
     Results,
-    compare,
+    evaluate_grid,
     over_training_seeds,
     paired_over_seeds,
     with_jaywalk_multiplier,
@@ -103,7 +103,7 @@ def play_rounds(
     sets, matches = [], []
     for training_seed, drivers, people in rounds:
         told = partial(_tell, say, "" if training_seed is None else f", seed {training_seed}")
-        results, rows = compare(
+        results, rows = evaluate_grid(
             street, drivers, people, Drawn(street, scenarios.seed, scenarios.episodes), progress=told
         )
         sets.append(results.scenarios)

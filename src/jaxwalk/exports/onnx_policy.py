@@ -133,7 +133,7 @@ def check_parity(content: bytes, policy: LearnedPolicy, met: Met) -> Parity:
         session = import_module("onnxruntime").InferenceSession(content, providers=["CPUExecutionProvider"])
     except ImportError as error:
         raise PolicyError("to check ONNX needs ONNX Runtime: pip install 'jaxwalk[onnx]'") from error
-    memory = {} if met.memory is None else {"choice": met.memory.choice, "left": met.memory.left}
+    memory = {} if met.memory is None else {"choice": met.memory.choice, "left": met.memory.steps_left}
     given = {"observation": np.ascontiguousarray(met.observation.T), **memory}
     names = [output.name for output in session.get_outputs()]
     found = dict(zip(names, session.run(None, given), strict=True))

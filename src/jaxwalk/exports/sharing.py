@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from jaxwalk.evaluation import compare
+from jaxwalk.evaluation import evaluate_grid
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.evaluation.results import HEADLINE
 from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
@@ -33,7 +33,7 @@ def share(
     people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
     about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)
     actors = {role: load_policy(run.policy, role).actor for role in about.pop("roles")}
-    found, _ = compare(street, driver, people, Drawn(street, seed, episodes), progress=progress)
+    found, _ = evaluate_grid(street, driver, people, Drawn(street, seed, episodes), progress=progress)
     about["results"] = {
         "scenarios": found.scenarios.as_dict(),
         "jaywalk_multiplier": found.cells[0].jaywalk_multiplier,

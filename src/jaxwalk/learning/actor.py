@@ -15,14 +15,14 @@ from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distrib
 from jaxwalk.learning.networks import MLP, make_mlp
 
 DISCRETE, GATED = "discrete", "gated"
-"""The kinds of policy with discrete actions: everywhere, or only where the observation's first feature is above 0. The
-kinds with continuous actions are those of `RoleConfig.noise`."""
+"""The kinds of policy with discrete actions: one decides everywhere, the other only where the observation's first
+feature is above 0. The kinds with continuous actions are those of `RoleConfig.noise`."""
 OTHERWISE = 1
 """A gated policy's action where there is nothing to decide."""
 NO_CHOICE = -1
 """A choice that is in no space, in place of one from logits that aren't finite. A continuous action is NaN instead."""
 CHOSEN_PART = 16
-"""`run_where` runs a network on this part (1 / 16) of the columns at once: slightly more than one step selects."""
+"""`run_where` runs a network on one part in 16 of the columns at once: slightly more than a step usually selects."""
 
 
 class Actor(eqx.Module):
@@ -62,7 +62,7 @@ class Held(eqx.Module):
 
     choice: Int[Array, "*rest"]
     """The last decision."""
-    left: Int[Array, "*rest"]
+    steps_left: Int[Array, "*rest"]
     """Steps for which the decision is still valid, as long as there is something to decide."""
 
 
@@ -76,7 +76,7 @@ class Choice(eqx.Module):
     log_prob: Float[Array, "*rest"]
     """Log-probability of the sample, where a decision was made now."""
     decided: Bool[Array, "*rest"] | None
-    """Whether a decision was made now; None for everywhere."""
+    """Whether a decision was made now; None if there is one in every step."""
 
 
 def decide(
@@ -93,15 +93,15 @@ def decide(
         raw = choice.sample(key) if sample else choice.mode()
         return Choice(_if_finite(choice.action(raw), outputs, raw), raw, choice.log_prob(raw), None), None
     may = observation[0] > 0
-    now = may & (memory.left == 0)
+    now = may & (memory.steps_left == 0)
     logits = run_where(actor.network, observation, now)
     choice = Categorical(logits)
     raw = choice.sample(key) if sample else choice.mode()
     new = _if_finite(raw, logits, raw)
     kept = jnp.where(now, new, memory.choice)
-    left = jnp.where(now, actor.hold - 1, memory.left - 1)
+    steps_left = jnp.where(now, actor.hold - 1, memory.steps_left - 1)
     action = jnp.where(may, kept, OTHERWISE)
-    return Choice(action, action, choice.log_prob(action), now), Held(kept, jnp.where(may, left, 0))
+    return Choice(action, action, choice.log_prob(action), now), Held(kept, jnp.where(may, steps_left, 0))
 
 
 def _if_finite(action: Array, outputs: Float[Array, "out *rest"], raw: Array) -> Array:
@@ -121,15 +121,15 @@ def run_where(
     count = flat.shape[1]
     places = -(-count // CHOSEN_PART)
 
-    def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
-        waiting, found = left
+    def some(progress: tuple[Array, Array]) -> tuple[Array, Array]:
+        waiting, found = progress
         (chosen,) = jnp.nonzero(waiting, size=places, fill_value=count)  # an index beyond the last one is nobody
         seen = network(flat.at[:, chosen].get(mode="fill", fill_value=0))
         return waiting.at[chosen].set(False, mode="drop"), found.at[:, chosen].set(seen, mode="drop")
 
     outputs = network.sizes[-1]
     begin = (which.reshape(-1), jnp.zeros((outputs, count), columns.dtype))
-    _, found = jax.lax.while_loop(lambda left: left[0].any(), some, begin)
+    _, found = jax.lax.while_loop(lambda progress: progress[0].any(), some, begin)
     return found.reshape(outputs, *columns.shape[1:])
 
 

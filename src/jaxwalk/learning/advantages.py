@@ -20,7 +20,7 @@ class Transitions(NamedTuple):
     truncated: Bool[Array, "time ..."]
     """The episode ended, but the agent's future still has a value."""
     valid: Bool[Array, "time ..."]
-    """False where the environment only restarted."""
+    """False where the environment idles after an episode's end, until the next restart."""
     decided: Bool[Array, "time ..."] | None = None
     """Whether a decision was made; None if there was one in every step."""
 
@@ -43,9 +43,10 @@ def generalised_advantage(
     the temporal difference spans all its steps, lambda applies once per decision, and ``value`` matters only at
     decisions, in final states, and after the last step.
 
-    ``value[t + 1]`` is the value of the state after step t, before any reset: in a rollout, the next step, which only
-    restarts and is not ``valid``, holds the final state. So a truncated step bootstraps from ``value[t + 1]`` and a
-    terminated one from 0; neither uses later steps; and a restarting step has advantage 0.
+    ``value[t + 1]`` is the value of the state after step t, before any reset: after an episode's last step, the
+    environment idles for at least one step, which is not ``valid`` and shows the final state. So a truncated step
+    bootstraps from ``value[t + 1]`` and a terminated one from 0; neither uses later steps; and an idle step has
+    advantage 0.
     """
     decided = jnp.ones((), bool) if steps.decided is None else steps.decided
     ends = steps.terminated | steps.truncated

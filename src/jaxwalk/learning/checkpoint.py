@@ -25,6 +25,12 @@ KEPT = 2
 """Number of checkpoints kept; older ones are deleted."""
 LISTS = 1_000_000
 """Largest size of what a checkpoint holds besides its arrays [bytes]."""
+RENAMED = {
+    r"^\.stream\.memory\.(driver|pedestrian)": r".stream.memory['\1']",
+    r"^(\.stream\.memory\b.*)\.left$": r"\1.steps_left",
+    r"^(\.stream\.state\.pedestrian\.(?:leg|following))\.kerb$": r"\1.kerb_past_end",
+}
+"""What version 0.1 called an array (a pattern), and what it is called now."""
 UNFINISHED = "*.orbax-checkpoint-tmp*"
 """Names of incomplete checkpoints."""
 
@@ -94,7 +100,7 @@ def restore_newest(path: str | Path, like: T, *, tell: Callable[[str], None]) ->
             tell(f"{error}; it is now {aside.name}, and training goes on from checkpoint {updates}")
         return learner
     if damaged:
-        raise DamagedError(f"{next(iter(damaged.values()))}; nor can an older one. Start anew in another folder")
+        raise DamagedError(f"{next(iter(damaged.values()))}; neither can an older one. Start again in another folder")
     return None
 
 
@@ -107,7 +113,7 @@ def _numbers(path: str | Path) -> list[int]:
 
 
 def _put_aside(checkpoint: Path) -> Path:
-    """Rename a checkpoint, so that it does not count as one any more."""
+    """Rename a checkpoint, so that it no longer counts as one; return its new path."""
     aside = checkpoint.with_name(f"{checkpoint.name}.damaged")
     shutil.rmtree(aside, ignore_errors=True)
     return checkpoint.rename(aside)
@@ -123,7 +129,7 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
 
     step = latest(path) if updates is None else updates
     if step is None:
-        raise CheckpointError(f"{path}: holds no checkpoint; give the folder that training wrote, or start anew")
+        raise CheckpointError(f"{path}: holds no checkpoint; give the folder that training wrote, or start again")
     wanted = _named_arrays(like)
     with _manager(path, create=False) as manager:
         try:
@@ -143,14 +149,14 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
 
 def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tuple[int, ...]]) -> None:
     """Raise CheckpointError unless the checkpoint has exactly the wanted arrays."""
-    mend = "train with the configuration that it was made with, or start anew in another folder"
+    advice = "train with the configuration that it was made with, or start again in another folder"
     for name in sorted(wanted.keys() ^ stored.keys()):
         lack = "lacks" if name in wanted else "has an unexpected"
-        raise CheckpointError(f"{path}: the checkpoint {lack} {name}; {mend}")
+        raise CheckpointError(f"{path}: the checkpoint {lack} {name}; {advice}")
     for name, x in wanted.items():
         shape = jax.eval_shape(_data, x).shape
         if stored[name] != shape:
-            raise CheckpointError(f"{path}: {name} has shape {stored[name]} in the checkpoint, not {shape}; {mend}")
+            raise CheckpointError(f"{path}: {name} has shape {stored[name]} in the checkpoint, not {shape}; {advice}")
 
 
 def _as_os_error(error: Exception, path: Path) -> OSError:
@@ -180,8 +186,10 @@ def _manager(path: str | Path, *, create: bool) -> Any:
 
 
 def _name_now(name: str) -> str:
-    """Return the present name of an array; version 0.1 had an attribute for each role instead of a mapping."""
-    return re.sub(r"^\.stream\.memory\.(driver|pedestrian)", r".stream.memory['\1']", name)
+    """Return the present name of an array in a checkpoint of version 0.1."""
+    for before, now in RENAMED.items():
+        name = re.sub(before, now, name)
+    return name
 
 
 def _names(arrays: Any) -> list[str]:

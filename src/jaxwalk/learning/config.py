@@ -1,4 +1,4 @@
-"""All settings of the learner, and the two recipes. There is no JAX import, so that command lines start quickly."""
+"""All settings of the learner. There is no JAX import, so that command lines start quickly."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ LAYERS = f"must be at most {MOST_LAYERS} numbers, each in [1, {MOST_UNITS}]"
 
 @dataclass(frozen=True)
 class RoleConfig:
-    """How one role learns. Raise ValueError that names an impossible field."""
+    """How one role learns. An impossible value raises ValueError, which names the field."""
 
     fixed: float = 0.0
-    """Share of the environments in which a fixed policy plays the role. At 1 it is not trained and has no networks."""
+    """Share of the environments in which a fixed policy plays the role. With 1, the role is not trained."""
     early: float = 0.0
-    """Share in which earlier versions of the role play it, as they were after ``SNAPSHOTS`` updates. The current
-    version plays in the remaining environments, and learns only from those."""
+    """Share of the environments in which the role is played by its earlier versions, those after `SNAPSHOTS` updates.
+    The current version plays in the remaining environments, and learns only from those."""
     observes: str = "paper"
     """The observation set that the actor reads."""
     actor_hidden: tuple[int, ...] = (128, 128)
@@ -43,8 +43,8 @@ class RoleConfig:
     """Passes over each rollout (paper, Table II: 4). Below 1, only that share of the rollout is used: twelve
     pedestrians produce more data than they need."""
     gated: bool = False
-    """Only for choices between 0 and 1. Whether the role decides only where its observation's first feature is above 0,
-    takes 1 elsewhere, and learns only from those decisions."""
+    """Only for roles that choose between 0 and 1. A gated role decides only where its observation's first feature is
+    above 0, takes 1 elsewhere, and learns only from its decisions."""
     hold: int = 1
     """Gated roles only. Steps for which a decision is kept, as long as there is something to decide."""
     noise: Literal["clipped", "tanh"] = "clipped"
@@ -78,7 +78,7 @@ class RoleConfig:
 
 @dataclass(frozen=True)
 class TrainConfig:
-    """Settings of a training. Raise ValueError that names an impossible field."""
+    """Settings of a training. An impossible value raises ValueError, which names the field."""
 
     roles: dict[str, RoleConfig]
     """How each of the environment's roles learns."""
@@ -117,8 +117,8 @@ class TrainConfig:
     """Rows (one agent in one step each) whose gradient is computed at once: this affects only speed, never the result.
     About 2,048 suits a CPU's cache; a GPU wants a whole minibatch."""
     shards: int = 1
-    """Devices (accelerators, or CPU cores) that share the environments; each shard has its own stand-ins. This is for
-    speed; but another number changes a training like another seed does."""
+    """Devices (accelerators, or CPU cores) that share the environments; each shard has its own stand-ins. More
+    shards are faster, but another number of them changes a training as another seed does."""
 
     def __post_init__(self) -> None:
         """Raise ValueError for settings that cannot be trained."""

@@ -140,13 +140,13 @@ def _sparse_values(
     asked = (decided | by_agent(final, decided)).at[0].set(True)
     room = -(-asked.size // CHOSEN_PART)
 
-    def some(left: tuple[Array, Array]) -> tuple[Array, Array]:
-        waiting, values = left
-        rows = jnp.nonzero(waiting, size=room, fill_value=waiting.shape[0])  # beyond the last: none
+    def some(progress: tuple[Array, Array]) -> tuple[Array, Array]:
+        waiting, values = progress
+        rows = jnp.nonzero(waiting, size=room, fill_value=waiting.shape[0])  # an index beyond the last one is nobody
         found = critic.network(critic_input(take_rows(views[critic.role], rows), critic.reads, ()))[0]
         return waiting.at[rows].set(False, mode="drop"), values.at[rows].set(found, mode="drop")
 
-    _, values = jax.lax.while_loop(lambda left: left[0].any(), some, (asked, jnp.zeros(asked.shape)))
+    _, values = jax.lax.while_loop(lambda progress: progress[0].any(), some, (asked, jnp.zeros(asked.shape)))
     return values
 
 

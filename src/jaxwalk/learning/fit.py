@@ -157,8 +157,8 @@ def learning_rate(
     The number is an array, or ``config.updates``: a change of the array compiles nothing again.
     """
     end = config.updates if planned is None else planned
-    left = jnp.clip(1.0 - updates / end, 0.0, 1.0) if config.anneal else jnp.ones(())
-    return config.learning_rate * left
+    share = jnp.clip(1.0 - updates / end, 0.0, 1.0) if config.anneal else jnp.ones(())
+    return config.learning_rate * share
 
 
 def descend(
@@ -186,17 +186,19 @@ class Fit(NamedTuple):
 
 
 def fit(
-    how: Fit, loss: Loss, network: Network, memory: optax.OptState, data: Any, key: Key[Array, ""]
+    settings: Fit, loss: Loss, network: Network, memory: optax.OptState, data: Any, key: Key[Array, ""]
 ) -> tuple[Network, optax.OptState, dict[str, Array]]:
     """Fit a network by epochs of minibatches to data ``(time, ..., env)``.
 
     Return the network, the optimiser's state, and the means of what the loss reports. Minibatches are sets of time
     steps: permuting all rows instead costs more than the update itself.
     """
-    config, epochs = how.config, how.epochs
+    config, epochs = settings.config, settings.epochs
     steps = len(jax.tree.leaves(data)[0])
     length = steps // config.minibatches
-    chunks = plan_chunks(agents=how.agents, environments=how.environments, steps=length, rows=config.chunk_rows)
+    chunks = plan_chunks(
+        agents=settings.agents, environments=settings.environments, steps=length, rows=config.chunk_rows
+    )
     whole = math.ceil(epochs)
     order = jnp.argsort(jax.random.bits(key, (whole, steps)), axis=1)  # a permutation for each epoch
     batches = order.reshape(-1, length)[: max(round(epochs * config.minibatches), 1)]
@@ -205,9 +207,9 @@ def fit(
 
     def minibatch(carry: tuple[Array, optax.OptState], times: Array) -> tuple[Any, dict[str, Array]]:
         parameters, memory = carry
-        gradient, report = mean_gradient(loss, shaped(parameters), data, times, chunks=chunks, axis=how.axis)
+        gradient, report = mean_gradient(loss, shaped(parameters), data, times, chunks=chunks, axis=settings.axis)
         report["gradient_norm"] = jnp.linalg.norm(gradient)
-        return descend(parameters, memory, gradient, rate=how.rate, config=config), report
+        return descend(parameters, memory, gradient, rate=settings.rate, config=config), report
 
     (end, memory), reports = jax.lax.scan(minibatch, (begin, memory), batches)
     return shaped(end), memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}

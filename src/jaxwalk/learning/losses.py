@@ -33,7 +33,7 @@ class Actions(eqx.Module):
     advantage: Float[Array, "..."]
     """How much better the action was than expected."""
     weight: Float[Array, "..."]
-    """1 for entries that count; 0 where the environment restarted or a gated role has nothing to learn."""
+    """1 for entries that count; 0 where the environment idles or a gated role has nothing to learn."""
 
 
 class Targets(eqx.Module):
@@ -44,7 +44,7 @@ class Targets(eqx.Module):
     target: Float[Array, "..."]
     """The target return: ``(*agents, *batch)``."""
     weight: Float[Array, "..."]
-    """1 for entries that count; 0 where the environment restarted or a gated role has nothing to learn."""
+    """1 for entries that count; 0 where the environment idles or a gated role has nothing to learn."""
 
 
 def actor_loss(actor: Actor, actions: Actions, *, clip: float, entropy: float) -> tuple[Array, dict[str, Array]]:

@@ -1,7 +1,7 @@
 """Multi-agent PPO (Schulman 2017; for several agents Yu 2022): call `init` once, then `update` repeatedly.
 
 One update plays a rollout with the current actors, estimates the advantage of every action, and fits every network.
-Actors and critics share no weights, so each is fitted separately: another role is another iteration of a loop.
+Actors and critics share no weights, so each is fitted separately: one more role is one more turn of a loop.
 
 Devices can share the environments (`TrainConfig.shards`): each plays its own part and computes gradients from it.
 Networks are the same on all devices, since sums go over all shards.
@@ -21,7 +21,7 @@ from jax.sharding import PartitionSpec
 from jaxtyping import Array, Int, Key
 
 from jaxwalk.acting import ALL, fresh_memory, part_of
-from jaxwalk.interfaces import Environment, Policy, Roles
+from jaxwalk.interfaces import Discrete, Environment, Policy, Roles
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
 from jaxwalk.learning.casting import Shard, learning_cast, remember, shard_of, snapshots, whole
@@ -39,7 +39,7 @@ ONCE = {"xla_backend_optimization_level": 0}
 
 
 class Learner(eqx.Module):
-    """Everything that training changes or resumes from. A checkpoint holds exactly this."""
+    """Everything that training changes, or needs to resume. A checkpoint holds exactly this."""
 
     actors: dict[str, Actor]
     """Actors by role, only of roles that learn."""
@@ -71,16 +71,16 @@ def init(
     ``others``: the policy of a role where its learner does not play; a role that is left out learns everywhere.
 
     Raises:
-        ValueError: the configuration's roles are not the environment's; or ``others`` lacks a policy for a role
-            that
-            others play, or has one that is not needed.
+        ValueError: the configuration's roles are not the environment's; a gated role does not choose between 0 and 1;
+            or ``others`` names a role that does not exist, lacks a policy that is needed, or has one that is not.
         ShardsError: there are fewer devices than shards.
     """
-    others = {role: (others or {}).get(role) for role in config.roles}
-    _check_roles(environment, config, others)
+    given = others or {}
+    others = {role: given.get(role) for role in config.roles}
+    _check_roles(environment, config, {**given, **others})
     mesh = mesh_of(config.shards)
     learner = _untrained(environment, config, key, others)
-    return place(learner, _where(learner), mesh)
+    return place(learner, _partition_specs(learner), mesh)
 
 
 @eqx.filter_jit(compiler_options=ONCE)  # pyright: ignore[reportCallIssue] (it passes on what `jax.jit` takes)
@@ -129,8 +129,8 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
         learner, metrics = _update(environment, shard_of(config), eqx.combine(arrays, rest))
         return eqx.filter(learner, eqx.is_array), metrics
 
-    where, mesh = _where(learner), mesh_of(config.shards)
-    shared = jax.shard_map(work, mesh=mesh, in_specs=(where,), out_specs=(where, EVERYWHERE), check_vma=False)
+    specs, mesh = _partition_specs(learner), mesh_of(config.shards)
+    shared = jax.shard_map(work, mesh=mesh, in_specs=(specs,), out_specs=(specs, EVERYWHERE), check_vma=False)
     arrays, metrics = shared(arrays)
     metrics["steps"] = arrays.updates.astype(jnp.float32) * (config.steps * config.environments)
     return eqx.combine(arrays, rest), metrics
@@ -163,7 +163,7 @@ def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[L
     return learner, metrics
 
 
-def _where(learner: Learner) -> Any:
+def _partition_specs(learner: Learner) -> Any:
     """Return the learner with a `PartitionSpec` in place of each array.
 
     Devices share the environments; everything else is on each of them.
@@ -200,8 +200,14 @@ def _check_roles(environment: Environment, config: TrainConfig, others: Roles[Po
     wanted = list(environment.roles)
     if list(config.roles) != wanted:
         raise ValueError(f"roles must be the environment's, {', '.join(wanted)}, not {', '.join(config.roles)}")
+    for role in others:
+        if role not in wanted:
+            raise ValueError(f"others: no role is called {role}; there are: {', '.join(wanted)}")
     for role, choice in config.roles.items():
         given, share = others[role] is not None, choice.fixed
+        action = environment.roles[role].action
+        if choice.gated and not (isinstance(action, Discrete) and action.n == 2):
+            raise ValueError(f"gated: the {role} doesn't choose between 0 and 1, so it can't be gated")
         if given and not share:
             raise ValueError(f"others: the {role} learns everywhere (fixed is 0), so no fixed policy can play it")
         if share and not given:
@@ -238,9 +244,10 @@ def _improve_actors(
             weight=counts,
         )
         loss = partial(actor_loss, clip=config.clip, entropy=config.roles[role].entropy)
-        how = _how(config, learner, config.roles[role].epochs, environment.roles[role].agents, data)
-        data, how = _only_decisions(data, how) if actor.kind == GATED else (data, how)
-        actors[role], memories[role], report = fit(how, loss, actor, learner.actor_memories[role], data, key)
+        settings = _fit_settings(config, learner, config.roles[role].epochs, environment.roles[role].agents, data)
+        if actor.kind == GATED:
+            data, settings = _only_decisions(data, settings)
+        actors[role], memories[role], report = fit(settings, loss, actor, learner.actor_memories[role], data, key)
         metrics |= {f"{role}/{name}": x for name, x in report.items()}
         if actor.log_std is not None:
             metrics[f"{role}/std"] = jnp.mean(jnp.exp(actors[role].log_std))
@@ -259,15 +266,16 @@ def _improve_critics(
         roles = config.learning_roles if name == SHARED else (name,)
         loss = partial(critic_loss, coefficient=config.value_coefficient)
         data = Targets(critic.select(played.record.views), found.target, found.weight)
-        how = _how(config, learner, max(config.roles[role].epochs for role in roles), critic.agents, data)
-        data, how = _only_decisions(data, how) if name != SHARED and config.roles[name].gated else (data, how)
-        critics[name], memories[name], report = fit(how, loss, critic, learner.critic_memories[name], data, key)
+        settings = _fit_settings(config, learner, max(config.roles[role].epochs for role in roles), critic.agents, data)
+        if name != SHARED and config.roles[name].gated:
+            data, settings = _only_decisions(data, settings)
+        critics[name], memories[name], report = fit(settings, loss, critic, learner.critic_memories[name], data, key)
         metrics |= {f"{name}/critic_{key}": x for key, x in report.items()}
         metrics[f"{name}/explained_variance"] = explained_variance(found.value, found.target, found.weight, SHARDS)
     return critics, memories, metrics
 
 
-def _how(
+def _fit_settings(
     config: TrainConfig, learner: Learner, epochs: int | float, agents: tuple[int, ...], data: Actions | Targets
 ) -> Fit:
     """Return how this update fits a network to data with these agent axes."""
@@ -275,7 +283,7 @@ def _how(
     return Fit(config, rate, epochs, math.prod(agents), data.weight.shape[-1], SHARDS)
 
 
-def _only_decisions(data: Entries, how: Fit) -> tuple[Entries, Fit]:
+def _only_decisions(data: Entries, settings: Fit) -> tuple[Entries, Fit]:
     """Return a gated role's data without entries it does not learn from, and how to fit a network to it."""
-    columns = -(-how.agents * how.environments // gated_part(how.config))
-    return pack_weighted(data, columns=columns), how._replace(agents=1, environments=columns)
+    columns = -(-settings.agents * settings.environments // gated_part(settings.config))
+    return pack_weighted(data, columns=columns), settings._replace(agents=1, environments=columns)

@@ -1,4 +1,4 @@
-"""What a metric is, and the rows that metrics measure: ``docs/metrics.md`` explains how to add one.
+"""What a metric is, and the rows that metrics measure: ``docs/extending.md#a-metric`` shows how to add one.
 
 A *finding* is computed from recorded episodes once, for all metrics that need it. A *table* is a finding that is kept.
 A *metric* is a table with numbers: columns that are resampled by episode, and a summary of rows and sums.

@@ -41,9 +41,9 @@ SECTIONS = (
         "Who reaches the goal",
         "figure 3",
         "Goals and collisions of every driver on the same scenarios, among each population. "
-        f"{INTERVALS} The paper's figure mixes populations and does not say among whom its rules "
+        f"{INTERVALS} The paper's figure mixes populations and does not say among which people its rules "
         "drove; its trained drivers have a diamond for each population. A good driver has its goals far right and its "
-        "collisions far left; where the colours lie far apart, much depends on whom it meets.",
+        "collisions far left; where the colours lie far apart, much depends on the people that it meets.",
         "baselines",
         "baselines",
         over_seeds=True,
@@ -104,7 +104,7 @@ SECTIONS = (
         f"each type who is on a roadway. {INTERVALS} Left every frame weighs alike, as in the paper; in the middle "
         "every encounter does. The paper found the car faster near jaywalkers, most so when nearest: look for red "
         "above blue, and at the right for points above 0. In the table also: matched, where only cars at nearly the "
-        "same place, headed the same way and as fast at first are compared; ghosts, people whom the car cannot see; "
+        "same place, headed the same way and as fast at first are compared; ghosts, people that the car cannot see; "
         "and what the difference near people is beyond that near ghosts (some of it the waiting of learned people, "
         "who are no ghosts).",
         "speed_differential",
@@ -115,7 +115,7 @@ SECTIONS = (
         "equation 2",
         "The same difference of {subject}, estimated five ways, from the one most open to other causes to "
         "the least; distances with fewer than 20 encounters of either type are left out. Bars: 95 % intervals. Above "
-        "0 the car is faster near jaywalkers. What is as large near ghosts (grey), whom it cannot see, is the place's "
+        "0 the car is faster near jaywalkers. What is as large near ghosts (grey), which it cannot see, is the place's "
         "doing; what is left of people minus ghosts (red) is the car's answer to people, and among people who always "
         "go, 0 for a car that heeds nobody.",
         "surprise",

@@ -77,7 +77,7 @@ SPEEDS = (
     "Mean speed of the car near jaywalkers minus that near crosswalk users [m/s], by the distance to the nearest of "
     "each on a roadway. Frames: every frame weighs alike, as in the paper's equation 2. Encounters: every encounter "
     "does. Matched: only cars at nearly the same place, headed the same way and as fast at first are compared. Ghosts: "
-    "people whom the car cannot see. People minus ghosts: among always-go, 0 for a car that does not see people; for "
+    "people that the car cannot see. People minus ghosts: among always-go, 0 for a car that does not see people; for "
     "one that does, ghosts share the places where it brakes for people, so the rest is the least that its reaction can "
     "be. Among learned pedestrians, some of it is their waiting."
 )

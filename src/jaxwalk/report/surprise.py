@@ -58,11 +58,11 @@ def in_words(bins: Sequence[SpeedBin]) -> str:
     nowhere = "At no distance is the interval of the difference between jaywalkers and crosswalk users free of 0."
     sentences = [f"Near jaywalkers the car is {raw}." if raw else nowhere]
     if beyond:
-        sentences.append(f"Beyond what is so near ghosts, whom it cannot see, it is {beyond}.")
+        sentences.append(f"Beyond what is so near ghosts, which it cannot see, it is {beyond}.")
     elif raw:
-        sentences.append("No interval shows more than near ghosts, whom it cannot see: the place may explain it.")
+        sentences.append("No interval shows more than near ghosts, which it cannot see: the place may explain it.")
     else:
-        sentences.append("Nor is there more than near ghosts, whom it cannot see.")
+        sentences.append("Nor is there more than near ghosts, which it cannot see.")
     same = "At nearly the same place and initial speed"
     sentences.append(f"{same} it is {matched}." if matched else f"{same} no interval shows a difference.")
     return " ".join(sentences)

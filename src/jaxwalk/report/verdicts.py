@@ -70,8 +70,8 @@ WORLD = (
     "kept (the published code draws again every 0.1 s), nobody starting within 10 m of the car, routes along lanes."
 )
 BASELINES = (
-    f"{WORLD} The paper does not say among whom its rules drove, nor their throttle, cone or braking; ours stand in "
-    "docs/evaluation.md."
+    f"{WORLD} The paper does not say among which people its rules drove, nor their throttle, cone or braking; ours "
+    "stand in docs/evaluation.md."
 )
 TRAINED = (
     "Our drivers were trained with the recipe named above, not the paper's: they see their route rather than the goal "

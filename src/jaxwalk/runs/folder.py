@@ -189,13 +189,13 @@ def _with_roles(text: bytes) -> bytes:
 
 
 def _read_experiment(path: Path) -> Experiment:
-    mend = "mend it, or copy it again from where the run was made"
+    advice = "correct it, or copy it again from where the run was made"
     try:
         return _experiments().validate_json(_with_roles(path.read_bytes()))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"] if part not in ("int", "float"))  # members of unions
         what = f"{where}: {first['msg']}" if where else first["msg"]
-        raise RunError(f"{path}: {what}; {mend}") from error
+        raise RunError(f"{path}: {what}; {advice}") from error
     except OSError as error:
         raise RunError(f"{path}: can't be read ({error.strerror}); check its permissions") from error

@@ -22,7 +22,7 @@ PRIOR_MEAN = 0.5
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(32)
 """Gauss-Legendre quadrature on [-1, 1]: exact for polynomials of degree 63, so for 61 crossings."""
 CROSSED = 1.0
-"""A pedestrian off the roadway whose path entered it longer ago than this [m] has crossed it. More than rounding."""
+"""A pedestrian off the roadway has crossed it if its path entered it more than this ago [m]: more than rounding."""
 
 
 def posterior(
@@ -62,7 +62,7 @@ def crossings_seen(
     intended = (people.crossing != NO_CROSSING) & ~entered
     seen = people.decisions - intended
     number = jnp.arange(scenario.jaywalk_draw.shape[0]).reshape(-1, *(1,) * seen.ndim)
-    jaywalk = scenario.jaywalk_draw < scenario.jaywalking_tendency * world.jaywalk_multiplier
+    jaywalk = scenario.jaywalks(world, scenario.jaywalk_draw)
     jaywalks = (jaywalk & (number < seen)).sum(axis=0)
     return jaywalks, seen - jaywalks
 

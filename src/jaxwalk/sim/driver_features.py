@@ -16,7 +16,7 @@ from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 
 MARGINS = (1.0, 2.0, 3.0)
-"""The metres of predicted clearance that the car sees in detail begin here [m]."""
+"""Lower ends of the intervals, each 1 m long, in which the car sees predicted clearances in detail [m]."""
 
 
 def _goal(moment: Moment) -> tuple[Array, Array]:
@@ -49,7 +49,7 @@ def _people_bounds(limits: Limits) -> Sequence[Bound]:
 
 
 def _to_go(moment: Moment) -> Sequence[Array]:
-    """Return the way to the goal along the route."""
+    """Return the distance to the goal along the route."""
     to_go = vehicle.route_length(moment.world, moment.scenario) - moment.state.vehicle.along
     return (jnp.minimum(to_go / ABSENT, 2),)
 
@@ -68,9 +68,10 @@ def _route(moment: Moment) -> Sequence[Array]:
 
 
 def _margin(moment: Moment) -> Sequence[Array]:
-    """Return predicted clearances as shares of the metres from 1 to 4, one by one.
+    """Return how far each predicted clearance reaches into each interval of `MARGINS`, in [0, 1].
 
-    There a touch is decided. A network does not learn that as soon from the whole range in one number.
+    Whether the car touches somebody depends on these metres. A network learns it sooner from a number for each of them
+    than from one number for the whole range.
     """
     clearance = moment.state.foresight.clearance
     return (jnp.concatenate([jnp.clip(clearance - metre, 0, 1) for metre in MARGINS]),)
@@ -144,4 +145,4 @@ EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendenc
 """The posterior mean of the jaywalking tendency of each of the nearest people."""
 
 FUTURE_CLEARANCES = Feature("clearances", future.MOMENTS * future.PLACES, share, _future_clearances)
-"""What nobody can know: how near people will be to the places ahead, at each moment."""
+"""How near people will be to the places ahead, at each moment. Nobody can know this."""

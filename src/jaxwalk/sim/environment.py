@@ -41,7 +41,8 @@ class Street(eqx.Module):
     ) -> Street:
         """Return a street on the given maps (bundled names or files) that pays the given reward terms (default: none).
 
-        Raise MapError for a wrong map, and ValueError for a reward term that doesn't exist or a negative multiplier.
+        Raise MapError for a wrong map, and ValueError for a reward term that doesn't exist, a negative multiplier, or
+        roads that are too narrow for ``offroad_margin``.
         """
         weights = {"driver": dict(driver_weights or {}), "pedestrian": dict(pedestrian_weights or {})}
         reward.check_weights(weights["driver"], weights["pedestrian"])
@@ -75,13 +76,6 @@ class Street(eqx.Module):
         """Return car and people at their starts, standing."""
         zero = jnp.zeros_like(scenario.map)
         return self._state(scenario, zero, vehicle.place(self.world, scenario), pedestrian.place(self.world, scenario))
-
-    @eqx.filter_jit
-    def refreshed(self, scenario: Scenario, state: State) -> State:
-        """Return a state in which somebody was moved by hand, with everything that follows from it computed again."""
-        course = vehicle.course(self.world, scenario, state.vehicle.along)
-        car = eqx.tree_at(lambda car: car.course, state.vehicle, course)
-        return self._state(scenario, state.step, car, state.pedestrian)
 
     @eqx.filter_jit
     def observe(self, scenario: Scenario, state: State, view: View) -> Any:

@@ -9,15 +9,15 @@ import equinox as eqx
 from jaxtyping import Array, Bool
 
 ENCOUNTER_DISTANCE = 20.0
-"""An encounter needs the car within this distance [m] ..."""
+"""An encounter begins only with the car within this distance [m]."""
 CLOSING_SPEED = 0.1
-"""... and closing faster than this [m/s]."""
+"""An encounter begins only while the car closes in faster than this [m/s]."""
 BRAKING = -1.0
-"""A commanded acceleration at or below this is braking [m/s2] ..."""
+"""A car brakes if its commanded acceleration is at or below this [m/s2]."""
 BRAKING_HOLD = 0.3
-"""... once it is held this long [s] ..."""
+"""Braking counts once it has been held this long [s]."""
 BRAKING_MIN_SPEED = 1.0
-"""... by a car faster than this [m/s]."""
+"""Braking counts only for a car faster than this [m/s]."""
 
 
 class Events(eqx.Module):

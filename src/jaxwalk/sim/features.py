@@ -1,4 +1,4 @@
-"""Features: what a flat observation is made of. Each is one entry: name, size, bounds and formula."""
+"""Features, the parts of a flat observation. Each is one entry: name, size, bounds and formula."""
 
 from __future__ import annotations
 
@@ -19,8 +19,7 @@ from jaxwalk.sim.world import World
 SPEED = 8.33
 """Speeds are scaled by this [m/s], distances by `jaxwalk.sim.prediction.ABSENT`."""
 ROWS_AT_ONCE = 8
-"""XLA's CPU backend writes up to this many arrays straight into their place. It first copies each of a larger number.
-"""
+"""XLA's CPU backend writes up to this many arrays straight into their place. With more, it copies each first."""
 
 Bound = tuple[float, float]
 """Lowest and highest value."""
@@ -28,7 +27,7 @@ Bound = tuple[float, float]
 
 @dataclass(frozen=True)
 class Limits:
-    """What bounds are derived from. Nobody leaves the map, so nothing is farther away than its diagonal."""
+    """The quantities from which bounds follow. Nobody leaves the map, so no distance is larger than its diagonal."""
 
     config: SimConfig
     diagonal: float
@@ -72,12 +71,12 @@ def signed(limits: Limits) -> Sequence[Bound]:
 
 
 def within_diagonals(scale: float) -> Callable[[Limits], Sequence[Bound]]:
-    """Return the bounds of a distance to either side, divided by ``scale`` [m]."""
+    """Return a function that gives the bounds of a signed distance on the map, divided by ``scale`` [m]."""
     return lambda limits: [both(limits.diagonal / scale)]
 
 
 def both(most: float) -> Bound:
-    """Return the bound that is as far to either side."""
+    """Return the bound from ``-most`` to ``most``."""
     return -most, most
 
 

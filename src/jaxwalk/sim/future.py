@@ -1,4 +1,4 @@
-"""The future, which no real car can know: how near people will be to each place of the route if everybody walks on."""
+"""The future, which no real car can know: how near people will be to each place of the route if all of them go."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jaxwalk.sim.world import World
 MOMENTS, STEPS = 48, 2
 """The future is shown at 48 moments, 2 steps apart: 9.6 s with steps of 0.1 s."""
 PLACES, SPACING = 161, 0.5
-"""... and at each moment at 161 places of the route, 0.5 m apart: the car's own, and 80 m ahead, enough for 9.6 s."""
+"""Each moment shows 161 places of the route, 0.5 m apart: the car's own, and 80 m ahead, which is enough for 9.6 s."""
 
 
 def clearances(world: World, scenario: Scenario, state: State) -> Float[Array, "moment place *batch"]:

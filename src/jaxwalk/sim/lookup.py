@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 IN_BOUNDS: Any = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
-"""For indices that are known to be valid. An index below 0 or beyond the last entry gives an undefined result."""
+"""Options for indices that are known to be valid. One below 0 or beyond the last entry gives an undefined result."""
 
 
 def look_up(table: Array, *index: Array) -> Array:

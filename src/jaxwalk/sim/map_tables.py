@@ -17,13 +17,13 @@ SIDE_BITS, NODE_BITS = 12, 12
 NO_SIDE = (1 << SIDE_BITS) - 1
 
 POINT_SPACING = 2.5
-"""The route ahead is shown at multiples of this distance [m] ..."""
+"""Distance that separates possible points of the route ahead [m]."""
 POINTS = (1, 2, 3, 4, 5, 6, 8, 10)
-"""... namely these."""
+"""The points of the route ahead that are shown, as multiples of `POINT_SPACING`."""
 
 
 class Tables(eqx.Module):
-    """What a step needs to know about the maps: one look-up for people at the end of a leg, one for the car."""
+    """What a step needs to know about the maps, with one look-up for people at the end of a leg and one for the car."""
 
     hop: Int[Array, "map node goal"]
     """Bits: next node; whether that node, and whether the node itself, is a crosswalk's midpoint; the side of the
@@ -40,8 +40,8 @@ class Tables(eqx.Module):
 
 
 SIDE_COLUMNS = (
-    "x", "y", "ux", "uy", "near", "far", "across_x", "across_y", "kerb", "far_near", "far_far", "far_landing",
-    "far_outer",
+    "x", "y", "ux", "uy", "near", "far", "across_x", "across_y", "landing_to_kerb", "far_near", "far_far",
+    "far_landing", "far_outer",
 )  # fmt: skip
 """A side's landing [m], unit vector and zone along the kerb [m], vector to the opposite landing [m], distance from the
 landing to the kerb [m], zone of the opposite side [m], and that side's landing and outer node."""
@@ -81,11 +81,11 @@ def pack_tables(maps: RoadMap) -> dict[str, Any]:
 def shortest_crossing(side: Mapping[str, np.ndarray]) -> float:
     """Return the shortest distance between the two landings of a crosswalk [m], from ``Tables.side``."""
     widths = np.hypot(side["across_x"], side["across_y"])
-    return float(widths[side["kerb"] > 0].min())
+    return float(widths[side["landing_to_kerb"] > 0].min())
 
 
 def _pack_routes(maps: RoadMap) -> tuple[np.ndarray, np.ndarray]:
-    """Return the tables ``course`` and ``finish``. Points ahead that lie beyond a route's last one are the last one."""
+    """Return the tables ``course`` and ``finish``. A point ahead beyond the route's last point is the last one."""
     x, y, cos, sin, length = (
         np.asarray(field) for field in (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin, maps.route_length)
     )
@@ -119,8 +119,8 @@ def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     other = np.arange(len(real)) ^ 1
     landing, outer = np.clip(m["side_landing"], 0, None), np.clip(m["side_outer"], 0, None)
     x, y = m["node_x"][landing], m["node_y"][landing]
-    kerb = np.where(real, _kerb_distance(m, landing, other), 0)
-    columns = (x, y, m["side_ux"], m["side_uy"], m["zone_near"], m["zone_far"], x[other] - x, y[other] - y, kerb,
+    to_kerb = np.where(real, _landing_to_kerb(m, landing, other), 0)
+    columns = (x, y, m["side_ux"], m["side_uy"], m["zone_near"], m["zone_far"], x[other] - x, y[other] - y, to_kerb,
                m["zone_near"][other], m["zone_far"][other], landing[other], outer[other])  # fmt: skip
     edge = np.hypot(m["node_x"][outer] - x, m["node_y"][outer] - y)
     distance = np.where(np.isfinite(m["distance"]), m["distance"], 0)  # infinite only where there is padding
@@ -128,7 +128,7 @@ def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return hop.astype(np.int32), np.stack(columns, 1).astype(np.float32), turn.astype(np.float32)
 
 
-def _kerb_distance(m: dict, landing: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _landing_to_kerb(m: dict, landing: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Return the distance from each landing straight to the roadway that its crosswalk crosses half-way [m]."""
     x, y = m["node_x"][landing][:, None], m["node_y"][landing][:, None]
     middle_x, middle_y = (x + x[other]) / 2, (y + y[other]) / 2

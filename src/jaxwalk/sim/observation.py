@@ -1,7 +1,7 @@
 """What agents see: named observation sets, each a tuple of features. Lengths are scaled to about 1.
 
 The car sees positions and velocities of people only; never a trait, a decision, a route, a goal or the go/wait output.
-The exceptions are the sets in `HIDDEN`, for drivers that show what it would be worth to know more.
+The exceptions are the sets in `HIDDEN`. A driver with one of them shows what it would be worth to know more.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from jaxwalk.sim.prediction import ABSENT
 from jaxwalk.sim.world import World
 
 PRIVILEGED = "privileged"
-"""The driver's set that shows where people are going to be."""
+"""The driver's set that shows where people will be."""
 TOLD = "route-told"
 """The driver's set that shows the jaywalking tendencies of the nearest people."""
 BELIEF = "route-belief"
-"""The driver's set that shows what can be inferred about them (`jaxwalk.sim.belief`): nothing hidden."""
+"""The driver's set that shows what can be inferred about these tendencies (`jaxwalk.sim.belief`): nothing hidden."""
 HIDDEN = frozenset({PRIVILEGED, TOLD})
 """Sets that no real car could have."""
 ROUNDING = 1e-3
@@ -44,7 +44,7 @@ OBSERVATIONS: dict[str, dict[str, tuple[Feature, ...]]] = {
 
 @dataclass(frozen=True)
 class Observation:
-    """A named observation set of a role, as a view. Raise ValueError for an unknown name."""
+    """A named observation set of a role, as a view. Raise ValueError for an unknown role or name."""
 
     role: str
     name: str
@@ -103,7 +103,9 @@ def global_state(moment: Moment) -> Float[Array, "feature *batch"]:
 
 
 def _check(role: str, name: str) -> None:
-    """Raise ValueError for a set that doesn't exist."""
+    """Raise ValueError for a role or a set that doesn't exist."""
+    if role not in OBSERVATIONS:
+        raise ValueError(f"no role '{role}'; there are: {', '.join(OBSERVATIONS)}")
     if name not in OBSERVATIONS[role]:
         known = ", ".join(OBSERVATIONS[role])
         raise ValueError(f"no observation set '{name}' for the {role}; there are: {known}")

@@ -1,4 +1,4 @@
-"""How pedestrians walk: along shortest ways, and jaywalking where they once decided to."""
+"""How pedestrians walk: along shortest paths, and straight across a roadway where they have decided to jaywalk."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from jaxwalk.sim.world import World
 
 
 def place(world: World, scenario: Scenario) -> PedestrianState:
-    """Return everybody at their start waypoint, as if at the end of a leg."""
+    """Return all pedestrians at their start waypoints, as if each had just finished a leg."""
     x, y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, scenario.start)
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
         end_x=x, end_y=y, cos=zero, sin=zero, length=zero, kind=none, node=scenario.start, landing_x=zero,
-        landing_y=zero, kerb=jnp.full_like(x, jnp.inf), crossing=none, decisions=none, goal=scenario.goals[0],
+        landing_y=zero, kerb_past_end=jnp.full_like(x, jnp.inf), crossing=none, decisions=none, goal=scenario.goals[0],
         arrivals=none,
     )  # fmt: skip
     people = PedestrianState(
@@ -34,7 +34,7 @@ def place(world: World, scenario: Scenario) -> PedestrianState:
 
 
 def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Array, "ped *batch"]) -> PedestrianState:
-    """Make one step: people who go move along their committed path at their own speed; people who wait stand.
+    """Make one step: people who go walk along their committed path at their own speed, and people who wait stand.
 
     The rest of a step after the end of a leg is carried into the next leg (but not over a second end). What follows a
     leg depends on nothing that happens during it, so it is computed for everybody at once whenever somebody needs it:
@@ -58,7 +58,7 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
 
 
 def _on_surface(world: World, scenario: Scenario, people: PedestrianState) -> PedestrianState:
-    """Fill in what everybody stands on, from the geometry of the map."""
+    """Return the people with what they stand on, from the geometry of the map."""
     surfaces = (
         inside(world.maps.roads, scenario.map, people.x, people.y),
         inside(world.maps.crosswalks, scenario.map, people.x, people.y),
@@ -73,21 +73,21 @@ def velocity(world: World, scenario: Scenario, people: PedestrianState) -> tuple
 
 
 def at_kerb(world: World, people: PedestrianState) -> Bool[Array, "ped *batch"]:
-    """Return who is on a sidewalk with a roadway within ``kerb_distance`` of the committed path."""
+    """Return which pedestrians are on a sidewalk, and enter a roadway within ``kerb_distance`` of their path."""
     return (people.to_kerb > 0) & (people.to_kerb <= world.rules.kerb_distance)
 
 
 def enters_roadway(people: PedestrianState) -> Bool[Array, "ped *batch"]:
-    """Return whose leg leads into a roadway: they turn no more before it."""
-    return people.leg.kerb < 0
+    """Return which pedestrians are on a leg that leads into a roadway, so that they don't turn before it."""
+    return people.leg.kerb_past_end < 0
 
 
 def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     """Return the leg that follows.
 
-    Someone who has come to where a jaywalk begins goes across; everybody else continues along the graph: to the next
-    node, or, from where a jaywalk landed, to the node of the first edge. Leaving for the last edge before a crosswalk
-    (or its landing, for who turns there) is where the crossing is decided: equation 1.
+    A pedestrian at the point where its jaywalk begins goes across. All others continue along the graph: to the next
+    node, or after a jaywalk to the node of the first edge. A crossing is decided (equation 1) when a pedestrian begins
+    the last edge before a crosswalk; or at the crosswalk's landing, if it turns there.
     """
     begins, landed = leg.kind == LegKind.TO_ZONE, leg.kind == LegKind.ACROSS
     arrived = (leg.kind <= LegKind.CROSSWALK) & (leg.node == leg.goal)
@@ -100,20 +100,20 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     to_crosswalk = hop.to_midpoint & ~landed
     on_crosswalk = to_crosswalk | (hop.from_midpoint & ~landed)
 
-    left = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
-    crossing = jnp.where(left, NO_CROSSING, leg.crossing)
+    done = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
+    crossing = jnp.where(done, NO_CROSSING, leg.crossing)
     side = jnp.where(landed & ~hop.to_midpoint, -1, hop.side)
     decided = (side >= 0) & (crossing == NO_CROSSING)
-    probability = scenario.jaywalking_tendency * world.jaywalk_multiplier
-    jaywalk = decided & (_take(scenario.jaywalk_draw, leg.decisions) < probability)
+    jaywalk = decided & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
     way = _jaywalk(world, scenario, leg, goal, jnp.maximum(side, 0))
 
     end_x = jnp.where(begins, leg.landing_x, jnp.where(jaywalk, way.x, node_x))
     end_y = jnp.where(begins, leg.landing_y, jnp.where(jaywalk, way.y, node_y))
     dx, dy = end_x - leg.end_x, end_y - leg.end_y
     length = jnp.sqrt(dx * dx + dy * dy)
-    by_crosswalk = way.kerb + jnp.where(to_crosswalk, 0, length)
-    to_kerb = jnp.where(decided, jnp.where(jaywalk, way.to_kerb, by_crosswalk), jnp.where(left, jnp.inf, leg.kerb))
+    by_crosswalk = way.landing_to_kerb + jnp.where(to_crosswalk, 0, length)
+    no_longer = jnp.where(done, jnp.inf, leg.kerb_past_end)
+    to_kerb = jnp.where(decided, jnp.where(jaywalk, way.to_kerb, by_crosswalk), no_longer)
     walks = jnp.where(jaywalk, LegKind.TO_ZONE, jnp.where(on_crosswalk, LegKind.CROSSWALK, LegKind.SIDEWALK))
     return Leg(
         end_x=end_x,
@@ -125,7 +125,7 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
         node=jnp.where(jaywalk, way.node, node),
         landing_x=jnp.where(jaywalk, way.landing_x, leg.landing_x),
         landing_y=jnp.where(jaywalk, way.landing_y, leg.landing_y),
-        kerb=to_kerb - length,
+        kerb_past_end=to_kerb - length,
         crossing=jnp.where(decided, jnp.where(jaywalk, JAYWALK, CROSSWALK), crossing),
         decisions=leg.decisions + decided,
         goal=goal,
@@ -140,20 +140,20 @@ class Jaywalk(NamedTuple):
     """Where it leaves the kerb line [m]."""
     y: Array
     landing_x: Array
-    """Where it reaches the opposite one [m]."""
+    """Where it reaches the opposite kerb line [m]."""
     landing_y: Array
     to_kerb: Array
     """Path from here to the roadway [m]."""
     node: Array
     """First node after it."""
-    kerb: Array
+    landing_to_kerb: Array
     """From the crosswalk's landing to the roadway [m]."""
 
 
 def _jaywalk(
     world: World, scenario: Scenario, leg: Leg, goal: Int[Array, "ped *batch"], side: Int[Array, "ped *batch"]
 ) -> Jaywalk:
-    """Return the jaywalk that somebody at the end of a leg would make at a side.
+    """Return the jaywalk that each pedestrian would make at a side, from the end of its leg.
 
     It begins uniformly in the part of the zone not yet passed (else in the whole zone), and is slanted toward the goal
     by at most 45 degrees within the opposite zone, so it is clear of crosswalks and junctions.
@@ -177,9 +177,9 @@ def _jaywalk(
         y=of["y"] + begin * of["uy"],
         landing_x=opposite_x + end * of["ux"],
         landing_y=opposite_y + end * of["uy"],
-        to_kerb=jnp.abs(begin - here) + of["kerb"] * slant,
+        to_kerb=jnp.abs(begin - here) + of["landing_to_kerb"] * slant,
         node=jnp.where(near_landing, of["far_landing"], of["far_outer"]).astype(jnp.int32),
-        kerb=of["kerb"],
+        landing_to_kerb=of["landing_to_kerb"],
     )
 
 

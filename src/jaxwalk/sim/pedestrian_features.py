@@ -16,11 +16,11 @@ from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.prediction import ABSENT
 
 KERB_CAR_DISTANCE = 40.0
-"""A pedestrian at the kerb decides whether to wait only with the car within this distance [m] ..."""
+"""A pedestrian at the kerb decides whether to wait only while the car is within this distance [m]."""
 PASSED = 2.5
-"""... and not yet this far past [m]: a car does not come back."""
+"""It decides no longer once the car is this far past it [m]: a car does not come back."""
 LONG = 8.0
-"""Times are capped here [s]."""
+"""Longest time in an observation [s]; longer ones are shown as this."""
 
 
 def _next_waypoint(moment: Moment) -> Sequence[Array]:
@@ -68,14 +68,14 @@ def _nearest_other(moment: Moment) -> Sequence[Array]:
 
 
 def _decides(moment: Moment) -> Sequence[Array]:
-    """Return who has something to decide: on the last metre before the roadway, with the car near and not yet past."""
+    """Return who has something to decide: at the kerb, on the leg into the roadway, the car near and not yet past."""
     seen, people = moment.state.foresight.people, moment.state.pedestrian
     close = (seen.ahead * seen.ahead + seen.left * seen.left < KERB_CAR_DISTANCE**2) & (seen.ahead > -PASSED)
     return (pedestrian.at_kerb(moment.world, people) & pedestrian.enters_roadway(people) & close,)
 
 
 def _place(moment: Moment) -> Sequence[Array]:
-    """Return where oneself is, seen from the car."""
+    """Return each pedestrian's position in the car's frame."""
     seen = moment.state.foresight.people
     return seen.ahead / KERB_CAR_DISTANCE, seen.left / KERB_CAR_DISTANCE
 
@@ -98,7 +98,7 @@ def _direction(moment: Moment) -> tuple[Array, Array]:
 
 
 def _times(moment: Moment) -> Sequence[Array]:
-    """Return when the car and oneself would be where their ways cross, and the difference."""
+    """Return when car and pedestrian would reach the point where their paths cross, and the difference."""
     seen, (_, across) = moment.state.foresight.people, _direction(moment)
     crossing_speed = moment.scenario.walking_speed(moment.world) * across
     toward = seen.left * crossing_speed < 0
@@ -116,7 +116,7 @@ def _times_bounds(limits: Limits) -> Sequence[Bound]:
 
 
 def _miss(moment: Moment) -> Sequence[Array]:
-    """Return how close both would come if oneself goes now, and when."""
+    """Return how close car and pedestrian would come if the pedestrian goes now, and when."""
     miss, closest = prediction.predicted_miss(moment.world, moment.scenario, moment.state)
     return jnp.minimum(miss, 10) / 10, jnp.minimum(closest, LONG) / LONG
 
@@ -150,7 +150,7 @@ PAPER = (
     Feature("nearest_other", 2, lambda limits: [both(max(limits.diagonal, ABSENT) / ABSENT)], _nearest_other),
 )
 """The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's relative
-position 2 and velocity 2, nearest other pedestrian 2. Relative means in the map's axes, from oneself."""
+position 2 and velocity 2, nearest other pedestrian 2. Relative positions are in the map's axes."""
 
 KERB = (
     Feature("decides", 1, share, _decides),
@@ -164,6 +164,7 @@ KERB = (
     Feature("jaywalk", 1, share, lambda m: (m.state.pedestrian.crossing == JAYWALK,)),
     Feature("to_kerb", 1, lambda limits: [(-1.0, limits.config.kerb_distance)], _to_kerb),
 )
-"""What matters for stepping into the road: whether there is anything to decide 1, the car as it comes 7, the times at
-which both would be where their ways cross 3, how close they would come if oneself goes now 2, oneself 6. Vectors are in
-the car's frame."""
+"""What matters for stepping into the road: whether there is anything to decide 1, the pedestrian's position, the car's
+motion and the direction of the leg 7, the times at which both would reach the point where their paths cross 3, how
+close they would come if the pedestrian goes now 2, pace, traits, jaywalk and way to the kerb 6. Vectors are in the
+car's frame."""

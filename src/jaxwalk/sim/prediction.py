@@ -30,11 +30,11 @@ ABSENT = 60.0
 MOMENTS, MOMENT = 8, 0.375
 """The prediction covers 8 moments, 0.375 s apart: 3 s ahead."""
 CONFLICT = 2.5
-"""Predicted centres closer than this are a conflict [m]."""
+"""A conflict is a predicted distance of the centres below this [m]."""
 FAR = 10.0
 """Clearances are capped here [m]."""
 CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
-"""People on the roadway this far ahead of the car and this far aside [m] call for caution."""
+"""The car should be cautious with people on the roadway up to this far ahead of it, and to either side [m]."""
 
 
 def relative_people(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Motion:
@@ -47,9 +47,9 @@ def relative_people(world: World, scenario: Scenario, car: VehicleState, people:
 def foresee(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Foresight:
     """Return people as the car sees them, the route ahead, and what is predicted from now on.
 
-    Predicted are the smallest distance to anybody for each manoeuvre and the time until a conflict. The car follows its
-    route (straight from each shown point to the next), people keep their velocity. Clearances are capped at 10 m, the
-    time at 3 s. One pedestrian after the other is compared with all moments, so that no large array is stored.
+    The predictions are the smallest distance to anybody for each manoeuvre, at most 10 m, and the time until a
+    conflict, at most 3 s. The car follows its route, straight from each shown point to the next, and people keep their
+    velocity. One pedestrian after the other is compared with all moments, so that no large array is stored.
     """
     route_x, route_y = to_frame(car.course.ahead_x - car.x, car.course.ahead_y - car.y, car.cos, car.sin)
     car_x, car_y = _predicted_car(world, car, route_x, route_y)
@@ -101,7 +101,7 @@ def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Arra
 
 
 def nearest_people(motion: Motion) -> Motion:
-    """Return the nearest `NEIGHBOURS` people, nearest first; where there are fewer, somebody stands far ahead."""
+    """Return the nearest `NEIGHBOURS` people, nearest first; one that isn't there stands far ahead."""
     shape = (NEIGHBOURS, *motion.ahead.shape[1:])
     return of_nearest(motion, motion, Motion(*(jnp.full(shape, default) for default in (ABSENT, 0.0, 0.0, 0.0))))
 
@@ -155,8 +155,8 @@ def _predicted_car(world: World, car: VehicleState, route_x: Array, route_y: Arr
 def _along(route: Float[Array, "point *batch"], travelled: Array, beyond: list[Array]) -> Array:
     """Return a coordinate of the place ``travelled`` metres along the straight pieces between the route's points.
 
-    It is a sum: the first piece continued, and from each point on the change of slope there. Beyond the last point the
-    last piece continues. ``beyond`` holds how far the place is beyond each point but the last [m].
+    It is a sum: the first piece, continued, and the change of slope at each point, from there on. Beyond the last point
+    the last piece continues. ``beyond`` holds how far the place is beyond each point but the last [m].
     """
     points = jnp.unstack(route)
     lengths = [POINT_SPACING * (to - at) for at, to in pairwise((0, *POINTS))]

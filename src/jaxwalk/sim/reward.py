@@ -1,30 +1,30 @@
-"""What agents are paid for: tables of named terms. A recipe gives weights to some of them."""
+"""Rewards: a table of named terms for each role. A recipe gives weights to some of them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.sim import pedestrian, prediction, vehicle
-from jaxwalk.sim.events import distance
+from jaxwalk.sim.events import Events, distance
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
 from jaxwalk.sim.world import World
 
 NEAR_WAIT = 8.0
-"""Waiting is rewarded with the car within this distance [m] ..."""
+"""Waiting is rewarded only while the car is within this distance [m], with the pedestrian ahead of it."""
 FAST_CAR = 2.0
-"""... faster than this [m/s], and coming closer."""
+"""Waiting is rewarded only while the car is faster than this [m/s]."""
 CAUTIOUS_SPEED = 3.0
-"""With people on the roadway close ahead (`jaxwalk.sim.prediction`), the car should not be faster than this [m/s]."""
+"""Speed above which the car pays while people are on the roadway close ahead (`jaxwalk.sim.prediction`) [m/s]."""
 COMFORTABLE = 3.0
-"""Predicted clearances below this cost something [m]."""
+"""The car pays for predicted clearances below this [m]."""
 
 LARGEST_WEIGHT = 1e6
-"""No weight of a reward term is larger."""
+"""Largest weight of a reward term."""
 
 
 class Transition(NamedTuple):
@@ -34,8 +34,7 @@ class Transition(NamedTuple):
     scenario: Scenario
     before: State
     after: State
-    events: Any
-    """`Events` of the step."""
+    events: Events
 
 
 def reward(
@@ -76,7 +75,7 @@ def _closeness(t: Transition) -> Array:
 
 
 def _waiting(t: Transition) -> Array:
-    """Return who waits at the kerb for a car within 8 m that is faster than 2 m/s and has them ahead."""
+    """Return which pedestrians wait at the kerb while the car, within 8 m and faster than 2 m/s, has them ahead."""
     car, seen = t.before.vehicle, t.before.foresight.people
     near = (seen.ahead**2 + seen.left**2 < NEAR_WAIT**2) & (seen.ahead > 0) & (car.speed > FAST_CAR)
     return near & pedestrian.at_kerb(t.world, t.before.pedestrian) & ~t.after.pedestrian.going
@@ -99,7 +98,7 @@ DRIVER_TERMS: dict[str, Callable[[Transition], Array]] = {
     "closeness": _closeness,
     "time": lambda t: jnp.ones(t.events.goal.shape),
 }
-"""What a driver can be paid for in each step; ``progress`` is metres along the route."""
+"""The terms of the driver's reward, for each step; ``progress`` is metres along the route."""
 
 PEDESTRIAN_TERMS: dict[str, Callable[[Transition], Array]] = {
     "collision": lambda t: t.events.touched,
@@ -108,7 +107,7 @@ PEDESTRIAN_TERMS: dict[str, Callable[[Transition], Array]] = {
     "waiting": _waiting,
     "waited": lambda t: ~t.after.pedestrian.going,
 }
-"""What a pedestrian can be paid for in each step; ``waited`` is a step not walked."""
+"""The terms of a pedestrian's reward, for each step; ``waited`` is 1 for a step not walked."""
 
 
 def check_weights(driver: Mapping[str, float], people: Mapping[str, float]) -> None:

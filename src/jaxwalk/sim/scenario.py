@@ -1,21 +1,22 @@
-"""A scenario holds all chance of an episode. It is a function of uniform numbers: a point of the unit cube."""
+"""A scenario holds all random choices of an episode. It is a function of uniform numbers: a point of the unit cube."""
 
 from __future__ import annotations
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int, Key
+from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.sim.lookup import look_up
 from jaxwalk.sim.world import World
 
 TRAITS = 4
-"""Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed and two without effect."""
+"""Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed, and two that the simulator
+ignores but that policies of pedestrians see."""
 
 
 class Scenario(eqx.Module):
-    """Everything that chance decides about one episode (batches: arrays ``(..., *batch)``)."""
+    """All random choices of one episode; of a batch of them, arrays ``(..., *batch)``."""
 
     map: Int[Array, "*batch"]
     """Index of the map."""
@@ -28,7 +29,7 @@ class Scenario(eqx.Module):
     goals: Int[Array, "goal ped *batch"]
     """The waypoints to walk to, one after the other."""
     jaywalk_draw: Float[Array, "crossing ped *batch"]
-    """For each crossing to come: below tendency x multiplier, it is a jaywalk."""
+    """For each crossing to come: whether it is a jaywalk (`Scenario.jaywalks`)."""
     zone_draw: Float[Array, "crossing ped *batch"]
     """For each crossing to come: where in the jaywalk zone it would begin."""
 
@@ -41,6 +42,10 @@ class Scenario(eqx.Module):
         """Return each pedestrian's own speed [m/s]."""
         slowest, fastest = world.rules.slowest_walk, world.rules.fastest_walk
         return slowest + (fastest - slowest) * self.traits[1]
+
+    def jaywalks(self, world: World, draw: Float[Array, "..."]) -> Bool[Array, "..."]:
+        """Return which crossings are jaywalks (equation 1), by their ``jaywalk_draw``: ``(ped, *batch)`` or more."""
+        return draw < self.jaywalking_tendency * world.jaywalk_multiplier
 
 
 def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
@@ -56,7 +61,7 @@ def dimensions(world: World) -> int:
 def uniforms(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
     """Draw numbers in (0, 1).
 
-    They are odd multiples of 2**-17, two from each random word: random words are what costs time.
+    They are odd multiples of 2**-17, two from each random word, because it is random words that take time.
     """
     words = jax.random.bits(key, (-(-count // 2),), jnp.uint32)
     halves = jnp.concatenate([words >> 16, words & 0xFFFF])[:count]

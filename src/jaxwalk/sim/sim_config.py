@@ -14,12 +14,12 @@ LARGEST = {
     "max_acceleration": 100.0, "offroad_margin": 100.0, "collision_distance": 100.0, "goal_distance": 100.0,
     "moving_speed": 100.0, "start_clearance": 1000.0, "goal_spacing": 1000.0, "kerb_distance": 100.0,
 }  # fmt: skip
-"""Largest values of the fields: larger ones are meaningless, and their tables would fill the memory."""
+"""Largest values of the fields. Larger ones make no sense on a street, and their tables could fill the memory."""
 
 
 @dataclass(frozen=True)
 class SimConfig:
-    """The rules of a world as plain numbers. Raise ValueError that names an impossible field."""
+    """The rules of a world as plain numbers. An impossible one raises ValueError, which names the field."""
 
     dt: float = 0.1
     """Duration of a step [s]."""
@@ -38,7 +38,7 @@ class SimConfig:
     max_steering: float = 0.52
     """Largest steering angle [rad]."""
     max_acceleration: float = 3.0
-    """Largest acceleration and braking of the car [m/s2]; the paper is silent."""
+    """Largest acceleration and braking of the car [m/s2]; the paper doesn't say."""
     offroad_margin: float = 0.5
     """A car off the road is put back this far inside it [m]."""
     offroad_speed: float = 0.3

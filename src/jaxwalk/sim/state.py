@@ -10,10 +10,10 @@ class Course(eqx.Module):
     """The car's route at the point nearest to the car, in the map's axes."""
 
     x: Float[Array, "*batch"]
-    """That point [m] ..."""
+    """Position of that point [m]."""
     y: Float[Array, "*batch"]
     cos: Float[Array, "*batch"]
-    """... and the direction of travel there."""
+    """Direction of travel there, a unit vector."""
     sin: Float[Array, "*batch"]
     ahead_x: Float[Array, "point *batch"]
     """Points of the route ahead [m] (`jaxwalk.sim.map_tables.POINTS`)."""
@@ -60,7 +60,7 @@ class Leg(eqx.Module):
     landing_x: Float[Array, "ped *batch"]
     """Where a committed jaywalk will reach the opposite sidewalk [m]."""
     landing_y: Float[Array, "ped *batch"]
-    kerb: Float[Array, "ped *batch"]
+    kerb_past_end: Float[Array, "ped *batch"]
     """Metres from its end to where the committed path enters a roadway: negative if before the end, inf if nowhere."""
     crossing: Int[Array, "ped *batch"]
     """The `jaxwalk.sim.crossing_kind.CrossingKind` decided for the next or current crossing."""
@@ -73,12 +73,12 @@ class Leg(eqx.Module):
 
 
 class PedestrianState(eqx.Module):
-    """The pedestrians: a position is a leg and what remains of it."""
+    """The pedestrians. A position is given by a leg and the metres left of it."""
 
     leg: Leg
-    """What is being walked."""
+    """The current leg."""
     following: Leg
-    """What comes after it, where ``planned``."""
+    """The next leg, where ``planned``."""
     planned: Bool[Array, "ped *batch"]
     """Whether ``following`` is known already. This saves time only; it never changes where anybody walks."""
     remaining: Float[Array, "ped *batch"]
@@ -103,7 +103,7 @@ class PedestrianState(eqx.Module):
     @property
     def to_kerb(self) -> Float[Array, "ped *batch"]:
         """Metres of committed path until it enters a roadway; inf where it doesn't, negative once it has."""
-        return self.leg.kerb + self.remaining
+        return self.leg.kerb_past_end + self.remaining
 
     @property
     def crossing(self) -> Int[Array, "ped *batch"]:
@@ -130,13 +130,13 @@ class Motion(eqx.Module):
     """People in the car's frame."""
 
     ahead: Float[Array, "_ *batch"]
-    """Where they are: ahead [m] ..."""
+    """Distance ahead of the car [m]; negative behind it."""
     left: Float[Array, "_ *batch"]
-    """... and to the left [m]."""
+    """Distance to the left of the car [m]; negative to the right."""
     ahead_speed: Float[Array, "_ *batch"]
-    """Their velocity over ground, along the car [m/s] ..."""
+    """Velocity over ground in the direction of the car's heading [m/s]."""
     left_speed: Float[Array, "_ *batch"]
-    """... and across it [m/s]."""
+    """Velocity over ground to the left of the car's heading [m/s]."""
 
 
 class Foresight(eqx.Module):
@@ -148,9 +148,9 @@ class Foresight(eqx.Module):
     """The `NEIGHBOURS` nearest people, nearest first; arrays ``(neighbour, *batch)``."""
 
     route_x: Float[Array, "point *batch"]
-    """Points of the route ahead, in the car's frame: ahead [m] ..."""
+    """Distances ahead of the car of the points of the route ahead [m]."""
     route_y: Float[Array, "point *batch"]
-    """... and to the left [m]."""
+    """Distances to the left of the car of the same points [m]."""
     clearance: Float[Array, "manoeuvre *batch"]
     """Smallest predicted distance to anybody if the car brakes, holds its speed or accelerates [m]."""
     conflict: Float[Array, "*batch"]

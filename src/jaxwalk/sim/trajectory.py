@@ -52,7 +52,7 @@ class Trajectory(Walks):
     """The pedestrians that the car hit, in the last frame."""
 
     goal_x: Float[np.ndarray, "episode"]
-    """Where the car is to go [m]."""
+    """Position of the car's goal [m]."""
     goal_y: Float[np.ndarray, "episode"]
     car_x: Float[np.ndarray, "frame episode"]
     """Centre of the car [m]."""
@@ -72,7 +72,7 @@ class Trajectory(Walks):
     at_kerb: Bool[np.ndarray, "frame episode ped"]
     """Whether the pedestrian is on a sidewalk, about to enter a roadway (within ``kerb_distance`` of walking)."""
     enters_roadway: Bool[np.ndarray, "frame episode ped"]
-    """The leg being walked leads into a roadway: whoever goes on turns no more before it."""
+    """Whether the current leg leads into a roadway, so that the pedestrian doesn't turn before it."""
     going: Bool[np.ndarray, "frame episode ped"]
     """The go (true) or wait output in the step that led to the frame; true in frame 0."""
     predicted_miss: Float[np.ndarray, "frame episode ped"]

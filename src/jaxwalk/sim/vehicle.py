@@ -91,9 +91,10 @@ def route_frame(vehicle: VehicleState) -> tuple[Array, Array, Array]:
 
 
 def _progress(world: World, vehicle: VehicleState, x: Array, y: Array) -> Array:
-    """Return how far along its route the car is, at most 1 m from where it was: a step moves it by less [m]."""
+    """Return how far along its route the car is [m], at most 1 m from where it was, or one step at top speed."""
     along, at = vehicle.along, vehicle.course
     at_point = jnp.round(along / ROUTE_SPACING) * ROUTE_SPACING
     ahead, _ = to_frame(x - at.x, y - at.y, at.cos, at.sin)
     longest = (world.tables.course.shape[-2] - 1) * ROUTE_SPACING
-    return jnp.clip(jnp.clip(at_point + ahead, along - 1.0, along + 1.0), 0, longest)
+    reach = jnp.maximum(1.0, world.rules.max_speed * world.rules.dt)
+    return jnp.clip(jnp.clip(at_point + ahead, along - reach, along + reach), 0, longest)

@@ -1,4 +1,4 @@
-"""Where everybody is going to walk. A path depends on the scenario alone: waiting only delays it."""
+"""The path that each pedestrian will walk. It depends on the scenario alone: waiting only delays it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jaxwalk.sim.state import Leg
 from jaxwalk.sim.world import World
 
 LEGS = 16
-"""Legs computed at once; then follows a check whether the paths are long enough."""
+"""Number of legs computed between two checks whether the paths are long enough."""
 
 
 class Paths(eqx.Module):

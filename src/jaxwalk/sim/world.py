@@ -1,4 +1,4 @@
-"""What stays the same from episode to episode: the maps, the rules, and how often people jaywalk."""
+"""What is the same in every episode: the maps, the rules, and how often people jaywalk."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ STATIC = ("dt", "horizon", "pedestrians")
 
 
 class Rules(eqx.Module):
-    """The numbers of a `SimConfig`, which documents them and their units. Another value of an array compiles nothing.
+    """The numbers of a `SimConfig`, which documents them and their units.
 
-    A change of ``fastest_walk`` or ``goal_spacing`` that changes the length of a scenario's tables is the exception.
+    Another value of an array needs no new compilation, unless ``fastest_walk`` or ``goal_spacing`` changes the length
+    of a scenario's tables.
     """
 
     dt: float = eqx.field(static=True)
@@ -52,7 +53,7 @@ class Rules(eqx.Module):
 
 
 class World(eqx.Module):
-    """All that an episode happens in. Functions of the simulator take it whole."""
+    """Everything that is the same in all episodes. Functions of the simulator take it whole."""
 
     maps: RoadMap
     """Stacked maps; a scenario names one."""
@@ -70,11 +71,13 @@ class World(eqx.Module):
     def create(cls, maps: Sequence[str | Path], config: SimConfig, *, jaywalk_multiplier: float) -> World:
         """Return the world of some maps (bundled names or files).
 
-        Raise MapError for a wrong map, and ValueError for a negative or infinite multiplier.
+        Raise MapError for a wrong map, and ValueError for a negative or infinite multiplier, or roads that are too
+        narrow for ``offroad_margin``.
         """
         check_multiplier(jaywalk_multiplier)
         spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
         stacked = stack_maps([load_map(name, **spacing) for name in maps])
+        _check_margin(stacked, config.offroad_margin)
         packed = pack_tables(stacked)
         goals, crossings = table_sizes(config, shortest_crossing=shortest_crossing(packed["side"]))
         numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
@@ -99,6 +102,15 @@ def check_multiplier(multiplier: float) -> None:
     """Raise ValueError for a jaywalk multiplier that is negative or infinite."""
     if not 0 <= multiplier < float("inf"):
         raise ValueError(f"jaywalk_multiplier must be 0 or more, not {multiplier}")
+
+
+def _check_margin(maps: RoadMap, margin: float) -> None:
+    """Raise ValueError if no place of some road is ``margin`` [m] inside it."""
+    boxes = np.asarray(maps.roads).reshape(-1, 4)
+    sizes = (boxes[:, 2:] - boxes[:, :2])[np.isfinite(boxes).all(axis=1)]
+    most = float(sizes.min()) / 2
+    if margin > most:
+        raise ValueError(f"offroad_margin must be at most half the narrowest road's width, {most:g} m, not {margin:g}")
 
 
 def as_written(number: Array) -> float:

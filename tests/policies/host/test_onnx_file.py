@@ -76,7 +76,7 @@ def test_decisions_are_held_in_onnx_as_they_were():
         expected, memory = act(jax.random.split(jax.random.key(5), 40), memory, seen)
         action, _, choice, left = _run(actor, {"observation": np.asarray(seen).T, **held})
         np.testing.assert_array_equal(action, expected)
-        np.testing.assert_array_equal(left, memory.left)
+        np.testing.assert_array_equal(left, memory.steps_left)
         np.testing.assert_array_equal(choice, memory.choice)
         held = {"choice": choice, "left": left}
         acted.append(action)

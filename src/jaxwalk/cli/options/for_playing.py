@@ -23,7 +23,7 @@ class Evaluate:
     come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders or policy files; or
     your own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs/drivers.md)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
-    """always-go, learned and paper-learned (who come with jaxwalk), run folders or policy files."""
+    """always-go, learned and paper-learned (which come with jaxwalk), run folders or policy files."""
     compare: Annotated[tuple[str, ...], option("none", "A B")] = ()
     """Two drivers: say in words if B collides less often than A, and reaches the goal more often (paired tests)."""
     episodes: Annotated[int, option("2000", "N")] = 2000
@@ -98,7 +98,7 @@ class Report:
     """Drivers as in `jaxwalk evaluate`: names or run folders, the one that matters most first (default: three that come
     with jaxwalk). Or one folder of `jaxwalk reproduce`: its report is made again."""
     pedestrians: Annotated[tuple[str, ...], option("always-go learned", "P [P ...]")] = ("always-go", "learned")
-    """Among whom, up to three: always-go, learned, run folders or policy files."""
+    """Up to three populations: always-go, learned, run folders or policy files."""
     episodes: Annotated[int, option("500", "N")] = 500
     """Scenarios for each driver and population."""
     incidents: Annotated[int, option("40", "N")] = 40
@@ -129,8 +129,8 @@ class Share:
     out: Annotated[Path | None, option("needed", "FILE")] = None
     """FILE.safetensors; the card is FILE.md. Existing ones are replaced."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
-    """Among whom the driver is evaluated: always-go, learned, run folders or policy files."""
+    """Populations to evaluate the driver among: always-go, learned, run folders or policy files."""
     episodes: Annotated[int, option("2000", "N")] = 2000
-    """Scenarios among each."""
+    """Scenarios for each population."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios; none is ever met in training."""
