@@ -48,6 +48,7 @@ FILES = {
         (p / f"nonsense.{x}").write_bytes(b"nonsense") for x in ("safetensors", "onnx", "zip", "pt")
     ],
     "idle": lambda p: (p / "idle.py").write_text("class Idle: pass\n"),
+    "leaves": lambda p: (p / "leaves.py").write_text("import sys\nsys.exit()\n"),
     "foreign": lambda p: _foreign_run(p / "foreign"),
     "damaged": lambda p: _damaged_run(p / "damaged"),
     "untrained": lambda p: Run.create(p / "untrained", RECIPES["fast"]),
@@ -104,6 +105,7 @@ BAD = {
     "damaged driver": ("evaluate --driver damaged", "config.json: train: Value error, clip must be above 0"),
     "unknown module": ("evaluate --driver nowhere:Mine", "nowhere:Mine: importing nowhere raised ModuleNotFoundError"),
     "driver of nothing": ("evaluate --driver idle.py:Idle", "idle.py:Idle: has no method act(observation)"),
+    "driver that exits": ("evaluate --driver leaves.py:Mine", "leaves.py:Mine: exits while it is loaded (code None)"),
     "no limit": ("evaluate --driver idle.py:Idle --driver-seconds 0", "its limit for a step must be above 0 s, not 0"),
     "no ONNX file": ("play --driver nowhere.onnx", "nowhere.onnx: no such file"),
     "nonsense as ONNX": ("evaluate --driver nonsense.onnx", "nonsense.onnx: damaged or no ONNX file"),

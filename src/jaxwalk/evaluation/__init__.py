@@ -1,12 +1,8 @@
 """Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them."""
 
 from jaxwalk.evaluation.batches import BATCH, evaluate, replay
-<<<<<<< HEAD
 from jaxwalk.evaluation.broken import ActionError, named
-from jaxwalk.evaluation.comparison import Comparison, Paired, compared, paired
-=======
 from jaxwalk.evaluation.comparison import EndingCounts, PairedEndings, compare_endings, paired
->>>>>>> main
 from jaxwalk.evaluation.counterfactual import (
     Counterfactuals,
     CounterfactualSummary,
@@ -51,11 +47,7 @@ __all__ = [
     "find_hits",
     "find_incidents",
     "jaywalk_multiplier",
-<<<<<<< HEAD
-    "mode",
     "named",
-=======
->>>>>>> main
     "over_training_seeds",
     "paired",
     "paired_over_seeds",

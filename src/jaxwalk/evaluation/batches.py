@@ -31,19 +31,9 @@ Progress = Callable[[int, int], None]
 
 
 def evaluate(
-<<<<<<< HEAD
-    street: Street,
-    policies: Roles[Policy],
-    source: Source,
-    *,
-    batch: int | None = None,
-    progress: Progress | None = None,
-) -> Rows:
-=======
     street: Street, policies: Roles[Policy], source: Source, *,
     batch: int | None = None, progress: Progress | None = None,
 ) -> Rows:  # fmt: skip
->>>>>>> main
     """Play all scenarios of a source and measure them.
 
     Args:
@@ -62,19 +52,9 @@ def evaluate(
 
 
 def evaluate_batches(
-<<<<<<< HEAD
-    street: Street,
-    policies: Roles[Policy],
-    source: Source,
-    *,
-    batch: int | None = None,
-    progress: Progress | None = None,
-) -> Iterator[Rows]:
-=======
     street: Street, policies: Roles[Policy], source: Source, *,
     batch: int | None = None, progress: Progress | None = None,
 ) -> Iterator[Rows]:  # fmt: skip
->>>>>>> main
     """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played."""
     batch = _size(batch)
     episodes, config = len(source), street.config

@@ -15,13 +15,8 @@ from jaxwalk.evaluation.batches import evaluate_batches
 from jaxwalk.evaluation.broken import ActionError, named
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
-<<<<<<< HEAD
-from jaxwalk.evaluation.settings import jaywalk_multiplier, mode
-from jaxwalk.interfaces import Policy, Roles
-=======
 from jaxwalk.evaluation.settings import acts_by, jaywalk_multiplier
-from jaxwalk.interfaces import Policy
->>>>>>> main
+from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
@@ -175,11 +170,7 @@ class Results:
 
 
 class Stopped(ValueError):
-<<<<<<< HEAD
-    """Raised if a policy fails in the middle of a comparison. The message is that of the policy's error."""
-=======
-    """Raised if a driver fails in the middle of a grid. The message is that of the driver's error."""
->>>>>>> main
+    """Raised if a policy fails in the middle of a grid. The message is that of the policy's error."""
 
     def __init__(self, message: str, rows: dict[tuple[str, str], Rows]) -> None:
         """Keep ``rows``, the rows evaluated until then, in whole batches."""

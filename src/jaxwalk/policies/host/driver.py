@@ -104,7 +104,7 @@ class HostDriver:
         wanted = f"an array of shape ({episodes}, 2): acceleration and steering in [-1, 1] for each episode"
         try:
             actions = np.asarray(answer)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self.fail(f"act returned {type(answer).__name__}, which is no array; return {wanted}") from error
         if actions.dtype.kind not in NUMBERS:
             raise self.fail(f"act returned {type(answer).__name__} of type {actions.dtype}; return {wanted}")
