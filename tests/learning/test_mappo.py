@@ -210,7 +210,9 @@ def test_every_shard_has_its_stand_ins():
         assert (share[..., half // 2 :] > 0).all()
     for choice, sound in ((1, 1), (-1, 0), (2, 0)):
         others = {"pedestrian": AlwaysGo(jnp.int32(choice))}
-        _, metrics = update(games.game("bandit"), config, eqx.tree_at(lambda x: x.others, learner, others | {"driver": None}))
+        _, metrics = update(
+            games.game("bandit"), config, eqx.tree_at(lambda x: x.others, learner, others | {"driver": None})
+        )
         assert (metrics["fixed/pedestrian"], metrics["finite"]) == (sound, sound)
         assert "fixed/driver" not in metrics
 

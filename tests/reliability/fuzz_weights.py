@@ -4,7 +4,7 @@
     .venv/bin/python tests/reliability/fuzz_weights.py --case 17       one of them again, and what it says
 
 The shipped policies' weights are scaled by 1e-30 to 1e30, some of them are set to the edges of float32, to NaN and to
-infinity, and bits are flipped. A proper answer has rates that add up and no number that isn't finite, without a warning.
+infinity, and bits are flipped. A proper answer has rates that add up and only finite numbers, and comes without a warning.
 Numbers that aren't finite in the file must be refused while it is loaded; those that overflow while it plays, by then.
 """
 
@@ -70,7 +70,13 @@ def _filled(random, x):
     return np.full_like(x, random.choice(EDGES))
 
 
-CHANGES = {"scaled": _scaled, "edges": _some(EDGES), "unreadable": _some(UNREADABLE), "flipped": _flipped, "filled": _filled}
+CHANGES = {
+    "scaled": _scaled,
+    "edges": _some(EDGES),
+    "unreadable": _some(UNREADABLE),
+    "flipped": _flipped,
+    "filled": _filled,
+}
 OFTEN = (0.45, 0.25, 0.05, 0.15, 0.1)
 """How often each change is made."""
 
