@@ -4,7 +4,7 @@
     .venv/bin/python tests/reliability/fuzz_weights.py --case 17       one of them again, and what it says
 
 The shipped policies' weights are scaled by 1e-30 to 1e30, some of them are set to the edges of float32, to NaN and to
-infinity, and bits are flipped. A proper answer has rates that add up and only finite numbers, and no warning comes with it.
+infinity, and bits are flipped. A proper answer has rates that add up, only finite numbers, and no warning beside it.
 Numbers that aren't finite in the file must be refused while it is loaded; those that overflow while it plays, by then.
 """
 
