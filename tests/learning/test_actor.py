@@ -1,5 +1,6 @@
 """A gated actor: its network sees only those who decide, and what was decided stands for a while."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
