@@ -15,6 +15,7 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
+from jaxwalk.wording import counted
 
 PAGE = ".html"
 """Ending of a page on which episodes can be played."""
@@ -52,7 +53,7 @@ def _page(options: Play, out: Path, street: Street, drivers: Policies, people: P
     document = recording(street, drivers, {name: people}, {name: numbers}, seed=options.seed)
     among = f"{', '.join(drivers)} among {name}"
     replay_page(document, out, title=f"jaxwalk: {among}")
-    return f"{len(document['episodes'])} episodes of seed {options.seed}, {among}; open it in a browser"
+    return f"{counted(len(document['episodes']), 'episode')} of seed {options.seed}, {among}; open it in a browser"
 
 
 def check(options: Play) -> Path:

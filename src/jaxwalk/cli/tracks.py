@@ -15,6 +15,7 @@ from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
 from jaxwalk.runs.folder import Run, check_writable
 from jaxwalk.scenarios import Drawn
+from jaxwalk.wording import counted
 
 
 def run(options: Tracks) -> int:
@@ -36,7 +37,8 @@ def run(options: Tracks) -> int:
             street, {"driver": driver, "pedestrian": crowd}, Drawn(street, options.seed, options.episodes), options.out,
             about=about, progress=lambda played, _: bar.update(task, completed=played),
         )  # fmt: skip
-    print(f"{options.out}: {options.episodes:,} episodes, scenarios 0 to {options.episodes - 1} of seed {options.seed}")
+    which = f"scenarios 0 to {options.episodes - 1}" if options.episodes > 1 else "scenario 0"
+    print(f"{options.out}: {counted(options.episodes, 'episode')}, {which} of seed {options.seed}")
     return 0
 
 

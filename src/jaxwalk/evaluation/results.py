@@ -21,6 +21,7 @@ from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
+from jaxwalk.wording import counted
 
 SCHEMA = 3
 """Version of the JSON document; it changes when reports need something new."""
@@ -117,7 +118,7 @@ class ScenarioSet:
     @property
     def name(self) -> str:
         """The number of scenarios and their origin, as in ``2,000 scenarios of seed 0``."""
-        return f"{self.count:,} scenarios" + ("" if self.seed is None else f" of seed {self.seed}")
+        return counted(self.count, "scenario") + ("" if self.seed is None else f" of seed {self.seed}")
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain numbers; the seed is left out if there is none."""

@@ -35,6 +35,7 @@ from jaxwalk.report.suite import suite
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
+from jaxwalk.wording import counted
 from jaxwalk.writing import write_whole
 
 Tell = Callable[[str, int, int], None]
@@ -146,9 +147,9 @@ def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
     if not episodes:
         return "no batch had been finished before"
     if work.out is None:
-        return f"{episodes:,} episodes had been evaluated before: --out DIR would keep them"
+        return f"--out DIR would have kept the {counted(episodes, 'episode')} evaluated before"
     files = _write_episodes(work, work.out / "episodes-partial", rows)
-    return f"the {episodes:,} episodes evaluated before are kept in {', '.join(map(str, files))}"
+    return f"what was evaluated before, {counted(episodes, 'episode')}, is kept in {', '.join(map(str, files))}"
 
 
 def _keep_rows(work: Evaluation, out: Path, rows: list[Played]) -> None:
