@@ -122,11 +122,12 @@ class Recorder:
 class Relief:
     """Keeps a process small: gives freed memory back, and forgets compiled programs when they take too much."""
 
-    TRIM, FORGET_BETWEEN_FILES, FORGET = 100, 700, 900
-    """In MB: growth after which freed memory is given back; sizes above which programs are forgotten."""
+    TRIM, FORGET, GROWTH = 100, 800, 150
+    """In MB: growth after which freed memory is given back; size above which programs are forgotten, if the process has
+    grown by that much since it last forgot them (fixtures stay, and what they need isn't worth compiling again)."""
 
     def __init__(self) -> None:
-        self.trimmed = memory()
+        self.trimmed, self.forgot = memory(), 0.0
         library = ctypes.util.find_library("c") if sys.platform == "linux" else None
         self.trim = getattr(ctypes.CDLL(library), "malloc_trim", None) if library else None
 
@@ -134,21 +135,15 @@ class Relief:
     def pytest_runtest_logfinish(self) -> None:
         if memory() > self.trimmed + self.TRIM:
             self._give_back()
-        if self.trimmed > self.FORGET:
+        if self.trimmed > max(self.FORGET, self.forgot + self.GROWTH):
             self._forget()
-
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None):
-        done = yield
-        if nextitem is not None and nextitem.path != item.path and memory() > self.FORGET_BETWEEN_FILES:
-            self._forget()
-        return done
 
     def _forget(self) -> None:
         FORGOTTEN.append(memory())
         jax.clear_caches()
         gc.collect()
         self._give_back()
+        self.forgot = self.trimmed
 
     def _give_back(self) -> None:
         if self.trim is not None:

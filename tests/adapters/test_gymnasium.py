@@ -201,7 +201,7 @@ def test_a_population_may_be_any_object_that_is_a_policy():
         ({"observation": "lidar"}, "no observation set 'lidar' for the driver"),
         ({"reward": "generous"}, "no recipe 'generous' to pay the driver by; there are: fast, paper"),
         ({"reward": {"luck": 1.0}}, "rewards.driver.luck is no reward term"),
-        ({"jaywalk_multiplier": -1.0}, "jaywalk_multiplier must be 0 or more"),
+        ({"jaywalk_multiplier": -1.0}, "jaywalk_multiplier must be a finite number of 0 or more"),
     ],
 )
 def test_impossible_options_are_named(options, message):

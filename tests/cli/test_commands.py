@@ -198,6 +198,7 @@ def test_a_report_on_a_driver(place, capsys):
     hits = results["cells"][0]["outcomes"]["all"]["per_km"]["count"]
     assert hits > 3
     text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "paper (hash " in text and "route-follower (rule)" in text
     document = json.loads(text.split('id="data">')[1].split("</script>")[0])
     kinds = [(one["kind"], one["avoidable"] is not None) for one in document["incidents"]]
     assert kinds == [("collision", True)] * 3 + [("near miss", False)] * 3

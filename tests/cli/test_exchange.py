@@ -46,7 +46,7 @@ def test_an_episode_for_other_simulators(place, capsys):
 BAD = {
     "no driver": ("tracks", "--driver is missing"),
     "unknown driver": ("tracks --driver nobody", "nobody: no driver of that name"),
-    "no episodes": ("tracks --driver random --episodes 0", "--episodes must be at least 1"),
+    "no episodes": ("tracks --driver random --episodes 0", "--episodes must lie in [1, 10,000,000]"),
     "negative seed": ("tracks --driver random --seed -1", "--seed must lie in"),
     "another kind of file": ("tracks --driver random --out tracks.csv", "must end in .parquet"),
     "a folder": ("tracks --driver random --out folder.parquet", "is a folder"),

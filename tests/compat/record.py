@@ -32,12 +32,12 @@ EVALUATIONS = {
         "episodes": (512,),
     },
     "sampled": {
-        "driver": ("co-trained", "--sample-driver"), "pedestrians": ("learned", "--pedestrian-mode"),
-        "episodes": (512,), "seed": (7,),
+        "driver": ("co-trained",), "pedestrians": ("learned",), "episodes": (512,), "seed": (7,),
+        "driver-acts": ("sample",), "pedestrians-act": ("mode",),
     },
     "quick": {"driver": ("co-trained",), "pedestrians": PEOPLE, "episodes": (128,)},
 }  # fmt: skip
-"""Options of ``jaxwalk evaluate``."""
+"""Options of ``jaxwalk evaluate``. To record 0.1, write the two of ``sampled`` as it had them (docs/migrating.md)."""
 SCENARIOS = ((0, 1, 0.25), (1, 700, 0.25), (1, 701, 1.0), (12345, 100, 0.25), (2**31 - 1, 33, 0.0))
 """Sets of scenarios whose hash is recorded: seed, number of scenarios and jaywalk multiplier."""
 ALONE = ("--single-agent",)

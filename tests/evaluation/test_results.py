@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import asdict
 
 import jax
 import pytest
@@ -13,17 +14,21 @@ from jaxwalk.evaluation import SAMPLES, acts_by, evaluate_grid, paired, with_jay
 from jaxwalk.evaluation.settings import jaywalk_multiplier
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
+from jaxwalk.maps import read_map
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, LearnedPolicy, Random, RouteFollower
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def test_the_document_is_as_promised(compared):
     results, rows = compared
     document = json.loads(results.to_json(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
-    assert list(document) == ["schema", "scenarios", "cells"]
+    assert list(document) == ["schema", "scenarios", "street", "cells"]
     assert document["schema"] == 3
     assert document["scenarios"] == {"seed": 7, "count": 24, "hash": results.scenarios.hash}
+    assert document["street"]["maps"] == [{"name": "paper", "hash": read_map("paper").hash}]
+    assert document["street"]["sim"] == asdict(SimConfig())
     pairs = [(cell["driver"], cell["pedestrians"]) for cell in document["cells"]]
     assert pairs == [(d, p) for d in ("route-follower", "random") for p in ("undecided", "always-go")]
     modes = [(cell["driver_mode"], cell["pedestrian_mode"]) for cell in document["cells"]]
@@ -81,7 +86,9 @@ def test_a_row_per_episode(compared, tmp_path):
     with path.open(newline="") as file:
         table = list(csv.DictReader(file))
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
-    assert list(table[0]) == ["scenario", "driver", "pedestrians", "outcome", "contact", "impact_speed", "duration"]
+    ending = ["outcome", "contact", "impact_speed", "duration"]
+    assert list(table[0]) == ["scenario", "driver", "pedestrians", *ending, "map"]
+    assert {row["map"] for row in table} == {"paper"}
     assert [int(row["scenario"]) for row in table] == [*range(24)] * 4
     assert {row["outcome"] for row in table} == {"goal", "collision", "timeout"}
     for row in table:

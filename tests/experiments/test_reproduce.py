@@ -196,7 +196,7 @@ def test_the_report_can_be_made_again(made):
     ("plan", "message"),
     [
         ({"seed": 0, "updates": 3}, "of another version"),
-        ({"seeds": 0}, "damaged .seeds must be at least 1, not 0."),
+        ({"seeds": 0}, r"damaged .seeds must lie in \[1, 1,000\], not 0."),
         ({"sed": 1}, "damaged"),
         ([], "damaged"),
     ],

@@ -29,9 +29,9 @@ def test_configuration_comes_back(tmp_path, name):
     assert Run.open(tmp_path / "run").experiment == experiment
 
 
-def test_a_new_run_writes_its_configuration_alone(tmp_path):
+def test_a_new_run_writes_its_configuration_and_its_maps_alone(tmp_path):
     run = Run.create(tmp_path / "a" / "run", RECIPES["fast"])
-    assert sorted(path.name for path in run.path.iterdir()) == [".lock", "config.json"]
+    assert sorted(path.name for path in run.path.iterdir()) == [".lock", "config.json", "maps.json"]
 
 
 def test_what_a_process_killed_at_once_left_is_in_nobodys_way(tmp_path):

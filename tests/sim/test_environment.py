@@ -215,5 +215,5 @@ def test_impossible_configurations_are_refused(wrong):
 
 @pytest.mark.parametrize("multiplier", [-0.1, float("nan")])
 def test_a_negative_multiplier_is_refused(multiplier):
-    with pytest.raises(ValueError, match="jaywalk_multiplier must be 0 or more"):
+    with pytest.raises(ValueError, match="jaywalk_multiplier must be a finite number of 0 or more"):
         Street.create(jaywalk_multiplier=multiplier)

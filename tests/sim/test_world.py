@@ -67,7 +67,7 @@ def test_the_whole_street_has_one_structure(street, other):
 
 def test_an_impossible_multiplier_is_refused():
     for multiplier in (-0.1, float("inf"), float("nan")):
-        with pytest.raises(ValueError, match="jaywalk_multiplier must be 0 or more"):
+        with pytest.raises(ValueError, match="jaywalk_multiplier must be a finite number of 0 or more"):
             Street.create(jaywalk_multiplier=multiplier)
 
 

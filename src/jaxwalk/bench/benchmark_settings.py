@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 PARTS = ("env", "train", "compile", "pedestrians")
 """The parts: the simulator alone, training, the first minute, and the cost of a crowd."""
+MOST = {"environments": 2**20, "training_environments": 2**20, "pedestrians": 1000}
+"""Largest numbers of environments, and of people in an episode."""
+LONGEST = 3600
+"""Longest time for which a row is measured [s]."""
 
 
 @dataclass(frozen=True)
@@ -42,15 +45,15 @@ class Settings:
         """Raise ValueError for an impossible value."""
         for name in ("environments", "training_environments", "pedestrians"):
             _require(len(getattr(self, name)) > 0, name, "needs at least one number")
-            smallest = min(getattr(self, name))
-            _require(smallest >= 1, name, f"must be at least 1, not {smallest}")
-        _require(0 <= self.seconds < math.inf, "seconds", f"must be 0 or more, not {self.seconds}")
+            wrong = [number for number in getattr(self, name) if not 1 <= number <= MOST[name]]
+            _require(not wrong, name, f"must lie in [1, {MOST[name]:,}], not {wrong[:1]}")
+        _require(0 <= self.seconds <= LONGEST, "seconds", f"must lie in [0, {LONGEST:,}], not {self.seconds:g}")
         _require(0 <= self.seed < 2**31, "seed", f"must lie in [0, 2^31), not {self.seed}")
         _require(len(self.only) > 0, "only", f"needs at least one part: {', '.join(PARTS)}")
         unknown = [part for part in self.only if part not in PARTS]
         _require(not unknown, "only", f"knows {', '.join(PARTS)}, not {', '.join(unknown)}")
         rows = self.chunk_rows
-        _require(rows is None or rows >= 1, "chunk_rows", f"must be at least 1, not {rows}")
+        _require(rows is None or 1 <= rows < 2**31, "chunk_rows", f"must lie in [1, 2^31), not {rows}")
 
 
 QUICK = {

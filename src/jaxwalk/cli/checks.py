@@ -6,6 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from jaxwalk.cli.errors import UsageError
+from jaxwalk.runs.effort import MOST_EPISODES
+
+MOST_DRIVER_SECONDS = 86_400
+"""Longest time that a driver may be given for one step [s]: a day."""
 
 
 def check_driver(driver: str | Sequence[str]) -> None:
@@ -23,9 +27,14 @@ def check_pedestrians(pedestrians: Sequence[str]) -> None:
 
 
 def check_episodes(episodes: int) -> None:
-    """Raise UsageError unless there is at least one episode to play."""
-    if episodes < 1:
-        raise UsageError(f"--episodes must be at least 1, not {episodes}")
+    """Raise UsageError unless there is at least one episode to play, and memory for the rows of all."""
+    check_count("--episodes", episodes, 1, MOST_EPISODES)
+
+
+def check_count(option: str, count: int, least: int, most: int) -> None:
+    """Raise UsageError unless the value of an option lies between two numbers."""
+    if not least <= count <= most:
+        raise UsageError(f"{option} must lie in [{least}, {most:,}], not {count:,}")
 
 
 def check_seed(seed: int) -> None:
@@ -38,6 +47,12 @@ def check_scenario(scenario: int) -> None:
     """Raise UsageError unless the number can be a scenario's."""
     if not 0 <= scenario < 2**30:
         raise UsageError(f"--scenario must lie in [0, 2^30), not {scenario}")
+
+
+def check_driver_seconds(seconds: float) -> None:
+    """Raise UsageError unless the time limit of a driver is one that can be waited for."""
+    if not 0 < seconds <= MOST_DRIVER_SECONDS:
+        raise UsageError(f"--driver-seconds must be above 0 and at most {MOST_DRIVER_SECONDS:,}, not {seconds:g}")
 
 
 def check_file(out: Path, suffix: str) -> None:

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import tyro
 
 from jaxwalk.cli import options
+from jaxwalk.cli.arguments import gathered
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,14 @@ COMMANDS = (
 
 
 def parse(arguments: list[str]) -> Any:
-    """Return the options of the command that the arguments name. Raise SystemExit for ``--help`` and bad options."""
+    """Return the options of the command that the arguments name. Raise SystemExit for ``--help`` and bad options.
+
+    Raises:
+        UsageError: an option is given twice that takes one value, or has another name now.
+    """
+    command = next((each for each in COMMANDS if each.name in arguments[:1]), None)
+    if command is not None:
+        arguments = [command.name, *gathered(command.name, command.options, arguments[1:])]
     kinds: Any = reduce(or_, (Annotated[each.options, tyro.conf.subcommand(each.name)] for each in COMMANDS))
     return tyro.cli(
         kinds,

@@ -11,14 +11,25 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from jaxwalk.cli.checks import check_driver, check_episodes, check_pedestrians, check_seed
+from jaxwalk.cli.checks import (
+    check_count,
+    check_driver,
+    check_driver_seconds,
+    check_episodes,
+    check_pedestrians,
+    check_seed,
+)
 from jaxwalk.cli.errors import UsageError, bad_values
 from jaxwalk.cli.options import Evaluate
-from jaxwalk.evaluation import BATCH, Cell, Results, ScenarioSet, check_parquet, with_jaywalk_multiplier
+from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet, with_jaywalk_multiplier
+from jaxwalk.evaluation.document_parts import EvaluationOptions
+from jaxwalk.evaluation.map_rates import MapRates
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
+from jaxwalk.maps import map_labels
 from jaxwalk.report.suite import said
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.sim.observation import HIDDEN
@@ -36,7 +47,7 @@ def run(options: Evaluate) -> int:
     else:
         console = Console()
         console.width = max(console.width, 132)  # the table needs it; a narrower terminal wraps the lines
-        lines = [*said(results), *cost_lines(results.cells), scenarios_line(results.scenarios)]
+        lines = [*said(results), *cost_lines(results.cells), scenarios_line(results)]
         console.print(table(results.cells), *map(escape, lines), sep="\n")
     return 0
 
@@ -45,20 +56,25 @@ def _work(options: Evaluate) -> Evaluation:
     """Return what the options ask for, with all policies loaded."""
     drivers = tuple(dict.fromkeys((*options.driver, *options.compare)))
     street = world_of([*drivers, *options.pedestrians], options.map)
-    chosen = {"sample": options.sample_driver or None, "trust": options.trust, "seconds": options.driver_seconds}
-    people_sample = False if options.pedestrian_mode else None
+    loading = {"trust": options.trust, "seconds": options.driver_seconds}
+    samples = {"driver": options.driver_acts == "sample", "pedestrian": options.pedestrians_act == "sample"}
     return Evaluation(
         streets=tuple(with_jaywalk_multiplier(street, x) for x in dict.fromkeys(options.jaywalk_multiplier)),
-        drivers={name: contestant(street, "driver", name, **chosen) for name in drivers},
+        drivers={name: contestant(street, "driver", name, sample=samples["driver"], **loading) for name in drivers},
         populations={
-            name: contestant(street, "pedestrian", name, sample=people_sample) for name in options.pedestrians
+            name: contestant(street, "pedestrian", name, sample=samples["pedestrian"]) for name in options.pedestrians
         },
         episodes=options.episodes,
         seed=options.seed,
-        pair=(options.compare[0], options.compare[1]) if options.compare else None,
-        counterfactuals=options.counterfactuals,
+        options=EvaluationOptions(
+            jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier)),
+            driver_acts=options.driver_acts,
+            pedestrians_act=options.pedestrians_act,
+            compare=(options.compare[0], options.compare[1]) if options.compare else None,
+            counterfactuals=options.counterfactuals,
+            encounters=options.encounters,
+        ),
         out=options.out,
-        encounters=options.encounters,
     )
 
 
@@ -81,10 +97,10 @@ def check(options: Evaluate) -> None:
     check_pedestrians(options.pedestrians)
     check_episodes(options.episodes)
     check_seed(options.seed)
+    check_driver_seconds(options.driver_seconds)
+    check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
     if not options.jaywalk_multiplier:
         raise UsageError("--jaywalk-multiplier needs a number, such as 0.25")
-    if options.counterfactuals < 0:
-        raise UsageError(f"--counterfactuals must be 0 or more, not {options.counterfactuals}")
     if options.encounters and not options.out:
         raise UsageError("--encounters needs --out DIR, where encounters.parquet is to be")
     if options.encounters:
@@ -101,16 +117,25 @@ def table(cells: Sequence[Cell]) -> Table:
         made.add_column(name, overflow="fold")
     if len(multipliers) > 1:
         made.add_column("multiplier", justify="right")
+    several = any(cell.by_map for cell in cells)
+    if several:
+        made.add_column("map", overflow="fold")
     for name in ("goal %", "collision %", "timeout %", "time to goal [s]"):
         made.add_column(escape(name), justify="right", no_wrap=True)
     for cell in cells:
         extra = [f"{cell.jaywalk_multiplier:g}"] if len(multipliers) > 1 else []
-        rates = [escape(shown(rate)) for rate in (cell.goal_rate, cell.collision_rate, cell.timeout_rate)]
         observes = cell.driver_observes
         names = cell.driver + (f" ({observes})" if observes in HIDDEN else ""), cell.pedestrians
-        time = shown(cell.mean_time_to_goal, 1.0)
-        made.add_row(*map(escape, names), *extra, *rates, escape(time))
+        made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell))
+        for found in cell.by_map:
+            made.add_row("", "", *[""] * len(extra), escape(found.map), *_rates(found))
     return made
+
+
+def _rates(found: Cell | MapRates) -> list[str]:
+    """Return how episodes ended, as columns of the table."""
+    rates = [shown(rate) for rate in (found.goal_rate, found.collision_rate, found.timeout_rate)]
+    return [escape(x) for x in (*rates, shown(found.mean_time_to_goal, 1.0))]
 
 
 def cost_lines(cells: Sequence[Cell]) -> list[str]:
@@ -125,6 +150,7 @@ def cost_lines(cells: Sequence[Cell]) -> list[str]:
     ]
 
 
-def scenarios_line(scenarios: ScenarioSet) -> str:
-    """Return a line that names the scenarios played."""
-    return f"{scenarios.name}, hash {scenarios.hash}"
+def scenarios_line(results: Results) -> str:
+    """Return a line that names the scenarios played, and where."""
+    where = f", on {', '.join(map_labels(results.street.maps))}" if results.street else ""
+    return f"{results.scenarios.name}, hash {results.scenarios.hash}{where}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from jaxwalk.cli.casting import Policies, cast
-from jaxwalk.cli.checks import check_driver, check_no_folder, check_scenario, check_seed
+from jaxwalk.cli.checks import check_driver, check_driver_seconds, check_no_folder, check_scenario, check_seed
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Play
 from jaxwalk.evaluation import named
@@ -64,6 +64,7 @@ def check(options: Play) -> Path:
     if not options.scenario:
         raise UsageError("--scenario needs a number, such as 3")
     check_seed(options.seed)
+    check_driver_seconds(options.driver_seconds)
     if options.html and options.out:
         raise UsageError("--html is short for --out episode.html: give one of the two")
     out = options.out or Path("episode.html" if options.html else "episode.png")
@@ -80,7 +81,7 @@ def _check_file(options: Play, out: Path) -> None:
     if kind != PAGE and (len(options.driver) > 1 or len(options.scenario) > 1):
         raise UsageError(f"--out {out}: shows one driver in one scenario; several only on a page (--html)")
     if options.time is not None and not 0 <= options.time < float("inf"):
-        raise UsageError(f"--time must be 0 or more, not {options.time}")
+        raise UsageError(f"--time must be a finite number of 0 or more, not {options.time}")
     if options.time is not None and kind not in STILL:
         raise UsageError(f"--time is the moment of a picture ({', '.join(STILL)}), not of {out}")
     if kind == ".mp4":

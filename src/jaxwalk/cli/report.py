@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.console import Console
 
 from jaxwalk.cli.casting import cast
-from jaxwalk.cli.checks import check_episodes, check_seed
+from jaxwalk.cli.checks import check_count, check_driver_seconds, check_episodes, check_seed
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Report
 from jaxwalk.experiments.driver_report import driver_report
@@ -56,7 +56,7 @@ def check(options: Report) -> None:
     if not 1 <= len(options.pedestrians) <= MOST_POPULATIONS:
         raise UsageError(f"--pedestrians takes 1 to {MOST_POPULATIONS} populations, not {len(options.pedestrians)}")
     check_episodes(options.episodes)
-    if not 0 <= options.incidents <= MOST_INCIDENTS:
-        raise UsageError(f"--incidents must lie in [0, {MOST_INCIDENTS}], not {options.incidents}")
+    check_count("--incidents", options.incidents, 0, MOST_INCIDENTS)
+    check_driver_seconds(options.driver_seconds)
     check_seed(options.seed)
     check_writable(options.out)

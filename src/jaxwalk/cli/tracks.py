@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from rich.console import Console
 from rich.progress import Progress
 
@@ -13,7 +11,8 @@ from jaxwalk.cli.options import Tracks
 from jaxwalk.evaluation import named
 from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
-from jaxwalk.runs.folder import Run, check_writable
+from jaxwalk.maps import map_labels
+from jaxwalk.runs.folder import check_writable
 from jaxwalk.scenarios import Drawn
 from jaxwalk.wording import counted
 
@@ -21,13 +20,12 @@ from jaxwalk.wording import counted
 def run(options: Tracks) -> int:
     """Play the episodes and write the file."""
     check(options)
-    names = [options.driver, options.pedestrians]
     maps = [options.map] if options.map else []
     street, drivers, people = cast([options.driver], [options.pedestrians], maps, options.jaywalk_multiplier)
     (driver,), (crowd,) = drivers.values(), people.values()
     options.out.parent.mkdir(parents=True, exist_ok=True)
     about = {
-        "map": options.map or map_name(names), "driver": options.driver, "pedestrians": options.pedestrians,
+        "map": ", ".join(map_labels(street.maps)), "driver": options.driver, "pedestrians": options.pedestrians,
         "jaywalk_multiplier": options.jaywalk_multiplier, "seed": options.seed,
     }  # fmt: skip
     who = {"driver": options.driver, "pedestrian": options.pedestrians}
@@ -40,12 +38,6 @@ def run(options: Tracks) -> int:
     which = f"scenarios 0 to {options.episodes - 1}" if options.episodes > 1 else "scenario 0"
     print(f"{options.out}: {counted(options.episodes, 'episode')}, {which} of seed {options.seed}")
     return 0
-
-
-def map_name(names: list[str]) -> str:
-    """Return the name of the map that the named run folders were trained on, or the paper's map if there are none."""
-    trained = [Run.open(name).experiment.maps for name in names if Path(name).is_dir()]
-    return trained[0][0] if trained else "paper"
 
 
 def check(options: Tracks) -> None:

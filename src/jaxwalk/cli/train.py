@@ -10,7 +10,7 @@ from rich.console import Console
 
 from jaxwalk.cli.errors import INTERRUPTED, UsageError, bad_values
 from jaxwalk.cli.options import Train
-from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.recipes import LONGEST, RECIPES, Experiment, single_agent, with_training
 from jaxwalk.runs.folder import Run, check_new, check_writable
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import make_street, shared_out
@@ -33,12 +33,12 @@ def run(options: Train) -> int:
     begun = Run.open(options.resume) if options.resume else None
     experiment = begun.experiment if begun else make_experiment(options)
     with bad_values():
-        street = make_street(experiment)
+        street = make_street(experiment, begun.maps() if begun else None)
         experiment = experiment if begun or options.shards else shared_out(experiment)
         mesh_of(experiment.train.shards)
     if begun:
         check_writable(begun.path)
-    folder = begun or Run.create(options.run_folder or "", experiment)
+    folder = begun or Run.create(options.run_folder or "", experiment, street.maps)
     name = "single-agent" if experiment.single_agent else "co-trained"
     display = Display(Console(stderr=True), name, options.watch)
     trained = train(
@@ -58,8 +58,8 @@ def check(options: Train) -> None:
     """Raise an error for options that exclude each other, and for a folder that can't be written."""
     for name in ("minutes", "checkpoint_minutes"):
         value = getattr(options, name)
-        if value is not None and not 0 < value < float("inf"):
-            raise UsageError(f"--{name.replace('_', '-')} must be above 0, not {value}")
+        if value is not None and not 0 < value <= LONGEST:
+            raise UsageError(f"--{name.replace('_', '-')} must be above 0 and at most {LONGEST:,}, not {value:g}")
     if options.resume and options.run_folder:
         raise UsageError("--run begins a training, --resume continues one; give one of them")
     if options.resume:

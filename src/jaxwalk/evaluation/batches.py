@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.playing import play
 from jaxwalk.interfaces import Policy, Roles
+from jaxwalk.maps import map_labels
 from jaxwalk.metrics import Rows, measure
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
@@ -58,6 +60,7 @@ def evaluate_batches(
     """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played."""
     batch = _size(batch)
     episodes, config = len(source), street.config
+    maps = np.array(map_labels(street.maps), object)
 
     def rows(first: int) -> Rows:
         numbers = (first + np.arange(batch)) % episodes
@@ -65,11 +68,12 @@ def evaluate_batches(
         trajectory = play(street, policies, scenarios, keys, numbers=numbers)
         frames, asked = len(trajectory.car_x), slice(min(batch, episodes - first))
         ghosts = walk_ghosts(street, scenarios, keys, frames=frames)
-        return measure(
+        measured = measure(
             part_of(trajectory, frames=frames, episodes=asked),
             part_of(ghosts, frames=frames, episodes=asked),
             config=config,
         )
+        return replace(measured, maps=maps[np.asarray(scenarios.map)[asked]])
 
     with ThreadPoolExecutor(AT_ONCE) as pool:
         compiled = rows(0)

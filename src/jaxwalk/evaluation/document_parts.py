@@ -1,11 +1,14 @@
-"""The parts of documents besides cells: intervals, paired comparisons, numbers over training seeds, provenance."""
+"""The parts of documents besides cells: intervals, comparisons, numbers over training seeds, origins."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Protocol, runtime_checkable
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
+from jaxwalk.maps import MapText, reference
 from jaxwalk.metrics import OverSeeds
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import SimConfig
 
 
 @runtime_checkable
@@ -126,3 +129,63 @@ class Provenance:
     hardware: str
     versions: dict[str, str]
     """Versions of Python and of the main packages."""
+
+
+@dataclass(frozen=True)
+class StreetOrigin:
+    """Where episodes took place."""
+
+    maps: tuple[MapText, ...]
+    """The maps, in the order of `Scenario.map`; a map that ships with jaxwalk without its text."""
+    sim: SimConfig
+    """The rules."""
+
+    @staticmethod
+    def of(street: Street) -> StreetOrigin:
+        """Return the description of a street."""
+        return StreetOrigin(tuple(map(reference, street.maps)), street.config)
+
+    def in_words(self) -> str:
+        """Return the names and hashes of the maps, as in ``paper (hash 0123456789abcdef)``."""
+        return ", ".join(f"{found.name} (hash {found.hash})" for found in self.maps)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain dicts; a map that ships with jaxwalk has no text."""
+        maps = [{name: x for name, x in asdict(found).items() if x is not None} for found in self.maps]
+        return {"maps": maps, "sim": asdict(self.sim)}
+
+
+Kind = Literal["rule", "shipped policy", "run folder", "policy file", "Python class", "file"]
+"""Kinds of what names a driver or a population; ``file`` is a network of another framework."""
+
+
+@dataclass(frozen=True)
+class PolicyOrigin:
+    """Where a driver or a population comes from."""
+
+    name: str
+    """What was named."""
+    kind: Kind
+    sha256: str | None
+    """The first 16 digits of the hash of its file (of a run folder: its policy file); None for a rule."""
+
+    def in_words(self) -> str:
+        """Return kind and hash after the name, as in ``runs/first (run folder, SHA-256 0123456789abcdef)``."""
+        return f"{self.name} ({self.kind}" + (")" if self.sha256 is None else f", SHA-256 {self.sha256})")
+
+
+@dataclass(frozen=True)
+class EvaluationOptions:
+    """What an evaluation was asked for, besides names, maps and scenarios."""
+
+    jaywalk_multipliers: tuple[float, ...]
+    driver_acts: str = "mode"
+    """How learned drivers choose: ``mode`` or ``sample``."""
+    pedestrians_act: str = "sample"
+    """How learned pedestrians choose."""
+    compare: tuple[str, str] | None = None
+    """Two drivers to compare, if any."""
+    counterfactuals: int = 0
+    """Most collisions of each cell to replay."""
+    encounters: bool = False
+    """Whether to write a row per encounter."""

@@ -26,7 +26,8 @@ ENDING = ("outcome", "contact", "impact_speed", "duration")
 def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tuple[str, ...] = NAMES) -> None:
     """Write a CSV file with one row per episode; it appears complete or not at all.
 
-    The columns are ``scenario``, the names and `ENDING`; without a collision, contact and impact speed are empty.
+    The columns are ``scenario``, the names, `ENDING` and ``map``. Without a collision, contact and impact speed are
+    empty.
 
     Args:
         path: the file.
@@ -35,7 +36,7 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("scenario", *names, *ENDING))
+    writer.writerow(("scenario", *names, *ENDING, "map"))
     for *values, rows in cells:
         writer.writerows(_episode_rows(values, rows))
     write_whole(path, text.getvalue())
@@ -49,4 +50,5 @@ def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
         contact = CONTACT_NAMES[table.contact[i]]
         impact = f"{table.impact_speed[i]:.3f}" if table.collision[i] else ""
         duration = f"{table.steps[i] * rows.dt:.{digits}f}"
-        yield int(table.scenario[i]), *values, str(outcome[i]), contact, impact, duration
+        place = "" if rows.maps is None else rows.maps[i]
+        yield int(table.scenario[i]), *values, str(outcome[i]), contact, impact, duration, place

@@ -44,7 +44,7 @@ class Underway(eqx.Module):
 
     state: State
     memory: Roles[tuple[Any, ...]]
-    """The policies' memories; they continue after the end, so that nobody plans again at every step of waiting."""
+    """The policies' memories. They go on after an episode's end, so that no policy plans again at each idle step."""
     ended: Bool[Array, "episode"]
     goal: Bool[Array, "episode"]
     collision: Bool[Array, "episode"]

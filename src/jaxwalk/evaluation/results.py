@@ -14,7 +14,17 @@ from jaxtyping import Float
 from jaxwalk.evaluation.batches import evaluate_batches
 from jaxwalk.evaluation.broken import ActionError, named
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
-from jaxwalk.evaluation.document_parts import ComparedEnding, Interval, PairedSeeds, SeedNumbers
+from jaxwalk.evaluation.document_parts import (
+    ComparedEnding,
+    EvaluationOptions,
+    Interval,
+    PairedSeeds,
+    PolicyOrigin,
+    Provenance,
+    SeedNumbers,
+    StreetOrigin,
+)
+from jaxwalk.evaluation.map_rates import MapRates, rates_by_map
 from jaxwalk.evaluation.settings import acts_by, jaywalk_multiplier
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
@@ -54,6 +64,8 @@ class Cell:
     """Seed of the trained driver, or of the trained population, or of both; None if neither was trained."""
     counterfactuals: CounterfactualSummary | None = None
     """What would have avoided the collisions; None if they were not replayed."""
+    by_map: tuple[MapRates, ...] = ()
+    """How episodes ended on each map; empty if there is only one."""
 
     @property
     def goal_rate(self) -> Interval:
@@ -83,6 +95,7 @@ class Cell:
         """Return plain dicts, lists and numbers: the headline first, then the whole summary."""
         cost = {} if self.driver_ms_per_step is None else {"driver_ms_per_step": self.driver_ms_per_step}
         replayed = {} if self.counterfactuals is None else {"counterfactuals": self.counterfactuals.as_dict()}
+        by_map = {"by_map": [asdict(rates) for rates in self.by_map]} if self.by_map else {}
         return {
             "driver": self.driver,
             "pedestrians": self.pedestrians,
@@ -94,6 +107,7 @@ class Cell:
             "jaywalk_multiplier": self.jaywalk_multiplier,
             **cost,
             **self.headline(),
+            **by_map,
             **self.summary.as_dict(),
             **replayed,
         }
@@ -141,6 +155,13 @@ class Results:
     """Numbers over training seeds, for each driver, population and jaywalk multiplier; in reports only."""
     paired: tuple[PairedSeeds, ...] = ()
     """Pairs of the same scenarios, over training seeds; in reports only."""
+    street: StreetOrigin | None = None
+    """Where it was; None in documents of older versions, as for all that follow."""
+    drivers: tuple[PolicyOrigin, ...] = ()
+    populations: tuple[PolicyOrigin, ...] = ()
+    options: EvaluationOptions | None = None
+    """What `jaxwalk evaluate` was asked for; None if another command made the results."""
+    made: Provenance | None = None
 
     def cell(self, driver: str, pedestrians: str) -> Cell:
         """Return the cell of a driver and a population. Raise KeyError if there is none."""
@@ -150,20 +171,28 @@ class Results:
         raise KeyError(f"no cell for {driver} among {pedestrians}")
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the document. Only ``driver_ms_per_step`` depends on when or where it was made.
+        """Return the document. Only ``made`` and ``driver_ms_per_step`` depend on where or when it was made.
 
         Empty parts are left out, and so is each cell's training seed if there are no numbers over seeds.
         """
         cells = [cell.as_dict() for cell in self.cells]
         if not self.over_seeds:
             cells = [{name: value for name, value in cell.items() if name != "training_seed"} for cell in cells]
-        parts = {name: [asdict(one) for one in getattr(self, name)] for name in ("over_seeds", "paired", "compared")}
+        lists = ("drivers", "populations", "over_seeds", "paired", "compared")
+        parts = {name: [asdict(one) for one in getattr(self, name)] for name in lists}
         return {
             "schema": SCHEMA,
             "scenarios": self.scenarios.as_dict(),
+            **self._circumstances(),
             "cells": cells,
             **{name: part for name, part in parts.items() if part},
         }
+
+    def _circumstances(self) -> dict[str, Any]:
+        """Return what is known about where the results were made, and what was asked for."""
+        known = {"street": self.street and self.street.as_dict()}
+        known |= {name: (found := getattr(self, name)) and asdict(found) for name in ("options", "made")}
+        return {name: found for name, found in known.items() if found}
 
     def to_json(self) -> str:
         """Return the document as text; the same results give the same text. Numbers that do not exist are null."""
@@ -219,7 +248,7 @@ def evaluate_grid(
                 raise Stopped(str(failure), rows) from failure
             cost = _ms_per_step(_cost(driver) - before)
             cells.append(make_cell(street, (driver_name, driver), (name, pedestrians), measured, cost))
-    return Results(ScenarioSet.of(source), tuple(cells)), rows
+    return Results(ScenarioSet.of(source), tuple(cells), street=StreetOrigin.of(street)), rows
 
 
 def _joined(batches: Iterable[Rows], names: Roles[str]) -> tuple[Rows | None, DriverError | ActionError | None]:
@@ -264,4 +293,5 @@ def make_cell(
         driver_observes=car.view.name,
         pedestrian_observes=people.view.name,
         driver_ms_per_step=driver_ms_per_step,
+        by_map=rates_by_map(rows),
     )

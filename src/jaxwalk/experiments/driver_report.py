@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from jaxwalk.report import Gallery, LearningCurve, Material, write_report
 from jaxwalk.runs.contestants import run_folders
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.lock import held
+from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.writing import write_whole
 
@@ -51,7 +53,11 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[s
     curves = _curves(cast.drivers)
     round_ = (None, cast.drivers, cast.populations)
     scenarios, matches = play_rounds(cast.street, [round_], Scenarios(episodes, cast.seed), say)
-    results = results_of(scenarios, matches, paired=_pairs(cast, matches))
+    results = replace(
+        results_of(cast.street, scenarios, matches, paired=_pairs(cast, matches)),
+        drivers=tuple(policy_origin("driver", name) for name in cast.drivers),
+        populations=tuple(policy_origin("pedestrian", name) for name in cast.populations),
+    )
     write_rows(folder / "episodes.csv", [(*match.names, match.rows) for match in matches])
     write_whole(folder / "results.json", results.to_json())
     watched = _gallery(cast, {match.names: match.rows for match in matches}, most, say)

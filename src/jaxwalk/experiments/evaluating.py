@@ -29,9 +29,11 @@ from jaxwalk.evaluation import (
     write_encounters,
     write_rows,
 )
+from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.report.suite import suite
+from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
@@ -56,14 +58,9 @@ class Evaluation:
     """Scenarios in each cell."""
     seed: int
     """Seed of the scenarios."""
-    pair: tuple[str, str] | None = None
-    """Two drivers to compare, if any."""
-    counterfactuals: int = 0
-    """Most collisions of each cell to replay."""
+    options: EvaluationOptions
     out: Path | None = None
     """Folder to write into; None writes nothing."""
-    encounters: bool = False
-    """Whether to write a row per encounter."""
 
 
 def evaluate_all(work: Evaluation, tell: Tell) -> Results:
@@ -74,13 +71,16 @@ def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     Raises:
         Stopped: a policy failed; the message says what was kept.
     """
+    drivers = tuple(policy_origin("driver", name) for name in work.drivers)  # before they can change
+    populations = tuple(policy_origin("pedestrian", name) for name in work.populations)
     results, rows = _play(work, tell)
-    if work.pair is not None:
-        results = replace(results, compared=_compared(work, work.pair, rows))
+    results = replace(results, drivers=drivers, populations=populations, options=work.options, made=provenance())
+    if work.options.compare is not None:
+        results = replace(results, compared=_compared(work, work.options.compare, rows))
     if work.out:
         _keep_rows(work, work.out, rows)
         _keep_results(work.out, results)
-    if work.counterfactuals:
+    if work.options.counterfactuals:
         results = replace(results, cells=_replayed(work, results.cells, rows, tell))
         if work.out:
             _keep_results(work.out, results)
@@ -134,7 +134,7 @@ def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tel
     for number, (cell, (street, driver, people, found)) in enumerate(zip(cells, played, strict=True)):
         tell(f"replaying collisions of {driver} among {people}", number, len(cells))
         policies = {"driver": work.drivers[driver], "pedestrian": work.populations[people]}
-        source, hits = Drawn(street, work.seed, work.episodes), find_hits(found).first(work.counterfactuals)
+        source, hits = Drawn(street, work.seed, work.episodes), find_hits(found).first(work.options.counterfactuals)
         with named({"driver": driver, "pedestrian": people}):
             table = counterfactuals(street, policies, source, hits)
         replayed.append(replace(cell, counterfactuals=summarise_counterfactuals(table)))
@@ -155,7 +155,7 @@ def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
 def _keep_rows(work: Evaluation, out: Path, rows: list[Played]) -> None:
     """Write a row per episode for each multiplier, and a row per encounter if requested."""
     _write_episodes(work, out / "episodes", rows)
-    if work.encounters:
+    if work.options.encounters:
         of_street = zip(map(jaywalk_multiplier, work.streets), rows, strict=True)
         cells = [(*pair, multiplier, found) for multiplier, played in of_street for pair, found in played.items()]
         write_encounters(out / "encounters.parquet", cells)
@@ -174,5 +174,5 @@ def _write_episodes(work: Evaluation, name: Path, rows: list[Played]) -> list[Pa
 
 def _keep_results(out: Path, results: Results) -> None:
     """Write the results, and their tables."""
-    write_whole(out / "suite.md", suite(results, provenance()))
+    write_whole(out / "suite.md", suite(results, results.made or provenance()))
     write_whole(out / "results.json", results.to_json())

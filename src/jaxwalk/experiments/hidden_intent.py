@@ -30,8 +30,9 @@ from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.intent_document import IntentDocument, IntentPlan, IntentStreet, KnownIntent, as_intent_document
 from jaxwalk.report.intent_page import BLIND, page
 from jaxwalk.runs.contestants import contestant
+from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.provenance import provenance
-from jaxwalk.runs.study import Effort, Work
+from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, TOLD
@@ -103,7 +104,7 @@ def _evaluate(work: IntentWork) -> None:
         there = with_jaywalk_multiplier(street, multiplier)
         chosen, matches = play_rounds(there, rounds, scenarios, work.say)
         known = _identifiability(there, multiplier, _rows(matches, BLIND), scenarios)
-        streets.append(IntentStreet(multiplier, results_of(chosen, matches, paired=_pairs(matches)), known))
+        streets.append(IntentStreet(multiplier, results_of(there, chosen, matches, paired=_pairs(matches)), known))
     document = IntentDocument(IntentPlan(**asdict(work.plan)), provenance(), tuple(streets))
     work.keep(RESULT, document.as_dict())
 

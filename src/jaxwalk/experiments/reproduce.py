@@ -29,7 +29,7 @@ from jaxwalk.exports.drawn_episode import draw_episode
 from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import ENCOUNTERS, OUTCOMES
-from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.recipes import LONGEST, RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import (
     ALWAYS_GO,
     CO_TRAINED,
@@ -44,9 +44,10 @@ from jaxwalk.report import (
     write_report,
 )
 from jaxwalk.runs.contestants import contestant
+from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.provenance import provenance
-from jaxwalk.runs.study import Effort, Work, read_json, run_folder
+from jaxwalk.runs.study import Work, read_json, run_folder
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
@@ -73,8 +74,8 @@ class Plan(Effort):
     def __post_init__(self) -> None:
         """Raise ValueError for an impossible plan."""
         super().__post_init__()
-        if not 0 < self.minutes < float("inf"):
-            raise ValueError(f"minutes must be above 0, not {self.minutes}")
+        if not 0 < self.minutes <= LONGEST:
+            raise ValueError(f"minutes must be above 0 and at most {LONGEST:,}, not {self.minutes:g}")
         if self.recipe not in RECIPES:
             raise ValueError(f"recipe must be one of {', '.join(RECIPES)}, not {self.recipe}")
 

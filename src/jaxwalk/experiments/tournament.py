@@ -15,12 +15,13 @@ from jaxwalk.evaluation import (
     paired_over_seeds,
     with_jaywalk_multiplier,
 )
-from jaxwalk.evaluation.document_parts import PairedSeeds
+from jaxwalk.evaluation.document_parts import PairedSeeds, StreetOrigin
 from jaxwalk.evaluation.results import ScenarioSet
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT
 from jaxwalk.runs.contestants import contestant
+from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
@@ -79,7 +80,7 @@ def tournament(
     chosen, matches = play_rounds(street, rounds, scenarios, say)
     places = {name: place for place, name in enumerate((*COMPARED, SINGLE_AGENT, CO_TRAINED))}
     matches.sort(key=lambda match: (places[match.cell.driver], match.cell.pedestrians != ALWAYS_GO))
-    return results_of(chosen, matches, paired=_pairs(matches)), matches
+    return results_of(street, chosen, matches, paired=_pairs(matches)), matches
 
 
 def ablation(street: Street, trained: Sequence[TrainedPolicies], scenarios: Scenarios, say: Say) -> Results:
@@ -94,7 +95,7 @@ def ablation(street: Street, trained: Sequence[TrainedPolicies], scenarios: Scen
         chosen, found = play_rounds(with_jaywalk_multiplier(street, multiplier), rounds, scenarios, say)
         sets.append(chosen)
         matches += sorted(found, key=lambda match: match.cell.pedestrians != ALWAYS_GO)
-    return results_of(sets[-1], matches)
+    return results_of(street, sets[-1], matches)
 
 
 def play_rounds(
@@ -119,10 +120,13 @@ def _tell(say: Say, of: str, driver: str, people: str, played: int, episodes: in
         say(f"    {driver} among {people}{of}: {counted(played, 'episode')}")
 
 
-def results_of(scenarios: ScenarioSet, matches: Sequence[Match], *, paired: Sequence[PairedSeeds] = ()) -> Results:
-    """Return every match's cell, and the numbers over training seeds."""
-    cells = tuple(match.cell for match in matches)
-    return Results(scenarios, cells, over_seeds=over_training_seeds(matches), paired=tuple(paired))
+def results_of(
+    street: Street, scenarios: ScenarioSet, matches: Sequence[Match], *, paired: Sequence[PairedSeeds] = ()
+) -> Results:
+    """Return every match's cell, the numbers over training seeds, and where and with which versions it was."""
+    cells, over_seeds = tuple(match.cell for match in matches), over_training_seeds(matches)
+    where, made = StreetOrigin.of(street), provenance()
+    return Results(scenarios, cells, over_seeds=over_seeds, paired=tuple(paired), street=where, made=made)
 
 
 def _pairs(matches: Sequence[Match]) -> list[PairedSeeds]:

@@ -61,9 +61,9 @@ class RoleConfig:
         _require(self, self.hold == 1 or (self.hold > 1 and self.gated), "hold", "must be 1, or more for a gated role")
         alone = not (self.gated and GLOBAL in self.critic_observes)
         _require(self, alone, "critic_observes", f"of a gated role can't have {GLOBAL!r}", None)
-        _require(self, 0 <= self.entropy < math.inf, "entropy", "must be 0 or more")
-        _require(self, 0 < self.epochs < math.inf, "epochs", "must be above 0")
-        _require(self, 0 < self.initial_std < math.inf, "initial_std", "must be above 0")
+        _require(self, 0 <= self.entropy < math.inf, "entropy", "must be a finite number of 0 or more")
+        _require(self, 0 < self.epochs < math.inf, "epochs", "must be a finite number above 0")
+        _require(self, 0 < self.initial_std < math.inf, "initial_std", "must be a finite number above 0")
         _require(self, self.noise in ("clipped", "tanh"), "noise", 'must be "clipped" or "tanh"')
         _require(self, bool(self.observes) and self.observes != GLOBAL, "observes", "must name an observation set")
         _require(self, len(self.critic_observes) > 0, "critic_observes", "must name at least one observation set")
@@ -127,7 +127,7 @@ class TrainConfig:
         for name, most in LARGEST.items():
             _require(self, getattr(self, name) <= most, name, f"must be at most {most:,}")
         for name in ("learning_rate", "adam_epsilon", "max_grad_norm", "clip", "value_coefficient", "reward_scale"):
-            _require(self, 0 < getattr(self, name) < math.inf, name, "must be above 0")
+            _require(self, 0 < getattr(self, name) < math.inf, name, "must be a finite number above 0")
         for name in ("discount", "gae_lambda"):
             _require(self, 0 <= getattr(self, name) <= 1, name, "must lie in [0, 1]")
         alone = self.credit == "individual" or not any(self.roles[role].gated for role in self.roles)

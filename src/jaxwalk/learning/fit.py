@@ -24,16 +24,16 @@ from jaxwalk.shards import Axis
 Network = TypeVar("Network")
 Entries = TypeVar("Entries", bound=Actions | Targets)
 GATED_PART = 16
-"""See `gated_part`."""
+"""Largest result of `gated_part`."""
 Loss = Callable[[Any, Any], tuple[Array, dict[str, Array]]]
 """From network and chunk to the summed loss, and sums to report; ``weight`` among them is the divisor."""
 
 
 def gated_part(config: TrainConfig) -> int:
-    """Return n, where a gated role learns from at most 1 / n of its rows.
+    """Return n: a gated role has room for 1 / n of the rows of a rollout, and learns from no more.
 
-    Those are its decisions, which are far fewer, and for its critic also the rollout's first rows: there is room for
-    twice as many.
+    It learns from its decisions, which are far fewer, and its critic also from the rollout's first step: there is room
+    for at least two steps.
     """
     return min(GATED_PART, max(config.steps // 2, 1))
 

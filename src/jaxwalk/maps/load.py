@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
 from jaxwalk.maps.check import find_faults
 from jaxwalk.maps.check_size import size_faults
 from jaxwalk.maps.file import MapError, parse
+from jaxwalk.maps.map_text import MapText, text_hash
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.tables import build
 
@@ -27,13 +29,51 @@ def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clea
     ``goal_spacing`` and ``start_clearance`` [m] are those of SimConfig. Raises MapError, with a line for every fault,
     if the map can't be read or is wrong.
     """
-    file = parse(_read(name_or_path), str(name_or_path))
+    text, source = _read(name_or_path), str(name_or_path)
+    return build_map(text, source, goal_spacing=goal_spacing, start_clearance=start_clearance)
+
+
+def build_map(text: str, source: str, *, goal_spacing: float, start_clearance: float) -> RoadMap:
+    """Return the arrays of a map file's text, as `load_map` does. ``source`` names the map in a MapError."""
+    file = parse(text, source)
     if too_much := size_faults(file):
-        raise MapError(str(name_or_path), too_much)
+        raise MapError(source, too_much)
     faults = find_faults(file, goal_spacing=goal_spacing, start_clearance=start_clearance)
     if faults:
-        raise MapError(str(name_or_path), faults)
+        raise MapError(source, faults)
     return build(file, goal_spacing=goal_spacing, start_clearance=start_clearance)
+
+
+def read_map(name_or_path: str | Path) -> MapText:
+    """Return the text of a bundled map or of a file. Raises MapError if it can't be read; its content isn't checked."""
+    return MapText.of(map_name(name_or_path), _read(name_or_path))
+
+
+def reference(found: MapText) -> MapText:
+    """Return a map as documents name it: without its text if it is one that ships with jaxwalk."""
+    return replace(found, text=None) if _is_bundled(found) else found
+
+
+def text_of(named: MapText) -> MapText:
+    """Return a map of a document with its text, the inverse of `reference`.
+
+    Raises MapError if the text isn't that of the hash, or if no such map ships with this jaxwalk.
+    """
+    if named.text is None and not _is_bundled(named):
+        raise MapError(named.name, [f"no map of hash {named.hash} ships with this jaxwalk: use another version"])
+    found = read_map(named.name) if named.text is None else named
+    if text_hash(found.text or "") != found.hash:
+        raise MapError(named.name, [f"its text was edited (the hash is not {named.hash}): copy it again"])
+    return found
+
+
+def _is_bundled(found: MapText) -> bool:
+    return found.name in bundled_maps() and read_map(found.name).hash == found.hash
+
+
+def map_name(name_or_path: str | Path) -> str:
+    """Return a bundled map's name as it is, and a file's without its folder."""
+    return Path(name_or_path).name
 
 
 def _read(name_or_path: str | Path) -> str:

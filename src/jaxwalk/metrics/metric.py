@@ -90,6 +90,8 @@ class Rows:
     """All metrics, in the order in which their columns are resampled."""
     tables: Mapping[str, Any]
     """Tables by the name of their metric."""
+    maps: Shaped[np.ndarray, "episode"] | None = None
+    """Name of the map of each episode; None if it isn't known."""
 
     def __getitem__(self, table: MetricTable[T]) -> T:
         """Return a table. Raise KeyError if it was not measured."""
@@ -118,7 +120,9 @@ class Rows:
             raise ValueError("rows of different metrics cannot be joined")
         offsets = np.cumsum([0, *(part.episodes for part in parts[:-1])])
         tables = {name: _join_tables([part.tables[name] for part in parts], offsets) for name in first.tables}
-        return Rows(first.dt, sum(part.episodes for part in parts), first.metrics, tables)
+        maps = [part.maps for part in parts if part.maps is not None]
+        known = np.concatenate(maps) if len(maps) == len(parts) else None
+        return Rows(first.dt, sum(part.episodes for part in parts), first.metrics, tables, known)
 
 
 def _join_tables(tables: Sequence[T], offsets: np.ndarray) -> T:

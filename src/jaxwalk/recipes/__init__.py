@@ -1,10 +1,10 @@
 """Recipes: complete trainings under a name. A recipe is one file here and one word in `RECIPES`; none imports JAX."""
 
-from jaxwalk.recipes.experiment import Experiment, single_agent, with_training
+from jaxwalk.recipes.experiment import LONGEST, Experiment, single_agent, with_training
 from jaxwalk.recipes.fast import FAST
 from jaxwalk.recipes.paper import PAPER
 
-__all__ = ["FAST", "PAPER", "RECIPES", "Experiment", "single_agent", "with_training"]
+__all__ = ["FAST", "LONGEST", "PAPER", "RECIPES", "Experiment", "single_agent", "with_training"]
 
 RECIPES: dict[str, Experiment] = {experiment.recipe: experiment for experiment in (FAST, PAPER)}
 """The recipes, by name."""

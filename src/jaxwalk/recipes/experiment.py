@@ -11,6 +11,9 @@ from typing import Any, ClassVar
 from jaxwalk.learning.config import TrainConfig, own_environments
 from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
 
+LONGEST = 1_000_000
+"""Longest time for which a training can be planned [min]: two years."""
+
 
 @dataclass(frozen=True)
 class Experiment:
@@ -45,9 +48,9 @@ class Experiment:
         if not 0 <= self.seed < 2**32:
             raise ValueError(f"seed must lie in [0, 2^32), not {self.seed}")
         if not 0 <= self.jaywalk_multiplier < float("inf"):
-            raise ValueError(f"jaywalk_multiplier must be 0 or more, not {self.jaywalk_multiplier}")
-        if self.minutes is not None and not 0 < self.minutes < float("inf"):
-            raise ValueError(f"minutes must be above 0, not {self.minutes}")
+            raise ValueError(f"jaywalk_multiplier must be a finite number of 0 or more, not {self.jaywalk_multiplier}")
+        if self.minutes is not None and not 0 < self.minutes <= LONGEST:
+            raise ValueError(f"minutes must be above 0 and at most {LONGEST:,}, not {self.minutes:g}")
 
     @property
     def single_agent(self) -> bool:

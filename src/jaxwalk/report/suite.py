@@ -26,13 +26,20 @@ def suite(results: Results, made: Provenance) -> str:
     )
     versions = ", ".join(f"{name} {version}" for name, version in made.versions.items())
     origin = f"Made at commit {made.commit or 'unknown'} on {made.hardware}, {versions}."
-    parts = ["# The suite", about, origin]
+    parts = ["# The suite", about, origin, *_named(results)]
     if results.compared:
         parts += ["## Compared", "\n".join(f"- {line}" for line in said(results))]
     for heading, text, table in _sections(cells):
         parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
     words = (f"- **{_name(cell)}**: {surprise.in_words(cell.summary[SPEED_DIFFERENTIAL])}" for cell in cells)
     return "\n\n".join(part for part in (*parts, "## In words", WORDS, "\n".join(words)) if part) + "\n"
+
+
+def _named(results: Results) -> list[str]:
+    """Return where it was and with what, as far as the results know it."""
+    where = [f"Where: {results.street.in_words()}."] if results.street else []
+    each = {"Drivers": results.drivers, "Populations": results.populations}
+    return where + [f"{what}: {', '.join(x.in_words() for x in found)}." for what, found in each.items() if found]
 
 
 def said(results: Results) -> list[str]:
@@ -45,6 +52,8 @@ def said(results: Results) -> list[str]:
 
 def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "Outcomes", "", outcomes(cells)
+    if any(cell.by_map for cell in cells):
+        yield "On each map", "", on_each_map(cells)
     yield "Encounters", ENCOUNTERS_CAPTION, surrogates(cells)
     yield "Whose collisions", ATTRIBUTION_CAPTION, attribution(cells)
     if any(cell.counterfactuals for cell in cells):
@@ -105,6 +114,16 @@ def outcomes(cells: Sequence[Cell]) -> Table:
         found = cell.summary[OUTCOMES]
         per_km, moving = shown(found.all.per_km, 1.0, 2), shown(found.moving.per_episode)
         rows.append((_name(cell), *rates, shown(cell.mean_time_to_goal, 1.0), per_km, moving))
+    return Table(columns, tuple(rows))
+
+
+def on_each_map(cells: Sequence[Cell]) -> Table:
+    """Return how episodes end on each of several maps."""
+    columns = ("driver", "map", "episodes", "goal %", "collision %", "timeout %", "time to goal [s]")
+    rows = []
+    for cell, found in ((one, found) for one in cells for found in one.by_map):
+        rates = (shown(rate) for rate in (found.goal_rate, found.collision_rate, found.timeout_rate))
+        rows.append((_name(cell), found.map, f"{found.episodes:,}", *rates, shown(found.mean_time_to_goal, 1.0)))
     return Table(columns, tuple(rows))
 
 

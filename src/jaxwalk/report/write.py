@@ -89,6 +89,11 @@ def _facts(material: Material) -> list[tuple[str, str]]:
         facts += [("Recipe", material.trainings.recipe), ("Training seeds", _seeds(material))]
     seed = "" if scenarios.seed is None else f", seed {scenarios.seed}"
     facts.append(("Scenarios", f"{scenarios.count:,} in each cell{seed}, hash {scenarios.hash}"))
+    if material.results.street is not None:
+        facts.append(("Maps", material.results.street.in_words()))
+    played = (*material.results.drivers, *material.results.populations)
+    if played:
+        facts.append(("Policies", "; ".join(origin.in_words() for origin in played)))
     for name, curves in material.curves.items():
         trainings = list(curves.values())
         times = ", ".join(f"{curve.seconds / 60:.1f}" for curve in trainings)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,11 @@ import jax
 from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.interfaces import Box, Discrete, Policy
 from jaxwalk.learning.actor import DISCRETE, GATED, Actor
+from jaxwalk.maps import map_labels
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.runs.kept_maps import to_stderr
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -32,13 +34,19 @@ def run_folders(names: Iterable[str]) -> list[str]:
     return [name for name in names if name not in known and Path(name).is_dir()]
 
 
-def world_of(names: Sequence[str], maps: Sequence[str]) -> Street:
-    """Return the street to evaluate on: of the given maps, else of those that the named run folders were trained on."""
-    runs = [Run.open(name).experiment for name in run_folders(names)]
-    trained = list(dict.fromkeys(run.maps for run in runs))
-    if not maps and len(trained) > 1:
-        raise ContestantError(f"the run folders were trained on different maps ({trained}); choose some with --map")
-    worlds = list(dict.fromkeys(run.sim for run in runs))
+def world_of(names: Sequence[str], maps: Sequence[str], tell: Callable[[str], None] = to_stderr) -> Street:
+    """Return the street to evaluate on: of the given maps, else of those that the named run folders keep.
+
+    ``tell`` is called with a warning for each folder that keeps no maps.
+    """
+    runs = [Run.open(name) for name in run_folders(names)]
+    trained = [] if maps else list(dict.fromkeys(run.maps(tell) for run in runs))
+    if len(trained) > 1:
+        labels = map_labels([x for each in trained for x in each])
+        raise ContestantError(
+            f"the run folders were trained on different maps ({', '.join(labels)}); choose some with --map"
+        )
+    worlds = list(dict.fromkeys(run.experiment.sim for run in runs))
     if len(worlds) > 1:
         raise ContestantError("the run folders were trained in worlds of different rules (sim in config.json)")
     chosen = tuple(maps) or (trained[0] if trained else ("paper",))

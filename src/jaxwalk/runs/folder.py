@@ -1,6 +1,7 @@
 """The run folder: everything that a training writes, and everything that evaluation needs.
 
     config.json         the `Experiment`
+    maps.json           the maps that it is trained on (`jaxwalk.runs.kept_maps`)
     metrics.jsonl       one line for each update
     events.out.*        the same for TensorBoard
     checkpoints/        to resume from
@@ -14,17 +15,21 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from jaxwalk.recipes import Experiment
 from jaxwalk.runs.board import Board
+from jaxwalk.runs.kept_maps import keep_maps, kept_maps, to_stderr
 from jaxwalk.runs.lock import LOCK, held
 from jaxwalk.writing import is_unfinished, naming, write_whole
+
+if TYPE_CHECKING:
+    from jaxwalk.maps import MapText
 
 CONFIG, METRICS, CHECKPOINTS, POLICY = "config.json", "metrics.jsonl", "checkpoints", "policy.safetensors"
 """File names inside a run folder."""
@@ -71,13 +76,17 @@ class Run:
         self.experiment = experiment
 
     @classmethod
-    def create(cls, path: str | Path, experiment: Experiment) -> Run:
-        """Create a run folder; an existing folder must be empty."""
+    def create(cls, path: str | Path, experiment: Experiment, maps: Sequence[MapText] | None = None) -> Run:
+        """Create a run folder, which must be empty if it exists. ``maps``: those of the experiment, if already read."""
+        from jaxwalk.maps import read_map  # JAX comes with it
+
         check_new(Path(path))
+        maps = [read_map(name) for name in experiment.maps] if maps is None else maps
         run = cls(path, experiment)
         with held(run.path):
             check_new(run.path)  # check again: another process may have been quicker
             run.describe(experiment)
+            keep_maps(run.path, maps)
         return run
 
     @classmethod
@@ -99,6 +108,10 @@ class Run:
     def policy(self) -> Path:
         """Return the file of the trained actors."""
         return self.path / POLICY
+
+    def maps(self, tell: Callable[[str], None] = to_stderr) -> tuple[MapText, ...]:
+        """Return the maps that it is trained on, as `kept_maps` does."""
+        return kept_maps(self.path, self.experiment.maps, tell)
 
     def describe(self, experiment: Experiment) -> None:
         """Write the configuration."""

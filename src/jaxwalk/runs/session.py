@@ -12,6 +12,7 @@ import jax
 from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
+from jaxwalk.maps import MapText
 from jaxwalk.policies import save_policy
 from jaxwalk.runs.folder import MetricsLog, Run, RunError
 from jaxwalk.runs.progress import TrainingProgress
@@ -86,7 +87,7 @@ class Session:
         self.log.to_disk()  # a checkpoint without its metrics would leave a gap
         if checkpoint.latest(self.run.checkpoints) != updates:
             checkpoint.save(self.run.checkpoints, learner, updates=updates)
-        save_policy(self.run.policy, learner, policy_metadata(self.run, updates))
+        save_policy(self.run.policy, learner, policy_metadata(self.run, self.street.maps, updates))
         self.saved = time.monotonic()
 
 
@@ -102,10 +103,10 @@ def _what_diverged(updates: int, fixed: Sequence[str]) -> str:
     )
 
 
-def policy_metadata(run: Run, updates: int) -> dict[str, Any]:
-    """Return the origin of a policy, as its file states it."""
+def policy_metadata(run: Run, maps: Sequence[MapText], updates: int) -> dict[str, Any]:
+    """Return the origin of a policy trained on these maps, as its file states it."""
     experiment = run.experiment
     made = {"updates": updates, "steps": updates * experiment.steps_per_update}
     chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}
-    chosen["maps"] = list(experiment.maps)
+    chosen |= {"maps": [x.name for x in maps], "map_hashes": [x.hash for x in maps]}
     return chosen | made | asdict(provenance())

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 
 import jax
 
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.learning.config import GLOBAL
-from jaxwalk.maps import MapError
+from jaxwalk.maps import MapError, MapText
 from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.recipes import Experiment, with_training
@@ -23,8 +23,8 @@ class WorldError(ValueError):
     """A configuration that can't be trained. The message names the field and its possible values, in one line."""
 
 
-def make_street(experiment: Experiment) -> Street:
-    """Return the environment of an experiment.
+def make_street(experiment: Experiment, maps: Sequence[MapText] | None = None) -> Street:
+    """Return the environment of an experiment, on the maps that it names or on ``maps``, which a run folder keeps.
 
     Raises:
         MapError: a map is wrong.
@@ -32,16 +32,16 @@ def make_street(experiment: Experiment) -> Street:
     """
     _check_sets(experiment)
     try:
-        return _street(experiment)
+        return _street(experiment, experiment.maps if maps is None else maps)
     except MapError:
         raise
     except ValueError as error:
         raise WorldError(str(error)) from error
 
 
-def _street(experiment: Experiment) -> Street:
+def _street(experiment: Experiment, maps: Sequence[str | MapText]) -> Street:
     return Street.create(
-        experiment.maps,
+        maps,
         experiment.sim,
         jaywalk_multiplier=experiment.jaywalk_multiplier,
         driver_weights=experiment.driver_weights,

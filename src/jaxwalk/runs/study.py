@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 from rich.console import Console
 
 from jaxwalk.recipes import Experiment
+from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run, RunError, check_writable, is_empty
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.progress import Display
@@ -30,38 +31,6 @@ from jaxwalk.writing import remove_unfinished, write_whole
 
 class Interrupted(Exception):
     """Ctrl-C interrupted the command; finished parts are kept."""
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How much work to do: what every plan has. Raises ValueError for an impossible value, naming the field."""
-
-    updates: int | None = None
-    """Number of updates of each training."""
-    episodes: int = 1000
-    """Number of scenarios in each cell."""
-    seed: int = 0
-    """Seed of the scenarios, and the first training seed."""
-    seeds: int = 1
-    """Number of training seeds: ``seed``, ``seed`` + 1, ..."""
-
-    def __post_init__(self) -> None:
-        """Raise ValueError for an impossible value."""
-        if self.updates is not None and not 1 <= self.updates < 2**31:
-            raise ValueError(f"updates must lie in [1, 2^31), not {self.updates}")
-        if self.episodes < 1:
-            raise ValueError(f"episodes must be at least 1, not {self.episodes}")
-        if self.seeds < 1:
-            raise ValueError(f"seeds must be at least 1, not {self.seeds}")
-        if not 0 <= self.seed < 2**31:
-            raise ValueError(f"seed must lie in [0, 2^31), not {self.seed}")
-        if self.seed + self.seeds > 2**31:
-            raise ValueError(f"seed + seeds must be at most 2^31, not {self.seed} + {self.seeds}")
-
-    @property
-    def training_seeds(self) -> range:
-        """Return all training seeds."""
-        return range(self.seed, self.seed + self.seeds)
 
 
 P = TypeVar("P", bound=Effort)

@@ -14,6 +14,7 @@ from jaxwalk.learning.mappo import Learner
 from jaxwalk.policies import read_metadata
 from jaxwalk.rollout import TRAINING, seed_key
 from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.planning import plan_by_time, replan, shortened, with_plan
 from jaxwalk.runs.progress import Display, Pace, TrainingProgress
@@ -80,7 +81,9 @@ def train(
     """
     with held(run.path), _saying_what_is_kept(run):
         remove_unfinished(run.path)
-        street = street or make_street(run.experiment)
+        street = street or make_street(run.experiment, run.maps((display or Display()).say))
+        if not (run.path / MAPS).is_file():  # a folder of an older version, or killed while it was made
+            keep_maps(run.path, street.maps)
         return _train(run, street, resume, display or Display(), 60 * checkpoint_minutes)
 
 

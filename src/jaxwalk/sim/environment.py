@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float, Key
 
 from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec, View
+from jaxwalk.maps import MapText
 from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
 from jaxwalk.sim.events import Events, arrives, touches
 from jaxwalk.sim.prediction import foresee
@@ -32,14 +33,14 @@ class Street(eqx.Module):
     @classmethod
     def create(
         cls,
-        maps: Sequence[str | Path] = ("paper",),
+        maps: Sequence[str | Path | MapText] = ("paper",),
         config: SimConfig | None = None,
         *,
         jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
         driver_weights: Mapping[str, float] | None = None,
         pedestrian_weights: Mapping[str, float] | None = None,
     ) -> Street:
-        """Return a street on the given maps (bundled names or files) that pays the given reward terms (default: none).
+        """Return a street on the maps (bundled names, files or texts) that pays the given reward terms (default: none).
 
         Raise MapError for a wrong map, and ValueError for a reward term that doesn't exist, a negative multiplier, or
         roads that are too narrow for ``offroad_margin``.
@@ -53,6 +54,11 @@ class Street(eqx.Module):
     def config(self) -> SimConfig:
         """The rules as plain numbers. Only outside compiled code, which reads ``world.rules``."""
         return self.world.rules.config
+
+    @property
+    def maps(self) -> tuple[MapText, ...]:
+        """Name, hash and text of each map, in the order of `Scenario.map`."""
+        return self.world.map_texts
 
     @property
     def roles(self) -> Roles[RoleSpec]:

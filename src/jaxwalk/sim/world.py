@@ -12,7 +12,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
-from jaxwalk.maps import RoadMap, load_map, stack_maps
+from jaxwalk.maps import MapText, RoadMap, build_map, read_map, stack_maps
 from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -66,17 +66,21 @@ class World(eqx.Module):
     """How many goals a scenario holds for each pedestrian."""
     crossings: int = eqx.field(static=True)
     """How many crossings a scenario holds draws for, for each pedestrian."""
+    map_texts: tuple[MapText, ...] = eqx.field(static=True)
+    """Name, hash and text of each map."""
 
     @classmethod
-    def create(cls, maps: Sequence[str | Path], config: SimConfig, *, jaywalk_multiplier: float) -> World:
-        """Return the world of some maps (bundled names or files).
+    def create(cls, maps: Sequence[str | Path | MapText], config: SimConfig, *, jaywalk_multiplier: float) -> World:
+        """Return the world of some maps (bundled names, files or their texts).
 
         Raise MapError for a wrong map, and ValueError for a negative or infinite multiplier, or roads that are too
         narrow for ``offroad_margin``.
         """
         check_multiplier(jaywalk_multiplier)
         spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
-        stacked = stack_maps([load_map(name, **spacing) for name in maps])
+        texts = tuple(x if isinstance(x, MapText) else read_map(x) for x in maps)
+        named = zip(texts, map(str, maps), strict=True)  # an error names a file as the caller did
+        stacked = stack_maps([build_map(x.text or "", name, **spacing) for x, name in named])
         _check_margin(stacked, config.offroad_margin)
         packed = pack_tables(stacked)
         goals, crossings = table_sizes(config, shortest_crossing=shortest_crossing(packed["side"]))
@@ -84,7 +88,7 @@ class World(eqx.Module):
         on_host = (stacked, packed, numbers, np.float32(jaywalk_multiplier))
         road_map, tables, arrays, multiplier = jax.device_put(on_host)  # `jnp.asarray` compiles one program per shape
         rules = Rules(dt=float(config.dt), horizon=config.horizon, pedestrians=config.pedestrians, **arrays)
-        return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings)
+        return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings, texts)
 
 
 def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:
@@ -101,7 +105,7 @@ def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, in
 def check_multiplier(multiplier: float) -> None:
     """Raise ValueError for a jaywalk multiplier that is negative or infinite."""
     if not 0 <= multiplier < float("inf"):
-        raise ValueError(f"jaywalk_multiplier must be 0 or more, not {multiplier}")
+        raise ValueError(f"jaywalk_multiplier must be a finite number of 0 or more, not {multiplier}")
 
 
 def _check_margin(maps: RoadMap, margin: float) -> None:

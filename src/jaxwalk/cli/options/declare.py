@@ -10,6 +10,8 @@ from jaxwalk.recipes import RECIPES
 
 Flag = tyro.conf.FlagCreatePairsOff[bool]
 """An option without a value."""
+Acting = Literal["mode", "sample"]
+"""How a learned policy chooses its actions."""
 
 if TYPE_CHECKING:
     Recipe = str

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from jaxwalk.cli.options.declare import Flag, option
+from jaxwalk.cli.options.declare import Acting, Flag, option
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,14 @@ class Evaluate:
     """Bundled maps or map files."""
     jaywalk_multiplier: Annotated[tuple[float, ...], option("0.25", "X [X ...]")] = (0.25,)
     """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
-    sample_driver: Flag = False
-    """A learned driver draws its actions at random, as in training; else it takes the likeliest."""
+    driver_acts: Annotated[Acting, option("mode", "HOW")] = "mode"
+    """How a learned driver chooses: mode, the likeliest action; sample, at random as in training."""
+    pedestrians_act: Annotated[Acting, option("sample", "HOW")] = "sample"
+    """How learned pedestrians choose: mode or sample."""
     trust: Flag = False
     """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
     driver_seconds: Annotated[float, option("10", "S")] = 10.0
     """Time limit of a driver that is not JAX for one step of its batch."""
-    pedestrian_mode: Flag = False
-    """Learned pedestrians take the likeliest action; else they draw at random, as in training."""
     counterfactuals: Annotated[int, option("0", "N")] = 0
     """Replay up to N collisions of each cell with other actions: who could have avoided them? About 0.2 s each."""
     out: Annotated[Path | None, option("none", "DIR")] = None
