@@ -37,7 +37,7 @@ class Box(eqx.Module):
         return (abs(action) <= 1 + BEYOND).all(axis=0)
 
     def __str__(self) -> str:
-        return f"{self.size} numbers in [-1, 1]"
+        return f"{'a number' if self.size == 1 else f'{self.size} numbers'} in [-1, 1]"
 
 
 class Discrete(eqx.Module):

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from jaxwalk.interfaces import Discrete, Roles, RoleSpec
+from jaxwalk.interfaces import Box, Roles, RoleSpec
 
 ADVICE = "the policy is broken (perhaps its network's numbers aren't finite): train it again, restore or correct it"
 
@@ -25,7 +25,8 @@ class ActionError(ValueError):
         """Return the error for the actions of a role's agents at one step, ``(size, *agents)`` or ``(*agents,)``."""
         inside = np.asarray(spec.action.contains(actions))
         first = tuple(np.argwhere(~inside)[0])
-        value = actions[first] if isinstance(spec.action, Discrete) else actions[(..., *first)]
+        numbers = np.atleast_1d(actions[(..., *first)])
+        value = f"[{' '.join(f'{x:g}' for x in numbers)}]" if isinstance(spec.action, Box) else f"{numbers[0]}"
         who = "".join(f", {role} {index}" for index in first)
         return cls(role, f"its action is {value}, not {spec.action} (scenario {scenario}, step {step}{who}); {ADVICE}")
 

@@ -97,7 +97,7 @@ def _facts(material: Material) -> list[tuple[str, str]]:
     for name, curves in material.curves.items():
         trainings = list(curves.values())
         times = ", ".join(f"{curve.seconds / 60:.1f}" for curve in trainings)
-        facts.append((f"Training, {name}", f"{counted(trainings[0].steps[-1], 'step')} in {times} minutes"))
+        facts.append((f"Training, {name}", f"{counted(round(trainings[0].steps[-1]), 'step')} in {times} minutes"))
     whole = sum(material.minutes.values())
     facts += [
         ("Minutes in all", f"{whole:.1f}"),
