@@ -30,6 +30,10 @@ class ActionError(ValueError):
         who = "".join(f", {role} {index}" for index in first)
         return cls(role, f"its action is {value}, not {spec.action} (scenario {scenario}, step {step}{who}); {ADVICE}")
 
+    def by(self, names: Roles[str]) -> ActionError:
+        """Return the same error with the policy's name, from the names of all roles' policies."""
+        return ActionError(self.role, self.what, names[self.role])
+
 
 @contextmanager
 def named(names: Roles[str]) -> Iterator[None]:
@@ -37,4 +41,4 @@ def named(names: Roles[str]) -> Iterator[None]:
     try:
         yield
     except ActionError as error:
-        raise ActionError(error.role, error.what, names[error.role]) from error
+        raise error.by(names) from error

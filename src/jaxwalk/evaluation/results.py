@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxwalk.evaluation.batches import evaluate_batches
-from jaxwalk.evaluation.broken import ActionError, named
+from jaxwalk.evaluation.broken import ActionError
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import (
     ComparedEnding,
@@ -255,11 +255,12 @@ def _joined(batches: Iterable[Rows], names: Roles[str]) -> tuple[Rows | None, Dr
     """Return the rows of all batches, or of those before a policy failed (None if none), and the policy's error."""
     parts, failure = [], None
     try:
-        with named(names):
-            for part in batches:
-                parts.append(part)
-    except (DriverError, ActionError) as error:
+        for part in batches:
+            parts.append(part)
+    except DriverError as error:
         failure = error
+    except ActionError as error:
+        failure = error.by(names)
     return Rows.join(parts) if parts else None, failure
 
 
