@@ -13,6 +13,7 @@ Files are written under another name and renamed when whole.
 
 from __future__ import annotations
 
+import codecs
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -204,7 +205,7 @@ def _with_roles(text: bytes) -> bytes:
 def _read_experiment(path: Path) -> Experiment:
     advice = "correct it, or copy it again from where the run was made"
     try:
-        return _experiments().validate_json(_with_roles(path.read_bytes()))
+        return _experiments().validate_json(_with_roles(path.read_bytes().removeprefix(codecs.BOM_UTF8)))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"] if part not in ("int", "float"))  # members of unions
