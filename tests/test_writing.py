@@ -8,8 +8,9 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
+from jaxwalk import writing
 from jaxwalk.report.style import save
-from jaxwalk.writing import is_unfinished, remove_unfinished, whole, write_whole
+from jaxwalk.writing import current, is_unfinished, remove_unfinished, together, whole, write_whole
 from limits import files_at_most
 
 
@@ -86,3 +87,43 @@ def test_what_a_killed_process_left_is_known_by_its_name(tmp_path):
         unfinished.write_text("free")
     remove_unfinished(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {path.name for path in mine} | {"config.json", "LICENSE"}
+
+
+def test_files_written_together_appear_together(tmp_path):
+    with together():
+        write_whole(tmp_path / "a", "new")
+        with whole(tmp_path / "b") as unfinished:
+            unfinished.write_text("newer")
+        assert not (tmp_path / "a").exists()
+        assert current(tmp_path / "a").read_text() == "new"
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "new", "b": "newer"}
+    assert current(tmp_path / "a") == tmp_path / "a"
+
+
+@pytest.mark.parametrize("fault", ["the second", "a folder in the way", "Ctrl-C"])
+def test_of_files_written_together_one_that_fails_leaves_the_older_ones(fault, tmp_path, monkeypatch):
+    (tmp_path / "a").write_text("old")
+    (tmp_path / "b").mkdir() if fault == "a folder in the way" else (tmp_path / "b").write_text("old")
+    before = _contents(tmp_path)
+    expected = KeyboardInterrupt if fault == "Ctrl-C" else OSError
+    with pytest.raises(expected) as raised, together():
+        write_whole(tmp_path / "a", "new")
+        if fault == "the second":
+            monkeypatch.setattr(writing, "_to_disk", lambda _: (_ for _ in ()).throw(OSError(errno.ENOSPC, "No space")))
+        if fault == "Ctrl-C":
+            raise KeyboardInterrupt
+        write_whole(tmp_path / "b", "new")
+    assert _contents(tmp_path) == before
+    assert fault == "Ctrl-C" or raised.value.filename == str(tmp_path / "b")
+
+
+def test_a_process_that_must_end_at_once_leaves_nothing_half_written(tmp_path):
+    with whole(tmp_path / "a") as unfinished:
+        unfinished.write_text("half")
+        writing.remove_own_unfinished()
+        assert not any(tmp_path.iterdir())
+        unfinished.write_text("whole")
+
+
+def _contents(folder):
+    return {path.name: path.read_text() if path.is_file() else None for path in folder.iterdir()}

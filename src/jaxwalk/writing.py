@@ -5,25 +5,63 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
+
+_own_unfinished: set[Path] = set()
+"""The temporary files that this process is writing."""
+_waiting: ContextVar[dict[Path, Path] | None] = ContextVar("waiting", default=None)
+"""Inside `together`: the files to be replaced, and the temporary file of each."""
 
 
 @contextmanager
 def whole(path: str | Path) -> Iterator[Path]:
     """Yield the path of a temporary file, which replaces ``path`` at the end. It is removed if anything fails.
 
-    An OSError, such as for a full disk, names ``path``.
+    Inside `together`, it replaces ``path`` when all others do. An OSError, such as for a full disk, names ``path``.
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    _own_unfinished.add(unfinished)
     try:
         with naming(path):
             yield unfinished
             _to_disk(unfinished)
+            if (waiting := _waiting.get()) is not None:
+                waiting[path] = unfinished
+                return
             unfinished.replace(path)
+    except BaseException:
+        _remove(unfinished)
+        raise
+    _own_unfinished.discard(unfinished)
+
+
+@contextmanager
+def together() -> Iterator[None]:
+    """Let all files that are written inside appear at the end, or none: then older ones stay as they are.
+
+    Each is written beside its place, so a full disk shows before the first one is replaced. `current` finds them.
+    """
+    waiting: dict[Path, Path] = {}
+    token = _waiting.set(waiting)
+    try:
+        yield
+        for path in filter(Path.is_dir, waiting):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        for path, unfinished in waiting.items():
+            with naming(path):
+                unfinished.replace(path)
     finally:
-        unfinished.unlink(missing_ok=True)
+        _waiting.reset(token)
+        for unfinished in waiting.values():
+            _remove(unfinished)
+
+
+def current(path: Path) -> Path:
+    """Return where the content of a file is that has been written: inside `together`, not yet in its place."""
+    return (_waiting.get() or {}).get(path, path)
 
 
 @contextmanager
@@ -54,6 +92,19 @@ def remove_unfinished(folder: Path) -> None:
     """Remove the temporary files of killed processes from a folder into which nobody else writes."""
     for path in filter(is_unfinished, folder.iterdir()):
         path.unlink()
+
+
+def remove_own_unfinished() -> None:
+    """Remove the temporary files of this process, which is about to end."""
+    for path in list(_own_unfinished):
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
+
+
+def _remove(unfinished: Path) -> None:
+    """Remove a temporary file of this process."""
+    unfinished.unlink(missing_ok=True)
+    _own_unfinished.discard(unfinished)
 
 
 def _to_disk(path: Path) -> None:

@@ -51,6 +51,25 @@ def test_a_folder_that_may_only_be_read_is_refused_before_anything_is_done(place
     assert not (place / "out").exists()
 
 
+def test_a_disk_that_fills_up_on_the_way_leaves_an_older_evaluation_as_it_was(place, capsys, monkeypatch):
+    """`results.json` is the last file to be written."""
+    (place / "out").mkdir()
+    for name in ("results.json", "suite.md", "episodes.csv"):
+        (place / "out" / name).write_text("older")
+    to_disk = writing._to_disk
+
+    def fail(path):
+        if "results" in path.name:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        to_disk(path)
+
+    monkeypatch.setattr(writing, "_to_disk", fail)
+    assert main(COMMANDS["evaluate"].split()) == 2
+    assert "jaxwalk: out/results.json: No space left on device" in capsys.readouterr().err
+    left = {path.name: path.read_text() for path in (place / "out").iterdir() if path.name != ".lock"}
+    assert left == {"results.json": "older", "suite.md": "older", "episodes.csv": "older"}
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 def test_what_is_printed_to_a_full_disk_is_told_of():
     command = [sys.executable, "-m", "jaxwalk", "observations"]

@@ -17,7 +17,7 @@ from jaxwalk.bench.processes import measure_apart
 from jaxwalk.bench.quantities import figures
 from jaxwalk.bench.showing import markdown
 from jaxwalk.bench.starting import starts
-from jaxwalk.writing import write_whole
+from jaxwalk.writing import together, write_whole
 
 SCHEMA = 1
 """Version of the document; it changes when the meaning of a name in it changes."""
@@ -54,9 +54,10 @@ def benchmark(settings: Settings, console: Console | None = None) -> dict[str, A
 def write(folder: Path, document: dict[str, Any]) -> None:
     """Write bench.json, bench.md and, if rates or a crowd were measured, scaling.svg and scaling.png."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_whole(folder / "bench.json", as_text(document))
-    write_whole(folder / "bench.md", markdown(document))
-    draw(document["rows"], folder)
+    with together():
+        write_whole(folder / "bench.json", as_text(document))
+        write_whole(folder / "bench.md", markdown(document))
+        draw(document["rows"], folder)
 
 
 def as_text(document: dict[str, Any]) -> str:

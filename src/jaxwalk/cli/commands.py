@@ -12,6 +12,7 @@ import tyro
 
 from jaxwalk.cli import options
 from jaxwalk.cli.arguments import gathered
+from jaxwalk.cli.machine import prepare_machine, start_jax, try_jax
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class Command:
     """A dataclass of the options; its docstring is the command's help."""
     module: str
     """Its ``run(options)`` does the work and returns the exit code. It is imported only when the command runs."""
+    processes: bool = False
+    """Whether only its processes use JAX's devices."""
 
 
 COMMANDS = (
@@ -38,7 +41,7 @@ COMMANDS = (
     Command("scenario", options.Scenario, "jaxwalk.cli.scenario"),
     Command("export", options.Export, "jaxwalk.cli.export"),
     Command("observations", options.Observations, "jaxwalk.cli.observations"),
-    Command("bench", options.Bench, "jaxwalk.cli.bench"),
+    Command("bench", options.Bench, "jaxwalk.cli.bench", processes=True),
 )
 """All commands, in the order in which ``jaxwalk --help`` lists them."""
 
@@ -65,4 +68,9 @@ def parse(arguments: list[str]) -> Any:
 def run(options: Any) -> int:
     """Run the command that the options belong to, and return its exit code."""
     command = next(each for each in COMMANDS if each.options is type(options))
+    set_here = prepare_machine()
+    if command.processes:
+        try_jax(set_here)
+    else:
+        start_jax(set_here)
     return import_module(command.module).run(options)

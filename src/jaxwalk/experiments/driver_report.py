@@ -21,7 +21,7 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.runs.provenance import provenance
-from jaxwalk.writing import write_whole
+from jaxwalk.writing import together, write_whole
 
 MANY = 4
 """Number of drivers at the top of the page; its tables have the others too."""
@@ -58,8 +58,6 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[s
         drivers=tuple(policy_origin("driver", name) for name in cast.drivers),
         populations=tuple(policy_origin("pedestrian", name) for name in cast.populations),
     )
-    write_rows(folder / "episodes.csv", [(*match.names, match.rows) for match in matches])
-    write_whole(folder / "results.json", results.to_json())
     watched = _gallery(cast, {match.names: match.rows for match in matches}, most, say)
     material = Material(
         results=results,
@@ -71,7 +69,10 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[s
         gallery=watched,
     )
     say("    drawing")
-    return write_report(folder, material)
+    with together():
+        write_rows(folder / "episodes.csv", [(*match.names, match.rows) for match in matches])
+        write_whole(folder / "results.json", results.to_json())
+        return write_report(folder, material)
 
 
 def _gallery(cast: Cast, played: dict[tuple[str, str], Rows], most: int, say: Callable[[str], None]) -> Gallery | None:

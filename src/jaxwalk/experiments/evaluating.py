@@ -40,7 +40,7 @@ from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
-from jaxwalk.writing import write_whole
+from jaxwalk.writing import together, write_whole
 
 Tell = Callable[[str, int, int], None]
 """Called with the current task, how much of it is done, and the total."""
@@ -107,12 +107,14 @@ def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     if work.options.compare is not None:
         results = replace(results, compared=_compared(work, work.options.compare, rows))
     if work.out:
-        _keep_rows(work, work.out, rows)
-        _keep_results(work.out, results)
+        with together():
+            _keep_rows(work, work.out, rows)
+            _keep_results(work.out, results)
     if work.options.counterfactuals:
         results = replace(results, cells=_replayed(work, results.cells, rows, tell))
         if work.out:
-            _keep_results(work.out, results)
+            with together():
+                _keep_results(work.out, results)
     return results
 
 
@@ -179,7 +181,8 @@ def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
         return "no batch had been finished before"
     if work.out is None:
         return f"{episodes:,} episodes had been evaluated before: --out DIR would keep them"
-    files = _write_episodes(work, work.out / "episodes-partial", rows)
+    with together():
+        files = _write_episodes(work, work.out / "episodes-partial", rows)
     return f"the {episodes:,} episodes evaluated before are kept in {', '.join(map(str, files))}"
 
 

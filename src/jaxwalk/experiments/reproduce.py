@@ -51,6 +51,7 @@ from jaxwalk.runs.study import Work, read_json, run_folder
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
+from jaxwalk.writing import together
 
 ABLATED = 2000
 """Most scenarios of the ablation, which has ten cells for each training seed."""
@@ -217,7 +218,8 @@ def report(folder: Path) -> Path:
     if missing:
         raise RunError(f"{folder}: has no {missing[0]}.json; make it with: jaxwalk reproduce --out {folder}")
     plan = _plan(contents["plan"], folder / "plan.json")
-    return write_report(folder, _material(folder, contents, plan))
+    with together():
+        return write_report(folder, _material(folder, contents, plan))
 
 
 def _material(folder: Path, contents: Mapping[str, Any], plan: Plan) -> Material:

@@ -15,7 +15,7 @@ from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
-from jaxwalk.writing import write_whole
+from jaxwalk.writing import together, write_whole
 
 EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
 """Names of the files in the folder."""
@@ -50,6 +50,7 @@ def export_scenario(
     original = paths(tracks)
     copies = read_openscenario(documents[EPISODE]), read_commonroad(documents[COMMONROAD])
     folder.mkdir(parents=True, exist_ok=True)
-    for file, document in documents.items():
-        write_whole(folder / file, document)
+    with together():
+        for file, document in documents.items():
+            write_whole(folder / file, document)
     return max(largest_error(original, copy) for copy in copies)

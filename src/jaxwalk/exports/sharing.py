@@ -14,7 +14,7 @@ from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import Run
 from jaxwalk.scenarios import Drawn
-from jaxwalk.writing import write_whole
+from jaxwalk.writing import current, together, write_whole
 
 Results = dict[str, Any]
 
@@ -40,9 +40,10 @@ def share(
         "among": {cell.pedestrians: cell.headline() for cell in found.cells},
     }
     out.parent.mkdir(parents=True, exist_ok=True)
-    save_policy(out, actors, about)
     card = out.with_suffix(".md")
-    write_whole(card, model_card(out))
+    with together():
+        save_policy(out, actors, about)
+        write_whole(card, model_card(current(out), name=out.stem))
     return card
 
 
@@ -54,13 +55,13 @@ def _label(population: str) -> str:
     return f"learned ({experiment.recipe}, training seed {experiment.seed})"
 
 
-def model_card(file: Path) -> str:
-    """Return the model card of a shared policy as Markdown; everything in it comes from the file itself."""
+def model_card(file: Path, *, name: str) -> str:
+    """Return the model card of a shared policy as Markdown; everything below its name comes from the file itself."""
     about = read_metadata(file)
     who = "A car trained alone, among pedestrians who always go" if about["single_agent"] else "Car and pedestrians"
     maps, versions = ", ".join(about["maps"]), ", ".join(f"{name} {x}" for name, x in about["versions"].items())
     lines = [
-        f"# {file.stem}",
+        f"# {name}",
         "",
         f"{who}: recipe `{about['recipe']}`, training seed {about['seed']}, {about['updates']:,} updates, "
         f"{about['steps']:,} environment steps, maps {maps}.",

@@ -13,7 +13,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jaxwalk.writing import whole
+from jaxwalk.writing import current, whole
 
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
 """Okabe and Ito's colours."""
@@ -82,7 +82,7 @@ def save(figure: Figure, folder: Path, name: str) -> str:
     figure.set_layout_engine("none")  # the layout is done: repeating it would take as long as the drawing
     with whole(folder / f"{name}.png") as file:
         figure.savefig(file, dpi=RESOLUTION, facecolor="white")
-    white = (folder / f"{name}.svg").read_text(encoding="utf-8")
+    white = current(folder / f"{name}.svg").read_text(encoding="utf-8")
     return inline(white.replace("fill: #ffffff", "fill: none"), name)
 
 

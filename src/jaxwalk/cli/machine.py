@@ -1,0 +1,126 @@
+"""What a command needs of a machine: a place for compiled code, cores, and a JAX that starts, or says why it can't."""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from jaxwalk.runs.folder import RunError, check_writable
+from jaxwalk.runs.provenance import cores
+
+START = "import jax; jax.devices()"
+"""A program that fails if JAX can't start."""
+READ_FLAGS = """
+import contextlib
+with contextlib.suppress(Exception):
+    from jaxlib import xla_client
+    xla_client.CompileOptions()
+"""
+"""A program that fails if XLA doesn't know a flag in XLA_FLAGS: XLA ends its process then."""
+FOLDER, ENABLED, SECONDS, DEVICES = (
+    "JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS",
+    "JAX_NUM_CPU_DEVICES",
+)  # fmt: skip
+"""Environment variables of JAX that are set here, unless the user has set them."""
+
+
+class MachineError(ValueError):
+    """JAX can't start. The message says why, and which environment variables to look at, in one line."""
+
+
+def prepare_machine() -> set[str]:
+    """Set environment variables for JAX and Matplotlib; return the names of those that the user had not set."""
+    before = set(os.environ)
+    os.environ["MPLBACKEND"] = "agg"  # figures go into files
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # without a home it says where it caches fonts
+    warnings.filterwarnings("ignore", "Error (reading|writing) persistent compilation cache")  # said once, here:
+    _keep_compiled_code()
+    if "host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
+        os.environ.setdefault(DEVICES, str(cores()))
+    return set(os.environ) - before
+
+
+def start_jax(set_here: set[str]) -> None:
+    """Start JAX. ``set_here``: environment variables that the user did not set.
+
+    Raises MachineError if it can't start.
+    """
+    if "jax" in sys.modules:
+        return
+    with _explained(set_here):
+        reading = _begin(READ_FLAGS) if os.environ.get("XLA_FLAGS") else None  # meanwhile, JAX is imported
+        import jax
+
+        if reading is not None:
+            _end(reading)
+        jax.devices()
+
+
+def try_jax(set_here: set[str]) -> None:
+    """Start JAX in another process, so that this one holds no accelerator. Raises MachineError as `start_jax` does."""
+    with _explained(set_here):
+        _end(_begin(START))
+
+
+@contextmanager
+def _explained(set_here: set[str]) -> Iterator[None]:
+    """Turn an error of JAX's start into a MachineError. There are many kinds: of values, backends and libraries."""
+    try:
+        yield
+    except Exception as error:
+        names = [name for name in os.environ if name.startswith(("JAX_", "XLA_")) and name not in set_here]
+        advice = f"correct or unset {', '.join(names)}" if names else "check its installation"
+        raise MachineError(f"JAX can't start ({error}); {advice}") from error
+
+
+def _begin(program: str) -> subprocess.Popen[str]:
+    command, nothing = [sys.executable, "-c", program], subprocess.DEVNULL
+    return subprocess.Popen(command, stdin=nothing, stdout=nothing, stderr=subprocess.PIPE, text=True)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """Wait for the process. Raise RuntimeError with its fatal line if it fails."""
+    _, said = process.communicate()
+    if process.returncode:
+        lines = said.strip().splitlines() or [f"exit code {process.returncode}"]
+        fatal = (line.partition("] ")[2] for line in lines if line.startswith("F"))  # F1122 10:00:00 file.cc:7] what
+        raise RuntimeError(next(fatal, lines[-1]))
+
+
+def _keep_compiled_code() -> None:
+    """Let JAX store compiled code in the user's cache folder, unless JAX's own variables say otherwise.
+
+    Where nothing can be written, it says so, and everything is compiled anew each time.
+    """
+    given = os.environ.get(FOLDER)
+    if ENABLED in os.environ or given == "" or "://" in (given or ""):
+        return
+    try:
+        folder = Path(given) if given else _cache_folder()
+        check_writable(folder)
+    except (OSError, RuntimeError, RunError) as error:  # RuntimeError: the user has no home
+        advice = "set XDG_CACHE_HOME to one that can be written"
+        print(f"jaxwalk: compiled code isn't kept, for want of a folder ({error}); {advice}", file=sys.stderr)
+        os.environ[ENABLED] = "false"
+        return
+    if not given:
+        os.environ[FOLDER] = str(folder)
+        os.environ.setdefault(SECONDS, "0")
+
+
+def _cache_folder() -> Path:
+    """Return the user's cache folder on this platform. Raise RuntimeError if the user has no home."""
+    given = os.environ.get("XDG_CACHE_HOME")
+    if given:
+        return Path(given) / "jaxwalk"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "jaxwalk" / "cache"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "jaxwalk"
+    return Path.home() / ".cache" / "jaxwalk"
