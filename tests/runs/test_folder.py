@@ -60,7 +60,7 @@ def test_a_run_is_not_overwritten(tmp_path):
         (("train", "minibatches"), 7, r"config.json: train: .*minibatches must divide steps \(64\), not 7"),
         (("train", "roles", "driver", "epochs"), "many", r"config.json: train.roles.driver.epochs: .*integer"),
         (("sim", "dt"), 0, r"config.json: sim: .*dt must be above 0"),
-        (("minutes",), 0, r"config.json: .*minutes must be above 0, not 0"),
+        (("minutes",), 0, r"config.json: .*minutes must be above 0 and at most"),
         (("seed",), -1, r"config.json: .*seed must lie in \[0, 2\^32\), not -1"),
     ],
 )

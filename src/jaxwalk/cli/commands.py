@@ -12,6 +12,7 @@ import tyro
 
 from jaxwalk.cli import options
 from jaxwalk.cli.arguments import gathered
+from jaxwalk.cli.early import check_names
 from jaxwalk.cli.machine import prepare_machine, start_jax, try_jax
 
 
@@ -68,6 +69,7 @@ def parse(arguments: list[str]) -> Any:
 def run(options: Any) -> int:
     """Run the command that the options belong to, and return its exit code."""
     command = next(each for each in COMMANDS if each.options is type(options))
+    check_names(options)
     set_here = prepare_machine()
     if command.processes:
         try_jax(set_here)

@@ -40,5 +40,7 @@ def message(error: Exception) -> str | None:
         return f"{where}{what}; {ADVICE.get(error.errno or 0, 'check the path and its permissions')}"
     if isinstance(error, MemoryError) or "RESOURCE_EXHAUSTED" in str(error):  # (the latter is JAX's word for it)
         return "not enough memory; ask for fewer environments or pedestrians, smaller networks or smaller files"
-    ours = type(error).__module__.startswith("jaxwalk")
-    return " ".join(str(error).split("\n")) if ours else None
+    if not type(error).__module__.startswith("jaxwalk"):
+        return None
+    in_lines = hasattr(error, "faults")  # a MapError has a line for each
+    return str(error) if in_lines else " ".join(str(error).split("\n"))

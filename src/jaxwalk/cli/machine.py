@@ -8,7 +8,7 @@ import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from jaxwalk.runs.folder import RunError, check_writable
@@ -54,18 +54,18 @@ def start_jax(set_here: set[str]) -> None:
     if "jax" in sys.modules:
         return
     with _explained(set_here):
-        reading = _begin(READ_FLAGS) if os.environ.get("XLA_FLAGS") else None  # meanwhile, JAX is imported
-        import jax
+        with _begin(READ_FLAGS) if os.environ.get("XLA_FLAGS") else nullcontext() as reading:
+            import jax  # meanwhile
 
-        if reading is not None:
-            _end(reading)
+            if reading is not None:
+                _end(reading)
         jax.devices()
 
 
 def try_jax(set_here: set[str]) -> None:
     """Start JAX in another process, so that this one holds no accelerator. Raises MachineError as `start_jax` does."""
-    with _explained(set_here):
-        _end(_begin(START))
+    with _explained(set_here), _begin(START) as trying:
+        _end(trying)
 
 
 @contextmanager
@@ -75,6 +75,7 @@ def _explained(set_here: set[str]) -> Iterator[None]:
         yield
     except Exception as error:
         names = [name for name in os.environ if name.startswith(("JAX_", "XLA_")) and name not in set_here]
+        names = [name for name in names if name.lower() in str(error).lower()] or names
         advice = f"correct or unset {', '.join(names)}" if names else "check its installation"
         raise MachineError(f"JAX can't start ({error}); {advice}") from error
 
@@ -90,7 +91,7 @@ def _end(process: subprocess.Popen[str]) -> None:
     if process.returncode:
         lines = said.strip().splitlines() or [f"exit code {process.returncode}"]
         fatal = (line.partition("] ")[2] for line in lines if line.startswith("F"))  # F1122 10:00:00 file.cc:7] what
-        raise RuntimeError(next(fatal, lines[-1]))
+        raise RuntimeError(next(fatal, lines[-1].partition("Error: ")[2] or lines[-1]))
 
 
 def _keep_compiled_code() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from jaxwalk.evaluation import BATCH, jaywalk_multiplier, replay
 from jaxwalk.interfaces import Policy
 from jaxwalk.maps import RoadMap
-from jaxwalk.maps.road_map import ROUTE_SPACING
+from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario

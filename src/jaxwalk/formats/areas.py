@@ -53,7 +53,7 @@ def areas_of(road_map: RoadMap) -> dict[str, Any]:
 def read_areas(path: str | Path) -> Areas:
     """Read the areas of a GeoJSON file. Raises TracksError if it isn't one."""
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
+        document = json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise TracksError(f"{path}: not GeoJSON ({error}); write it as docs/trajectories.md shows") from None
     return parse_areas(document, str(path))

@@ -26,7 +26,7 @@ def read_columns(path: Path, numbers: Collection[str], words: Collection[str] = 
     if not path.is_file():
         raise TracksError(f"{path}: no such file; it must lie beside the others of its recording")
     try:
-        with path.open(newline="", encoding="utf-8") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             lines = list(csv.reader(file))
     except (csv.Error, UnicodeDecodeError) as error:
         raise TracksError(f"{path}: not a CSV file ({error}); restore it") from None

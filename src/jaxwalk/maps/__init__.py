@@ -1,24 +1,59 @@
-"""Maps: the file format, the loader with its checks, and the arrays that the simulator uses."""
+"""Maps: the file format, the loader with its checks, and the arrays that the simulator uses.
 
-from jaxwalk.maps.file import MapError
-from jaxwalk.maps.load import build_map, bundled_maps, load_map, map_name, read_map, reference, text_of
-from jaxwalk.maps.map_text import MapText, map_labels, text_hash
-from jaxwalk.maps.road_map import ROUTE_SPACING, RoadMap
-from jaxwalk.maps.tables import stack_maps
+A name is imported when it is first used: what reads and checks maps needs no JAX.
+"""
 
-__all__ = [
-    "ROUTE_SPACING",
-    "MapError",
-    "MapText",
-    "RoadMap",
-    "build_map",
-    "bundled_maps",
-    "load_map",
-    "map_labels",
-    "map_name",
-    "read_map",
-    "reference",
-    "stack_maps",
-    "text_hash",
-    "text_of",
-]
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jaxwalk.maps.file import MapError as MapError
+    from jaxwalk.maps.load import build_map as build_map
+    from jaxwalk.maps.load import load_map as load_map
+    from jaxwalk.maps.map_text import MapText as MapText
+    from jaxwalk.maps.map_text import map_labels as map_labels
+    from jaxwalk.maps.map_text import text_hash as text_hash
+    from jaxwalk.maps.reading import bundled_maps as bundled_maps
+    from jaxwalk.maps.reading import checked as checked
+    from jaxwalk.maps.reading import map_content as map_content
+    from jaxwalk.maps.reading import map_name as map_name
+    from jaxwalk.maps.reading import read_map as read_map
+    from jaxwalk.maps.reading import reference as reference
+    from jaxwalk.maps.reading import text_of as text_of
+    from jaxwalk.maps.road_map import RoadMap as RoadMap
+    from jaxwalk.maps.routes import ROUTE_SPACING as ROUTE_SPACING
+    from jaxwalk.maps.tables import stack_maps as stack_maps
+
+_HOMES = {
+    "ROUTE_SPACING": "routes",
+    "MapError": "file",
+    "MapText": "map_text",
+    "RoadMap": "road_map",
+    "build_map": "load",
+    "bundled_maps": "reading",
+    "checked": "reading",
+    "load_map": "load",
+    "map_content": "reading",
+    "map_labels": "map_text",
+    "map_name": "reading",
+    "read_map": "reading",
+    "reference": "reading",
+    "stack_maps": "tables",
+    "text_hash": "map_text",
+    "text_of": "reading",
+}
+"""Each public name, and the module of this package that defines it."""
+
+__all__ = [*_HOMES]  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -11,8 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from jaxwalk.maps.check_crossings import crossing_faults
 from jaxwalk.maps.file import MapFile
 from jaxwalk.maps.navigation import NEARLY, Graph, build_graph, goal_choices, shortest_ways, start_choices
-from jaxwalk.maps.road_map import ROUTE_SPACING
-from jaxwalk.maps.routes import RouteFault, centre_lines, lane_route, make_road, meet, road_of, sample
+from jaxwalk.maps.routes import ROUTE_SPACING, RouteFault, centre_lines, lane_route, make_road, meet, road_of, sample
 from jaxwalk.maps.scene import Scene
 
 SMALLEST_TURN = 2.5 / float(np.tan(0.52))

@@ -12,7 +12,7 @@ from jaxwalk.maps.file import Crosswalk, MapFile, Side
 from jaxwalk.maps.navigation import NEARLY, Graph
 from jaxwalk.maps.routes import Road, make_road
 from jaxwalk.maps.scene import Scene
-from jaxwalk.maps.tables import zone_from_landing
+from jaxwalk.maps.zones import zone_from_landing
 
 ZONE = (1.0, 25.0)
 """Smallest and largest distance of a jaywalk zone from its crosswalk's edge [m]."""

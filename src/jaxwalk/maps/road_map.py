@@ -79,7 +79,3 @@ class RoadMap(eqx.Module):
     start_choices: Int[Array, "*map route start"]
     """Waypoints where a pedestrian may start, not close to the car: the first ``start_count`` entries of the row."""
     start_count: Int[Array, "*map route"]
-
-
-ROUTE_SPACING = 0.5
-"""Distance between the points of a route [m]."""

@@ -16,6 +16,9 @@ from scipy.sparse.csgraph import dijkstra
 from jaxwalk.maps.file import MapFile, Rectangle
 from jaxwalk.maps.navigation import NEARLY
 
+ROUTE_SPACING = 0.5
+"""Distance between the points of a route [m]."""
+
 
 class RouteFault(ValueError):
     """A route is impossible. The message says why and what to do."""

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from jaxwalk.maps.file import Crosswalk, MapFile, Point, Side
+from jaxwalk.maps.file import MapFile
 from jaxwalk.maps.navigation import Graph, build_graph, goal_choices, shortest_ways, start_choices
-from jaxwalk.maps.road_map import ROUTE_SPACING, RoadMap
-from jaxwalk.maps.routes import centre_lines, lane_route, sample
+from jaxwalk.maps.road_map import RoadMap
+from jaxwalk.maps.routes import ROUTE_SPACING, centre_lines, lane_route, sample
+from jaxwalk.maps.zones import zone_from_landing
 
 BEYOND_GOAL = 30.0
 """Length by which every route continues past its goal, at least [m]."""
@@ -51,19 +52,6 @@ def stack_maps(maps: Sequence[RoadMap]) -> RoadMap:
         shape = tuple(max(sizes) for sizes in zip(*(array.shape for array in each), strict=True))
         arrays[field.name] = np.stack([_pad(field.name, array, shape) for array in each])
     return RoadMap(**arrays)
-
-
-def zone_from_landing(crosswalk: Crosswalk, side: Side, waypoints: dict[str, Point]) -> tuple[np.ndarray, float, float]:
-    """Return the unit vector (2,) from a side's landing to its outer neighbour, and the zone's distances along it [m].
-
-    A file measures distances from the crosswalk's edge. A RoadMap measures them from the landing, which is half a
-    crosswalk's width farther in.
-    """
-    away = np.subtract(waypoints[side.outer], waypoints[side.landing])
-    unit = away / np.linalg.norm(away)
-    x0, y0, x1, y1 = crosswalk.area
-    half = float(np.abs(unit) @ (x1 - x0, y1 - y0)) / 2
-    return unit, half + side.zone[0], half + side.zone[1]
 
 
 def _walking(graph: Graph, goal_spacing: float) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,26 +13,17 @@ from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.interfaces import Box, Discrete, Policy
 from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.maps import map_labels
-from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, read_metadata, shipped_policy
+from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.runs.binding import check_intact
-from jaxwalk.runs.folder import Run, RunError
+from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import to_stderr
+from jaxwalk.runs.names import ContestantError, policy_file, run_folders
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
 
-RULES = {"driver": DRIVERS, "pedestrian": POPULATIONS}
+MADE = {"driver": DRIVERS, "pedestrian": POPULATIONS}
 """Rule-based policies of each role, by name."""
-
-
-class ContestantError(ValueError):
-    """The name of no driver or population. The message says what to do, in one line."""
-
-
-def run_folders(names: Iterable[str]) -> list[str]:
-    """Return the names that are run folders. Names of rules and of shipped policies come first."""
-    known = {name for role, rules in RULES.items() for name in (*rules, *SHIPPED[role])}
-    return [name for name in names if name not in known and Path(name).is_dir()]
 
 
 def world_of(names: Sequence[str], maps: Sequence[str], tell: Callable[[str], None] = to_stderr) -> Street:
@@ -69,7 +60,7 @@ def contestant(
         trust: also load what can run code that is hidden in a file.
         seconds: the limit of a driver that is not JAX for one step.
     """
-    rules: dict[str, Any] = RULES[role]
+    rules: dict[str, Any] = MADE[role]
     if name in rules:
         return rules[name]()
     if role == "driver" and is_host_driver(name):
@@ -79,24 +70,6 @@ def contestant(
     policy = load_policy(file, role, expect_size=_observation_size(street, role, observes, file))
     _check_action(policy.actor, street.roles[role].action, f"{file}: the {role}")
     return with_mode(policy, sample=SAMPLES[role] if sample is None else sample)
-
-
-def policy_file(role: str, name: str) -> Path:
-    """Return the file of a shipped policy, a run folder or itself. Raise ContestantError or RunError if it is none."""
-    shipped = shipped_policy(role, name)
-    if shipped is not None:
-        return shipped
-    path = Path(name)
-    if path.is_dir():
-        file = Run.open(path).policy
-        if not file.is_file():
-            hint = f"go on with the training: jaxwalk train --resume {path}"
-            raise RunError(f"{path}: has no {file.name}: it stopped before its first checkpoint; {hint}")
-        return file
-    if path.is_file():
-        return path
-    known = ", ".join((*RULES[role], *SHIPPED[role]))
-    raise ContestantError(f"{name}: no {role} of that name ({known}), and no run folder or policy file; check the name")
 
 
 def _check_action(actor: Actor, action: Box | Discrete, who: str) -> None:

@@ -13,6 +13,7 @@ Files are written under another name and renamed when whole.
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import json
 import os
@@ -238,7 +239,7 @@ def _read_experiment(path: Path) -> tuple[Experiment, bool | None]:
     """Return the configuration of a file, and whether it is as jaxwalk wrote it."""
     advice = "correct it, or copy it again from where the run was made"
     try:
-        text, intact = _without_hash(path.read_bytes())
+        text, intact = _without_hash(path.read_bytes().removeprefix(codecs.BOM_UTF8))
         return _experiments().validate_json(_with_roles(text)), intact
     except ValidationError as error:
         first = error.errors(include_url=False)[0]

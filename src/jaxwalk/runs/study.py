@@ -134,6 +134,6 @@ def read_json(path: Path, command: str) -> Any:
     if not path.is_file():
         return None
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(path.read_text(encoding="utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise RunError(f"{path}: damaged ({error}); delete it and run `jaxwalk {command}` again") from error

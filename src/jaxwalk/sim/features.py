@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
-from jaxwalk.maps.road_map import ROUTE_SPACING
+from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.sim.lookup import of_map
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.world import World

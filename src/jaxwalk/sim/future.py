@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.maps.road_map import ROUTE_SPACING
+from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.everybody import for_everybody
 from jaxwalk.sim.lookup import look_up_each

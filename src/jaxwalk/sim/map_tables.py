@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from jaxwalk.maps import RoadMap
-from jaxwalk.maps.road_map import ROUTE_SPACING
+from jaxwalk.maps.routes import ROUTE_SPACING
 
 SIDE_BITS, NODE_BITS = 12, 12
 NO_SIDE = (1 << SIDE_BITS) - 1

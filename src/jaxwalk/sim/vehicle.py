@@ -5,7 +5,7 @@ from __future__ import annotations
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.maps.road_map import ROUTE_SPACING
+from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.sim.geometry import inside, rotate, to_frame
 from jaxwalk.sim.lookup import look_up_row, of_map
 from jaxwalk.sim.map_tables import POINTS

@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from jaxwalk.policies.host.driver import SECONDS, DriverError, HostDriver
+from jaxwalk.policies.names import LOADERS, is_class
 from jaxwalk.sim.observation import OBSERVATIONS, size
 
-LOADERS = {".onnx": "onnx_file", ".pt": "torch_file", ".pt2": "torch_file", ".pth": "torch_file", ".zip": "sb3_file"}
-"""Kinds of files, and the modules of this package that load them."""
 GUESSES = ("route", "paper")
 """Observation sets to try for a file that names none: the first with the size of the network's input is taken."""
 
@@ -19,11 +18,6 @@ class Loader(Protocol):
     """Loads a file; returns the driver and the name of the observation set that it reads."""
 
     def __call__(self, path: Path, *, trust: bool) -> tuple[Any, str]: ...
-
-
-def is_host_driver(name: str) -> bool:
-    """Return whether a name means a driver not written in JAX: ``module:Class``, ``file.py:Class`` or a known file."""
-    return Path(name).suffix.lower() in LOADERS or _is_class(name)
 
 
 def load_host_driver(name: str, *, trust: bool = False, seconds: float = SECONDS) -> HostDriver:
@@ -39,7 +33,7 @@ def load_host_driver(name: str, *, trust: bool = False, seconds: float = SECONDS
     """
     if not seconds > 0:
         raise DriverError(f"{name}: its limit for a step must be above 0 s, not {seconds:g}")
-    if _is_class(name):
+    if is_class(name):
         from jaxwalk.policies.host.python_class import load_class
 
         driver, observes = load_class(name)
@@ -67,11 +61,6 @@ def set_of_size(path: Path, features: int, observes: str | None = None) -> str:
     raise DriverError(
         f"{path}: takes {features} numbers{named}; the sets' sizes are: {sizes}; see docs/drivers.md for naming one"
     )
-
-
-def _is_class(name: str) -> bool:
-    home, _, attribute = name.rpartition(":")
-    return bool(home) and attribute.isidentifier() and not Path(name).exists()
 
 
 def _load_file(path: Path, *, trust: bool) -> tuple[Any, str]:

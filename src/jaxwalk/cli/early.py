@@ -1,0 +1,58 @@
+"""Checks of names and files before JAX is imported, so that a wrong one is refused at once.
+
+Options of all commands have the same names for the same things, so one check serves them all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from jaxwalk.cli.errors import UsageError
+from jaxwalk.cli.options import Share, Train
+from jaxwalk.maps import checked, map_content
+from jaxwalk.runs.folder import Run, check_new
+from jaxwalk.runs.names import check_name, run_folders
+from jaxwalk.sim.sim_config import SimConfig
+
+PLAN = "plan.json"
+"""File of a folder of `jaxwalk reproduce`, which `jaxwalk report` takes as well."""
+
+
+def check_names(options: Any) -> None:
+    """Raise an error, all of which are ValueErrors of jaxwalk, if the options name something that doesn't exist.
+
+    Maps that are files are checked completely.
+    """
+    for path in (*_many(options, "files"), *_many(options, "areas")):
+        if not path.exists():
+            raise UsageError(f"{path}: no such file; check the name")
+    if isinstance(options, Train) and options.resume:
+        Run.open(options.resume)
+    elif isinstance(options, Train) and options.run_folder:
+        check_new(options.run_folder)
+    named = list(_named(options))
+    for role, name in named:
+        check_name(role, name)
+    runs = [Run.open(name) for name in run_folders(name for _, name in named)]
+    sim = runs[0].experiment.sim if runs else SimConfig()
+    for name in _many(options, "map"):
+        text = map_content(name)
+        checked(text, name, goal_spacing=sim.goal_spacing, start_clearance=sim.start_clearance)
+
+
+def _named(options: Any) -> Iterator[tuple[str, str]]:
+    """Yield role and name of each driver and population."""
+    for field in ("driver", "compare", "runs"):
+        yield from (("driver", name) for name in _many(options, field) if not (Path(name) / PLAN).is_file())
+    yield from (("pedestrian", name) for name in _many(options, "pedestrians") if isinstance(name, str))
+    yield from ((options.role, name) for name in _many(options, "policy"))
+    if isinstance(options, Share):
+        yield "driver", str(options.run_folder.resolve())  # the whole path can't be a shipped policy's name
+
+
+def _many(options: Any, field: str) -> tuple[Any, ...]:
+    """Return the values of an option, of which there may be one, several or none."""
+    value = getattr(options, field, None)
+    return value if isinstance(value, tuple) else () if value in (None, "") else (value,)

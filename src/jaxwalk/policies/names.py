@@ -1,0 +1,24 @@
+"""The names of drivers and populations. This module imports no JAX, so that a wrong name is refused at once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+RULES = {
+    "driver": ("random", "constant-speed", "rule-based", "rule-based-braking", "route-follower", "oracle"),
+    "pedestrian": ("always-go",),
+}
+"""The rules of each role: the names in `DRIVERS` and `POPULATIONS`."""
+LOADERS = {".onnx": "onnx_file", ".pt": "torch_file", ".pt2": "torch_file", ".pth": "torch_file", ".zip": "sb3_file"}
+"""Kinds of files of drivers not written in JAX, and the modules of `jaxwalk.policies.host` that load them."""
+
+
+def is_host_driver(name: str) -> bool:
+    """Return whether a name means a driver not written in JAX: ``module:Class``, ``file.py:Class`` or a known file."""
+    return Path(name).suffix.lower() in LOADERS or is_class(name)
+
+
+def is_class(name: str) -> bool:
+    """Return whether a name means a class: ``module:Class`` or ``file.py:Class``."""
+    home, _, attribute = name.rpartition(":")
+    return bool(home) and attribute.isidentifier() and not Path(name).exists()

@@ -1,0 +1,51 @@
+"""What the names of drivers, populations and run folders stand for. This module imports no JAX."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from jaxwalk.policies import SHIPPED, shipped_policy
+from jaxwalk.policies.names import RULES, is_class, is_host_driver
+from jaxwalk.runs.folder import Run, RunError
+
+
+class ContestantError(ValueError):
+    """The name of no driver or population. The message says what to do, in one line."""
+
+
+def run_folders(names: Iterable[str]) -> list[str]:
+    """Return the names that are run folders. Names of rules and of shipped policies come first."""
+    known = {name for role, rules in RULES.items() for name in (*rules, *SHIPPED[role])}
+    return [name for name in names if name not in known and Path(name).is_dir()]
+
+
+def check_name(role: str, name: str) -> None:
+    """Raise ContestantError or RunError if nothing has that name. What a file holds isn't checked."""
+    if name in RULES[role]:
+        return
+    if role != "driver" or not is_host_driver(name):
+        policy_file(role, name)
+        return
+    file = name.rpartition(":")[0] if is_class(name) else name
+    is_module = is_class(name) and not file.endswith(".py")
+    if not is_module and not Path(file).is_file():
+        raise ContestantError(f"{name}: no such file; check the name")
+
+
+def policy_file(role: str, name: str) -> Path:
+    """Return the file of a shipped policy, a run folder or itself. Raise ContestantError or RunError if it is none."""
+    shipped = shipped_policy(role, name)
+    if shipped is not None:
+        return shipped
+    path = Path(name)
+    if path.is_dir():
+        file = Run.open(path).policy
+        if not file.is_file():
+            hint = f"go on with the training: jaxwalk train --resume {path}"
+            raise RunError(f"{path}: has no {file.name}: it stopped before its first checkpoint; {hint}")
+        return file
+    if path.is_file():
+        return path
+    known = ", ".join((*RULES[role], *SHIPPED[role]))
+    raise ContestantError(f"{name}: no {role} of that name ({known}), and no run folder or policy file; check the name")

@@ -1,0 +1,105 @@
+"""What can't be used is refused before JAX is imported, and files with a byte-order mark are read."""
+
+from __future__ import annotations
+
+import codecs
+import json
+import subprocess
+import sys
+import time
+from importlib import resources
+
+import pytest
+
+from jaxwalk.cli import main
+from jaxwalk.maps import load_map
+from jaxwalk.policies import DRIVERS, POPULATIONS
+from jaxwalk.policies.names import RULES
+from jaxwalk.recipes import RECIPES
+from jaxwalk.runs.folder import Run
+
+WRONG = {
+    "evaluate --driver nobody": "nobody: no driver of that name",
+    "evaluate --compare random nobody": "nobody: no driver of that name",
+    "evaluate --driver random --pedestrians nobody": "nobody: no pedestrian of that name",
+    "evaluate --driver random --map nowhere": "no such map",
+    "evaluate --driver random --map half.toml": "half.toml has",
+    "evaluate --driver none.onnx": "none.onnx: no such file",
+    "evaluate --driver none.py:Mine": "none.py:Mine: no such file",
+    "evaluate --driver empty": "empty: is no run folder",
+    "evaluate --driver none.safetensors": "none.safetensors: no driver of that name",
+    "play --driver nobody": "nobody: no driver of that name",
+    "tracks --driver random --map half.toml": "half.toml has",
+    "scenario --driver random --pedestrians nobody": "nobody: no pedestrian of that name",
+    "report nobody": "nobody: no driver of that name",
+    "export nobody --out a.onnx": "nobody: no driver of that name",
+    "share empty --out a.safetensors": "empty: is no run folder",
+    "train --resume empty": "empty: is no run folder",
+    "train --run new --map half.toml": "half.toml has",
+    "train --run full": "full: the folder is not empty",
+    "measure none.parquet": "none.parquet: no such file",
+}
+PROGRAM = """
+import io, json, sys
+from contextlib import redirect_stderr
+from jaxwalk.cli import main
+said = {}
+for line in json.loads(sys.argv[1]):
+    with redirect_stderr(io.StringIO()) as err:
+        said[line] = main(line.split()), err.getvalue()
+assert "jax" not in sys.modules
+print(json.dumps(said))
+"""
+
+
+def test_names_and_files_are_checked_before_jax_is_imported(place):
+    (place / "empty").mkdir()
+    (place / "full").mkdir()
+    (place / "full" / "notes.txt").write_text("mine")
+    (place / "half.toml").write_text("size = [60, 20]\n")
+    command = [sys.executable, "-c", PROGRAM, json.dumps(list(WRONG))]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    for line, (code, err) in json.loads(done.stdout).items():
+        assert code == 2, line
+        assert WRONG[line] in err and err.startswith("jaxwalk: "), line
+
+
+def test_the_names_of_rules_are_those_of_the_policies():
+    assert {"driver": tuple(DRIVERS), "pedestrian": tuple(POPULATIONS)} == RULES
+
+
+def test_faults_of_a_map_are_one_a_line(place, capsys):
+    (place / "half.toml").write_text("size = [60, 20]\n")
+    begun = time.monotonic()
+    assert main(["evaluate", "--driver", "random", "--map", "half.toml"]) == 2
+    assert time.monotonic() - begun < 2
+    head, *faults = capsys.readouterr().err.splitlines()
+    assert head == f"jaxwalk: map half.toml has {len(faults)} faults:"
+    assert faults[0] == "  - car: missing; add it (docs/maps.md lists all keys)"
+    assert all(line.startswith("  - ") for line in faults)
+
+
+def test_a_byte_order_mark_is_read(place):
+    text = resources.files("jaxwalk.maps").joinpath("paper.toml").read_bytes()
+    (place / "marked.toml").write_bytes(codecs.BOM_UTF8 + text)
+    assert load_map(place / "marked.toml").width == load_map("paper").width
+    run = Run.create(place / "run", RECIPES["fast"])
+    path = run.path / "config.json"
+    path.write_bytes(codecs.BOM_UTF8 + path.read_bytes())
+    assert Run.open(run.path).experiment == run.experiment
+
+
+@pytest.mark.parametrize("mark", [b"", codecs.BOM_UTF8])
+def test_areas_may_have_a_byte_order_mark(mark, place):
+    from jaxwalk.formats.areas import read_areas
+
+    ring = [[0, 0], [9, 0], [9, 9], [0, 0]]
+    road = {
+        "type": "Feature",
+        "properties": {"kind": "roadway"},
+        "geometry": {"type": "Polygon", "coordinates": [ring]},
+    }
+    document = {"type": "FeatureCollection", "features": [road]}
+    (place / "areas.geojson").write_bytes(mark + json.dumps(document).encode())
+    assert read_areas(place / "areas.geojson").roadway.area > 0
