@@ -20,16 +20,40 @@ Roles = dict[str, T]
 """One value for each role, by the role's name. Code loops over all roles and names one only if it must."""
 
 
+BEYOND = 1e-4
+"""Rounding may take a continuous action beyond [-1, 1] by this much."""
+
+
 class Box(eqx.Module):
-    """A continuous action: ``size`` numbers, each in [-1, 1]; array ``(size, *agents, *batch)``."""
+    """A continuous action: ``size`` numbers, each in [-1, 1]; array ``(size, *agents, *batch)``.
+
+    A policy that gives anything else (NaN, for example) is broken: what plays it stops and says so.
+    """
 
     size: int = eqx.field(static=True)
 
+    def contains(self, action: Any) -> Any:
+        """Return where an action is in this space, but for rounding: ``(*agents, *batch)``. NaN never is."""
+        return (abs(action) <= 1 + BEYOND).all(axis=0)
+
+    def __str__(self) -> str:
+        return f"{'a number' if self.size == 1 else f'{self.size} numbers'} in [-1, 1]"
+
 
 class Discrete(eqx.Module):
-    """A choice among ``n``: an integer in [0, n); array ``(*agents, *batch)``."""
+    """A choice among ``n``: an integer in [0, n); array ``(*agents, *batch)``.
+
+    A policy that gives anything else (-1, for example) is broken: what plays it stops and says so.
+    """
 
     n: int = eqx.field(static=True)
+
+    def contains(self, action: Any) -> Any:
+        """Return where an action is in this space: ``(*agents, *batch)``."""
+        return (action >= 0) & (action < self.n)
+
+    def __str__(self) -> str:
+        return f"an integer in [0, {self.n})"
 
 
 class RoleSpec(eqx.Module):
@@ -38,6 +62,10 @@ class RoleSpec(eqx.Module):
     agents: tuple[int, ...] = eqx.field(static=True)
     """The agent axes of the role's arrays: ``()`` for a single agent, ``(12,)`` for twelve."""
     action: Box | Discrete
+
+    def contains(self, action: Any) -> Any:
+        """Return where the actions of all agents are in their space: ``(*batch,)``."""
+        return self.action.contains(action).all(axis=tuple(range(len(self.agents))))
 
 
 class Moment(eqx.Module):
@@ -131,5 +159,8 @@ class Policy(Protocol):
         ...
 
     def act(self, key: Key[Array, "*batch"], memory: Any, seen: Any, /) -> tuple[Array, Any]:
-        """Return action and next memory. ``key`` holds one key for each episode, ``seen`` is what its view shows."""
+        """Return action and next memory. ``key`` holds one key for each episode, ``seen`` is what its view shows.
+
+        The action must be in its role's space: `RoleSpec.contains`.
+        """
         ...

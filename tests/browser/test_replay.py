@@ -130,6 +130,51 @@ def test_the_picture_is_told_in_words(opened):
     assert "jaywalking" in said
 
 
+STRIPS = """
+window.strips = [];
+const before = (name, note) => {
+  const prototype = CanvasRenderingContext2D.prototype, drawn = prototype[name];
+  prototype[name] = function (...given) {
+    if (this.canvas.className === "strips") note(...given);
+    return drawn.apply(this, given);
+  };
+};
+before("clearRect", () => (strips = []));
+before("beginPath", () => strips.push([]));
+before("lineTo", (x, y) => strips.at(-1).push(y));
+before("fillText", (words) => strips.push(words));
+"""
+"""Writes down what the strips draw: texts, and the heights of each path."""
+
+
+def test_command_and_acceleration_are_two_strips(page, file, open_file):
+    """The careful car is told to brake for a second, but its speed stays the same (in this scene)."""
+    page.add_init_script(STRIPS)
+    open_file(file, "#episode=7&driver=careful").wait_for_selector(".stage canvas")
+    drawn = page.evaluate("strips")
+    titles = [x for x in drawn if isinstance(x, str) and x.endswith("]")]
+    assert titles == [
+        "speed [m/s]", "acceleration that the driver commands [m/s²]", "acceleration of the car [m/s²]",
+    ]  # fmt: skip
+    _, command, acceleration = (x for x in drawn if isinstance(x, list) and len(x) == 51)
+    assert len(set(command)) == 2
+    assert len(set(acceleration)) == 1
+
+
+def test_long_names_fit_a_phone(browser, tmp_path):
+    path = tmp_path / "long.html"
+    document = replay_document()
+    for entry in document["episodes"]:
+        entry["driver"] += "-of-a-name-as-long-as-a-path/that/somebody/would/really/use.safetensors"
+    replay_page(document, path, title="jaxwalk: " + document["episodes"][0]["driver"] + " among learned")
+    context = browser.new_context(viewport={"width": 400, "height": 800})
+    page = context.new_page()
+    page.goto(path.as_uri())
+    page.wait_for_selector(".stage canvas")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    context.close()
+
+
 def test_the_same_scenario_side_by_side(opened):
     opened.select_option("[name=beside]", label="careful among always-go")
     opened.wait_for_function("document.querySelectorAll('.stage').length === 2")

@@ -62,6 +62,22 @@ def test_it_follows_a_training_from_start_to_end(training, open_file):
     assert _count(page, "script") <= 2
 
 
+def test_every_rate_names_what_it_is_over(training, open_file):
+    """Once 57.6 % and 75.0 % of goals stood there at the same time."""
+    training._lines = [_line(u) for u in range(1, 200)]
+    training._pace.tell(99)
+    with training:
+        page = open_file(training.path)
+        page.get_by_role("img").first.wait_for()
+        facts = dict(zip(page.locator("dt").all_inner_texts(), page.locator("dd").all_inner_texts(), strict=True))
+        assert facts["goals, updates 190 to 199"] == "194.5 %"
+        assert page.locator("#points").inner_text() == (
+            "Curves: each point is the mean of up to 2 updates. The number beside a name is the last point: "
+            "updates 198 to 199."
+        )
+        assert page.get_by_text(re.compile("^goals 198.5 %$")).is_visible()
+
+
 def test_charts_say_in_words_what_they_show(training, open_file):
     with training:
         page = open_file(training.path)

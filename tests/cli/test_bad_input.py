@@ -48,6 +48,7 @@ FILES = {
         (p / f"nonsense.{x}").write_bytes(b"nonsense") for x in ("safetensors", "onnx", "zip", "pt")
     ],
     "idle": lambda p: (p / "idle.py").write_text("class Idle: pass\n"),
+    "leaves": lambda p: (p / "leaves.py").write_text("import sys\nsys.exit()\n"),
     "foreign": lambda p: _foreign_run(p / "foreign"),
     "damaged": lambda p: _damaged_run(p / "damaged"),
     "untrained": lambda p: Run.create(p / "untrained", RECIPES["fast"]),
@@ -113,6 +114,7 @@ BAD = {
     ),
     "unknown module": ("evaluate --driver nowhere:Mine", "nowhere:Mine: importing nowhere raised ModuleNotFoundError"),
     "driver of nothing": ("evaluate --driver idle.py:Idle", "idle.py:Idle: has no method act(observation)"),
+    "driver that exits": ("evaluate --driver leaves.py:Mine", "leaves.py:Mine: exits while it is loaded (code None)"),
     "no limit": (
         "evaluate --driver idle.py:Idle --driver-seconds 0",
         "--driver-seconds must be above 0 and at most 86,400, not 0",

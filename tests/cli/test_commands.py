@@ -125,7 +125,7 @@ def test_what_was_evaluated_before_a_driver_failed_is_kept(place, capsys):
     assert out == ""
     message = " ".join(err.split())
     assert "jaxwalk: mine.py:Mine: act returned shape (16, 1); return an array of shape (16, 2)" in message
-    assert "(scenario 16 and 15 others, played together, step 2); the 16 episodes evaluated before are" in message
+    assert "(scenario 16 and 15 others, played together, step 2); what was evaluated before, 16 episodes, is" in message
     assert sorted(path.name for path in (place / "kept").iterdir()) == [".lock", "episodes-partial.csv"]
     assert len((place / "kept" / "episodes-partial.csv").read_text().splitlines()) == 1 + 16
 

@@ -1,5 +1,6 @@
 """A gated actor: its network sees only those who decide, and what was decided stands for a while."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -61,6 +62,25 @@ def test_a_decision_stands_for_its_time_and_no_longer_than_there_is_anything_to_
     assert actions[3, 0] == actions[4, 0] == actions[5, 0]
     assert actions[0, 1] == actions[1, 1]
     assert actions[2, 1] == 1
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("sample", [False, True])
+def test_outputs_that_are_not_finite_give_no_action(value, sample):
+    """Nobody takes argmax of NaN for "wait", or tanh of infinity for full throttle."""
+    makers = {
+        "discrete": (Discrete(2), RoleConfig(actor_hidden=(8,))),
+        "gated": (Discrete(2), RoleConfig(actor_hidden=(8,), gated=True)),
+        "clipped": (Box(2), RoleConfig(actor_hidden=(8,), noise="clipped")),
+        "tanh": (Box(2), RoleConfig(actor_hidden=(8,), noise="tanh")),
+    }
+    seen = jnp.ones((5, AGENTS, BATCH))
+    for kind, (space, config) in makers.items():
+        actor = make_actor(jax.random.key(0), 5, space, config)
+        broken = eqx.tree_at(lambda x: x.network.biases[-1], actor, jnp.array([0.0, value]))
+        for policy, sound in ((actor, True), (broken, False)):
+            choice, _ = decide(policy, KEYS, policy.init((AGENTS,), (BATCH,)), seen, sample=sample)
+            assert (np.asarray(space.contains(choice.action)) == sound).all(), kind
 
 
 def test_other_kinds_decide_always_and_remember_nothing():

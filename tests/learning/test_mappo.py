@@ -49,13 +49,14 @@ def values(game, config, learner, critic):
 class AlwaysGo(eqx.Module):
     """A fixed policy that remembers how often it was asked since the episode began."""
 
+    choice: jax.Array = eqx.field(default_factory=lambda: jnp.int32(1))
     view: games.Shown = eqx.field(static=True, default=games.Shown((2,)))
 
     def init(self, agents, batch):
         return jnp.zeros((*agents, *batch), jnp.int32)
 
     def act(self, key, memory, observation):
-        return jnp.ones(observation.shape[1:], jnp.int32), memory + 1
+        return jnp.broadcast_to(self.choice, observation.shape[1:]), memory + 1
 
 
 @pytest.mark.parametrize("credit", ["individual", "shared"])
@@ -207,6 +208,13 @@ def test_every_shard_has_its_stand_ins():
     for share in (asked[..., :half], asked[..., half:]):
         assert (share[..., : half // 2] == 0).all()
         assert (share[..., half // 2 :] > 0).all()
+    for choice, sound in ((1, 1), (-1, 0), (2, 0)):
+        others = {"pedestrian": AlwaysGo(jnp.int32(choice))}
+        _, metrics = update(
+            games.game("bandit"), config, eqx.tree_at(lambda x: x.others, learner, others | {"driver": None})
+        )
+        assert (metrics["fixed/pedestrian"], metrics["finite"]) == (sound, sound)
+        assert "fixed/driver" not in metrics
 
 
 def test_without_so_many_devices_it_is_said_what_to_do():

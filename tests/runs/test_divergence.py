@@ -1,17 +1,19 @@
-"""A training with an absurd learning rate, as a user would meet it."""
+"""Trainings that can't go on, as a user would meet them: an absurd learning rate, a broken fixed policy."""
 
 from __future__ import annotations
 
 import re
 
+import jax.numpy as jnp
 import numpy as np
 from safetensors.numpy import load_file
 
 from jaxwalk.cli import main
 from jaxwalk.learning import checkpoint
-from jaxwalk.policies import read_metadata
+from jaxwalk.policies import ConstantSpeed, read_metadata
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
+from jaxwalk.runs.street import fixed_policies
 
 
 def test_a_diverging_training_says_so_and_keeps_its_last_good_state(tiny, tmp_path, monkeypatch, capsys):
@@ -31,3 +33,29 @@ def test_a_diverging_training_says_so_and_keeps_its_last_good_state(tiny, tmp_pa
 
     assert main(["train", "--resume", "run"]) == 2  # goes on from there, and meets the same
     assert f"update {failed} gave numbers that are not finite" in " ".join(capsys.readouterr().err.split())
+
+
+class Broken(ConstantSpeed):
+    """A driver who gives no numbers."""
+
+    def act(self, key, memory, observation):
+        action, memory = super().act(key, memory, observation)
+        return jnp.full_like(action, jnp.nan), memory
+
+
+def test_a_broken_fixed_policy_ends_a_training(tiny, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(
+        "jaxwalk.runs.training.fixed_policies",
+        lambda experiment: fixed_policies(experiment) | {"driver": Broken()},
+    )
+    Run.create("run", tiny)
+    assert main(["train", "--resume", "run"]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "jaxwalk: run: in update 1 the fixed driver policy gave an action that isn't in its space" in said
+    assert "update 0 are kept. Correct it, and train anew" in said
+    assert not list(Run.open("run").metrics())
+
+
+def test_a_sound_training_records_nothing_about_it(whole):
+    assert not [name for name in next(iter(whole.metrics())) if name.startswith("fixed/") or name == "finite"]

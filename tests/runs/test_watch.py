@@ -28,13 +28,19 @@ def test_endings_weigh_as_much_as_episodes():
 def test_what_is_not_known_is_null():
     first = {"update": 1, "episodes": 0.0, "goal_rate": 0.0}
     found = curves([first, {**first, "update": 2, "episodes": 2.0, "goal_rate": 0.5}])
-    assert found == {"at": [1, 2], "curves": {"goal_rate": [None, 0.5]}, "recent": {"goal_rate": 0.5}}
-    assert curves([]) == {"at": [], "curves": {}, "recent": {}}
+    assert found == {
+        "at": [1, 2],
+        "curves": {"goal_rate": [None, 0.5]},
+        "recent": {"goal_rate": 0.5},
+        "recent_updates": 2,
+    }
+    assert curves([]) == {"at": [], "curves": {}, "recent": {}, "recent_updates": 0}
 
 
 def test_recent_endings_are_those_of_the_last_ten_updates():
     lines = [{"update": i, "episodes": 1.0 + (i == 20), "goal_rate": float(i > 15)} for i in range(1, 21)]
     assert curves(lines)["recent"] == {"goal_rate": pytest.approx(6 / 11, rel=1e-4)}
+    assert curves(lines)["recent_updates"] == 10
 
 
 def test_a_watched_training_writes_its_page_and_resuming_goes_on_with_it(tiny, tmp_path, quiet, monkeypatch):

@@ -201,8 +201,8 @@ def test_a_broken_environment_is_told_what_it_breaks(broken, message):
 @pytest.mark.parametrize(
     ("broken", "message"),
     [
-        ("size", r"act: the walker's action has shape \(2, 4\); it must be \(1, 4\): 1 numbers each"),
-        ("range", r"act: the walker's action must lie in \[-1, 1\], not up to 2"),
+        ("size", r"act: the walker's action has shape \(2, 4\); it must be \(1, 4\): a number in \[-1, 1\] each"),
+        ("range", r"act: the walker's action must be a number in \[-1, 1\], but some are in \[2, 2\]"),
         ("finite", "act: the walker's action has a number that isn't finite"),
         ("kind", "act: the walker's action is int32; it must be floats"),
         ("neighbours", "act: an episode's action must be the same alone as in a batch"),

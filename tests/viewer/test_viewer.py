@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import sys
 
+import equinox as eqx
 import numpy as np
 import pytest
 from PIL import Image
@@ -80,6 +81,17 @@ def test_texts_and_jaywalks(trajectory, road_map):
     assert drawn.crash.get_visible()
     assert len(drawn.yellow.get_segments()) == 1
     np.testing.assert_allclose(drawn.car.get_xy().mean(axis=0), [10 + 1.8 * 8, 54], atol=0.5)
+
+
+@pytest.mark.parametrize(("width", "height"), [(120, 120), (300, 60), (60, 300)])
+def test_a_legend_has_a_place_of_its_own(trajectory, road_map, width, height):
+    """That of a wide map lay over the numbers of its axis."""
+    drawn = EpisodeFigure(trajectory, 1, eqx.tree_at(lambda m: (m.width, m.height), road_map, (width, height)))
+    (legend,) = (place.get_window_extent() for place in drawn.figure.legends)
+    axes = drawn.axes.get_tightbbox()
+    assert 0 <= legend.y0 < legend.y1 <= axes.y0
+    assert axes.y1 <= drawn.figure.bbox.height
+    assert drawn.figure.bbox.height < 500 or height >= width
 
 
 @pytest.mark.parametrize("name", ["film.gif", "FILM.GIF"])

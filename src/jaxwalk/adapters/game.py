@@ -98,13 +98,17 @@ def begin(game: Game, keys: Key[Array, "env"]) -> Stream:
 def play(game: Game, stream: Stream, actions: Roles[Array | None]) -> tuple[Stream, Step]:
     """Make one step: roles played from outside take the given actions, the others those of their policies.
 
-    Every episode has its own random numbers for every step, whatever happened in earlier episodes.
+    Every episode has its own random numbers for every step, whatever happened in earlier episodes. The step's record
+    says where the policies' actions are in their space, ``(env,)``.
     """
 
-    def act_or_obey(key: Key[Array, "env"], scenario: Any, state: Any, memory: Any) -> tuple[Any, Any, None]:
+    def act_or_obey(key: Key[Array, "env"], scenario: Any, state: Any, memory: Any) -> tuple[Any, Any, Array]:
         policies = {role: Given(actions[role]) if x is None else x for role, x in game.policies.items()}
         acted = act(game.street, cast_of(policies), key, scenario, state, memory)
-        return acted.actions, acted.memory, None
+        sound = jnp.ones(key.shape, bool)
+        for role, policy in game.policies.items():
+            sound &= policy is None or game.street.roles[role].contains(acted.actions[role])
+        return acted.actions, acted.memory, sound
 
     since = stream.episode * (game.street.world.rules.horizon + 1) + stream.state.step
     return advance(game.street, act_or_obey, stream, step_key(stream.key, since))

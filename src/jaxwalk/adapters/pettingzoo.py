@@ -148,7 +148,11 @@ class StreetParallelEnv(ParallelEnv[str, np.ndarray, Any]):
         go = np.array([actions[name] for name in self.possible_agents[1:]], np.int32)
         if drive.shape != (2,) or go.shape != (self.people,):
             raise AdapterError(f"the driver gives 2 numbers, a pedestrian one, not {drive.shape} and {go.shape[1:]}")
-        return {"driver": drive[:, None], "pedestrian": go[:, None]}
+        given = {"driver": drive[:, None], "pedestrian": go[:, None]}
+        space = self.game.street.roles["pedestrian"]
+        if not space.contains(given["pedestrian"]).all():
+            raise AdapterError(f"a pedestrian's action is not {space.action}")
+        return given
 
     def _infos(self, outcome: Outcome) -> dict[str, dict[str, Any]]:
         """Return how the episode ended, if it did, and the terms of each agent's reward."""

@@ -17,6 +17,7 @@ from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.adapters.game import EVENTS, Game, begin, play, renew
 from jaxwalk.adapters.players import AdapterError
+from jaxwalk.evaluation.broken import ADVICE
 from jaxwalk.rollout import Stream
 from jaxwalk.sim.observation import bounds
 
@@ -128,17 +129,23 @@ class Seat:
         return self._unpacked(np.asarray(packed))
 
     def _unpacked(self, packed: Float[np.ndarray, "row env"]) -> Seen:
-        """Unpack the result of `_step`; everything is copied, since the device reuses its memory."""
+        """Unpack the result of `_step`; everything is copied, since the device reuses its memory.
+
+        Raise AdapterError if an action of the pedestrians' policy isn't in its space.
+        """
         features = len(self.low)
         both = self.rules.autoreset == SAME_STEP
         blocks = np.split(packed, np.cumsum([features, features * both, len(self.terms), len(EVENTS)]))
-        observation, final, terms, events, valid = blocks
+        observation, final, terms, events, (valid, broken) = blocks
+        if broken.any():
+            where = f"environment {broken.argmax()}"
+            raise AdapterError(f"pedestrians: an action isn't in its space ({where}); {ADVICE}")
         return Seen(
             observation=observation.T.copy(),
             final=final.T.copy() if both else None,
             terms=terms.astype(np.float64),
             events=events > 0,
-            valid=valid[0] > 0,
+            valid=valid > 0,
         )
 
 
@@ -166,7 +173,7 @@ def _step(
     if rules.autoreset != NEVER:
         stream = renew(rules.game, stream, stream.ended if final else stream.shown)
     terms, events = step.outcome.rewards["driver"], step.outcome.events
-    earned = [*terms.values(), *(getattr(events, name) for name in EVENTS), step.valid]
+    earned = [*terms.values(), *(getattr(events, name) for name in EVENTS), step.valid, ~step.record]
     rows = jnp.stack([row * step.valid for row in earned]).astype(jnp.float32)
     return jax.tree.leaves(_raw(stream)), jnp.concatenate([_observe(rules, stream), *final, rows])
 

@@ -21,6 +21,7 @@ from jaxwalk.formats.measured import measure_all
 from jaxwalk.formats.tracks import Tracks
 from jaxwalk.report.table import shown
 from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.wording import counted
 
 
 def run(options: Measure) -> int:
@@ -57,7 +58,7 @@ def _recordings(sources: list[TrackSource], areas: Areas | None) -> Iterator[tup
 
 def _tables(found: dict[str, Any]) -> Iterator[Table]:
     """Return tables of the encounters and, if it is known, of the speed differential."""
-    cars = f"{found['episodes']:,} cars, {found['hours']:.2f} h, {found['kilometres']:.1f} km; 95 % intervals"
+    cars = f"{counted(found['episodes'], 'car')}, {found['hours']:.2f} h, {found['kilometres']:.1f} km; 95 % intervals"
     yield _table(
         f"Encounters of {cars}",
         ("encounter", "n", "TTC < 1.5 s %", "PET < 1.5 s %", "DRAC > 3.4 m/s² %", "5 % come nearer than [m]"),

@@ -8,12 +8,14 @@ from jaxwalk.cli.casting import Policies, cast
 from jaxwalk.cli.checks import check_driver, check_driver_seconds, check_no_folder, check_scenario, check_seed
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Play
+from jaxwalk.evaluation import named
 from jaxwalk.exports.drawn_episode import MOVING, draw_episode
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
+from jaxwalk.wording import counted
 
 PAGE = ".html"
 """Ending of a page on which episodes can be played."""
@@ -35,9 +37,10 @@ def run(options: Play) -> int:
 
 
 def _drawing(options: Play, out: Path, street: Street, drivers: Policies, people: Policy) -> str:
-    (driver,), (scenario,) = drivers.values(), options.scenario
+    ((name, driver),), (scenario,) = drivers.items(), options.scenario
     policies, source = {"driver": driver, "pedestrian": people}, Drawn(street, options.seed)
-    played = draw_episode(street, policies, source, scenario, out, time=options.time)
+    with named({"driver": name, "pedestrian": options.pedestrians}):
+        played = draw_episode(street, policies, source, scenario, out, time=options.time)
     ending = "goal" if played.goal[0] else "collision" if played.collision[0] else "timeout"
     return f"scenario {scenario} of seed {options.seed}: {ending} after {played.length[0] * played.dt:.1f} s"
 
@@ -50,7 +53,7 @@ def _page(options: Play, out: Path, street: Street, drivers: Policies, people: P
     document = recording(street, drivers, {name: people}, {name: numbers}, seed=options.seed)
     among = f"{', '.join(drivers)} among {name}"
     replay_page(document, out, title=f"jaxwalk: {among}")
-    return f"{len(document['episodes'])} episodes of seed {options.seed}, {among}; open it in a browser"
+    return f"{counted(len(document['episodes']), 'episode')} of seed {options.seed}, {among}; open it in a browser"
 
 
 def check(options: Play) -> Path:

@@ -6,6 +6,7 @@ from jaxwalk.cli.casting import cast
 from jaxwalk.cli.checks import check_driver, check_scenario, check_seed
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Scenario
+from jaxwalk.evaluation import named
 from jaxwalk.exports.scenario_files import COMMONROAD, EPISODE, MAP, export_scenario
 from jaxwalk.formats.opendrive import load_library
 from jaxwalk.runs.folder import check_writable
@@ -19,7 +20,8 @@ def run(options: Scenario) -> int:
     (driver,), (crowd,) = drivers.values(), people.values()
     name = f"jaxwalk: {options.driver} among {options.pedestrians}, scenario {options.scenario} of seed {options.seed}"
     policies, source = {"driver": driver, "pedestrian": crowd}, Drawn(street, options.seed)
-    error = export_scenario(street, policies, source, options.scenario, options.out, name=name)
+    with named({"driver": options.driver, "pedestrian": options.pedestrians}):
+        error = export_scenario(street, policies, source, options.scenario, options.out, name=name)
     files = f"{EPISODE} with {MAP}, and {COMMONROAD}"
     print(f"{options.out}: {files}; read back, nobody is off by more than {1000 * error:.4f} mm")
     return 0

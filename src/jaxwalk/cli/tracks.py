@@ -8,11 +8,13 @@ from rich.progress import Progress
 from jaxwalk.cli.casting import cast
 from jaxwalk.cli.checks import check_driver, check_episodes, check_file, check_seed
 from jaxwalk.cli.options import Tracks
+from jaxwalk.evaluation import named
 from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
 from jaxwalk.maps import map_labels
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.scenarios import Drawn
+from jaxwalk.wording import counted
 
 
 def run(options: Tracks) -> int:
@@ -26,13 +28,15 @@ def run(options: Tracks) -> int:
         "map": ", ".join(map_labels(street.maps)), "driver": options.driver, "pedestrians": options.pedestrians,
         "jaywalk_multiplier": options.jaywalk_multiplier, "seed": options.seed,
     }  # fmt: skip
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    who = {"driver": options.driver, "pedestrian": options.pedestrians}
+    with named(who), Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("playing", total=options.episodes)
         record_tracks(
             street, {"driver": driver, "pedestrian": crowd}, Drawn(street, options.seed, options.episodes), options.out,
             about=about, progress=lambda played, _: bar.update(task, completed=played),
         )  # fmt: skip
-    print(f"{options.out}: {options.episodes:,} episodes, scenarios 0 to {options.episodes - 1} of seed {options.seed}")
+    which = f"scenarios 0 to {options.episodes - 1}" if options.episodes > 1 else "scenario 0"
+    print(f"{options.out}: {counted(options.episodes, 'episode')}, {which} of seed {options.seed}")
     return 0
 
 

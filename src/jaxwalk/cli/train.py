@@ -16,6 +16,7 @@ from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import make_street, shared_out
 from jaxwalk.runs.training import train
 from jaxwalk.shards import mesh_of
+from jaxwalk.wording import counted
 
 TUNABLE = (
     "updates", "environments", "steps", "minibatches",
@@ -44,7 +45,8 @@ def run(options: Train) -> int:
         folder, resume=begun is not None, display=display,
         checkpoint_minutes=options.checkpoint_minutes, street=street,
     )  # fmt: skip
-    made = f"{trained.updates:,} updates, {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes"
+    done = f"{counted(trained.updates, 'update')}, {counted(trained.steps, 'step')}"
+    made = f"{done} in {trained.seconds / 60:.1f} minutes"
     if trained.interrupted:
         display.say(f"Interrupted after {made}. Resume with: jaxwalk train --resume {folder.path}")
         return INTERRUPTED

@@ -1,6 +1,7 @@
 """Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them."""
 
 from jaxwalk.evaluation.batches import BATCH, evaluate, replay
+from jaxwalk.evaluation.broken import ActionError, named
 from jaxwalk.evaluation.comparison import EndingCounts, PairedEndings, compare_endings, paired
 from jaxwalk.evaluation.counterfactual import (
     Counterfactuals,
@@ -23,6 +24,7 @@ from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired
 __all__ = [
     "BATCH",
     "SAMPLES",
+    "ActionError",
     "Cell",
     "ComparedEnding",
     "CounterfactualSummary",
@@ -45,6 +47,7 @@ __all__ = [
     "find_hits",
     "find_incidents",
     "jaywalk_multiplier",
+    "named",
     "over_training_seeds",
     "paired",
     "paired_over_seeds",

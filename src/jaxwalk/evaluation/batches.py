@@ -48,6 +48,7 @@ def evaluate(
     Raises:
         ValueError: ``batch`` is below 1.
         DriverError: a driver that is not JAX failed.
+        ActionError: an action of another policy isn't in its space.
     """
     return Rows.join(list(evaluate_batches(street, policies, source, batch=batch, progress=progress)))
 

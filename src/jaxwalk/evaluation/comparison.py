@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxwalk.evaluation.document_parts import ComparedEnding
 from jaxwalk.metrics import OUTCOMES, Rows, holm, mcnemar, scenarios_needed
+from jaxwalk.wording import counted
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ def _in_words(b: str, people: str, ending: str, found: EndingCounts, p: float, t
     (rate_a, rate_b), (less, more) = found.rates, SAID[ending]
     side = less if rate_b < rate_a else more
     chance = "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"
-    numbers = f"{100 * rate_b:.2f} % against {100 * rate_a:.2f} %, {chance}, {found.scenarios:,} scenarios"
+    numbers = f"{100 * rate_b:.2f} % against {100 * rate_a:.2f} %, {chance}, {counted(found.scenarios, 'scenario')}"
     if p < FOUND:
         return f"{b} {side} among {people}: {numbers}."
     if rate_a == rate_b:

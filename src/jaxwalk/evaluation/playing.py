@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Int, Key
 
 from jaxwalk.acting import Given, act, cast_of, fresh_memory, step_key
+from jaxwalk.evaluation.broken import ActionError
 from jaxwalk.evaluation.hosted import ask
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.policies.host import HostDriver
@@ -48,6 +49,8 @@ class Underway(eqx.Module):
     goal: Bool[Array, "episode"]
     collision: Bool[Array, "episode"]
     touched: Bool[Array, "ped episode"]
+    actions: Roles[Array]
+    """The last actions. One that isn't in its space ends the episode."""
 
 
 def play(
@@ -77,6 +80,7 @@ def play(
     Raises:
         ValueError: ``keys`` is not a batch, or its length differs from the scenarios'; or there are two `HostDriver`s.
         DriverError: a `HostDriver` failed.
+        ActionError: an action of another policy isn't in its space.
     """
     if keys.ndim != 1 or scenarios.route.shape != keys.shape:
         shapes = f"keys {keys.shape}, scenarios {scenarios.route.shape}"
@@ -93,6 +97,7 @@ def play(
     for after, frames in rest:
         game = after
         blocks.append({name: np.asarray(x) for name, x in frames.items()})
+    _check_actions(street, game, numbers)
     return _trajectory(street, scenarios, game, blocks, numbers)
 
 
@@ -132,6 +137,15 @@ def _ask_and_play(
             yield game, frames
 
 
+def _check_actions(street: Street, game: Underway, numbers: Int[np.ndarray, "episode"]) -> None:
+    """Raise ActionError for the first episode that an action outside its space has ended."""
+    for role, spec in street.roles.items():
+        actions = np.asarray(game.actions[role])
+        for episode in np.flatnonzero(~spec.contains(actions))[:1]:
+            scenario, step = int(numbers[episode]), int(game.state.step[episode]) - 1
+            raise ActionError.of(role, spec, actions[..., episode], scenario=scenario, step=step)
+
+
 _goal = eqx.filter_jit(vehicle.goal)
 
 
@@ -141,7 +155,10 @@ def _begin(street: Street, memory: Roles[tuple[Any, ...]], scenarios: Scenario) 
     state = street.reset(scenarios)
     no = jnp.zeros(state.step.shape, bool)
     nobody = jnp.zeros(scenarios.start.shape, bool)
-    return Underway(state, memory, no, no, no, nobody), frame(street.world, scenarios, state)
+    actions = {
+        "driver": jnp.zeros((2, *state.step.shape)), "pedestrian": jnp.zeros(nobody.shape, jnp.int32)
+    }  # fmt: skip
+    return Underway(state, memory, no, no, no, nobody, actions), frame(street.world, scenarios, state)
 
 
 @eqx.filter_jit
@@ -161,8 +178,10 @@ def _step(setup: Setup, game: Underway) -> Underway:
     key = step_key(setup.keys, game.state.step)
     acted = act(street, cast, key, setup.scenarios, game.state, game.memory)
     state, outcome = street.step(setup.scenarios, game.state, acted.actions)
-    events, ended = outcome.events, outcome.ended | (state.step >= setup.until)
-    after = Underway(state, acted.memory, ended, events.goal, events.collision, events.touched)
+    sound = [spec.contains(acted.actions[role]) for role, spec in street.roles.items()]
+    events, ended = outcome.events, outcome.ended | (state.step >= setup.until) | ~jnp.stack(sound).all(axis=0)
+    actions = jax.tree.map(lambda new, old: new.astype(old.dtype), acted.actions, game.actions)
+    after = Underway(state, acted.memory, ended, events.goal, events.collision, events.touched, actions)
     kept = jax.tree.map(lambda new, old: jnp.where(game.ended, old, new), after, game)
     return eqx.tree_at(lambda game: game.memory, kept, acted.memory, is_leaf=lambda x: x is None)
 

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxwalk.evaluation.batches import evaluate_batches
+from jaxwalk.evaluation.broken import ActionError
 from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import (
     ComparedEnding,
@@ -25,11 +26,12 @@ from jaxwalk.evaluation.document_parts import (
 )
 from jaxwalk.evaluation.map_rates import MapRates, rates_by_map
 from jaxwalk.evaluation.settings import acts_by, jaywalk_multiplier
-from jaxwalk.interfaces import Policy
+from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
+from jaxwalk.wording import counted
 
 SCHEMA = 3
 """Version of the JSON document; it changes when reports need something new."""
@@ -130,7 +132,7 @@ class ScenarioSet:
     @property
     def name(self) -> str:
         """The number of scenarios and their origin, as in ``2,000 scenarios of seed 0``."""
-        return f"{self.count:,} scenarios" + ("" if self.seed is None else f" of seed {self.seed}")
+        return counted(self.count, "scenario") + ("" if self.seed is None else f" of seed {self.seed}")
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain numbers; the seed is left out if there is none."""
@@ -198,7 +200,7 @@ class Results:
 
 
 class Stopped(ValueError):
-    """Raised if a driver fails in the middle of a grid. The message is that of the driver's error."""
+    """Raised if a policy fails in the middle of a grid. The message is that of the policy's error."""
 
     def __init__(self, message: str, rows: dict[tuple[str, str], Rows]) -> None:
         """Keep ``rows``, the rows evaluated until then, in whole batches."""
@@ -230,7 +232,7 @@ def evaluate_grid(
 
     Raises:
         ValueError: ``batch`` is below 1.
-        Stopped: a driver that is not JAX failed; the error holds the rows so far.
+        Stopped: a driver that is not JAX failed, or an action isn't in its space; the error holds the rows so far.
     """
     cells, rows = [], {}
     for driver_name, driver in drivers.items():
@@ -239,7 +241,7 @@ def evaluate_grid(
             policies = {"driver": driver, "pedestrian": pedestrians}
             batches = evaluate_batches(street, policies, source, batch=batch, progress=tell)
             before = _cost(driver)
-            measured, failure = _joined(batches)
+            measured, failure = _joined(batches, {"driver": driver_name, "pedestrian": name})
             if measured is not None:
                 rows[driver_name, name] = measured
             if measured is None or failure is not None:
@@ -249,14 +251,16 @@ def evaluate_grid(
     return Results(ScenarioSet.of(source), tuple(cells), street=StreetOrigin.of(street)), rows
 
 
-def _joined(batches: Iterable[Rows]) -> tuple[Rows | None, DriverError | None]:
-    """Return the rows of all batches, or of those before the driver failed (None if none), and the driver's error."""
+def _joined(batches: Iterable[Rows], names: Roles[str]) -> tuple[Rows | None, DriverError | ActionError | None]:
+    """Return the rows of all batches, or of those before a policy failed (None if none), and the policy's error."""
     parts, failure = [], None
     try:
         for part in batches:
             parts.append(part)
     except DriverError as error:
         failure = error
+    except ActionError as error:
+        failure = error.by(names)
     return Rows.join(parts) if parts else None, failure
 
 

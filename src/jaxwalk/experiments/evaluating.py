@@ -4,7 +4,7 @@ results.json            all numbers (`jaxwalk.evaluation.Results`)
 suite.md                the same as tables (`jaxwalk.report.suite`)
 episodes.csv            a row per episode; with several jaywalk multipliers a file for each
 encounters.parquet      a row per encounter, if asked for
-episodes-partial.csv    whole batches of an evaluation that a driver's error ended
+episodes-partial.csv    whole batches of an evaluation that a policy's error ended
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from jaxwalk.evaluation import (
     evaluate_grid,
     find_hits,
     jaywalk_multiplier,
+    named,
     paired,
     summarise_counterfactuals,
     with_jaywalk_multiplier,
@@ -40,6 +41,7 @@ from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
+from jaxwalk.wording import counted
 from jaxwalk.writing import together, write_whole
 
 Tell = Callable[[str, int, int], None]
@@ -98,7 +100,7 @@ def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     Results are written before collisions are replayed, which takes long, and once more afterwards.
 
     Raises:
-        Stopped: a driver that is not JAX failed; the message says what was kept.
+        Stopped: a policy failed; the message says what was kept.
     """
     drivers = tuple(policy_origin("driver", name) for name in work.drivers)  # before they can change
     populations = tuple(policy_origin("pedestrian", name) for name in work.populations)
@@ -164,12 +166,10 @@ def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tel
     replayed = []
     for number, (cell, (street, driver, people, found)) in enumerate(zip(cells, played, strict=True)):
         tell(f"replaying collisions of {driver} among {people}", number, len(cells))
-        table = counterfactuals(
-            street,
-            {"driver": work.drivers[driver], "pedestrian": work.populations[people]},
-            Drawn(street, work.seed, work.episodes),
-            find_hits(found).first(work.options.counterfactuals),
-        )
+        policies = {"driver": work.drivers[driver], "pedestrian": work.populations[people]}
+        source, hits = Drawn(street, work.seed, work.episodes), find_hits(found).first(work.options.counterfactuals)
+        with named({"driver": driver, "pedestrian": people}):
+            table = counterfactuals(street, policies, source, hits)
         replayed.append(replace(cell, counterfactuals=summarise_counterfactuals(table)))
     return tuple(replayed)
 
@@ -180,10 +180,10 @@ def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
     if not episodes:
         return "no batch had been finished before"
     if work.out is None:
-        return f"{episodes:,} episodes had been evaluated before: --out DIR would keep them"
+        return f"--out DIR would have kept the {counted(episodes, 'episode')} evaluated before"
     with together():
         files = _write_episodes(work, work.out / "episodes-partial", rows)
-    return f"the {episodes:,} episodes evaluated before are kept in {', '.join(map(str, files))}"
+    return f"what was evaluated before, {counted(episodes, 'episode')}, is kept in {', '.join(map(str, files))}"
 
 
 def _keep_rows(work: Evaluation, out: Path, rows: list[Played]) -> None:

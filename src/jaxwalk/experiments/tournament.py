@@ -25,6 +25,7 @@ from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN
+from jaxwalk.wording import counted
 
 COMPARED = [name for name, make in DRIVERS.items() if make().view.name not in HIDDEN]
 """Rules that are compared; not the oracle, which knows the future, is in no table of the paper, and takes minutes."""
@@ -116,7 +117,7 @@ def play_rounds(
 
 def _tell(say: Say, of: str, driver: str, people: str, played: int, episodes: int) -> None:
     if played >= episodes:
-        say(f"    {driver} among {people}{of}: {played:,} episodes")
+        say(f"    {driver} among {people}{of}: {counted(played, 'episode')}")
 
 
 def results_of(

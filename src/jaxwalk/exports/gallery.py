@@ -7,7 +7,16 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import chain
 
-from jaxwalk.evaluation import Incidents, ReplayError, counterfactuals, describe, find_hits, find_incidents, replay
+from jaxwalk.evaluation import (
+    Incidents,
+    ReplayError,
+    counterfactuals,
+    describe,
+    find_hits,
+    find_incidents,
+    named,
+    replay,
+)
 from jaxwalk.evaluation.batches import AT_ONCE
 from jaxwalk.evaluation.episode_file import CONTACT_NAMES
 from jaxwalk.exports.replays import recording
@@ -81,7 +90,8 @@ def _incidents(
     street, driver, people = cast.street, cast.drivers[pair[0]], cast.populations[pair[1]]
     hits = some.scenario[some.collision].tolist()
     policies, source = {"driver": driver, "pedestrian": people}, Drawn(street, cast.seed)
-    replayed = counterfactuals(street, policies, source, find_hits(rows).among(hits))
+    with named({"driver": pair[0], "pedestrian": pair[1]}):
+        replayed = counterfactuals(street, policies, source, find_hits(rows).among(hits))
     labels = dict(zip(replayed.scenario.tolist(), replayed.label.tolist(), strict=True))
     trajectory = replay(street, policies, source, some.scenario.tolist())
     if (trajectory.length != rows[OUTCOMES].steps[some.scenario]).any():

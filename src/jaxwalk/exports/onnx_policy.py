@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Array, Key
 
 from jaxwalk.acting import Player, act, cast_of, fresh_memory
+from jaxwalk.evaluation.broken import ADVICE
 from jaxwalk.interfaces import Policy
 from jaxwalk.learning.actor import Held
 from jaxwalk.policies import AlwaysGo, PolicyError, RouteFollower, read_metadata
@@ -64,7 +65,8 @@ class Parity:
 def export(name: str, out: Path, *, role: str) -> Parity:
     """Write the policy of a run folder, a policy file or a shipped name as ONNX.
 
-    Raises PolicyError if onnx or ONNX Runtime is missing, or the network in ONNX acts differently from the policy.
+    Raises PolicyError if onnx or ONNX Runtime is missing, an action isn't in its space, or the network in ONNX acts
+    differently from the policy.
     """
     street = world_of([name], ())
     policy = contestant(street, role, name, sample=False)
@@ -72,7 +74,10 @@ def export(name: str, out: Path, *, role: str) -> Parity:
         raise PolicyError(f"{name}: is a rule, not a trained policy; name a run folder, a policy file or a shipped one")
     file = policy_file(role, name)
     content = onnx_model(policy.actor, role=role, metadata=_origin(file, street))
-    parity = check_parity(content, policy, met(street, role, policy))
+    space, found = street.roles[role].action, met(street, role, policy)
+    if not space.contains(found.action).all():
+        raise PolicyError(f"{name}: an action isn't {space}; {ADVICE}")
+    parity = check_parity(content, policy, found)
     if not parity.passes:
         raise PolicyError(
             f"{name}: in ONNX it acts otherwise (largest gap {parity.gap:.1e}, {parity.other_choices} other choices of "

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from jaxwalk.evaluation import BATCH, jaywalk_multiplier, replay
+from jaxwalk.evaluation import BATCH, jaywalk_multiplier, named, replay
 from jaxwalk.interfaces import Policy
 from jaxwalk.maps import RoadMap
 from jaxwalk.maps.routes import ROUTE_SPACING
@@ -56,7 +56,8 @@ def _entries(
     routes, maps = _routes(street, scenarios), np.asarray(scenarios.map).tolist()
     found, multiplier = [], jaywalk_multiplier(street)
     for driver, policy in drivers.items():
-        trajectory = replay(street, {"driver": policy, "pedestrian": people[1]}, source, numbers)
+        with named({"driver": driver, "pedestrian": people[0]}):
+            trajectory = replay(street, {"driver": policy, "pedestrian": people[1]}, source, numbers)
         records = make_records(trajectory, paths, routes)
         found += entries(trajectory, records, maps, driver=driver, pedestrians=people[0], multiplier=multiplier)
     return found

@@ -14,6 +14,7 @@ from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import Run
 from jaxwalk.scenarios import Drawn
+from jaxwalk.wording import counted
 from jaxwalk.writing import current, together, write_whole
 
 Results = dict[str, Any]
@@ -63,8 +64,8 @@ def model_card(file: Path, *, name: str) -> str:
     lines = [
         f"# {name}",
         "",
-        f"{who}: recipe `{about['recipe']}`, training seed {about['seed']}, {about['updates']:,} updates, "
-        f"{about['steps']:,} environment steps, maps {maps}.",
+        f"{who}: recipe `{about['recipe']}`, training seed {about['seed']}, {counted(about['updates'], 'update')}, "
+        f"{counted(about['steps'], 'environment step')}, maps {maps}.",
         "",
         f"Made at commit {about['commit'] or 'unknown'} on {about['hardware']}, with {versions}.",
         "",
@@ -83,17 +84,13 @@ def model_card(file: Path, *, name: str) -> str:
 
 def _role_row(role: str, network: dict[str, Any]) -> str:
     layers = "-".join(map(str, network["sizes"]))
-    steps = network["hold"]
-    return (
-        f"| {role} | `{network['observes']}` | {network['kind']} | {layers} | {steps} step{'s' if steps > 1 else ''} |"
-    )
+    return f"| {role} | `{network['observes']}` | {network['kind']} | {layers} | {counted(network['hold'], 'step')} |"
 
 
 def _result_lines(results: Results) -> list[str]:
     chosen = results["scenarios"]
-    head = (
-        f"The driver by its mode, pedestrians sampling; {chosen['count']:,} scenarios of seed {chosen['seed']}, hash "
-    )
+    played = f"{counted(chosen['count'], 'scenario')} of seed {chosen['seed']}"
+    head = f"The driver by its mode, pedestrians sampling; {played}, hash "
     return [
         f"{head}{chosen['hash']}; 95 % intervals over scenarios:",
         "",

@@ -19,6 +19,8 @@ DISCRETE, GATED = "discrete", "gated"
 feature is above 0. The kinds with continuous actions are those of `RoleConfig.noise`."""
 OTHERWISE = 1
 """A gated policy's action where there is nothing to decide."""
+NO_CHOICE = -1
+"""A choice that is in no space, in place of one from logits that aren't finite. A continuous action is NaN instead."""
 CHOSEN_PART = 16
 """`run_where` runs a network on one part in 16 of the columns at once: slightly more than a step usually selects."""
 
@@ -39,7 +41,10 @@ class Actor(eqx.Module):
 
     def __call__(self, observation: Float[Array, "feature *rest"]) -> Distribution:
         """Return the distribution of every agent's action; for a gated policy, of its decisions."""
-        outputs = self.network(observation)
+        return self.distribution(self.network(observation))
+
+    def distribution(self, outputs: Float[Array, "out *rest"]) -> Distribution:
+        """Return the distribution with the network's outputs as parameters."""
         if self.log_std is None:
             return Categorical(outputs)
         if self.kind == "clipped":
@@ -78,19 +83,31 @@ def decide(
     actor: Actor, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature *rest"], *,
     sample: bool,
 ) -> tuple[Choice, Held | None]:  # fmt: skip
-    """Return every agent's action and the new memory; without ``sample``, the likeliest action. Not differentiable."""
+    """Return every agent's action and the new memory; without ``sample``, the likeliest action. Not differentiable.
+
+    Where the network's outputs or the sample aren't finite, the action is in no space: NaN, or `NO_CHOICE`.
+    """
     if memory is None:
-        choice = actor(observation)
+        outputs = actor.network(observation)
+        choice = actor.distribution(outputs)
         raw = choice.sample(key) if sample else choice.mode()
-        return Choice(choice.action(raw), raw, choice.log_prob(raw), None), None
+        return Choice(_if_finite(choice.action(raw), outputs, raw), raw, choice.log_prob(raw), None), None
     may = observation[0] > 0
     now = may & (memory.steps_left == 0)
-    choice = Categorical(run_where(actor.network, observation, now))
-    new = choice.sample(key) if sample else choice.mode()
+    logits = run_where(actor.network, observation, now)
+    choice = Categorical(logits)
+    raw = choice.sample(key) if sample else choice.mode()
+    new = _if_finite(raw, logits, raw)
     kept = jnp.where(now, new, memory.choice)
     steps_left = jnp.where(now, actor.hold - 1, memory.steps_left - 1)
     action = jnp.where(may, kept, OTHERWISE)
     return Choice(action, action, choice.log_prob(action), now), Held(kept, jnp.where(may, steps_left, 0))
+
+
+def _if_finite(action: Array, outputs: Float[Array, "out *rest"], raw: Array) -> Array:
+    """Return the action where outputs and sample are finite, else one in no space: argmax and tanh would hide it."""
+    finite = (jnp.isfinite(outputs) & jnp.isfinite(raw)).all(axis=0)
+    return jnp.where(finite, action, NO_CHOICE if jnp.issubdtype(action.dtype, jnp.integer) else jnp.nan)
 
 
 def run_where(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import equinox as eqx
-from jaxtyping import Array, Float, Key
+from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.acting import Cast, act, part_of
 from jaxwalk.interfaces import Environment, Roles
@@ -25,6 +25,8 @@ class Record(eqx.Module):
     """The views before the step."""
     choices: Roles[Choice]
     """The choices of each learning role."""
+    sound: Roles[Bool[Array, "env"]]
+    """Whether the actions of each role are in their space, whoever plays it."""
 
 
 def gather_views(environment: Environment, shard: Shard, scenario: Any, state: Any) -> Views:
@@ -51,7 +53,8 @@ def recording_act(environment: Environment, shard: Shard, cast: Cast) -> Act:
     def act_and_record(key: Key[Array, "env"], scenario: Any, state: Any, memory: Any) -> tuple[Any, Any, Record]:
         acted = act(environment, cast, key, scenario, state, memory)
         choices = {role: _own(shard, cast, role, acted.records[role]) for role in shard.config.learning_roles}
-        return acted.actions, acted.memory, Record(gather_views(environment, shard, scenario, state), choices)
+        sound = {role: spec.contains(acted.actions[role]) for role, spec in environment.roles.items()}
+        return acted.actions, acted.memory, Record(gather_views(environment, shard, scenario, state), choices, sound)
 
     return act_and_record
 

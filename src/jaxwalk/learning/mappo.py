@@ -30,7 +30,7 @@ from jaxwalk.learning.critics import Critic, Estimates, estimate_advantages, mak
 from jaxwalk.learning.experience import gather_views, recording_act
 from jaxwalk.learning.fit import Entries, Fit, fit, gated_part, learning_rate, optimiser, pack_weighted
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
-from jaxwalk.learning.monitor import all_finite, by_agent, episode_metrics, reward_metrics
+from jaxwalk.learning.monitor import all_finite, all_true, by_agent, episode_metrics, reward_metrics
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, waiting
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 
@@ -119,8 +119,9 @@ def _untrained(
 def update(environment: Environment, config: TrainConfig, learner: Learner) -> tuple[Learner, dict[str, Array]]:
     """Play a rollout and learn from it; return the learner and scalars to log.
 
-    Its scalar ``finite`` is 1 if all others, every network and the optimisers' states are finite, else 0. Nothing is
-    donated: the input stays usable, and it is small compared with the rollout.
+    Some scalars are 1 or 0. ``finite``: all others, every network and the optimisers' states are finite, and every
+    action was in its space. ``fixed/ROLE``: every action of that role's fixed policy was. Nothing is donated: the input
+    stays usable, and it is small compared with the rollout.
     """
     arrays, rest = eqx.partition(learner, eqx.is_array)
 
@@ -151,7 +152,9 @@ def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[L
     metrics |= _rollout_metrics(shard, played)
     metrics["learning_rate"] = learning_rate(config, learner.updates, learner.planned)
     updates = learner.updates + 1
-    metrics["finite"] = all_finite((metrics, actors, critics, actor_memories, critic_memories))
+    finite = all_finite((metrics, actors, critics, actor_memories, critic_memories))
+    metrics |= _sound_metrics(shard, played, learner.others)
+    metrics["finite"] = finite * metrics.pop("sound")
     early = {role: remember(learner.early[role], actor, updates) for role, actor in actors.items()}
     learner = Learner(
         actors, critics, early, actor_memories, critic_memories, learner.others, stream, learner.key, updates,
@@ -180,6 +183,17 @@ def _rollout_metrics(shard: Shard, played: Step) -> dict[str, Array]:
         metrics |= reward_metrics(role, part_of(played.outcome.rewards[role], own), valid, SHARDS)
     own = shard.columns[shard.config.learning_roles[0]].own
     return metrics | episode_metrics(part_of(played.outcome, own), played.valid[:, own].astype(jnp.float32), SHARDS)
+
+
+def _sound_metrics(shard: Shard, played: Step, others: Roles[Policy | None]) -> dict[str, Array]:
+    """Return whether every action was in its space: in all environments, and in those of each fixed policy."""
+    metrics = {"sound": jnp.ones(())}
+    for role, sound in played.record.sound.items():
+        metrics["sound"] *= all_true(sound | ~played.valid, SHARDS)
+        if others[role] is not None:
+            own = shard.columns[role].fixed
+            metrics[f"fixed/{role}"] = all_true((sound | ~played.valid)[:, own], SHARDS)
+    return metrics
 
 
 def _check_roles(environment: Environment, config: TrainConfig, others: Roles[Policy | None]) -> None:

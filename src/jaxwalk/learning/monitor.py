@@ -11,7 +11,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from jaxwalk.interfaces import Outcome
 from jaxwalk.learning.losses import weighted_mean
@@ -54,6 +54,11 @@ def all_finite(tree: Any) -> Float[Array, ""]:
     """Return 1 if every number in a pytree is finite, else 0."""
     numbers, _ = ravel_pytree(eqx.filter(tree, eqx.is_inexact_array))
     return jnp.isfinite(numbers).all().astype(jnp.float32)
+
+
+def all_true(each: Bool[Array, "..."], axis: Axis = ()) -> Float[Array, ""]:
+    """Return 1 if all are true, else 0."""
+    return (jax.lax.psum(jnp.sum(~each, dtype=jnp.int32), axis) == 0).astype(jnp.float32)
 
 
 def _event(events: Any, name: str) -> Array | None:

@@ -7,6 +7,7 @@ from jaxwalk.report.material import ALWAYS_GO
 from jaxwalk.report.seed_tables import paired_table
 from jaxwalk.report.table import NONE, Table, markdown_table, shown
 from jaxwalk.sim.observation import HIDDEN
+from jaxwalk.wording import counted
 
 BLIND = "blind"
 """Name of the car that the others are compared with."""
@@ -22,7 +23,7 @@ def page(document: IntentDocument) -> str:
         f"The same car, trained alone among {ALWAYS_GO}: `blind` sees where people are and how they move; `belief` is "
         "also told the posterior mean of the nearest people's jaywalking tendencies, given their crossings so far; "
         "`told` is told the tendencies. The critic sees the tendencies in all three cases.",
-        f"Training seeds: {seeds}; {plan.updates:,} updates each. {chosen.name}, hash {chosen.hash}; "
+        f"Training seeds: {seeds}; {counted(plan.updates, 'update')} each. {chosen.name}, hash {chosen.hash}; "
         f"commit {made.commit or 'unknown'}, "
         f"{made.hardware}. Brackets are 95 % intervals over training seeds and scenarios.",
     ]

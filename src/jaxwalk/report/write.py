@@ -16,6 +16,7 @@ from jaxwalk.report.style import as_picture
 from jaxwalk.report.table import shown, write_csv
 from jaxwalk.report.watched import Gallery
 from jaxwalk.viewer.replay import as_script, gallery_html, gallery_script, gallery_style
+from jaxwalk.wording import counted
 from jaxwalk.writing import write_whole
 
 
@@ -96,7 +97,7 @@ def _facts(material: Material) -> list[tuple[str, str]]:
     for name, curves in material.curves.items():
         trainings = list(curves.values())
         times = ", ".join(f"{curve.seconds / 60:.1f}" for curve in trainings)
-        facts.append((f"Training, {name}", f"{trainings[0].steps[-1]:,} steps in {times} minutes"))
+        facts.append((f"Training, {name}", f"{counted(round(trainings[0].steps[-1]), 'step')} in {times} minutes"))
     whole = sum(material.minutes.values())
     facts += [
         ("Minutes in all", f"{whole:.1f}"),

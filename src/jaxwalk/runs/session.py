@@ -68,15 +68,13 @@ class Session:
     def record(self, metrics: Any, updates: int, before: Learner) -> None:
         """Write and show the metrics of an update, waiting for them if necessary.
 
-        If they are not finite, save the learner of ``before`` and raise DivergedError.
+        If they are not finite or an action isn't in its space, save the learner of ``before`` and raise DivergedError.
         """
         values = {name: float(value) for name, value in jax.device_get(metrics).items()}
+        fixed = [role for role in self._config.roles if not values.pop(f"fixed/{role}", True)]
         if not values.pop("finite"):
             self.save(before)
-            raise DivergedError(
-                f"{self.run.path}: update {updates} gave numbers that are not finite; checkpoint and policy of update "
-                f"{updates - 1} are kept. Train anew with a lower --learning-rate or --reward-scale, or another --seed"
-            )
+            raise DivergedError(f"{self.run.path}: {_what_diverged(updates, fixed)}")
         values["steps"] = updates * self.run.experiment.steps_per_update
         line = {"update": updates, "seconds": round(self.seconds, 3), **values}
         self.log.write(line)
@@ -93,6 +91,18 @@ class Session:
             checkpoint.save(self.run.checkpoints, learner, updates=updates, about=about)
         save_policy(self.run.policy, learner, policy_metadata(self.run, self.street.maps, updates))
         self.saved = time.monotonic()
+
+
+def _what_diverged(updates: int, fixed: Sequence[str]) -> str:
+    """Return what is wrong with an update, and what to do; ``fixed``: roles whose fixed policy is broken."""
+    kept = f"checkpoint and policy of update {updates - 1} are kept"
+    if fixed:
+        broken = f"the fixed {' and '.join(fixed)} policy gave an action that isn't in its space"
+        return f"in update {updates} {broken} (not finite, for example); {kept}. Correct it, and train anew"
+    return (
+        f"update {updates} gave numbers that are not finite; {kept}. "
+        "Train anew with a lower --learning-rate or --reward-scale, or another --seed"
+    )
 
 
 def policy_metadata(run: Run, maps: Sequence[MapText], updates: int) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import shared_out
 from jaxwalk.runs.training import is_finished, train
 from jaxwalk.sim.environment import Street
+from jaxwalk.wording import counted
 from jaxwalk.writing import remove_unfinished, write_whole
 
 
@@ -99,12 +100,12 @@ class Work(Generic[P]):
         run = Run.open(folder) if begun else Run.create(folder, shared_out(replace(experiment, seed=seed)))
         if is_finished(run):
             steps = run.experiment.train.updates * run.experiment.steps_per_update
-            self.say(f"{said}: there already, {steps:,} steps")
+            self.say(f"{said}: there already, {counted(steps, 'step')}")
             return
         trained = train(run, resume=begun, display=Display(self.console, said))
         if trained.interrupted:
             raise Interrupted
-        self.say(f"{said}: {trained.steps:,} steps in {trained.seconds / 60:.1f} minutes")
+        self.say(f"{said}: {counted(trained.steps, 'step')} in {trained.seconds / 60:.1f} minutes")
 
     def _check(self) -> None:
         """Raise RunError unless the folder can be started or continued. Writes nothing."""

@@ -85,12 +85,13 @@ def there_is_one(folder: Path) -> bool:
 
 
 def curves(lines: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return ``at``, the last update of each of up to `POINTS` stretches; ``curves``, their means by name; ``recent``.
+    """Return ``at``, the last update of each of up to `POINTS` stretches; ``curves``, their means by name; ``recent``,
+    the endings in the last updates; and ``recent_updates``, how many these are.
 
     A mean is None if no number is known, such as for endings before the first episode ends.
     """
     if not lines:
-        return {"at": [], "curves": {}, "recent": {}}
+        return {"at": [], "curves": {}, "recent": {}, "recent_updates": 0}
     begins = np.linspace(0, len(lines), min(len(lines), POINTS), endpoint=False).astype(int)
     last = [*(begins[1:] - 1), len(lines) - 1]
     names = [name for name in CURVES if name in lines[-1]]
@@ -98,6 +99,7 @@ def curves(lines: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "at": [lines[i]["update"] for i in last],
         "curves": {name: _means(lines, name, begins) for name in names},
         "recent": {name: _means(lines[-RECENT:], name, np.array([0]))[0] for name in names if name in ENDINGS},
+        "recent_updates": len(lines[-RECENT:]),
     }
 
 

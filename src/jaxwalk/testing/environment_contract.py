@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Key
 
-from jaxwalk.interfaces import Box, Discrete, Environment, Outcome, Roles, RoleSpec
+from jaxwalk.interfaces import Discrete, Environment, Outcome, Roles, RoleSpec
 from jaxwalk.rollout import draw_batch
 from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same
 
@@ -137,8 +137,3 @@ def _check_outcome(environment: Environment, outcome: Outcome) -> None:
         require(not both.any(), f"terminated, truncated: an agent of {role} is both at once")
         message = f"ended: an episode ends for everybody at once, but not for {role}"
         require(np.array_equal(over, np.broadcast_to(outcome.ended, shape)), message)
-
-
-def describes(action: Box | Discrete) -> str:
-    """Return in words what an action of that kind must be."""
-    return f"integers in [0, {action.n})" if isinstance(action, Discrete) else f"{action.size} numbers"

@@ -11,13 +11,11 @@ from jaxtyping import Array, Key
 
 from jaxwalk.interfaces import Discrete, Environment, Moment, Policy, View
 from jaxwalk.rollout import draw_batch
-from jaxwalk.testing.environment_contract import describes, random_actions
+from jaxwalk.testing.environment_contract import random_actions
 from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same
 
 BATCH = 4
 """Number of episodes that are checked together."""
-BEYOND = 1e-4
-"""Largest excess of an action over [-1, 1] that counts as rounding."""
 ROUNDING = 1e-5
 """Tolerance between an episode played alone and in a batch, which may round differently."""
 
@@ -89,16 +87,10 @@ def _check_action(action: Array, environment: Environment, role: str) -> None:
     spec = environment.roles[role]
     choice = isinstance(spec.action, Discrete)
     wanted = (*spec.agents, BATCH) if isinstance(spec.action, Discrete) else (spec.action.size, *spec.agents, BATCH)
-    shape = f"act: the {role}'s action has shape {action.shape}; it must be {wanted}: {describes(spec.action)} each"
+    shape = f"act: the {role}'s action has shape {action.shape}; it must be {wanted}: {spec.action} each"
     require(action.shape == wanted, shape)
     require(finite(action), f"act: the {role}'s action has a number that isn't finite")
     kind = jnp.issubdtype(action.dtype, jnp.integer if choice else jnp.floating)
     require(kind, f"act: the {role}'s action is {action.dtype}; it must be {'integers' if choice else 'floats'}")
-    if isinstance(spec.action, Discrete):
-        inside = (action >= 0) & (action < spec.action.n)
-        require(inside.all(), f"act: the {role}'s action must lie in [0, {spec.action.n})")
-    else:
-        inside = jnp.abs(action) <= 1 + BEYOND
-        require(
-            inside.all(), f"act: the {role}'s action must lie in [-1, 1], not up to {float(jnp.abs(action).max()):g}"
-        )
+    inside = f"act: the {role}'s action must be {spec.action}, but some are in [{action.min():g}, {action.max():g}]"
+    require(spec.contains(action).all(), inside)

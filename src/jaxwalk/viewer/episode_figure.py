@@ -27,6 +27,10 @@ TENDENCY = LinearSegmentedColormap.from_list("tendency", ["#fff4d6", "#f5b242", 
 people see too."""
 INCHES = 8.0
 """Width of the figure for which texts and lines are sized; the pixels per inch scale it."""
+AROUND = 0.13
+"""Height of title and legend, as a share of the figure's width."""
+FLATTEST = 0.3
+"""The smallest height of a map, as a share of its width, for which the figure becomes flatter."""
 TRAIL = 3.0
 """Length of the trail behind each pedestrian [s]."""
 
@@ -42,7 +46,7 @@ class EpisodeFigure:
         trajectory: recorded episodes.
         episode: the episode to draw, from 0.
         road_map: the map it was played on, as `load_map` returns it (not a stack of maps).
-        width: width of the figure in pixels; the height is about the same.
+        width: width of the figure in pixels; the height is about the same, and less for a map wider than high.
 
     Raises:
         ViewerError: there is no such episode, or the map is a stack.
@@ -57,9 +61,8 @@ class EpisodeFigure:
             raise ViewerError("the map is a stack of maps: give one, as load_map does")
         self.trajectory, self.episode = trajectory, episode
         self.last = int(trajectory.length[episode])
-        self.figure = Figure(
-            figsize=(INCHES, 0.98 * INCHES), dpi=width / INCHES, layout=ConstrainedLayoutEngine(h_pad=0.2)
-        )
+        height = INCHES * (AROUND + (0.98 - AROUND) * float(np.clip(road_map.height / road_map.width, FLATTEST, 1)))
+        self.figure = Figure(figsize=(INCHES, height), dpi=width / INCHES, layout=ConstrainedLayoutEngine())
         self.canvas = FigureCanvasAgg(self.figure)
         self.axes = self.figure.add_subplot()
         draw_ground(self.axes, road_map)
@@ -146,8 +149,8 @@ class EpisodeFigure:
             Line2D([], [], color="#cd540a", marker="o", markeredgecolor="#222222", label="pedestrian, last 3 s"),
             Line2D([], [], color=JAYWALKED, linewidth=3.5, label="jaywalk"),
         ]
-        self.axes.legend(
-            handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.055), ncols=5, fontsize=9, frameon=False,
+        self.legend = self.figure.legend(
+            handles=handles, loc="outside lower center", ncols=5, fontsize=9, frameon=False,
             columnspacing=1.4, handlelength=1.6,
         )  # fmt: skip
 

@@ -62,6 +62,15 @@ def _leave(observation):
     raise SystemExit("enough")
 
 
+def _interrupt(observation):
+    raise KeyboardInterrupt
+
+
+class _Leaver:
+    def __array__(self, *args, **options):
+        raise SystemExit(0)
+
+
 WRONG = {
     "one number": (lambda seen: np.zeros(2), r"mine: act returned shape \(2,\); return an array of shape \(2, 2\)"),
     "turned": (lambda seen: np.zeros((2, 1)), r"shape \(2, 1\)"),
@@ -71,6 +80,8 @@ WRONG = {
     "complex": (lambda seen: np.ones((2, 2), complex), "of type complex128"),
     "ragged": (lambda seen: [[1.0, 2.0], [1.0]], "act returned list, which is no array"),
     "raises": (_divide, r"mine: act raised ZeroDivisionError: .*division by zero \(test_driver.py, line \d+\)"),
+    "leaves as it is read": (lambda seen: _Leaver(), "act returned _Leaver, which is no array"),
+    "interrupts": (_interrupt, r"mine: act raised KeyboardInterrupt"),
     "leaves": (_leave, r"mine: act raised SystemExit: enough"),
 }
 
@@ -103,6 +114,9 @@ def test_reset_is_told_how_many_episodes_begin_and_may_fail_too():
     inner = Remembering()
     HostDriver("mine", inner, observes="paper").init((), (5,))
     assert inner.memory.shape == (5,)
+    inner.reset = _leave
+    with pytest.raises(DriverError, match="mine: reset raised SystemExit: enough"):
+        HostDriver("mine", inner, observes="paper").init((), (5,))
     inner.reset = lambda: None
     with pytest.raises(DriverError, match="mine: reset raised TypeError"):
         HostDriver("mine", inner, observes="paper").init((), (5,))
@@ -114,6 +128,6 @@ def test_the_first_impossible_action_of_those_who_play_is_named():
     assert wrong_action(actions, everybody)[0] == 0
     episode, what = wrong_action(actions, everybody & (np.arange(5) > 0))
     assert episode == 3  # 1 is above by no more than rounding
-    assert "act returned [1.5 0], not two numbers in [-1, 1]; clip it" in what
+    assert "act returned [1.5 0], not 2 numbers in [-1, 1]; clip it" in what
     assert wrong_action(actions, np.arange(5) == 4)[0] == 4
     assert wrong_action(actions, np.arange(5) == 2) is None

@@ -81,6 +81,22 @@ def test_what_cannot_be_used_is_said(place, name, message):
         load_host_driver(name)
 
 
+LEAVING = {
+    "import": ("import sys\nsys.exit()", r"code None"),
+    "construction": ("class Mine:\n    def __init__(self):\n        raise SystemExit(0)", "code 0"),
+    "lookup": ("def __getattr__(name):\n    raise SystemExit('enough')", "code enough"),
+}
+
+
+@pytest.mark.parametrize("when", LEAVING)
+def test_a_driver_that_exits_is_refused_and_does_not_end_the_program(tmp_path, when):
+    source, code = LEAVING[when]
+    file = tmp_path / "leaves.py"
+    file.write_text(source)
+    with pytest.raises(DriverError, match=rf"leaves\.py:Mine: exits while it is loaded \({code}\); remove the exit"):
+        load_host_driver(f"{file}:Mine")
+
+
 def test_a_limit_must_be_one(place):
     with pytest.raises(DriverError, match="must be above 0 s, not 0"):
         load_host_driver("my_drivers:Plain", seconds=0.0)

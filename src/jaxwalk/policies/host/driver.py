@@ -28,16 +28,17 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Key
 
+from jaxwalk.interfaces import Box
 from jaxwalk.sim.observation import Observation
 
 SECONDS = 10.0
 """Default time limit of a driver for one step of its batch [s]."""
 NUMBERS = "fiu"
 """Kinds of NumPy types that are real numbers."""
+ACTION = Box(2)
+"""The space of a driver's action: acceleration and steering."""
 MESSAGE = 300
 """Longest quotation of an error message from a driver [characters]."""
-BEYOND = 1e-4
-"""Rounding may take an action beyond [-1, 1] by this much; the simulator clips it."""
 
 
 class DriverError(ValueError):
@@ -103,7 +104,7 @@ class HostDriver:
         wanted = f"an array of shape ({episodes}, 2): acceleration and steering in [-1, 1] for each episode"
         try:
             actions = np.asarray(answer)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self.fail(f"act returned {type(answer).__name__}, which is no array; return {wanted}") from error
         if actions.dtype.kind not in NUMBERS:
             raise self.fail(f"act returned {type(answer).__name__} of type {actions.dtype}; return {wanted}")
@@ -114,12 +115,11 @@ class HostDriver:
 
 def wrong_action(actions: Float[np.ndarray, "2 episode"], playing: np.ndarray) -> tuple[int, str] | None:
     """Return the first ``playing`` episode with an impossible action, and what is wrong; None if all are possible."""
-    possible = (np.abs(actions) <= 1 + BEYOND).all(axis=0)  # False for NaN
-    for episode in np.flatnonzero(playing & ~possible)[:1]:
+    for episode in np.flatnonzero(playing & ~np.asarray(ACTION.contains(actions)))[:1]:
         acceleration, steering = actions[:, episode]
         finite = np.isfinite(acceleration + steering)
         hint = "clip it if that is intended" if finite else "check for a division by zero or a missing value"
-        return int(episode), f"act returned [{acceleration:g} {steering:g}], not two numbers in [-1, 1]; {hint}"
+        return int(episode), f"act returned [{acceleration:g} {steering:g}], not {ACTION}; {hint}"
     return None
 
 

@@ -33,12 +33,13 @@ def load_host_driver(name: str, *, trust: bool = False, seconds: float = SECONDS
     """
     if not seconds > 0:
         raise DriverError(f"{name}: its limit for a step must be above 0 s, not {seconds:g}")
-    if is_class(name):
-        from jaxwalk.policies.host.python_class import load_class
-
-        driver, observes = load_class(name)
-    else:
-        driver, observes = _load_file(Path(name), trust=trust)
+    try:
+        driver, observes = _load(name, trust=trust)
+    except SystemExit as end:  # of a script, say; it must not end the evaluation as if all were done
+        raise DriverError(
+            f"{name}: exits while it is loaded (code {end.code}); remove the exit, or put it under "
+            'if __name__ == "__main__"'
+        ) from end
     sets = OBSERVATIONS["driver"]
     if observes not in sets:
         known = ", ".join(f"{x} ({size('driver', x)})" for x in sets)
@@ -61,6 +62,15 @@ def set_of_size(path: Path, features: int, observes: str | None = None) -> str:
     raise DriverError(
         f"{path}: takes {features} numbers{named}; the sets' sizes are: {sizes}; see docs/drivers.md for naming one"
     )
+
+
+def _load(name: str, *, trust: bool) -> tuple[Any, str]:
+    """Return the driver and the name of its observation set."""
+    if not is_class(name):
+        return _load_file(Path(name), trust=trust)
+    from jaxwalk.policies.host.python_class import load_class
+
+    return load_class(name)
 
 
 def _load_file(path: Path, *, trust: bool) -> tuple[Any, str]:

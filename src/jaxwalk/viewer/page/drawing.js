@@ -160,7 +160,7 @@ class Drawing {
     c.fillStyle = this.colour.car;
     c.fill();
     this.#stroke(c, this.colour.halo, 1.5);
-    if (car.acceleration < -0.5) { // brake lights
+    if (car.command < -0.5) { // brake lights
       for (const side of [-0.6, 0.6]) {
         const [px, py] = this.toPixels(car.x - 2.1 * cos - side * sin, car.y - 2.1 * sin + side * cos);
         c.beginPath();

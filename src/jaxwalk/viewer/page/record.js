@@ -30,8 +30,9 @@ class Episode {
     const car = record.car;
     this.car = {
       ...points(car), heading: values(car.heading, RADIAN),
-      speed: values(car.speed, METRE), acceleration: values(car.acceleration, METRE),
+      speed: values(car.speed, METRE), command: values(car.acceleration, METRE),
     };
+    this.car.acceleration = this.car.speed.map((speed, k, all) => (k ? (speed - all[k - 1]) / dt : 0));
     this.people = record.people.map((one) => ({ ...points(one), state: values(one.state) }));
     this.route = record.route && points(record.route);
     this.plans = record.paths?.map((plan) => ({ ...points(plan), jaywalks: new Set(plan.jaywalks), goals: plan.goals }));
@@ -63,8 +64,8 @@ class Episode {
     const exact = Math.min(Math.max(time / this.dt, 0), this.last);
     const frame = Math.floor(exact), share = exact - frame;
     const car = Object.fromEntries(Object.entries(this.car).map(([name, array]) => [name, between(array, frame, share)]));
-    // A command belongs to the step that leads to its frame.
-    car.acceleration = this.car.acceleration[Math.min(Math.ceil(exact), this.last)];
+    // A command and its effect belong to the step that leads to their frame.
+    for (const name of ["command", "acceleration"]) car[name] = this.car[name][Math.min(Math.ceil(exact), this.last)];
     const people = this.people.map((one, ped) => this.#person(one, ped, frame, share, car));
     [...people].sort((a, b) => a.away - b.away).forEach((person, rank) => (person.rank = rank));
     return { frame, car, people, over: exact > this.last - 1e-6 };

@@ -1,8 +1,9 @@
-// Draws speed and acceleration over time below the drawing, with the events marked above them.
+// Draws speed, command and acceleration over time below the drawing, with the events marked above them.
 
 const STRIPS = [
-  { name: "speed", unit: "m/s", low: 0, high: 9, lines: [0, 4, 8] },
-  { name: "acceleration", unit: "m/s²", low: -3.5, high: 3.5, lines: [-3, 0, 3] },
+  { name: "speed", title: "speed [m/s]", low: 0, high: 9, lines: [0, 4, 8] },
+  { name: "command", title: "acceleration that the driver commands [m/s²]", low: -3.5, high: 3.5, lines: [-3, 0, 3] },
+  { name: "acceleration", title: "acceleration of the car [m/s²]", low: -3.5, high: 3.5, lines: [-3, 0, 3] },
 ];
 const MARKS = 18, GAP = 20, LEFT = 34, RIGHT = 8; // pixels: the row of marks, between strips, and beside them
 const SIGNS = { crosswalk: "●", jaywalk: "◆", brake: "▼", collision: "✕", goal: "⚑", timeout: "■" };
@@ -27,7 +28,8 @@ class Strips {
     const tall = (height - MARKS - GAP * STRIPS.length) / STRIPS.length;
     for (const [k, strip] of STRIPS.entries()) {
       const bottom = MARKS + (k + 1) * (tall + GAP) - 6;
-      const up = (value) => bottom - ((value - strip.low) / (strip.high - strip.low)) * tall;
+      const share = (value) => (value - strip.low) / (strip.high - strip.low);
+      const up = (value) => bottom - Math.min(Math.max(share(value), 0), 1) * tall; // off the road, speed halves in a step
       this.#scale(c, colour, strip, up, width, bottom - tall - 4);
       for (const [i, episode] of episodes.entries()) {
         c.beginPath();
@@ -61,7 +63,7 @@ class Strips {
       c.fillText(String(value), LEFT - 5, up(value) + 4);
     }
     c.textAlign = "left";
-    c.fillText(`${strip.name} [${strip.unit}]`, LEFT, top);
+    c.fillText(strip.title, LEFT, top);
   }
 
   #marks(c, colour, episode, across) {

@@ -1,0 +1,57 @@
+"""A policy whose numbers overflow ends every command that plays it: one message, exit code 2, no file."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import safetensors
+from safetensors.numpy import load_file, save_file
+
+from jaxwalk.cli import main
+from jaxwalk.policies import shipped_policy
+
+FACTOR = 1e30
+
+COMMANDS = {
+    "evaluate": "evaluate --driver broken.safetensors --episodes 8 --out made/all",
+    "evaluate people": "evaluate --driver route-follower --pedestrians broken.safetensors --episodes 8 --json",
+    "play": "play --driver broken.safetensors --out made/episode.png",
+    "page": "play --driver route-follower broken.safetensors --out made/episode.html",
+    "tracks": "tracks --driver broken.safetensors --episodes 8 --out made/tracks.parquet",
+    "scenario": "scenario --driver broken.safetensors --out made/scenario",
+    "export": "export broken.safetensors --out made/broken.onnx",
+    "report": "report broken.safetensors --episodes 8 --out made/report",
+}
+
+
+@pytest.fixture
+def broken(place):
+    """The shipped co-trained policies times 1e30: every number is finite, but no action is."""
+    shipped = shipped_policy("driver", "co-trained")
+    with safetensors.safe_open(shipped, "numpy") as file:
+        header = file.metadata()
+    arrays = {name: x * np.float32(FACTOR) for name, x in load_file(shipped).items()}
+    assert all(np.isfinite(x).all() for x in arrays.values())
+    save_file(arrays, place / "broken.safetensors", header)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_it_is_said_who_and_where(broken, place, name, capsys):
+    if name == "tracks":
+        pytest.importorskip("pyarrow")
+    if name == "export":
+        pytest.importorskip("onnxruntime")
+    if name == "scenario":
+        pytest.importorskip("scenariogeneration")
+    assert main(COMMANDS[name].split()) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    people = "people" in name
+    action = r"-1, not an integer in [0, 2)" if people else "[nan nan], not 2 numbers in [-1, 1]"
+    assert said.count("jaxwalk: ") == 1
+    if name == "export":
+        assert "jaxwalk: broken.safetensors: an action isn't 2 numbers in [-1, 1]; " in said
+    else:
+        assert f"jaxwalk: broken.safetensors: its action is {action} (scenario " in said
+    assert "the policy is broken" in said
+    assert "Traceback" not in said
+    assert not [path for path in (place / "made").rglob("*") if path.is_file() and path.name != ".lock"]
