@@ -23,9 +23,9 @@ with contextlib.suppress(Exception):
     xla_client.CompileOptions()
 """
 """A program that fails if XLA doesn't know a flag in XLA_FLAGS: XLA ends its process then."""
-FOLDER, ENABLED, SECONDS, DEVICES = (
+FOLDER, ENABLED, SECONDS, DEVICES, LOCATIONS = (
     "JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS",
-    "JAX_NUM_CPU_DEVICES",
+    "JAX_NUM_CPU_DEVICES", "JAX_TRACEBACK_IN_LOCATIONS_LIMIT",
 )  # fmt: skip
 """Environment variables of JAX that are set here, unless the user has set them."""
 
@@ -43,6 +43,7 @@ def prepare_machine() -> set[str]:
     _keep_compiled_code()
     if "host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
         os.environ.setdefault(DEVICES, str(cores()))
+    os.environ.setdefault(LOCATIONS, "0")  # only profilers read the source line of each operation; tracing is quicker
     return set(os.environ) - before
 
 
