@@ -76,6 +76,7 @@ def play(fault: Fault, name: str, folder: Path, cache: Path) -> Seen:
     line = line.replace("; " + sys.executable, "; exec " + sys.executable)
     shell = ["/bin/bash", "-o", "pipefail", "-c", line]
     environment = {k: v for k, v in (_environment(cache) | fault.environment).items() if v is not None}
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # commands that begin with & ignore it, and so would ours
     begun = time.monotonic()
     with subprocess.Popen(
         shell, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import warnings
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
@@ -24,6 +25,7 @@ PROGRAMS = {
 
 def main(part: str, settings: str) -> int:
     """Measure one part."""
+    warnings.filterwarnings("ignore", "Error (reading|writing) persistent compilation cache")  # a full disk
     module, name = PROGRAMS[part]
     try:
         program: Callable[[Settings], Any] = getattr(import_module(f"jaxwalk.bench.{module}"), name)

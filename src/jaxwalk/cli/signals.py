@@ -30,10 +30,13 @@ class Signals:
 
     number: int | None = None
     """The signal; None if there was none."""
+    _heard: threading.Event | None = None
 
     @property
     def code(self) -> int:
         """The exit code of a command that the signal ended."""
+        if self._heard is not None:
+            self._heard.wait(1.0)  # the command may be quicker than the thread
         return INTERRUPTED if self.number in (None, signal.SIGINT) else TERMINATED
 
     def listen(self) -> None:
@@ -41,15 +44,18 @@ class Signals:
         heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
         for number in heard:
             signal.signal(number, signal.default_int_handler)
+        sys.unraisablehook = _tell_unraisable
+        self._heard = threading.Event()
         ours, pythons = socket.socketpair()
         pythons.setblocking(False)
         signal.set_wakeup_fd(pythons.fileno(), warn_on_full_buffer=False)
-        threading.Thread(target=self._watch, args=(ours, pythons, heard), daemon=True).start()
+        threading.Thread(target=self._watch, args=(ours, pythons, heard, self._heard), daemon=True).start()
 
-    def _watch(self, ours: socket.socket, _pythons: socket.socket, heard: list[int]) -> None:
+    def _watch(self, ours: socket.socket, _pythons: socket.socket, heard: list[int], first: threading.Event) -> None:
         """End the process if it doesn't end in time. (The other socket is a parameter so that it stays open.)"""
         while self.number is None:
             self.number = next((number for number in ours.recv(1) if number in heard), None)
+        first.set()
         while _wait(ours, None if _ends_in_order(self.number) else PATIENCE):
             again = ours.recv(1)[0]
             if again in heard and again != HANGUP:
@@ -71,6 +77,12 @@ def leave(code: int) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
     os._exit(code)
+
+
+def _tell_unraisable(found: Any) -> None:
+    """Print an error that Python can't raise, unless a signal caused it: the thread ends the process then."""
+    if not issubclass(found.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(found)
 
 
 def _ends_in_order(number: int) -> bool:
