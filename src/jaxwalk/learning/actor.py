@@ -85,8 +85,8 @@ def decide(
 ) -> tuple[Choice, Held | None]:  # fmt: skip
     """Return every agent's action and the new memory; without ``sample``, the likeliest action. Not differentiable.
 
-    If ``checked``, an action is in no space (NaN, or `NO_CHOICE`) where the network's outputs or the sample aren't finite.
-    A learner needn't check its own: its losses aren't finite then.
+    If ``checked``, an action is in no space (NaN, or `NO_CHOICE`) where the network's outputs or the sample aren't
+    finite. A learner doesn't check its own, whose losses tell.
     """
     check = _if_finite if checked else _unchecked
     if memory is None:
