@@ -19,7 +19,11 @@ install_import_hook("jaxwalk", "beartype.beartype")  # before the first import o
 # Most programs run a few times only: compiling them well takes longer than running them badly compiled. What runs
 # often, or is compared with recorded numbers, asks for more: `sim.play.AS_SHIPPED`. Processes that tests start inherit
 # both.
-QUICKLY = {"JAX_DISABLE_MOST_OPTIMIZATIONS": "1", "XLA_FLAGS": "--xla_cpu_use_fusion_emitters=false"}
+QUICKLY = {
+    "JAX_DISABLE_MOST_OPTIMIZATIONS": "1",
+    "JAX_TRACEBACK_IN_LOCATIONS_LIMIT": "0",
+    "XLA_FLAGS": "--xla_cpu_use_fusion_emitters=false",
+}
 os.environ.update(QUICKLY)
 
 SMALL = {"environments": 8, "steps": 8, "minibatches": 2, "updates": 6}

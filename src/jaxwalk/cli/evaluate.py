@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import nullcontext
+from dataclasses import fields
+from pathlib import Path
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -19,24 +21,31 @@ from jaxwalk.cli.checks import (
     check_pedestrians,
     check_seed,
 )
-from jaxwalk.cli.errors import UsageError, bad_values
+from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
 from jaxwalk.cli.options import Evaluate
-from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet, with_jaywalk_multiplier
+from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet
 from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.evaluation.map_rates import MapRates
-from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
+from jaxwalk.experiments.again import compare_documents, evaluation_again, read_document
+from jaxwalk.experiments.evaluating import Evaluation, evaluate_all, prepared
+from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
 from jaxwalk.report.suite import said
 from jaxwalk.report.table import shown
-from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.sim.observation import HIDDEN
 
+GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
+"""The only options that an evaluation takes which is made again."""
+
 
 def run(options: Evaluate) -> int:
     """Evaluate and show; nothing is written unless ``--out`` names a folder."""
+    if options.again is not None:
+        return _again(options, options.again)
     check(options)
     with bad_values():
         work = _work(options)
@@ -55,27 +64,48 @@ def run(options: Evaluate) -> int:
 def _work(options: Evaluate) -> Evaluation:
     """Return what the options ask for, with all policies loaded."""
     drivers = tuple(dict.fromkeys((*options.driver, *options.compare)))
-    street = world_of([*drivers, *options.pedestrians], options.map)
-    loading = {"trust": options.trust, "seconds": options.driver_seconds}
-    samples = {"driver": options.driver_acts == "sample", "pedestrian": options.pedestrians_act == "sample"}
-    return Evaluation(
-        streets=tuple(with_jaywalk_multiplier(street, x) for x in dict.fromkeys(options.jaywalk_multiplier)),
-        drivers={name: contestant(street, "driver", name, sample=samples["driver"], **loading) for name in drivers},
-        populations={
-            name: contestant(street, "pedestrian", name, sample=samples["pedestrian"]) for name in options.pedestrians
-        },
-        episodes=options.episodes,
-        seed=options.seed,
-        options=EvaluationOptions(
-            jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier)),
-            driver_acts=options.driver_acts,
-            pedestrians_act=options.pedestrians_act,
-            compare=(options.compare[0], options.compare[1]) if options.compare else None,
-            counterfactuals=options.counterfactuals,
-            encounters=options.encounters,
-        ),
-        out=options.out,
+    populations = tuple(dict.fromkeys(options.pedestrians))
+    asked = EvaluationOptions(
+        jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier)),
+        driver_acts=options.driver_acts,
+        pedestrians_act=options.pedestrians_act,
+        compare=(options.compare[0], options.compare[1]) if options.compare else None,
+        counterfactuals=options.counterfactuals,
+        encounters=options.encounters,
     )
+    return prepared(
+        world_of([*drivers, *populations], options.map), (drivers, populations),
+        Scenarios(options.episodes, options.seed), asked,
+        out=options.out, trust=options.trust, seconds=options.driver_seconds,
+    )  # fmt: skip
+
+
+def _again(options: Evaluate, path: Path) -> int:
+    """Make a document again and say how it differs; return `DIFFERS` if a number differs by more than rounding."""
+    _check_again(options, path)
+    before = read_document(path)
+    with bad_values():
+        loading = {"trust": options.trust, "seconds": options.driver_seconds}
+        work = evaluation_again(path, before, out=options.out, **loading)
+    if options.out and work.options.encounters:
+        check_parquet()
+    with held(options.out) if options.out else nullcontext():
+        found = compare_documents(before, _with_progress(work))
+    print(f"{path}: {found.in_words}")
+    return DIFFERS if found.differs else 0
+
+
+def _check_again(options: Evaluate, path: Path) -> None:
+    """Raise UsageError for options that a document decides, and for a folder that it is in."""
+    given = [f.name for f in fields(Evaluate) if getattr(options, f.name) != f.default]
+    extra = [name.replace("_", "-") for name in given if name not in GOES_WITH_AGAIN]
+    if extra:
+        raise UsageError(f"--{extra[0]}: --again evaluates as {path} says; leave it out, or leave out --again")
+    check_driver_seconds(options.driver_seconds)
+    if options.out and options.out.resolve() == path.resolve().parent:
+        raise UsageError(f"--out {options.out}: would replace {path}, with which it is compared; name another folder")
+    if options.out:
+        check_writable(options.out)
 
 
 def _with_progress(work: Evaluation) -> Results:

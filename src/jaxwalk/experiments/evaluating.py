@@ -9,9 +9,10 @@ episodes-partial.csv    whole batches of an evaluation that a policy's error end
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from jaxwalk.evaluation import (
     Cell,
@@ -26,13 +27,16 @@ from jaxwalk.evaluation import (
     named,
     paired,
     summarise_counterfactuals,
+    with_jaywalk_multiplier,
     write_encounters,
     write_rows,
 )
 from jaxwalk.evaluation.document_parts import EvaluationOptions
+from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
 from jaxwalk.report.suite import suite
+from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
@@ -63,6 +67,33 @@ class Evaluation:
     """Folder to write into; None writes nothing."""
 
 
+def prepared(
+    street: Street, names: tuple[Sequence[str], Sequence[str]], scenarios: Scenarios, options: EvaluationOptions,
+    *, out: Path | None, **loading: Any,
+) -> Evaluation:  # fmt: skip
+    """Return an evaluation with all policies loaded.
+
+    Args:
+        street: where it is.
+        names: of the drivers and of the populations, as `contestant` takes them.
+        scenarios: how many, and their seed.
+        options: everything else that was asked for.
+        out: folder to write into, if any.
+        loading: how `contestant` loads drivers (``trust``, ``seconds``).
+    """
+    drivers, populations = names
+    car, people = options.driver_acts == "sample", options.pedestrians_act == "sample"
+    return Evaluation(
+        streets=tuple(with_jaywalk_multiplier(street, x) for x in options.jaywalk_multipliers),
+        drivers={name: contestant(street, "driver", name, sample=car, **loading) for name in drivers},
+        populations={name: contestant(street, "pedestrian", name, sample=people) for name in populations},
+        episodes=scenarios.episodes,
+        seed=scenarios.seed,
+        options=options,
+        out=out,
+    )
+
+
 def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     """Evaluate, and write the requested files; return all results.
 
@@ -84,8 +115,7 @@ def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     if work.options.counterfactuals:
         results = replace(results, cells=_replayed(work, results.cells, rows, tell))
         if work.out:
-            with together():
-                _keep_results(work.out, results)
+            _keep_results(work.out, results)
     return results
 
 
@@ -177,5 +207,6 @@ def _write_episodes(work: Evaluation, name: Path, rows: list[Played]) -> list[Pa
 
 def _keep_results(out: Path, results: Results) -> None:
     """Write the results, and their tables."""
-    write_whole(out / "suite.md", suite(results, results.made or provenance()))
-    write_whole(out / "results.json", results.to_json())
+    with together():
+        write_whole(out / "suite.md", suite(results, results.made or provenance()))
+        write_whole(out / "results.json", results.to_json())

@@ -12,7 +12,7 @@ import errno
 import os
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -45,10 +45,11 @@ class DamagedError(CheckpointError):
     """Raised for a checkpoint that cannot be read."""
 
 
-def save(path: str | Path, learner: Any, *, updates: int) -> None:
+def save(path: str | Path, learner: Any, *, updates: int, about: Mapping[str, Any] | None = None) -> None:
     """Write all arrays of the learner (random keys too) into folder ``path`` under the number ``updates``.
 
-    Raise OSError if that fails, for instance on a full disk; earlier checkpoints remain.
+    ``about`` is JSON to keep with them, which `kept_with` returns. Raise OSError if that fails, for instance on a full
+    disk; earlier checkpoints remain.
     """
     from orbax.checkpoint.args import StandardSave
 
@@ -58,7 +59,7 @@ def save(path: str | Path, learner: Any, *, updates: int) -> None:
     arrays |= jax.device_get({name: x for name, x in arrays.items() if not _is_key(x)})
     try:
         with _manager(path, create=True) as manager:  # this also removes what a killed process left incomplete
-            if not manager.save(updates, args=StandardSave(arrays)):
+            if not manager.save(updates, args=StandardSave(arrays), custom_metadata=dict(about or {})):
                 raise OSError(errno.EEXIST, "a newer checkpoint is in the way", str(path))
             manager.wait_until_finished()
     except Exception as error:  # orbax raises many kinds
@@ -80,6 +81,15 @@ def latest(path: str | Path) -> int | None:
         return None
     with _manager(path, create=False) as manager:
         return manager.latest_step()
+
+
+def kept_with(path: str | Path, updates: int) -> dict[str, Any]:
+    """Return the JSON that was saved with a checkpoint; empty if it has none, or if that can't be read."""
+    with _manager(path, create=False) as manager:
+        try:
+            return dict(manager.metadata(updates).custom_metadata or {})
+        except Exception:  # orbax raises many kinds
+            return {}
 
 
 def restore_newest(path: str | Path, like: T, *, tell: Callable[[str], None]) -> T | None:

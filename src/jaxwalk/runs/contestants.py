@@ -15,9 +15,10 @@ from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.maps import map_labels
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
+from jaxwalk.runs.binding import check_intact
+from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_folders
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import to_stderr
-from jaxwalk.runs.names import ContestantError, policy_file, run_folders
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -31,6 +32,8 @@ def world_of(names: Sequence[str], maps: Sequence[str], tell: Callable[[str], No
     ``tell`` is called with a warning for each folder that keeps no maps.
     """
     runs = [Run.open(name) for name in run_folders(names)]
+    for run in runs:
+        check_intact(run)
     trained = [] if maps else list(dict.fromkeys(run.maps(tell) for run in runs))
     if len(trained) > 1:
         labels = map_labels([x for each in trained for x in each])

@@ -14,6 +14,7 @@ Files are written under another name and renamed when whole.
 from __future__ import annotations
 
 import codecs
+import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 
 CONFIG, METRICS, CHECKPOINTS, POLICY = "config.json", "metrics.jsonl", "checkpoints", "policy.safetensors"
 """File names inside a run folder."""
+HASH = "hash"
+"""Name in the configuration's file of the hash of all else in it, so that an edited file is noticed."""
+HASH_DIGITS = 16
 LARGEST = 1e39
 """Largest possible metric: metrics are 32-bit floats."""
 
@@ -71,10 +75,12 @@ def check_writable(path: Path) -> None:
 class Run:
     """One run folder."""
 
-    def __init__(self, path: str | Path, experiment: Experiment) -> None:
+    def __init__(self, path: str | Path, experiment: Experiment, *, intact: bool | None = True) -> None:
         """Use `create` or `open` instead."""
         self.path = Path(path)
         self.experiment = experiment
+        self.intact = intact
+        """Whether the configuration is as jaxwalk wrote it; None if that isn't known, in folders of older versions."""
 
     @classmethod
     def create(cls, path: str | Path, experiment: Experiment, maps: Sequence[MapText] | None = None) -> Run:
@@ -98,7 +104,8 @@ class Run:
             raise RunError(f"{path}: no such run folder; check the name, or train one: `jaxwalk train --run {path}`")
         if not (path / CONFIG).is_file():
             raise RunError(f"{path}: is no run folder, it has no {CONFIG}; name a folder that `jaxwalk train` wrote")
-        return cls(path, _read_experiment(path / CONFIG))
+        experiment, intact = _read_experiment(path / CONFIG)
+        return cls(path, experiment, intact=intact)
 
     @property
     def checkpoints(self) -> Path:
@@ -116,8 +123,9 @@ class Run:
 
     def describe(self, experiment: Experiment) -> None:
         """Write the configuration."""
-        self.experiment = experiment
-        write_whole(self.path / CONFIG, _experiments().dump_json(experiment, indent=2) + b"\n")
+        self.experiment, self.intact = experiment, True
+        document = as_json(experiment)
+        write_whole(self.path / CONFIG, json.dumps(document | {HASH: config_hash(document)}, indent=2) + "\n")
 
     def metrics(self) -> list[dict[str, Any]]:
         """Return the lines of the metrics file; [] if there is none yet. Leaves out an incomplete last line."""
@@ -185,6 +193,31 @@ def _line(metrics: Mapping[str, int | float]) -> str:
     return json.dumps(metrics, allow_nan=False) + "\n"
 
 
+def as_json(experiment: Experiment) -> dict[str, Any]:
+    """Return a configuration as its file has it, without the hash."""
+    return _experiments().dump_python(experiment, mode="json")
+
+
+def from_json(document: Mapping[str, Any]) -> Experiment:
+    """Return a configuration from what `as_json` returned. Raises ValidationError if it is wrong."""
+    return _experiments().validate_json(json.dumps(document))
+
+
+def config_hash(document: Mapping[str, Any]) -> str:
+    """Return the hash of a configuration that `as_json` returned."""
+    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:HASH_DIGITS]
+
+
+def _without_hash(text: bytes) -> tuple[bytes, bool | None]:
+    """Return a configuration's file without its hash, and whether that is right; None if there is none."""
+    try:
+        document = json.loads(text)
+        stated = document.pop(HASH, None)
+        return json.dumps(document).encode(), None if stated is None else stated == config_hash(document)
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        return text, None  # validation reports what is wrong
+
+
 def _experiments() -> Any:
     """Return a TypeAdapter[Experiment]."""
     return TypeAdapter(Experiment)
@@ -202,10 +235,12 @@ def _with_roles(text: bytes) -> bytes:
     return json.dumps(document).encode()
 
 
-def _read_experiment(path: Path) -> Experiment:
+def _read_experiment(path: Path) -> tuple[Experiment, bool | None]:
+    """Return the configuration of a file, and whether it is as jaxwalk wrote it."""
     advice = "correct it, or copy it again from where the run was made"
     try:
-        return _experiments().validate_json(_with_roles(path.read_bytes().removeprefix(codecs.BOM_UTF8)))
+        text, intact = _without_hash(path.read_bytes().removeprefix(codecs.BOM_UTF8))
+        return _experiments().validate_json(_with_roles(text)), intact
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"] if part not in ("int", "float"))  # members of unions

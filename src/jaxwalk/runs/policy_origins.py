@@ -8,9 +8,8 @@ from pathlib import Path
 
 from jaxwalk.evaluation.document_parts import Kind, PolicyOrigin
 from jaxwalk.policies import shipped_policy
-from jaxwalk.policies.host import is_host_driver
-from jaxwalk.policies.names import RULES
-from jaxwalk.runs.names import policy_file
+from jaxwalk.policies.policy_names import RULES, is_class, is_host_driver
+from jaxwalk.runs.contestant_names import policy_file
 
 HASH_DIGITS = 16
 """Number of hexadecimal digits of a file's hash."""
@@ -21,9 +20,9 @@ def policy_origin(role: str, name: str) -> PolicyOrigin:
     if name in RULES[role]:
         return PolicyOrigin(name, "rule", None)
     if role == "driver" and is_host_driver(name):
-        home, _, _ = name.rpartition(":")
-        python = bool(home) and not Path(name).exists()
-        return _hashed(name, "Python class" if python else "file", _module_file(home) if python else Path(name))
+        python = is_class(name)
+        file = _module_file(name.rpartition(":")[0]) if python else Path(name)
+        return _hashed(name, "Python class" if python else "file", file)
     kind: Kind = "run folder" if Path(name).is_dir() else "policy file"
     return _hashed(name, "shipped policy" if shipped_policy(role, name) else kind, policy_file(role, name))
 
@@ -41,5 +40,8 @@ def _module_file(home: str) -> Path | None:
     for file in (local.with_suffix(".py"), local / "__init__.py"):
         if file.is_file():
             return file
-    spec = find_spec(home)
+    try:
+        spec = find_spec(home)
+    except ImportError:  # a package around it is missing
+        return None
     return Path(spec.origin) if spec and spec.origin else None

@@ -14,6 +14,7 @@ from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.maps import MapText
 from jaxwalk.policies import save_policy
+from jaxwalk.runs.binding import bound_to, policy_bound_to
 from jaxwalk.runs.folder import MetricsLog, Run, RunError
 from jaxwalk.runs.progress import TrainingProgress
 from jaxwalk.runs.provenance import provenance
@@ -86,7 +87,8 @@ class Session:
         updates = int(learner.updates)
         self.log.to_disk()  # a checkpoint without its metrics would leave a gap
         if checkpoint.latest(self.run.checkpoints) != updates:
-            checkpoint.save(self.run.checkpoints, learner, updates=updates)
+            about = bound_to(self.run, self.street.maps)
+            checkpoint.save(self.run.checkpoints, learner, updates=updates, about=about)
         save_policy(self.run.policy, learner, policy_metadata(self.run, self.street.maps, updates))
         self.saved = time.monotonic()
 
@@ -108,5 +110,4 @@ def policy_metadata(run: Run, maps: Sequence[MapText], updates: int) -> dict[str
     experiment = run.experiment
     made = {"updates": updates, "steps": updates * experiment.steps_per_update}
     chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}
-    chosen |= {"maps": [x.name for x in maps], "map_hashes": [x.hash for x in maps]}
-    return chosen | made | asdict(provenance())
+    return chosen | policy_bound_to(run, maps) | made | asdict(provenance())

@@ -13,7 +13,8 @@ from jaxwalk.learning import checkpoint, mappo
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.policies import read_metadata
 from jaxwalk.rollout import TRAINING, seed_key
-from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.binding import check_bound
+from jaxwalk.runs.folder import MetricsLog, Run, RunError, as_json, config_hash
 from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.planning import plan_by_time, replan, shortened, with_plan
@@ -48,10 +49,11 @@ class UnwrittenError(RunError):
 
 
 def is_finished(run: Run) -> bool:
-    """Return whether all planned updates are made and the saved policy is the last update's."""
+    """Return whether all planned updates are made and the saved policy is the last one's, of this configuration."""
     if run.experiment.minutes is not None or not run.policy.is_file():
         return False
-    return read_metadata(run.policy).get("updates", 0) >= run.experiment.train.updates
+    made, config = read_metadata(run.policy), config_hash(as_json(run.experiment))
+    return made.get("updates", 0) >= run.experiment.train.updates and made.get("config_hash", config) == config
 
 
 def train(
@@ -78,6 +80,7 @@ def train(
         InUseError: another process trains there.
         UnwrittenError: the disk is full, or the like.
         CheckpointError: no checkpoint can be read.
+        EditedConfigError: the configuration isn't that of the checkpoint.
     """
     with held(run.path), _saying_what_is_kept(run):
         remove_unfinished(run.path)
@@ -136,10 +139,16 @@ def _page(run: Run, display: Display, pace: Pace, log: MetricsLog) -> AbstractCo
 def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None] = print) -> Learner:
     """Return an untrained learner, or the newest readable checkpoint, with the run's plan.
 
-    The plan may have been shortened after the checkpoint. ``tell`` is called with a line about each damaged checkpoint.
+    The plan may have been shortened after the checkpoint. ``tell`` is called with a line about each damaged checkpoint,
+    and about one of an older version, which doesn't say with which configuration it was made.
+
+    Raises:
+        EditedConfigError: the configuration isn't that of the checkpoint.
     """
     experiment = run.experiment
     key, others = seed_key(experiment.seed, TRAINING), fixed_policies(experiment)
+    if resume:
+        check_bound(run, street.maps, tell)
     learner = mappo.init(street, unplanned(experiment.train), key, others=others)
     if resume:
         found = checkpoint.restore_newest(run.checkpoints, learner, tell=tell)

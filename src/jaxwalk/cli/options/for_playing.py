@@ -18,7 +18,7 @@ class Evaluate:
     For example: jaxwalk evaluate --driver rule-based runs/first --pedestrians always-go runs/first
     """
 
-    driver: Annotated[tuple[str, ...], option("needed, unless --compare", "D [D ...]")] = ()
+    driver: Annotated[tuple[str, ...], option("needed, unless --compare or --again", "D [D ...]")] = ()
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, oracle), trained policies that
     come with jaxwalk (co-trained, single-agent, paper-co-trained, paper-single-agent), run folders or policy files; or
     your own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs/drivers.md)."""
@@ -50,6 +50,9 @@ class Evaluate:
     """Also encounters.parquet, a row per encounter (needs --out, and pip install "jaxwalk[data]")."""
     json: Flag = False
     """Print one JSON document instead of the table."""
+    again: Annotated[Path | None, option("none", "FILE")] = None
+    """A results.json: evaluate as it says, and say if the same comes out (exit code 1 if not). Goes with --out, --trust
+    and --driver-seconds only."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 
 from jaxwalk.runs.folder import RunError, check_writable
@@ -23,9 +23,9 @@ with contextlib.suppress(Exception):
     xla_client.CompileOptions()
 """
 """A program that fails if XLA doesn't know a flag in XLA_FLAGS: XLA ends its process then."""
-FOLDER, ENABLED, SECONDS, DEVICES = (
+FOLDER, ENABLED, SECONDS, DEVICES, LOCATIONS = (
     "JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS",
-    "JAX_NUM_CPU_DEVICES",
+    "JAX_NUM_CPU_DEVICES", "JAX_TRACEBACK_IN_LOCATIONS_LIMIT",
 )  # fmt: skip
 """Environment variables of JAX that are set here, unless the user has set them."""
 
@@ -43,6 +43,7 @@ def prepare_machine() -> set[str]:
     _keep_compiled_code()
     if "host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
         os.environ.setdefault(DEVICES, str(cores()))
+    os.environ.setdefault(LOCATIONS, "0")  # only profilers read the source line of each operation; tracing is quicker
     return set(os.environ) - before
 
 
@@ -54,11 +55,8 @@ def start_jax(set_here: set[str]) -> None:
     if "jax" in sys.modules:
         return
     with _explained(set_here):
-        with _begin(READ_FLAGS) if os.environ.get("XLA_FLAGS") else nullcontext() as reading:
-            import jax  # meanwhile
-
-            if reading is not None:
-                _end(reading)
+        with _flags_are_read():
+            import jax
         jax.devices()
 
 
@@ -66,6 +64,17 @@ def try_jax(set_here: set[str]) -> None:
     """Start JAX in another process, so that this one holds no accelerator. Raises MachineError as `start_jax` does."""
     with _explained(set_here), _begin(START) as trying:
         _end(trying)
+
+
+@contextmanager
+def _flags_are_read() -> Iterator[None]:
+    """Let XLA read its flags in another process meanwhile. Raises RuntimeError at the end if it lacks one of them."""
+    if not os.environ.get("XLA_FLAGS"):
+        yield
+        return
+    with _begin(READ_FLAGS) as reading:
+        yield
+        _end(reading)
 
 
 @contextmanager
