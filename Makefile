@@ -52,10 +52,11 @@ mutants: install  ## small mistakes are put into the definitions: do the tests n
 	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt cosmic-ray==8.7.0
 	$(BIN)/python tests/reliability/mutation.py
 
-reliability: install  ## thousands of bad files and policies, millions of random steps, trainings killed 50 times, 0.1's behaviour again: half an hour
+reliability: install  ## thousands of bad files and policies, faults, millions of random steps, trainings killed 50 times, 0.1's behaviour again: an hour
 	$(BIN)/pytest -n $(JOBS) -m long
 	$(BIN)/python tests/reliability/fuzz_loaders.py
 	$(BIN)/python tests/reliability/fuzz_weights.py
+	$(BIN)/python tests/reliability/faults.py
 	$(BIN)/python tests/reliability/random_steps.py
 	$(BIN)/python tests/reliability/kill_training.py --kills 50
 	$(BIN)/python tests/compat/compare.py

@@ -24,7 +24,7 @@ LONG_MODULES: set[str] = set()
 LONG_FUNCTIONS: set[str] = set()
 MANY_PARAMETERS: set[str] = set()
 DEEP_FUNCTIONS: set[str] = {
-    "jaxwalk.bench.drawing.draw", "jaxwalk.bench.quantities._shares", "jaxwalk.bench.starting.watch",
+    "jaxwalk.bench.quantities._shares", "jaxwalk.bench.starting.watch",
     "jaxwalk.evaluation.reading._check_sizes",
     "jaxwalk.evaluation.results.evaluate_grid", "jaxwalk.evaluation.batches.evaluate_batches",
     "jaxwalk.learning.checkpoint.save", "jaxwalk.report.figures.surrogates.surrogates",

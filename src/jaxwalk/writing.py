@@ -28,14 +28,10 @@ def whole(path: str | Path) -> Iterator[Path]:
         with naming(path):
             yield unfinished
             _to_disk(unfinished)
-            if (waiting := _waiting.get()) is not None:
-                waiting[path] = unfinished
-                return
-            unfinished.replace(path)
+            _put(unfinished, path)
     except BaseException:
         _remove(unfinished)
         raise
-    _own_unfinished.discard(unfinished)
 
 
 @contextmanager
@@ -44,15 +40,18 @@ def together() -> Iterator[None]:
 
     Each is written beside its place, so a full disk shows before the first one is replaced. `current` finds them.
     """
+    if _waiting.get() is not None:  # then these files appear with those of the caller
+        yield
+        return
     waiting: dict[Path, Path] = {}
     token = _waiting.set(waiting)
     try:
         yield
         for path in filter(Path.is_dir, waiting):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        _waiting.set(None)
         for path, unfinished in waiting.items():
-            with naming(path):
-                unfinished.replace(path)
+            _put(unfinished, path)
     finally:
         _waiting.reset(token)
         for unfinished in waiting.values():
@@ -99,6 +98,17 @@ def remove_own_unfinished() -> None:
     for path in list(_own_unfinished):
         with suppress(OSError):
             path.unlink(missing_ok=True)
+
+
+def _put(unfinished: Path, path: Path) -> None:
+    """Let a complete file replace ``path``, inside `together` at its end."""
+    waiting = _waiting.get()
+    if waiting is not None:
+        waiting[path] = unfinished
+        return
+    with naming(path):
+        unfinished.replace(path)
+    _own_unfinished.discard(unfinished)
 
 
 def _remove(unfinished: Path) -> None:

@@ -14,7 +14,7 @@ import pytest
 from jaxwalk.cli import main
 from jaxwalk.maps import load_map
 from jaxwalk.policies import DRIVERS, POPULATIONS
-from jaxwalk.policies.names import RULES
+from jaxwalk.policies.policy_names import RULES
 from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 

@@ -11,10 +11,10 @@ import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.maps import MapError, read_map
+from jaxwalk.runs.contestant_names import ContestantError
 from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import KeptMapsError
-from jaxwalk.runs.names import ContestantError
 
 PAPER = resources.files("jaxwalk.maps").joinpath("paper.toml").read_text(encoding="utf-8")
 OTHER = PAPER.replace("left_turn_radius = 8.0", "left_turn_radius = 7.5")

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -23,15 +21,13 @@ DRAWN = ("env", "training", "pedestrians")
 
 def draw(rows: Rows, folder: Path) -> None:
     """Write scaling.svg and scaling.png; if nothing in `DRAWN` was measured, remove earlier ones."""
-    with drawing(NAME), TemporaryDirectory(prefix=".", dir=folder) as scratch:
+    with drawing(NAME):
         figure = scaling(rows)
-        if figure is None:
-            for suffix in (".svg", ".png"):
-                (folder / f"{NAME}{suffix}").unlink(missing_ok=True)
+        if figure is not None:
+            save(figure, folder, NAME)
             return
-        save(figure, Path(scratch), NAME)
-        for file in Path(scratch).iterdir():
-            os.replace(file, folder / file.name)
+    for suffix in (".svg", ".png"):
+        (folder / f"{NAME}{suffix}").unlink(missing_ok=True)
 
 
 def scaling(rows: Rows) -> Figure | None:

@@ -13,7 +13,7 @@ import tyro
 from jaxwalk.cli import options
 from jaxwalk.cli.arguments import gathered
 from jaxwalk.cli.early import check_names
-from jaxwalk.cli.machine import prepare_machine, start_jax, try_jax
+from jaxwalk.cli.jax_start import prepare_machine, start_jax, try_jax
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from typing import Any
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Share, Train
 from jaxwalk.maps import checked, map_content
+from jaxwalk.runs.contestant_names import check_name, run_folders
 from jaxwalk.runs.folder import Run, check_new
-from jaxwalk.runs.names import check_name, run_folders
 from jaxwalk.sim.sim_config import SimConfig
 
 PLAN = "plan.json"

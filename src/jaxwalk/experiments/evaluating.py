@@ -115,8 +115,7 @@ def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     if work.options.counterfactuals:
         results = replace(results, cells=_replayed(work, results.cells, rows, tell))
         if work.out:
-            with together():
-                _keep_results(work.out, results)
+            _keep_results(work.out, results)
     return results
 
 
@@ -208,5 +207,6 @@ def _write_episodes(work: Evaluation, name: Path, rows: list[Played]) -> list[Pa
 
 def _keep_results(out: Path, results: Results) -> None:
     """Write the results, and their tables."""
-    write_whole(out / "suite.md", suite(results, results.made or provenance()))
-    write_whole(out / "results.json", results.to_json())
+    with together():
+        write_whole(out / "suite.md", suite(results, results.made or provenance()))
+        write_whole(out / "results.json", results.to_json())

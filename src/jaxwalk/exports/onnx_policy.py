@@ -23,8 +23,8 @@ from jaxwalk.policies import AlwaysGo, PolicyError, RouteFollower, read_metadata
 from jaxwalk.policies.learned import LearnedPolicy
 from jaxwalk.policies.onnx_export import onnx_model
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
+from jaxwalk.runs.contestant_names import policy_file
 from jaxwalk.runs.contestants import contestant, world_of
-from jaxwalk.runs.names import policy_file
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 

@@ -12,16 +12,16 @@ if TYPE_CHECKING:
     from jaxwalk.maps.file import MapError as MapError
     from jaxwalk.maps.load import build_map as build_map
     from jaxwalk.maps.load import load_map as load_map
+    from jaxwalk.maps.map_reading import bundled_maps as bundled_maps
+    from jaxwalk.maps.map_reading import checked as checked
+    from jaxwalk.maps.map_reading import map_content as map_content
+    from jaxwalk.maps.map_reading import map_name as map_name
+    from jaxwalk.maps.map_reading import read_map as read_map
+    from jaxwalk.maps.map_reading import reference as reference
+    from jaxwalk.maps.map_reading import text_of as text_of
     from jaxwalk.maps.map_text import MapText as MapText
     from jaxwalk.maps.map_text import map_labels as map_labels
     from jaxwalk.maps.map_text import text_hash as text_hash
-    from jaxwalk.maps.reading import bundled_maps as bundled_maps
-    from jaxwalk.maps.reading import checked as checked
-    from jaxwalk.maps.reading import map_content as map_content
-    from jaxwalk.maps.reading import map_name as map_name
-    from jaxwalk.maps.reading import read_map as read_map
-    from jaxwalk.maps.reading import reference as reference
-    from jaxwalk.maps.reading import text_of as text_of
     from jaxwalk.maps.road_map import RoadMap as RoadMap
     from jaxwalk.maps.routes import ROUTE_SPACING as ROUTE_SPACING
     from jaxwalk.maps.tables import stack_maps as stack_maps
@@ -32,17 +32,17 @@ _HOMES = {
     "MapText": "map_text",
     "RoadMap": "road_map",
     "build_map": "load",
-    "bundled_maps": "reading",
-    "checked": "reading",
+    "bundled_maps": "map_reading",
+    "checked": "map_reading",
     "load_map": "load",
-    "map_content": "reading",
+    "map_content": "map_reading",
     "map_labels": "map_text",
-    "map_name": "reading",
-    "read_map": "reading",
-    "reference": "reading",
+    "map_name": "map_reading",
+    "read_map": "map_reading",
+    "reference": "map_reading",
     "stack_maps": "tables",
     "text_hash": "map_text",
-    "text_of": "reading",
+    "text_of": "map_reading",
 }
 """Each public name, and the module of this package that defines it."""
 

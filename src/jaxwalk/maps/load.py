@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jaxwalk.maps.reading import checked, map_content
+from jaxwalk.maps.map_reading import checked, map_content
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.tables import build
 

@@ -16,9 +16,9 @@ from jaxwalk.maps import map_labels
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.runs.binding import check_intact
+from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_folders
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import to_stderr
-from jaxwalk.runs.names import ContestantError, policy_file, run_folders
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
 

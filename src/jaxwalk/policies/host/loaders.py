@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from jaxwalk.policies.host.driver import SECONDS, DriverError, HostDriver
-from jaxwalk.policies.names import LOADERS, is_class
+from jaxwalk.policies.policy_names import LOADERS, is_class
 from jaxwalk.sim.observation import OBSERVATIONS, size
 
 GUESSES = ("route", "paper")

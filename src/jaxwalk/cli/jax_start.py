@@ -8,7 +8,7 @@ import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 
 from jaxwalk.runs.folder import RunError, check_writable
@@ -55,11 +55,8 @@ def start_jax(set_here: set[str]) -> None:
     if "jax" in sys.modules:
         return
     with _explained(set_here):
-        with _begin(READ_FLAGS) if os.environ.get("XLA_FLAGS") else nullcontext() as reading:
-            import jax  # meanwhile
-
-            if reading is not None:
-                _end(reading)
+        with _flags_are_read():
+            import jax
         jax.devices()
 
 
@@ -67,6 +64,17 @@ def try_jax(set_here: set[str]) -> None:
     """Start JAX in another process, so that this one holds no accelerator. Raises MachineError as `start_jax` does."""
     with _explained(set_here), _begin(START) as trying:
         _end(trying)
+
+
+@contextmanager
+def _flags_are_read() -> Iterator[None]:
+    """Let XLA read its flags in another process meanwhile. Raises RuntimeError at the end if it lacks one of them."""
+    if not os.environ.get("XLA_FLAGS"):
+        yield
+        return
+    with _begin(READ_FLAGS) as reading:
+        yield
+        _end(reading)
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from jaxwalk.policies import SHIPPED, shipped_policy
-from jaxwalk.policies.names import RULES, is_class, is_host_driver
+from jaxwalk.policies.policy_names import RULES, is_class, is_host_driver
 from jaxwalk.runs.folder import Run, RunError
 
 
