@@ -13,7 +13,7 @@ from jaxwalk.adapters import seat
 from jaxwalk.adapters.gymnasium import StreetEnv
 from jaxwalk.adapters.players import AdapterError, player
 from jaxwalk.evaluation import play
-from jaxwalk.policies import ConstantSpeed
+from jaxwalk.policies import AlwaysGo, ConstantSpeed
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.observation import Observation
 from jaxwalk.sim.sim_config import SimConfig
@@ -232,3 +232,20 @@ def test_impossible_actions_and_seeds_are_named(three):
         three.reset(seed=0, options={"scenario": -1})
     with pytest.raises(AdapterError, match="NextStep or SameStep, not Disabled"):
         make_many(autoreset_mode="Disabled")
+
+
+class Broken(AlwaysGo):
+    """People who choose what is no choice."""
+
+    def act(self, key, memory, observation):
+        go, memory = super().act(key, memory, observation)
+        return -go, memory
+
+
+def test_a_broken_population_is_said():
+    env = make(pedestrians=Broken())
+    env.reset(seed=0)
+    with pytest.raises(
+        AdapterError, match=r"pedestrians: an action isn't in its space \(environment 0\); the policy is"
+    ):
+        env.step(FULL_THROTTLE)

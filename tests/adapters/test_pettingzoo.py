@@ -71,3 +71,5 @@ def test_wrong_actions_are_named(env):
         env.step(actions | {"driver": np.array([np.nan, 0], np.float32)})
     with pytest.raises(AdapterError, match="the driver gives 2 numbers"):
         env.step(actions | {"driver": np.zeros(3, np.float32)})
+    with pytest.raises(AdapterError, match=r"a pedestrian's action is not an integer in \[0, 2\)"):
+        env.step(actions | {"pedestrian_2": 2})

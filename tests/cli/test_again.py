@@ -147,7 +147,7 @@ def test_an_edited_map_is_refused(kept, capsys):
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        ("evaluate --again nowhere.json", "nowhere.json: no such file; name the results.json"),
+        ("evaluate --again nowhere.json", "nowhere.json: no such file; check the name"),
         ("evaluate --again mine.safetensors", "mine.safetensors: is no JSON document"),
         ("evaluate --again kept/results.json --episodes 4", "--episodes: --again evaluates as kept/results.json says"),
         ("evaluate --again kept/results.json --out kept", "--out kept: would replace kept/results.json"),

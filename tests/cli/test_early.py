@@ -37,6 +37,7 @@ WRONG = {
     "train --resume empty": "empty: is no run folder",
     "train --run new --map half.toml": "half.toml has",
     "train --run full": "full: the folder is not empty",
+    "evaluate --again none.json": "none.json: no such file",
     "measure none.parquet": "none.parquet: no such file",
 }
 PROGRAM = """

@@ -73,6 +73,15 @@ def _run() -> Target:
     return Target(files, lambda folder: make_street(Run.open(folder).experiment), spoiled | damaged(files))
 
 
+def _kept_maps() -> Target:
+    """The maps that a run folder keeps."""
+    with tempfile.TemporaryDirectory() as folder:
+        run = Run.create(Path(folder) / "run", RECIPES["fast"])
+        files = {name: (run.path / name).read_bytes() for name in ("config.json", "maps.json")}
+    spoiled = rewritten("maps.json", json.loads(files["maps.json"]), as_json).map(lambda changed: {**files, **changed})
+    return Target(files, lambda folder: Run.open(folder).maps(), spoiled | damaged(files))
+
+
 def _metrics() -> Target:
     line = {"update": 1, "seconds": 1.5, "steps": 64, "episodes": 3, "goal_rate": 0.5, "driver/kl": 0.01}
     lines = [{**line, "update": n} for n in range(1, 6)]
@@ -274,8 +283,9 @@ def _agent() -> Target:
 
 
 MAKERS: dict[str, Callable[[], Target]] = {
-    "map": _map, "configuration": _run, "metrics": _metrics, "policy": _policy, "areas": _areas, "inD": _ind,
-    "DUT": _vci, "Parquet": _parquet, "driver.onnx": _onnx, "driver.pt": _torchscript, "driver.zip": _agent,
+    "map": _map, "configuration": _run, "kept maps": _kept_maps, "metrics": _metrics, "policy": _policy,
+    "areas": _areas, "inD": _ind, "DUT": _vci, "Parquet": _parquet,
+    "driver.onnx": _onnx, "driver.pt": _torchscript, "driver.zip": _agent,
 }  # fmt: skip
 """What makes them, by name."""
 NEEDS = {"Parquet": "pyarrow", "driver.onnx": "onnxruntime", "driver.pt": "torch", "driver.zip": "torch"}

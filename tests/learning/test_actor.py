@@ -79,7 +79,7 @@ def test_outputs_that_are_not_finite_give_no_action(value, sample):
         actor = make_actor(jax.random.key(0), 5, space, config)
         broken = eqx.tree_at(lambda x: x.network.biases[-1], actor, jnp.array([0.0, value]))
         for policy, sound in ((actor, True), (broken, False)):
-            choice, _ = decide(policy, KEYS, policy.init((AGENTS,), (BATCH,)), seen, sample=sample)
+            choice, _ = decide(policy, KEYS, policy.init((AGENTS,), (BATCH,)), seen, sample=sample, checked=True)
             assert (np.asarray(space.contains(choice.action)) == sound).all(), kind
 
 

@@ -43,11 +43,8 @@ class Comparison:
 def read_document(path: Path) -> Results:
     """Return the results of a file.
 
-    Raises AgainError if there is no such file, or if it doesn't say how to make it again, and DocumentError if it is
-    damaged.
+    Raises AgainError if it is no JSON, DocumentError if it is damaged, and OSError if it can't be read.
     """
-    if not path.is_file():
-        raise AgainError(f"{path}: no such file; name the results.json of `jaxwalk evaluate --out`")
     try:
         content = json.loads(path.read_bytes())
     except (ValueError, RecursionError) as error:

@@ -81,23 +81,25 @@ class Choice(eqx.Module):
 
 def decide(
     actor: Actor, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature *rest"], *,
-    sample: bool,
+    sample: bool, checked: bool = False,
 ) -> tuple[Choice, Held | None]:  # fmt: skip
     """Return every agent's action and the new memory; without ``sample``, the likeliest action. Not differentiable.
 
-    Where the network's outputs or the sample aren't finite, the action is in no space: NaN, or `NO_CHOICE`.
+    If ``checked``, an action is in no space (NaN, or `NO_CHOICE`) where the network's outputs or the sample aren't
+    finite. A learner doesn't check its own, whose losses tell.
     """
+    check = _if_finite if checked else _unchecked
     if memory is None:
         outputs = actor.network(observation)
         choice = actor.distribution(outputs)
         raw = choice.sample(key) if sample else choice.mode()
-        return Choice(_if_finite(choice.action(raw), outputs, raw), raw, choice.log_prob(raw), None), None
+        return Choice(check(choice.action(raw), outputs, raw), raw, choice.log_prob(raw), None), None
     may = observation[0] > 0
     now = may & (memory.steps_left == 0)
     logits = run_where(actor.network, observation, now)
     choice = Categorical(logits)
     raw = choice.sample(key) if sample else choice.mode()
-    new = _if_finite(raw, logits, raw)
+    new = check(raw, logits, raw)
     kept = jnp.where(now, new, memory.choice)
     steps_left = jnp.where(now, actor.hold - 1, memory.steps_left - 1)
     action = jnp.where(may, kept, OTHERWISE)
@@ -108,6 +110,10 @@ def _if_finite(action: Array, outputs: Float[Array, "out *rest"], raw: Array) ->
     """Return the action where outputs and sample are finite, else one in no space: argmax and tanh would hide it."""
     finite = (jnp.isfinite(outputs) & jnp.isfinite(raw)).all(axis=0)
     return jnp.where(finite, action, NO_CHOICE if jnp.issubdtype(action.dtype, jnp.integer) else jnp.nan)
+
+
+def _unchecked(action: Array, outputs: Float[Array, "out *rest"], raw: Array) -> Array:
+    return action
 
 
 def run_where(

@@ -86,7 +86,7 @@ class LearnedPolicy(eqx.Module):
         self, key: Key[Array, "*batch"], memory: Held | None, observation: Float[Array, "feature ..."]
     ) -> tuple[Array, Held | None]:
         """Return the action of every agent, and the next memory."""
-        choice, memory = decide(self.actor, key, memory, observation, sample=self.sample)
+        choice, memory = decide(self.actor, key, memory, observation, sample=self.sample, checked=True)
         return choice.action, memory
 
 
