@@ -93,11 +93,12 @@ def test_a_stream_may_be_closed_unread_or_full(line, code, out, err, place):
     assert done.stderr.startswith(err) and done.stderr.count("\n") <= 1
 
 
-def test_characters_that_the_terminal_lacks_are_escaped(place):
+@pytest.mark.parametrize("ascii_only", [{"PYTHONIOENCODING": "ascii"}, {"PYTHONIOENCODING": "ascii:surrogateescape"}])
+def test_characters_that_the_terminal_lacks_are_escaped(ascii_only, place):
     """The folder's name is printed after all the work."""
     (place / "Straße").mkdir()
     command = "play --driver random --out Straße/a.svg"
-    done = shell(f"J {command}", PYTHONIOENCODING="ascii")
+    done = shell(f"J {command}", **ascii_only)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("Stra\\xdfe/a.svg: scenario 0 of seed 0")
 

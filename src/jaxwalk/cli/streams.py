@@ -46,7 +46,7 @@ def prepare_streams() -> None:
     out: Any = sys.stdout or open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115 (open as long as the process)
     err: Any = sys.stderr or open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     for stream in (out, err):
-        if stream.errors == "strict":
+        if stream.errors == "strict" or stream.encoding.lower() != "utf-8":  # surrogateescape writes names as they are
             stream.reconfigure(errors="backslashreplace")
     sys.stdout, sys.stderr = ForgivingStream(out, BrokenPipeError), ForgivingStream(err, OSError)
 
