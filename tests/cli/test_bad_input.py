@@ -42,6 +42,11 @@ def _half_map(path):
     path.write_text("size = [60, 20]\n")
 
 
+def _trained_run(path, **changes):
+    """A run folder whose policy is never read."""
+    Run.create(path, replace(RECIPES["fast"], **changes)).policy.write_bytes(b"")
+
+
 FILES = {
     "policy": lambda p: _policy(p / "small.safetensors"),
     "nonsense": lambda p: [
@@ -52,8 +57,9 @@ FILES = {
     "foreign": lambda p: _foreign_run(p / "foreign"),
     "damaged": lambda p: _damaged_run(p / "damaged"),
     "untrained": lambda p: Run.create(p / "untrained", RECIPES["fast"]),
-    "elsewhere": lambda p: Run.create(p / "elsewhere", replace(RECIPES["fast"], maps=("paper", "paper"))),
-    "slow": lambda p: Run.create(p / "slow", replace(RECIPES["fast"], sim=SimConfig(max_speed=5.0))),
+    "trained": lambda p: _trained_run(p / "trained"),
+    "elsewhere": lambda p: _trained_run(p / "elsewhere", maps=("paper", "paper")),
+    "slow": lambda p: _trained_run(p / "slow", sim=SimConfig(max_speed=5.0)),
     "map": lambda p: _half_map(p / "half.toml"),
     "file": lambda p: (p / "file").write_text(""),
     "folders": lambda p: [(p / f"folder.{x}").mkdir() for x in ("png", "onnx", "safetensors")],
@@ -101,8 +107,8 @@ BAD = {
     ),
     "evaluation among nobody": ("evaluate --driver random --pedestrians", "--pedestrians is missing"),
     "no multiplier": ("evaluate --driver random --jaywalk-multiplier", "--jaywalk-multiplier needs a number"),
-    "different maps": ("evaluate --driver untrained elsewhere", "were trained on different maps"),
-    "different rules": ("evaluate --driver untrained slow --map paper", "were trained in worlds of different rules"),
+    "different maps": ("evaluate --driver trained elsewhere", "were trained on different maps"),
+    "different rules": ("evaluate --driver trained slow --map paper", "were trained in worlds of different rules"),
     "evaluation map": ("evaluate --driver random --map nowhere", "nowhere"),
     "other sizes": ("evaluate --driver small.safetensors", "reads 5 numbers ('paper'), but the environment gives 34"),
     "other role": ("evaluate --driver random --pedestrians small.safetensors", "holds no pedestrian policy"),
@@ -143,8 +149,8 @@ BAD = {
     "play seed": ("play --driver random --seed -1", "--seed must lie in [0, 2^31), not -1"),
     "play to a folder": ("play --driver random --out folder.png", "folder.png: is a folder; name a file"),
     "scenario seed": ("scenario --driver random --out r --seed -1", "--seed must lie in [0, 2^31), not -1"),
-    "share to a folder": ("share untrained --out folder.safetensors", "is a folder; name a file"),
-    "share among nobody": ("share untrained --out a.safetensors --pedestrians", "--pedestrians is missing"),
+    "share to a folder": ("share trained --out folder.safetensors", "is a folder; name a file"),
+    "share among nobody": ("share trained --out a.safetensors --pedestrians", "--pedestrians is missing"),
     "play to nothing": ("play --driver random --out episode.doc", "must end in one of .html, .png"),
     "reproduce for no time": ("reproduce --out r --minutes 0", "minutes must be above 0"),
     "reproduce nothing": ("reproduce --out r --episodes 0", "episodes must lie in [1, 10,000,000], not 0"),
@@ -176,13 +182,16 @@ BAD = {
     "report on nothing": ("report foreign", "foreign: is no run folder, it has no config.json"),
     "report on nobody": ("report nobody", "nobody: no driver of that name"),
     "report otherwise": ("report reproduced --episodes 5", "--episodes and all other options are those of"),
-    "report two at once": ("report reproduced untrained", "is reported on its own; name it alone"),
+    "report two at once": ("report reproduced trained", "is reported on its own; name it alone"),
     "train too many shards": ("train --run new --shards 64", "64 devices are needed, and JAX has 2 (cpu); ask"),
     "train uneven shards": ("train --run new --shards 5", "shards must divide environments (768), not 5"),
     "report seed": ("report random --seed -1", "--seed must lie in [0, 2^31), not -1"),
     "report no episodes": ("report random --episodes 0", "--episodes must lie in [1, 10,000,000], not 0"),
     "report too many incidents": ("report random --incidents 201", "--incidents must lie in [0, 200], not 201"),
-    "report among too many": ("report random --pedestrians a b c d", "--pedestrians takes 1 to 3 populations, not 4"),
+    "report among too many": (
+        "report random --pedestrians always-go learned always-go learned",
+        "--pedestrians takes 1 to 3 populations, not 4",
+    ),
     "report below a file": ("report random --out file/report", "is a file, so nothing can be put into it"),
 }
 

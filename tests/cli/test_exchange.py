@@ -72,5 +72,5 @@ def test_what_cannot_be_used_ends_in_one_message(place, capsys, command, message
     before = sorted(place.iterdir())
     assert _run(command) == 2
     error = capsys.readouterr().err
-    assert message in error and error.startswith("jaxwalk: ") and error.count("\n") == 1
+    assert message in error and error.startswith("jaxwalk: ") and error.count("jaxwalk: ") == 1
     assert sorted(place.iterdir()) == before, "nothing is written"
