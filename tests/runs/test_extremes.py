@@ -49,7 +49,7 @@ def test_one_pedestrian_and_short_steps(tmp_path):
     assert all(0 < time <= 12 for time in times), "600 steps of 0.02 s"
     assert summarise(rows).as_dict()["episodes"] == 4
     write_rows(tmp_path / "episodes.csv", [("a", "b", rows)])
-    written = [float(line.split(",")[-1]) for line in (tmp_path / "episodes.csv").read_text().splitlines()[1:]]
+    written = [float(line.split(",")[-2]) for line in (tmp_path / "episodes.csv").read_text().splitlines()[1:]]
     assert written == pytest.approx(times, abs=1e-9), "no digit of a duration is lost"
 
 
