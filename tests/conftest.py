@@ -118,6 +118,7 @@ def small_batches():
     with pytest.MonkeyPatch.context() as patch:
         for module in READERS:
             patch.setattr(f"jaxwalk.{module}.BATCH", AT_ONCE)
+        patch.setattr("jaxwalk.evaluation.counterfactual.SMALL_BATCH", AT_ONCE)
         yield
 
 
