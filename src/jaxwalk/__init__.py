@@ -3,8 +3,9 @@
 The public names, lazily: ``import jaxwalk`` loads no JAX; the first use of a name loads what that name needs.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from jaxwalk.lazy import imported_when_used
 
 if TYPE_CHECKING:
     from jaxwalk.evaluation import evaluate as evaluate
@@ -23,37 +24,34 @@ if TYPE_CHECKING:
 
     __version__: str
 
-# Public name -> the module that holds it. A new name goes here and, for type checkers, in the imports above.
+# Public name -> the room or module that holds it. A new name goes here and, for type checkers, in the imports above.
 _HOMES = {
-    "DRIVERS": "jaxwalk.policies",
-    "Drawn": "jaxwalk.scenarios",
-    "LearnedPolicy": "jaxwalk.policies",
-    "POPULATIONS": "jaxwalk.policies",
-    "SimConfig": "jaxwalk.sim.sim_config",
-    "Street": "jaxwalk.sim.environment",
-    "Trajectory": "jaxwalk.sim.trajectory",
-    "evaluate": "jaxwalk.evaluation",
-    "load_map": "jaxwalk.maps",
-    "load_policy": "jaxwalk.policies",
-    "measure": "jaxwalk.metrics",
-    "play": "jaxwalk.evaluation",
-    "summarise": "jaxwalk.metrics",
+    "DRIVERS": "policies",
+    "Drawn": "scenarios",
+    "LearnedPolicy": "policies",
+    "POPULATIONS": "policies",
+    "SimConfig": "sim.sim_config",
+    "Street": "sim.environment",
+    "Trajectory": "sim.trajectory",
+    "evaluate": "evaluation",
+    "load_map": "maps",
+    "load_policy": "policies",
+    "measure": "metrics",
+    "play": "evaluation",
+    "summarise": "metrics",
 }
 
 __all__ = [*_HOMES, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll] (each import above re-exports itself)
 
+_import, _ = imported_when_used(__name__, _HOMES)
+
 
 def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from importlib.metadata import version
+    if name != "__version__":
+        return _import(name)
+    from importlib.metadata import version
 
-        value = version("jaxwalk")
-    elif name in _HOMES:
-        value = getattr(import_module(_HOMES[name]), name)
-    else:
-        raise AttributeError(f"module 'jaxwalk' has no attribute {name!r}")
-    globals()[name] = value  # the next use is an ordinary attribute access
-    return value
+    return version("jaxwalk")
 
 
 def __dir__() -> list[str]:

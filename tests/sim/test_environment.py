@@ -99,7 +99,10 @@ def test_a_batch_is_its_episodes(paid_street, batched):
 
 def test_two_batch_axes_are_one(paid_street, batched):
     inputs, result = batched
-    fold = lambda tree: jax.tree.map(lambda x: jnp.reshape(x, (*x.shape[:-1], 16, 16)), tree)  # noqa: E731
+
+    def fold(tree):
+        return jax.tree.map(lambda x: jnp.reshape(x, (*x.shape[:-1], 16, 16)), tree)
+
     assert_same(stepped(everything_once(paid_street, *fold(inputs))), fold(stepped(result)), **CLOSE)
 
 

@@ -43,8 +43,8 @@ def prepare_streams() -> None:
             os.fstat(number)
         except OSError:
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # takes the lowest free number, which is this one
-    out: Any = sys.stdout or open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115 (open as long as the process)
-    err: Any = sys.stderr or open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    out: Any = sys.stdout or os.fdopen(1, "w", encoding="utf-8", closefd=False)
+    err: Any = sys.stderr or os.fdopen(2, "w", encoding="utf-8", closefd=False)
     for stream in (out, err):
         if stream.errors == "strict" or stream.encoding.lower() != "utf-8":  # surrogateescape writes names as they are
             stream.reconfigure(errors="backslashreplace")

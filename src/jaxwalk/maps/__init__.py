@@ -5,8 +5,9 @@ A name is imported when it is first used: what reads and checks maps needs no JA
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from jaxwalk.lazy import imported_when_used
 
 if TYPE_CHECKING:
     from jaxwalk.maps.file import MapError as MapError
@@ -48,12 +49,4 @@ _HOMES = {
 
 __all__ = [*_HOMES]  # pyright: ignore[reportUnsupportedDunderAll]
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return list(__all__)
+__getattr__, __dir__ = imported_when_used(__name__, _HOMES)
