@@ -20,6 +20,7 @@ def test_a_new_plan_counts_from_there(monkeypatch):
     clock[0] = 46.0
     shown.show(46, {})
     rates = [float(rate) for rate in re.findall(r"([\d.]+) k steps/s", out.getvalue())]
+    assert "50 updates planned, not 100, to end in time" in out.getvalue()
     assert len(rates) == 2
     assert set(rates) == {1.0}
 

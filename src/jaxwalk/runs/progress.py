@@ -42,7 +42,10 @@ class Pace:
     """Time [s] and number of updates when counting began."""
 
     def restart(self, planned: int) -> None:
-        """Take a new plan, and restart the count of time and updates."""
+        """Take a new plan, and restart the count of time and updates. Say so if the plan is shortened on the way."""
+        before, made = self._pace.planned, self._pace.made
+        if made and planned < before:
+            self._display.say(f"{self._display.name}: {planned:,} updates planned, not {before:,}, to end in time")
         self.planned, self._since = planned, (time.monotonic(), self.made)
 
     def tell(self, updates: int) -> None:
@@ -97,7 +100,10 @@ class TrainingProgress:
             self._bar.stop()
 
     def restart(self, planned: int) -> None:
-        """Take a new plan, and restart the count of time and updates."""
+        """Take a new plan, and restart the count of time and updates. Say so if the plan is shortened on the way."""
+        before, made = self._pace.planned, self._pace.made
+        if made and planned < before:
+            self._display.say(f"{self._display.name}: {planned:,} updates planned, not {before:,}, to end in time")
         self._pace.restart(planned)
         self._bar.reset(self._task, total=planned, completed=self._pace.made, news="")
 
