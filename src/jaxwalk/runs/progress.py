@@ -42,10 +42,7 @@ class Pace:
     """Time [s] and number of updates when counting began."""
 
     def restart(self, planned: int) -> None:
-        """Take a new plan, and restart the count of time and updates. Say so if the plan is shortened on the way."""
-        before, made = self._pace.planned, self._pace.made
-        if made and planned < before:
-            self._display.say(f"{self._display.name}: {planned:,} updates planned, not {before:,}, to end in time")
+        """Take a new plan, and restart the count of time and updates."""
         self.planned, self._since = planned, (time.monotonic(), self.made)
 
     def tell(self, updates: int) -> None:
