@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import equinox as eqx
+import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Key
 
 T = TypeVar("T")
@@ -66,6 +67,12 @@ class RoleSpec(eqx.Module):
     def contains(self, action: Any) -> Any:
         """Return where the actions of all agents are in their space: ``(*batch,)``."""
         return self.action.contains(action).all(axis=tuple(range(len(self.agents))))
+
+    def zeros(self, batch: tuple[int, ...]) -> Array:
+        """Return an action of zeros for all agents: ``(size, *agents, *batch)`` or ``(*agents, *batch)``."""
+        if isinstance(self.action, Box):
+            return jnp.zeros((self.action.size, *self.agents, *batch))
+        return jnp.zeros((*self.agents, *batch), jnp.int32)
 
 
 class Moment(eqx.Module):

@@ -88,7 +88,7 @@ def play(
     last = np.full(keys.shape, street.world.rules.horizon) if until is None else until
     numbers = np.arange(len(keys)) if numbers is None else np.asarray(numbers)
     host = _host_driver(policies)
-    compiled = policies if host is None else _answered(policies, Given(jnp.zeros((2, *keys.shape))))
+    compiled = policies if host is None else _answered(policies, Given(street.roles["driver"].zeros(keys.shape)))
     setup = Setup(street, compiled, scenarios, keys, jnp.asarray(last, jnp.int32))
     memory = fresh_memory(street, cast_of(compiled), keys.shape)
     game, first = _begin(street, memory, scenarios)
@@ -155,9 +155,7 @@ def _begin(street: Street, memory: Roles[tuple[Any, ...]], scenarios: Scenario) 
     state = street.reset(scenarios)
     no = jnp.zeros(state.step.shape, bool)
     nobody = jnp.zeros(scenarios.start.shape, bool)
-    actions = {
-        "driver": jnp.zeros((2, *state.step.shape)), "pedestrian": jnp.zeros(nobody.shape, jnp.int32)
-    }  # fmt: skip
+    actions = {role: spec.zeros(state.step.shape) for role, spec in street.roles.items()}
     return Underway(state, memory, no, no, no, nobody, actions), frame(street.world, scenarios, state)
 
 

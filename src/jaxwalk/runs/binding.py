@@ -69,7 +69,7 @@ def _changed(run: Run, before: Mapping[str, Any]) -> list[str]:
         known = before
     old, new = dict(_fields(known)), dict(_fields(as_json(run.experiment)))
     expected = PLAN if run.intact else set()
-    return [name for name in new.keys() | old.keys() if name not in expected and new.get(name) != old.get(name)]
+    return [name for name in {**new, **old} if name not in expected and new.get(name) != old.get(name)]
 
 
 def _fields(document: Mapping[str, Any], inside: str = "") -> Iterator[tuple[str, Any]]:
