@@ -7,6 +7,7 @@ import hashlib
 import io
 import os
 import platform
+import signal
 from dataclasses import replace
 from pathlib import Path
 
@@ -104,6 +105,12 @@ def strict_processes():
         cache = [f"ignore:Error {doing} persistent compilation:UserWarning" for doing in ("reading", "writing")]
         patch.setenv("PYTHONWARNINGS", ",".join(["error", *cache]))
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def interruptible():
+    """Processes that tests start hear SIGINT, also if a shell runs the tests in the background, where it is ignored."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 AT_ONCE = 16

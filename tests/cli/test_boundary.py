@@ -129,7 +129,10 @@ def test_a_signal_ends_a_command_in_time(driver, sent, code, seconds, place):
         for number in sent:
             process.send_signal(number)
             time.sleep(0.5)
-        out, err = process.communicate(timeout=60)
+        try:
+            out, err = process.communicate(timeout=60)
+        finally:
+            process.kill()
     assert (process.returncode, out, err) == (code, "", "jaxwalk: interrupted\n")
     assert time.monotonic() - begun < 3 * seconds  # on a busy machine
     assert not (place / "kept").exists()

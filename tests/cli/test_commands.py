@@ -233,9 +233,12 @@ def test_bench_prints_a_table(capfd, monkeypatch):
 def test_ctrl_c_leaves_a_run_that_resumes(place):
     command = [sys.executable, "-m", "jaxwalk", "train", "--run", "run", "--updates", "100000", *SMALL]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=place) as process:
-        _wait_for(lambda: len(_lines(place)) >= 2, process)
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=120)
+        try:
+            _wait_for(lambda: len(_lines(place)) >= 2, process)
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=120)
+        finally:
+            process.kill()
     assert process.returncode == 130
     assert "Traceback" not in err
     assert "jaxwalk train --resume run" in " ".join(err.split())
