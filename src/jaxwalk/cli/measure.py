@@ -67,7 +67,7 @@ def _tables(found: dict[str, Any]) -> Iterator[Table]:
                 kind,
                 f"{one['count']:,}",
                 *(_shown(one[f"{name}_critical"]) for name in ("ttc", "pet", "drac")),
-                _shown(found["encounters"][kind]["minimum_approach"], 1.0, 2),
+                _shown(found["encounters"][kind]["minimum_gap"], 1.0, 2),
             )
             for kind, one in found["surrogates"].items()
         ],

@@ -16,8 +16,9 @@ from jaxwalk.metrics.braking import NAMES
 from jaxwalk.writing import whole
 
 UNITS = {
-    "enter": "s", "start": "s", "end": "s", "min_distance": "m", "entry_speed": "m/s", "braking_time": "s", "ttc": "s",
-    "exposed_time": "s", "pet": "s", "t2": "s", "drac": "m/s2", "impact_speed": "m/s", "relative_speed": "m/s",
+    "enter": "s", "start": "s", "end": "s", "min_distance": "m", "min_gap": "m", "entry_speed": "m/s",
+    "braking_time": "s", "ttc": "s", "exposed_time": "s", "pet": "s", "t2": "s", "drac": "m/s2", "impact_speed": "m/s",
+    "relative_speed": "m/s",
 }  # fmt: skip
 """Units of the columns; the file keeps them as metadata."""
 
@@ -43,6 +44,7 @@ def encounter_columns(rows: Rows) -> dict[str, Any]:
         "type": np.array(CONTACT_NAMES)[table.type],
         **seconds,
         "min_distance": table.min_distance,
+        "min_gap": table.min_gap,
         "entry_speed": table.entry_speed,
         "collided": table.collided,
         "braking": np.array(NAMES)[table.braking],

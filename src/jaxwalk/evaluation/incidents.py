@@ -43,7 +43,7 @@ class Incidents:
     ttc: Float[np.ndarray, "incident"]
     """Smallest time to collision of a near miss [s], below `TTC_CRITICAL`; NaN for a collision."""
     nearest: Float[np.ndarray, "incident"]
-    """Smallest distance of the centres in a near miss [m]; NaN for a collision."""
+    """Smallest gap between car and body in a near miss [m]; NaN for a collision."""
     first: Int[np.ndarray, "incident"]
     """First frame of a near miss; the frame of a collision."""
     last: Int[np.ndarray, "incident"]
@@ -81,14 +81,14 @@ def _misses(rows: Rows, most: int) -> Incidents:
     found, ttc = rows[ENCOUNTERS], rows[SURROGATES].ttc
     missed = np.flatnonzero(~rows[OUTCOMES].collision[found.episode])
     missed = missed[ttc[missed] < TTC_CRITICAL]
-    order = missed[np.lexsort((found.scenario[missed], found.min_distance[missed], ttc[missed]))]
+    order = missed[np.lexsort((found.scenario[missed], found.min_gap[missed], ttc[missed]))]
     _, first = np.unique(found.scenario[order], return_index=True)
     worst = order[np.sort(first)][:most]
     nothing = np.full(len(worst), np.nan)
     return Incidents(
         scenario=found.scenario[worst], ped=found.ped[worst], collision=np.zeros(len(worst), bool),
         contact=found.type[worst], moving=np.zeros(len(worst), bool), speed=nothing, risk=nothing,
-        ttc=ttc[worst].astype(float), nearest=found.min_distance[worst].astype(float), first=found.start[worst],
+        ttc=ttc[worst].astype(float), nearest=found.min_gap[worst].astype(float), first=found.start[worst],
         last=found.end[worst],
     )  # fmt: skip
 

@@ -144,8 +144,8 @@ def _check_wait_bins(bins: Sequence[WaitBin], edges: Sequence[float], origin: Or
 
 
 def _distributions(found: Distributions) -> tuple[tuple[str, Distribution], ...]:
-    names = ("ttc", "pet", "drac", "min_distance")
-    return tuple(zip(names, (found.ttc, found.pet, found.drac, found.min_distance), strict=True))
+    names = ("ttc", "pet", "drac", "gap")
+    return tuple(zip(names, (found.ttc, found.pet, found.drac, found.gap), strict=True))
 
 
 def _check_seeds(numbers: SeedNumbers, origin: Origin) -> None:

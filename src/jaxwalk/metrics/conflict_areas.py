@@ -1,9 +1,9 @@
 """Find where the paths of a car and a pedestrian meet, and the times at which each was or would be there.
 
 The *conflict area* of an encounter is a pair of places: one on the path that the car drove (from the encounter's start
-on), one on the path that the pedestrian walked (over the whole crossing). They lie within the collision distance of
-each other. Of all such pairs it is the one whose places were occupied at the nearest times. Post-encroachment time
-(PET) and T2 both refer to this area.
+on), one on the path that the pedestrian walked (over the whole crossing). At these places the pedestrian's body would
+overlap the car's rectangle. Of all such pairs it is the one whose places were occupied at the nearest times.
+Post-encroachment time (PET) and T2 both refer to this area.
 """
 
 from __future__ import annotations
@@ -14,7 +14,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.encounters import Encounters
-from jaxwalk.sim.events import distance, touches
+from jaxwalk.metrics.footprint import reach
+from jaxwalk.sim.events import distance, to_rectangle
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 PET_LIMIT = 5.0
@@ -49,23 +52,24 @@ def crossing_steps(trajectory: Trajectory, encounters: Encounters) -> Steps:
 
 
 def conflict_areas(
-    trajectory: Trajectory, encounters: Encounters, steps: Steps, collision_distance: float
+    trajectory: Trajectory, encounters: Encounters, steps: Steps, config: SimConfig
 ) -> tuple[Float[np.ndarray, "encounter"], Int[np.ndarray, "encounter"]]:
     """Return how many frames after the pedestrian the car came (NaN if never), and the pedestrian's step in the area.
 
     The definition is that of Saunier's Traffic Intelligence (``computePET``): among all pairs of frames whose places
-    lie within the collision distance, take the nearest in time. Among equals, take pedestrian first, then the earliest.
+    overlap, take the nearest in time. Among equals, take pedestrian first, then the earliest.
     """
     lags, places = np.full(len(steps.first), np.nan), np.zeros(len(steps.first), np.int64)
     earliest, latest = encounters.start[steps.encounter], trajectory.length[steps.episode]
     limit = round(PET_LIMIT / trajectory.dt)
-    left = np.flatnonzero(_near_path(trajectory, encounters, steps, collision_distance, limit))
+    left = np.flatnonzero(_near_path(trajectory, encounters, steps, reach(config), limit))
     for lag in sorted(range(-limit, limit + 1), key=lambda lag: (abs(lag), -lag)):
         car = steps.frame[left] + lag
         there = (car >= earliest[left]) & (car <= latest[left])
         here, car = left[there], (car[there], steps.episode[left[there]])
         dx, dy = steps.x[here] - trajectory.car_x[car], steps.y[here] - trajectory.car_y[car]
-        place = here[touches(dx, dy, collision_distance)]
+        ahead, aside = to_frame(dx, dy, trajectory.car_cos[car], trajectory.car_sin[car])
+        place = here[to_rectangle(ahead, aside, config.car_length, config.car_width) < config.body_radius]
         if not len(place):
             continue
         found, order = np.unique(steps.encounter[place], return_index=True)

@@ -11,6 +11,9 @@ from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN, bra
 from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, ByType, Crossings, RoadSteps, count_by_type
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio, wilson
+from jaxwalk.sim.events import to_rectangle
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 
@@ -34,6 +37,8 @@ class Encounters:
     """Last frame of the crossing."""
     min_distance: Float[np.ndarray, "encounter"]
     """Smallest distance between the centres from ``start`` to ``end`` [m]."""
+    min_gap: Float[np.ndarray, "encounter"]
+    """Smallest gap between the car's rectangle and the pedestrian's body from ``start`` to ``end`` [m]."""
     entry_speed: Float[np.ndarray, "encounter"]
     """Speed of the car in frame ``enter`` [m/s]."""
     collided: Bool[np.ndarray, "encounter"]
@@ -50,11 +55,12 @@ def encounter_starts(steps: RoadSteps) -> Int[np.ndarray, "crossing"]:
     return np.minimum.reduceat(np.where(steps.closing, steps.frame, never), steps.first)
 
 
-def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSteps) -> Encounters:
+def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSteps, config: SimConfig) -> Encounters:
     """Find all encounters of a trajectory."""
     start = encounter_starts(steps)
     meeting = steps.frame >= start[steps.crossing]
-    nearest = np.minimum.reduceat(np.where(meeting, steps.distance, np.inf), steps.first)
+    distances = steps.distance, _gaps(trajectory, steps, config)
+    nearest, gap = (np.minimum.reduceat(np.where(meeting, x, np.inf), steps.first) for x in distances)
     met = start <= crossings.last
     episode, ped, enter, end = (c[met] for c in (crossings.episode, crossings.ped, crossings.enter, crossings.last))
     hit = trajectory.collision[episode] & trajectory.touched[episode, ped] & (end == trajectory.length[episode])
@@ -69,11 +75,22 @@ def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSte
         start=start[met].astype(np.int32),
         end=end,
         min_distance=nearest[met].astype(np.float32),
+        min_gap=gap[met].astype(np.float32),
         entry_speed=trajectory.car_speed[enter, episode].astype(np.float32),
         collided=hit,
         braking=braking,
         braking_time=braking_time,
     )
+
+
+def _gaps(trajectory: Trajectory, steps: RoadSteps, config: SimConfig) -> Float[np.ndarray, "step"]:
+    """Return the distance from the car's rectangle to the pedestrian's body [m]; 0 in contact."""
+    car, person = (steps.frame, steps.episode), (steps.frame, steps.episode, steps.ped)
+    dx, dy = (getattr(trajectory, f"ped_{x}")[person] - getattr(trajectory, f"car_{x}")[car] for x in "xy")
+    away = to_rectangle(
+        *to_frame(dx, dy, trajectory.car_cos[car], trajectory.car_sin[car]), config.car_length, config.car_width
+    )
+    return np.maximum(away - config.body_radius, 0)
 
 
 @dataclass(frozen=True)
@@ -104,7 +121,9 @@ class EncounterSummary:
     collided: Rate
     """Share that ended with the car touching the pedestrian."""
     minimum_approach: Estimate
-    """5th percentile of the smallest distance [m]."""
+    """5th percentile of the smallest distance between the centres [m], as in the paper."""
+    minimum_gap: Estimate
+    """5th percentile of the smallest gap between car and body [m]."""
     braking: Braking
 
 
@@ -137,6 +156,7 @@ def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> Encounter
         count=len(status),
         collided=wilson(table.collided[mine].sum(), len(status)),
         minimum_approach=quantile(table.min_distance[mine], 0.05),
+        minimum_gap=quantile(table.min_gap[mine], 0.05),
         braking=Braking(
             median=kaplan_meier_median(table.braking_time[mine][watched], status[watched] == ONSET),
             mean_observed=interval(mean, counts[ONSET]),
@@ -151,7 +171,9 @@ def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> Encounter
 
 ENCOUNTERS = Metric(
     name="encounters",
-    measure=lambda recording: find_encounters(recording.trajectory, recording[CROSSINGS], recording[ROAD][1]),
+    measure=lambda recording: find_encounters(
+        recording.trajectory, recording[CROSSINGS], recording[ROAD][1], recording.config
+    ),
     needs=(ROAD, CROSSINGS),
     columns=encounter_columns,
     summarise=summarise_encounters,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from jaxwalk.metrics.attribution import ATTRIBUTION
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.metrics.decisions import JAYWALK_RATE
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric
@@ -23,6 +24,7 @@ METRICS: tuple[Metric[Any, Any], ...] = (
     SPEED_DIFFERENTIAL,
     JAYWALK_RATE,
     WAITING,
+    MEASURED_CONTACTS,
 )
 """Add new metrics at the end: the last bit of a sum depends on the position of its column, and published numbers must
 not change."""

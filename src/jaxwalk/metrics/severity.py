@@ -22,9 +22,9 @@ THRESHOLDS: dict[str, tuple[float, ...]] = {
     "ttc": (0.25, 0.5, 0.75, 1.0, TTC_CRITICAL, 2.0, 2.5, 3.0, 4.0, 5.0),
     "pet": (0.25, 0.5, 0.75, 1.0, PET_CRITICAL, 2.0, 2.5, PET_CLOSE, 4.0, 5.0),
     "drac": (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, DRAC_CRITICAL, 4.0, 5.0, 6.0, 8.0, 10.0),
-    "min_distance": (1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0),
+    "gap": (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 15.0),
 }
-"""Thresholds: times [s] and distances [m] count below them, decelerations [m/s2] above them."""
+"""Thresholds: times [s] count below them, gaps [m] at and below them, decelerations [m/s2] above them."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class Distributions:
     """Share with a post-encroachment time below each threshold [s], whoever came first."""
     drac: Distribution
     """Share with a required deceleration above each threshold [m/s2]; above 0: those ever on a collision course."""
-    min_distance: Distribution
-    """Share in which the centres came nearer than each threshold [m]; below 1.5 m they collided."""
+    gap: Distribution
+    """Share in which car and body came as near as each threshold or nearer [m]; at 0 m they touched."""
 
 
 def distribution_columns(rows: Rows) -> dict[str, np.ndarray]:
@@ -62,8 +62,8 @@ def distribution_columns(rows: Rows) -> dict[str, np.ndarray]:
         return found.astype(np.int16)  # small, so that a million episodes fit into memory
 
     # signed so that less is more dangerous; comparisons with NaN are false
-    nearest = rows[ENCOUNTERS].min_distance
-    values = {"ttc": table.ttc, "pet": np.abs(table.pet), "drac": -table.drac, "min_distance": nearest}
+    gap = np.nextafter(rows[ENCOUNTERS].min_gap, -np.inf)
+    values = {"ttc": table.ttc, "pet": np.abs(table.pet), "drac": -table.drac, "gap": gap}
     signs = {"drac": -1}
     return {"met": count(np.ones(len(table.type), bool))} | {
         name: np.stack([count(values[name] < signs.get(name, 1) * x) for x in thresholds], axis=2)

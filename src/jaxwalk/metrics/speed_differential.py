@@ -26,6 +26,7 @@ from jaxwalk.metrics.metric import Metric, MetricTable, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 
@@ -108,20 +109,21 @@ def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
     return NearSpeeds(total.reshape(shape), count.reshape(shape))
 
 
-def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, *, collision_distance: float) -> PlaceboSpeeds:
+def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, config: SimConfig) -> PlaceboSpeeds:
     """Measure near speeds of people and of ghosts, up to the first frame in which the car touches either.
 
     An episode ends when the car touches a person, but the car would drive through a ghost. Both are cut at the first
-    touch of either kind, so that both are observed equally long. For a car that ignores people, among people who always
+    touch of either, so that both are observed equally long. For a car that ignores people, among people who always
     go, people and ghosts are then exchangeable: every difference between them is chance. Without ghosts, all values are
-    0. A touch: centres closer than ``collision_distance`` [m].
+    0. The rules say what a touch is.
     """
     if ghosts is None:
         none = np.zeros((len(trajectory.length), len(TYPES), BINS))
         return PlaceboSpeeds(none, none.astype(np.int32), none, none.astype(np.int32))
     haunted = replace(trajectory, **vars(ghosts))
     dx, dy = (getattr(ghosts, f"ped_{axis}") - getattr(trajectory, f"car_{axis}")[..., None] for axis in "xy")
-    touched = events.touches(dx, dy, collision_distance).any(axis=2) & real_frames(trajectory)
+    cos, sin = trajectory.car_cos[..., None], trajectory.car_sin[..., None]
+    touched = events.touching(config, dx, dy, cos, sin).any(axis=2) & real_frames(trajectory)
     length = np.where(touched.any(axis=0), touched.argmax(axis=0), trajectory.length)
     people, unseen = (_until(one, length) for one in (trajectory, haunted))
     return PlaceboSpeeds(people.speed_sum, people.frames, unseen.speed_sum, unseen.frames)
@@ -189,9 +191,7 @@ _PLACEBO = ("people_speed", "people_frames", "ghost_speed", "ghost_frames")
 
 PLACEBO = MetricTable(
     name="placebo",
-    measure=lambda recording: measure_placebo(
-        recording.trajectory, recording.ghosts, collision_distance=recording.config.collision_distance
-    ),
+    measure=lambda recording: measure_placebo(recording.trajectory, recording.ghosts, recording.config),
 )
 SPEED_DIFFERENTIAL = Metric(
     name="speed_differential",

@@ -1,6 +1,6 @@
 """Surrogate safety: how near an encounter came to a collision, in time and in required braking.
 
-Car and pedestrian are discs that collide when their centres are closer than ``collision_distance``. Time to collision
+The car is a rectangle, and a pedestrian's body is a disc: they collide when these overlap. Time to collision
 (TTC), T2 and required deceleration (DRAC) assume constant velocities; post-encroachment time (PET) is what happened.
 """
 
@@ -15,10 +15,13 @@ from jaxtyping import Float, Int
 from jaxwalk.metrics.conflict_areas import Steps, conflict_areas, crossing_steps, finite, second_arrivals
 from jaxwalk.metrics.crossings import TYPES, ByType, count_by_type
 from jaxwalk.metrics.encounters import ENCOUNTERS, Encounters
+from jaxwalk.metrics.footprint import required_deceleration, time_to_contact
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
-from jaxwalk.metrics.metric import Metric, Recording, Rows, Sums
+from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, quantile, ratio
 from jaxwalk.sim.events import distance
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 TTC_CRITICAL = 1.5
@@ -57,51 +60,21 @@ class Surrogates:
     """Relative speed of car and pedestrian at a touch, also if the car stood [m/s]; NaN without a touch."""
 
 
-def time_to_collision(dx, dy, dvx, dvy, radius):
-    """Return when two discs at constant velocities will touch [s]: 0 if they do now, infinite if they never will.
-
-    The smallest t >= 0 with (dx + dvx t)^2 + (dy + dvy t)^2 = radius^2 (Hayward, 1972, in two dimensions). Displacement
-    (dx, dy) [m] and relative velocity (dvx, dvy) [m/s] broadcast; ``radius`` is the distance at which centres touch.
-    """
-    approach = -(dx * dvx + dy * dvy)
-    speed2, outside = dvx**2 + dvy**2, dx**2 + dy**2 - radius**2
-    discriminant = approach**2 - speed2 * outside
-    course = (approach > 0) & (discriminant >= 0)
-    # the quadratic's smaller root, in a form without cancellation at low relative speeds
-    root = approach + np.sqrt(np.maximum(discriminant, 0))
-    later = np.divide(outside, root, out=np.full(np.shape(root), np.inf), where=course)
-    return np.where(outside < 0, 0.0, later)
-
-
-def required_deceleration(dx, dy, dvx, dvy, radius):
-    """Return the constant deceleration of the relative motion that just avoids a touch (DRAC) [m/s2].
-
-    speed^2 / (2 x distance to collision) = speed / (2 TTC), with the relative speed: Almqvist et al. (1991), Archer
-    (2005), along the relative velocity. The result is 0 off a collision course, and NaN if the discs touch already.
-    Arguments are those of `time_to_collision`.
-    """
-    ttc, speed = np.broadcast_arrays(time_to_collision(dx, dy, dvx, dvy, radius), distance(dvx, dvy))
-    return np.divide(speed, 2 * ttc, out=np.full(speed.shape, np.nan), where=ttc > 0)
-
-
-def measure_surrogates(
-    trajectory: Trajectory, encounters: Encounters, *, collision_distance: float, moving_speed: float
-) -> Surrogates:
+def measure_surrogates(trajectory: Trajectory, encounters: Encounters, config: SimConfig) -> Surrogates:
     """Return the surrogates of all encounters.
 
     Args:
         trajectory: the trajectory in which the encounters were found.
         encounters: the encounters.
-        collision_distance: centres closer than this touch [m].
-        moving_speed: a car at this speed or more hits somebody; people walk into a slower car [m/s].
+        config: says how large car and body are, and at what speed a car hits somebody who else walks into it.
     """
     steps = crossing_steps(trajectory, encounters)
     met = steps.frame >= encounters.start[steps.encounter]
     relative = _relative(trajectory, steps)
-    ttc = np.where(met, time_to_collision(*relative, collision_distance), np.inf)
-    drac = np.where(met, required_deceleration(*relative, collision_distance), np.nan)
+    ttc = np.where(met, time_to_contact(*relative, config), np.inf)
+    drac = np.where(met, required_deceleration(ttc, distance(*relative[2:])), np.nan)
     critical = np.add.reduceat((ttc < TTC_CRITICAL).astype(np.int64), steps.first)
-    lag, place = conflict_areas(trajectory, encounters, steps, collision_distance)
+    lag, place = conflict_areas(trajectory, encounters, steps, config)
     last = steps.first + (encounters.end - encounters.enter)
     speed = trajectory.car_speed[encounters.end, encounters.episode]
     columns = {
@@ -110,7 +83,7 @@ def measure_surrogates(
         "pet": lag * trajectory.dt,
         "t2": second_arrivals(trajectory, steps, met, lag, place),
         "drac": np.fmax.reduceat(drac, steps.first),
-        "impact_speed": np.where(encounters.collided & (speed >= moving_speed), speed, np.nan),
+        "impact_speed": np.where(encounters.collided & (speed >= config.moving_speed), speed, np.nan),
         "relative_speed": np.where(encounters.collided, distance(relative[2], relative[3])[last], np.nan),
     }
     rows = {name: column.astype(np.float32) for name, column in columns.items()}
@@ -118,15 +91,12 @@ def measure_surrogates(
 
 
 def _relative(trajectory: Trajectory, steps: Steps) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return displacement [m] and relative velocity [m/s] from the car to the pedestrian."""
+    """Return displacement [m] and relative velocity [m/s] from the car to the pedestrian, in the car's frame."""
     car = steps.frame, steps.episode
-    speed = trajectory.car_speed[car].astype(np.float64)
-    return (
-        steps.x - trajectory.car_x[car],
-        steps.y - trajectory.car_y[car],
-        steps.vx - speed * trajectory.car_cos[car],
-        steps.vy - speed * trajectory.car_sin[car],
-    )
+    cos, sin = (x[car].astype(np.float64) for x in (trajectory.car_cos, trajectory.car_sin))
+    ahead, left = to_frame(steps.x - trajectory.car_x[car], steps.y - trajectory.car_y[car], cos, sin)
+    closing, aside = to_frame(steps.vx, steps.vy, cos, sin)
+    return ahead, left, closing - trajectory.car_speed[car], aside
 
 
 @dataclass(frozen=True)
@@ -227,19 +197,9 @@ def _summarise_type(table: Surrogates, kind: int, sums: Mapping[str, np.ndarray]
     )
 
 
-def _measure(recording: Recording) -> Surrogates:
-    config = recording.config
-    return measure_surrogates(
-        recording.trajectory,
-        recording[ENCOUNTERS],
-        collision_distance=config.collision_distance,
-        moving_speed=config.moving_speed,
-    )
-
-
 SURROGATES = Metric(
     name="surrogates",
-    measure=_measure,
+    measure=lambda recording: measure_surrogates(recording.trajectory, recording[ENCOUNTERS], recording.config),
     needs=(ENCOUNTERS,),
     columns=surrogate_columns,
     summarise=summarise_surrogates,

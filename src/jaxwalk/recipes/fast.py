@@ -1,4 +1,4 @@
-"""The recipe ``fast``: whatever learns best on the paper's task. ``docs/recipes.md`` gives a reason for every number.
+"""The recipe ``fast``: whatever learns best on the paper's street, where a collision is a contact of the footprint. ``docs/recipes.md`` gives a reason for every number.
 
 Compared with ``paper``: observations in the route's frame, one critic for each role, one value for each pedestrian,
 pedestrians who decide at the kerb and keep to it for a second, short rollouts, small minibatches, and a learning rate
@@ -12,16 +12,17 @@ from typing import Final
 
 from jaxwalk.learning.config import GLOBAL, RoleConfig, TrainConfig
 from jaxwalk.recipes.experiment import Experiment
+from jaxwalk.sim.sim_config import SimConfig
 
 FAST: Final = Experiment(
     recipe="fast",
     train=TrainConfig(
         roles={
             "driver": RoleConfig(
-                observes="route",
+                observes="route-footprint",
                 actor_hidden=(256, 256),
                 critic_hidden=(256, 256),
-                critic_observes=("route", GLOBAL),
+                critic_observes=("route-footprint", GLOBAL),
                 entropy=0.001,
                 epochs=2,
                 initial_std=0.5,
@@ -49,4 +50,5 @@ FAST: Final = Experiment(
         "time": -0.02,
     },
     pedestrian_weights={"waited": -0.02, "collision": -100.0},
+    sim=SimConfig(contact="footprint"),
 )

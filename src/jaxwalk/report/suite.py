@@ -139,7 +139,7 @@ def surrogates(cells: Sequence[Cell]) -> Table:
         for kind, found in by_type(cell.summary[SURROGATES]).items():
             met, hit = encounters[kind], found.impact_speed
             shares = (shown(share) for share in (found.ttc_critical, found.pet_critical, found.drac_critical))
-            nearest, impact = shown(met.minimum_approach, 1.0, 2), shown(hit, 1.0)
+            nearest, impact = shown(met.minimum_gap, 1.0, 2), shown(hit, 1.0)
             risks = (shown(found.mais3), shown(found.fatal))
             rows.append((_name(cell), kind, f"{met.count:,}", *shares, nearest, f"{hit.count:,}", impact, *risks))
     return Table(columns, tuple(rows))

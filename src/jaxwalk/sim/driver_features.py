@@ -14,9 +14,12 @@ from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, sh
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
+from jaxwalk.sim.sim_config import ContactRule
 
-MARGINS = (1.0, 2.0, 3.0)
-"""Lower ends of the intervals, each 1 m long, in which the car sees predicted clearances in detail [m]."""
+MARGINS: dict[ContactRule, tuple[float, ...]] = {"disc": (1.0, 2.0, 3.0), "footprint": (0.0, 0.5, 1.0, 1.5)}
+"""Lower ends of the intervals in which the car sees predicted clearances in detail [m] ..."""
+MARGIN: dict[ContactRule, float] = {"disc": 1.0, "footprint": 0.5}
+"""... and their length [m]."""
 
 
 def _goal(moment: Moment) -> tuple[Array, Array]:
@@ -67,18 +70,29 @@ def _route(moment: Moment) -> Sequence[Array]:
     return (route.reshape(-1, *state.step.shape),)
 
 
-def _margin(moment: Moment) -> Sequence[Array]:
-    """Return how far each predicted clearance reaches into each interval of `MARGINS`, in [0, 1].
+def _predictions(rule: ContactRule) -> tuple[Feature, ...]:
+    """Return the features of what is predicted, with clearances by this rule."""
 
-    Whether the car touches somebody depends on these metres. A network learns it sooner from a number for each of them
-    than from one number for the whole range.
-    """
-    clearance = moment.state.foresight.clearance
-    return (jnp.concatenate([jnp.clip(clearance - metre, 0, 1) for metre in MARGINS]),)
+    def clearance(moment: Moment) -> Sequence[Array]:
+        return (prediction.clearance_by(moment, rule)[0] / prediction.FAR,)
 
+    def margin(moment: Moment) -> Sequence[Array]:
+        """Return how far each predicted clearance reaches into each interval of `MARGINS`, in [0, 1].
 
-def _conflict(moment: Moment) -> Sequence[Array]:
-    return (moment.state.foresight.conflict / (prediction.MOMENTS * prediction.MOMENT),)
+        Whether the car touches somebody depends on these metres. A network learns it sooner from a number for each of
+        them than from one number for the whole range.
+        """
+        found = prediction.clearance_by(moment, rule)[0]
+        return (jnp.concatenate([jnp.clip((found - at) / MARGIN[rule], 0, 1) for at in MARGINS[rule]]),)
+
+    def conflict(moment: Moment) -> Sequence[Array]:
+        return (prediction.clearance_by(moment, rule)[1] / (prediction.MOMENTS * prediction.MOMENT),)
+
+    return (
+        Feature("clearance", len(prediction.MANOEUVRES), share, clearance),
+        Feature("margin", len(prediction.MANOEUVRES) * len(MARGINS[rule]), share, margin),
+        Feature("conflict", 1, share, conflict),
+    )
 
 
 def _of_nearest(moment: Moment, tendency: Float[Array, "ped *batch"]) -> Sequence[Array]:
@@ -129,14 +143,11 @@ ON_ROUTE = (
 )
 """The car in the frame of its route: lane keeping 6, route ahead 16."""
 
-ROUTE = (
-    *ON_ROUTE,
-    Feature("clearance", 3, share, lambda m: (m.state.foresight.clearance / prediction.FAR,)),
-    Feature("margin", 3 * len(MARGINS), share, _margin),
-    Feature("conflict", 1, share, _conflict),
-    PEOPLE,
-)
-"""The car in the frame of its route 22, predicted clearances 13, nearest people 24."""
+ROUTE = (*ON_ROUTE, *_predictions("disc"), PEOPLE)
+"""The car in the frame of its route 22, predicted clearances between centres 13, nearest people 24."""
+
+ROUTE_FOOTPRINT = (*ON_ROUTE, *_predictions("footprint"), PEOPLE)
+"""The same with predicted clearances between the car's rectangle and people's bodies, 16 instead of 13."""
 
 TOLD_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency))
 """The jaywalking tendency of each of the nearest people."""

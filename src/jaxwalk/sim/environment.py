@@ -15,7 +15,7 @@ from jaxtyping import Array, Float, Key
 from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec, View
 from jaxwalk.maps import MapText
 from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
-from jaxwalk.sim.events import Events, arrives, touches
+from jaxwalk.sim.events import Events, arrives, touching
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
@@ -118,9 +118,8 @@ class Street(eqx.Module):
         return State(step, car, people, foresee(self.world, scenario, car, people))
 
     def _events(self, scenario: Scenario, state: State) -> Events:
-        car, people = state.vehicle, state.pedestrian
-        rules = self.world.rules
-        touched = touches(people.x - car.x[None], people.y - car.y[None], rules.collision_distance)
+        car, people, rules = state.vehicle, state.pedestrian, self.world.rules
+        touched = touching(rules, people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
         goal_x, goal_y = vehicle.goal(self.world, scenario)
         collision = touched.any(axis=0)
         goal = arrives(car.x - goal_x, car.y - goal_y, rules.goal_distance) & ~collision

@@ -8,6 +8,8 @@ from __future__ import annotations
 import equinox as eqx
 from jaxtyping import Array, Bool
 
+from jaxwalk.sim.geometry import to_frame
+
 ENCOUNTER_DISTANCE = 20.0
 """An encounter begins only with the car within this distance [m]."""
 CLOSING_SPEED = 0.1
@@ -27,7 +29,7 @@ class Events(eqx.Module):
     goal: Bool[Array, "*batch"]
     timeout: Bool[Array, "*batch"]
     touched: Bool[Array, "ped *batch"]
-    """The pedestrians that the car hit."""
+    """The pedestrians that the car touched, by the contact that ends episodes."""
 
 
 def distance(dx, dy):
@@ -48,6 +50,34 @@ def closes_in(dx, dy, dvx, dvy):
 def touches(dx, dy, collision_distance):
     """Return whether car and pedestrian collide: centres closer than this [m] (the paper's criterion)."""
     return dx * dx + dy * dy < collision_distance**2
+
+
+def to_rectangle(ahead, left, length, width):
+    """Return the distance from a point in the car's frame to the car's rectangle [m]; 0 inside it.
+
+    A body about the point touches the car where this is below the body's radius.
+    """
+    return distance(_above_zero(abs(ahead) - length / 2), _above_zero(abs(left) - width / 2))
+
+
+def touching(rules, dx, dy, cos, sin):
+    """Return whether car and pedestrian collide, by the contact that ends episodes.
+
+    Args:
+        rules: `SimConfig` or `jaxwalk.sim.world.Rules`.
+        dx: displacement from the car's centre to the pedestrian's [m].
+        dy: the same.
+        cos: heading of the car, as its cosine and sine.
+        sin: the same.
+    """
+    if rules.contact == "disc":
+        return touches(dx, dy, rules.collision_distance)
+    return to_rectangle(*to_frame(dx, dy, cos, sin), rules.car_length, rules.car_width) < rules.body_radius
+
+
+def _above_zero(x):
+    """Return x, or 0 if it is negative."""
+    return (x + abs(x)) / 2
 
 
 def arrives(dx, dy, goal_distance):

@@ -18,8 +18,8 @@ def inside(
     return ((x > x0) & (x < x1) & (y > y0) & (y < y1)).any(axis=0)
 
 
-def to_frame(x: Array, y: Array, cos: Array, sin: Array) -> tuple[Array, Array]:
-    """Return a vector in the axes of somebody who faces (cos, sin): ahead and to the left."""
+def to_frame(x, y, cos, sin):
+    """Return a vector in the axes of somebody who faces (cos, sin): ahead and to the left. Also for NumPy arrays."""
     return x * cos + y * sin, y * cos - x * sin
 
 

@@ -33,6 +33,7 @@ OBSERVATIONS: dict[str, dict[str, tuple[Feature, ...]]] = {
     "driver": {
         "paper": driver_features.PAPER,
         "route": driver_features.ROUTE,
+        "route-footprint": driver_features.ROUTE_FOOTPRINT,
         TOLD: (*driver_features.ROUTE, driver_features.TOLD_TENDENCIES),
         BELIEF: (*driver_features.ROUTE, driver_features.EXPECTED_TENDENCIES),
         PRIVILEGED: (*driver_features.ON_ROUTE, driver_features.FUTURE_CLEARANCES),

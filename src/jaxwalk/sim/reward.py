@@ -20,8 +20,8 @@ FAST_CAR = 2.0
 """Waiting is rewarded only while the car is faster than this [m/s]."""
 CAUTIOUS_SPEED = 3.0
 """Speed above which the car pays while people are on the roadway close ahead (`jaxwalk.sim.prediction`) [m/s]."""
-COMFORTABLE = 3.0
-"""The car pays for predicted clearances below this [m]."""
+COMFORTABLE = {"disc": 3.0, "footprint": 1.5}
+"""The car pays for predicted clearances below this, by the world's contact [m]."""
 
 LARGEST_WEIGHT = 1e6
 """Largest weight of a reward term."""
@@ -69,8 +69,9 @@ def _misaligned(t: Transition) -> Array:
 
 
 def _closeness(t: Transition) -> Array:
-    """Return how far the clearance predicted at held speed falls below 3 m, in [0, 1], times the share of top speed."""
-    shortfall = jnp.maximum(1 - t.after.foresight.clearance[prediction.HOLD] / COMFORTABLE, 0)
+    """Return how far the clearance predicted at held speed falls short, in [0, 1], times the share of top speed."""
+    comfortable = COMFORTABLE[t.world.rules.contact]
+    shortfall = jnp.maximum(1 - t.after.foresight.clearance[prediction.HOLD] / comfortable, 0)
     return shortfall * t.after.vehicle.speed / t.world.rules.max_speed
 
 

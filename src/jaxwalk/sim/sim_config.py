@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, get_args
+
+ContactRule = Literal["disc", "footprint"]
+"""What counts as a contact. ``disc``: the centres are closer than ``collision_distance`` (the paper's).
+``footprint``: the pedestrian's body overlaps the car's rectangle."""
 
 JAYWALK_MULTIPLIER = 0.25
 """P(jaywalk | decision) = jaywalking tendency x this (equation 1). Not in `SimConfig`: an evaluation varies it."""
@@ -11,8 +16,9 @@ SMALLEST_STEP = 0.001
 """The shortest step [s]."""
 LARGEST = {
     "dt": 1.0, "horizon": 100_000, "pedestrians": 1000, "fastest_walk": 20.0, "wheelbase": 100.0, "max_speed": 100.0,
-    "max_acceleration": 100.0, "offroad_margin": 100.0, "collision_distance": 100.0, "goal_distance": 100.0,
-    "moving_speed": 100.0, "start_clearance": 1000.0, "goal_spacing": 1000.0, "kerb_distance": 100.0,
+    "max_acceleration": 100.0, "offroad_margin": 100.0, "collision_distance": 100.0, "car_length": 100.0,
+    "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
+    "goal_spacing": 1000.0, "kerb_distance": 100.0,
 }  # fmt: skip
 """Largest values of the fields. Larger ones make no sense on a street, and their tables could fill the memory."""
 
@@ -45,6 +51,14 @@ class SimConfig:
     """Share of its speed that a car put back on the road keeps."""
     collision_distance: float = 1.5
     """Centres of car and pedestrian closer than this collide [m]."""
+    contact: ContactRule = "disc"
+    """Which rule ends an episode with a collision. Every evaluation measures the contacts by both."""
+    car_length: float = 4.5
+    """Length of the car's rectangle about its centre [m]."""
+    car_width: float = 1.8
+    """Width of the car's rectangle [m]."""
+    body_radius: float = 0.25
+    """Radius of a pedestrian's body [m]."""
     goal_distance: float = 3.0
     """The car has arrived within this distance of its goal [m]."""
     moving_speed: float = 0.5
@@ -60,11 +74,14 @@ class SimConfig:
         """Refuse what can't be simulated."""
         positive = (
             "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
-            "collision_distance", "goal_distance", "kerb_distance", "goal_spacing",
+            "collision_distance", "car_length", "car_width", "body_radius", "goal_distance", "kerb_distance",
+            "goal_spacing",
         )  # fmt: skip
         for name in positive:
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be above 0, not {getattr(self, name)}")
+        if self.contact not in get_args(ContactRule):
+            raise ValueError(f"contact must be one of {', '.join(get_args(ContactRule))}, not {self.contact!r}")
         for name in ("offroad_margin", "moving_speed", "start_clearance"):
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} must be 0 or more, not {getattr(self, name)}")

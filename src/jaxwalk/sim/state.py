@@ -152,7 +152,8 @@ class Foresight(eqx.Module):
     route_y: Float[Array, "point *batch"]
     """Distances to the left of the car of the same points [m]."""
     clearance: Float[Array, "manoeuvre *batch"]
-    """Smallest predicted distance to anybody if the car brakes, holds its speed or accelerates [m]."""
+    """Smallest predicted distance to anybody if the car brakes, holds its speed or accelerates [m]: between the
+    centres, or from the car's rectangle to the body, as the world's contact is."""
     conflict: Float[Array, "*batch"]
     """Time until the first conflict at held speed [s]."""
     crosswalk_user: Bool[Array, "*batch"]

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -14,10 +15,10 @@ from jaxtyping import Array, Float
 
 from jaxwalk.maps import MapText, RoadMap, build_map, read_map, stack_maps
 from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
-from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
-STATIC = ("dt", "horizon", "pedestrians")
-"""The rules that a compiled step contains as constants, because loops and shapes depend on them."""
+STATIC = ("dt", "horizon", "pedestrians", "contact")
+"""The rules that a compiled step contains as constants, because loops, shapes or its code depend on them."""
 
 
 class Rules(eqx.Module):
@@ -30,6 +31,7 @@ class Rules(eqx.Module):
     dt: float = eqx.field(static=True)
     horizon: int = eqx.field(static=True)
     pedestrians: int = eqx.field(static=True)
+    contact: ContactRule = eqx.field(static=True)
     slowest_walk: Float[Array, ""]
     fastest_walk: Float[Array, ""]
     wheelbase: Float[Array, ""]
@@ -39,6 +41,9 @@ class Rules(eqx.Module):
     offroad_margin: Float[Array, ""]
     offroad_speed: Float[Array, ""]
     collision_distance: Float[Array, ""]
+    car_length: Float[Array, ""]
+    car_width: Float[Array, ""]
+    body_radius: Float[Array, ""]
     goal_distance: Float[Array, ""]
     moving_speed: Float[Array, ""]
     start_clearance: Float[Array, ""]
@@ -48,8 +53,8 @@ class Rules(eqx.Module):
     @property
     def config(self) -> SimConfig:
         """The plain numbers again. Only outside compiled code."""
-        numbers = {name: as_written(getattr(self, name)) for name in _names_of_arrays()}
-        return SimConfig(dt=self.dt, horizon=self.horizon, pedestrians=self.pedestrians, **numbers)
+        numbers: dict[str, Any] = {name: as_written(getattr(self, name)) for name in _names_of_arrays()}
+        return SimConfig(**{name: getattr(self, name) for name in STATIC}, **numbers)
 
 
 class World(eqx.Module):
@@ -87,7 +92,8 @@ class World(eqx.Module):
         numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
         on_host = (stacked, packed, numbers, np.float32(jaywalk_multiplier))
         road_map, tables, arrays, multiplier = jax.device_put(on_host)  # `jnp.asarray` compiles one program per shape
-        rules = Rules(dt=float(config.dt), horizon=config.horizon, pedestrians=config.pedestrians, **arrays)
+        static: dict[str, Any] = {name: getattr(config, name) for name in STATIC}
+        rules = Rules(**static, **arrays)
         return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings, texts)
 
 

@@ -16,6 +16,7 @@ from jaxwalk.metrics.braking import ONSET
 from jaxwalk.metrics.crossings import Crossings, find_crossings
 from jaxwalk.metrics.encounters import Encounters, find_encounters
 from jaxwalk.sim.crossing_kind import JAYWALK, CrossingKind
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.sim.walking_paths import Paths
 
@@ -38,7 +39,7 @@ def make_records(
         routes: the car's lane route in each episode, ``(point, 2)`` [m]; None shows no routes.
     """
     crossings, steps = find_crossings(trajectory)
-    encounters = find_encounters(trajectory, crossings, steps)
+    encounters = find_encounters(trajectory, crossings, steps, SimConfig())  # no size of a body is shown
     packed = []
     for episode in range(len(trajectory.length)):
         record = _episode(trajectory, episode)

@@ -15,13 +15,12 @@ from jaxwalk.report.figures.marks import TYPES
 from jaxwalk.report.material import Material
 from jaxwalk.report.style import INK, panels
 from jaxwalk.report.table import by_type
-from jaxwalk.sim.sim_config import SimConfig
 
 MEASURES: dict[str, tuple[Callable[[Distributions], Distribution], float, str]] = {
     "time to collision below [s]": (lambda d: d.ttc, TTC_CRITICAL, "critical"),
     "post-encroachment time below [s]": (lambda d: d.pet, PET_CRITICAL, "critical"),
     "required deceleration above [m/s²]": (lambda d: d.drac, DRAC_CRITICAL, "critical"),
-    "distance of the centres below [m]": (lambda d: d.min_distance, SimConfig.collision_distance, "touch"),
+    "gap between car and body up to [m]": (lambda d: d.gap, 0.0, "touch"),
 }
 """The measures: where each distribution is stored, the value beyond which an encounter is critical, and its name."""
 FEWEST = 20

@@ -1,0 +1,200 @@
+"""Find every contact by both rules, the paper's disc and the car's footprint, whichever of them ends episodes.
+
+A pedestrian's first contact by each rule counts, and no later one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import get_args
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.metrics.crossings import crossing_type, real_frames
+from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, reach, touched_part
+from jaxwalk.metrics.metric import Metric, Rows, Sums
+from jaxwalk.metrics.outcomes import CONTACTS, SIDEWALK
+from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio, wilson
+from jaxwalk.sim import events
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.sim_config import ContactRule, SimConfig
+from jaxwalk.sim.trajectory import Trajectory
+
+RULES: tuple[ContactRule, ...] = get_args(ContactRule)
+"""What counts as a contact. An axis named ``rule`` has them in this order."""
+CELLS = 10
+"""Hit points are counted in this many equal parts of the car's width."""
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """One row per pedestrian and rule, ordered by rule, episode and pedestrian."""
+
+    episode: Int[np.ndarray, "contact"]
+    """Row of the episode."""
+    ped: Int[np.ndarray, "contact"]
+    rule: Int[np.ndarray, "contact"]
+    """Index of `RULES`."""
+    frame: Int[np.ndarray, "contact"]
+    """The first frame in contact."""
+    type: Int[np.ndarray, "contact"]
+    """CROSSWALK, JAYWALK or SIDEWALK: what the pedestrian was doing."""
+    car_speed: Float[np.ndarray, "contact"]
+    """Speed of the car in that frame [m/s]."""
+    relative_speed: Float[np.ndarray, "contact"]
+    """Speed of the pedestrian relative to the car [m/s]."""
+    moving: Bool[np.ndarray, "contact"]
+    """Whether the car was moving; else somebody walked into a standing car."""
+    part: Int[np.ndarray, "contact"]
+    """FRONT, SIDE or REAR of the car (`jaxwalk.metrics.footprint`)."""
+    hit_point: Float[np.ndarray, "contact"]
+    """Place on the car's front or rear in per cent of its width, 0 at the right edge; NaN for its sides."""
+
+
+def find_contacts(trajectory: Trajectory, config: SimConfig) -> Contacts:
+    """Find the contacts of a trajectory; ``config`` has the sizes of the disc, the car and the body."""
+    frame, episode, ped = _near(trajectory, max(reach(config), config.collision_distance))
+    dx, dy = _between(trajectory, frame, episode, ped)
+    heading = trajectory.car_cos[frame, episode], trajectory.car_sin[frame, episode]
+    rule, row = [], []
+    for index, name in enumerate(RULES):
+        touched = np.flatnonzero(events.touching(replace(config, contact=name), dx, dy, *heading))
+        _, first = np.unique(np.stack([episode[touched], ped[touched]]), axis=1, return_index=True)
+        row.append(touched[first])
+        rule.append(np.full(len(first), index))
+    rule, row = np.concatenate(rule), np.concatenate(row)
+    frame, episode, ped = frame[row], episode[row], ped[row]
+    speed = trajectory.car_speed[frame, episode]
+    vx, vy = (getattr(trajectory, f"ped_v{x}")[frame, episode, ped] for x in "xy")
+    ahead, aside = to_frame(vx, vy, *(x[row] for x in heading))
+    part, hit_point = _part(trajectory, frame, episode, ped, config)
+    walking = crossing_type(trajectory.crossing[frame, episode, ped], trajectory.on_crosswalk[frame, episode, ped])
+    return Contacts(
+        episode=episode.astype(np.int32),
+        ped=ped.astype(np.int16),
+        rule=rule.astype(np.int8),
+        frame=frame.astype(np.int32),
+        type=np.where(trajectory.on_roadway[frame, episode, ped], walking, SIDEWALK).astype(np.int8),
+        car_speed=speed.astype(np.float32),
+        relative_speed=events.distance(ahead - speed, aside).astype(np.float32),
+        moving=speed >= config.moving_speed,
+        part=part.astype(np.int8),
+        hit_point=hit_point.astype(np.float32),
+    )
+
+
+def _near(trajectory: Trajectory, metres: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return frame, episode and pedestrian wherever the centres are nearer than this [m], ordered by frame."""
+    dx, dy = (getattr(trajectory, f"ped_{x}") - getattr(trajectory, f"car_{x}")[..., None] for x in "xy")
+    frame, episode, ped = np.nonzero(events.touches(dx, dy, metres) & real_frames(trajectory)[..., None])
+    return frame, episode, ped
+
+
+def _between(trajectory: Trajectory, frame: np.ndarray, episode: np.ndarray, ped: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return the displacements from the car's centre to the pedestrian's [m]."""
+    person, car = (frame, episode, ped), (frame, episode)
+    return tuple(getattr(trajectory, f"ped_{x}")[person] - getattr(trajectory, f"car_{x}")[car] for x in "xy")
+
+
+def _part(trajectory, frame, episode, ped, config: SimConfig) -> tuple[np.ndarray, np.ndarray]:
+    """Return which part of the car was touched, and where, as `touched_part` does."""
+    after, before = (_in_car_frame(trajectory, at, episode, ped) for at in (frame, np.maximum(frame - 1, 0)))
+    return touched_part(*after, *before, config)
+
+
+def _in_car_frame(trajectory: Trajectory, frame, episode, ped) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far ahead of the car and to its left the pedestrian is [m]."""
+    dx, dy = _between(trajectory, frame, episode, ped)
+    ahead, left = to_frame(dx, dy, trajectory.car_cos[frame, episode], trajectory.car_sin[frame, episode])
+    return ahead, left
+
+
+@dataclass(frozen=True)
+class ContactsByRule:
+    """The contacts by one rule."""
+
+    episodes: Rate
+    """Share of the episodes with a contact."""
+    moving: Rate
+    """Share of the episodes with a contact while the car was moving."""
+    contacts: int
+    """All contacts, at most one for each pedestrian of an episode."""
+    standing: int
+    """Those in which somebody walked into a standing car."""
+    crosswalk: int
+    """Contacts with people on a crosswalk ..."""
+    jaywalk: int
+    sidewalk: int
+    front: int
+    """Contacts of the moving car with its front ..."""
+    side: int
+    rear: int
+    hit_points: tuple[int, ...]
+    """Contacts of the moving car's front in each tenth of its width, from its right edge."""
+    car_speed: Estimate
+    """Mean speed of the moving car [m/s]."""
+    relative_speed: Estimate
+    """Mean speed of the pedestrian relative to the moving car [m/s]."""
+
+
+@dataclass(frozen=True)
+class BothRules:
+    """Contacts by both rules. The world says which of them ended the episodes."""
+
+    disc: ContactsByRule
+    """The centres closer than the collision distance (the paper's criterion)."""
+    footprint: ContactsByRule
+    """The body overlapped the car's rectangle."""
+
+
+def contact_columns(rows: Rows) -> dict[str, np.ndarray]:
+    """Return, per episode and rule, the contacts of a moving car, and the sums of their speeds."""
+    table = rows[MEASURED_CONTACTS]
+    cell = table.episode.astype(np.int64) * len(RULES) + table.rule
+
+    def total(weights: np.ndarray) -> Float[np.ndarray, "episode rule"]:
+        counted = np.bincount(cell, weights * table.moving, minlength=rows.episodes * len(RULES))
+        return counted.reshape(rows.episodes, len(RULES))
+
+    speeds = {"car_speed": table.car_speed, "relative_speed": table.relative_speed}
+    return {"moving": total(np.ones(len(cell))), **{name: total(values) for name, values in speeds.items()}}
+
+
+def summarise_contacts(rows: Rows, sums: Sums) -> BothRules:
+    """Return the contacts by both rules."""
+    return BothRules(*(_summarise_rule(rows, sums, rule) for rule in range(len(RULES))))
+
+
+def _summarise_rule(rows: Rows, sums: Sums, rule: int) -> ContactsByRule:
+    table, own = rows[MEASURED_CONTACTS], sums[MEASURED_CONTACTS]
+    mine = table.rule == rule
+    moving = mine & table.moving
+    front = moving & (table.part == FRONT)
+    cell = np.minimum(table.hit_point[front] / 100 * CELLS, CELLS - 1).astype(np.int64)
+    count = own["moving"][:, rule]
+
+    def mean(name: str) -> Estimate:
+        return interval(ratio(own[name][:, rule], count), int(count[0]))
+
+    return ContactsByRule(
+        episodes=wilson(len(np.unique(table.episode[mine])), rows.episodes),
+        moving=wilson(len(np.unique(table.episode[moving])), rows.episodes),
+        contacts=int(mine.sum()),
+        standing=int((mine & ~table.moving).sum()),
+        **{x.name.lower(): int((mine & (table.type == x)).sum()) for x in CONTACTS},
+        **{name: int((moving & (table.part == x)).sum()) for name, x in PARTS.items()},
+        hit_points=tuple(np.bincount(cell, minlength=CELLS).tolist()),
+        car_speed=mean("car_speed"),
+        relative_speed=mean("relative_speed"),
+    )
+
+
+PARTS = {"front": FRONT, "side": SIDE, "rear": REAR}
+MEASURED_CONTACTS = Metric(
+    name="contacts",
+    measure=lambda recording: find_contacts(recording.trajectory, recording.config),
+    columns=contact_columns,
+    summarise=summarise_contacts,
+    headline=True,
+)
