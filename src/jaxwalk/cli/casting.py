@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from jaxwalk.cli.errors import bad_values
+from jaxwalk.cli.options import Play, Report, Scenario, Tracks
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.interfaces import Policy
 from jaxwalk.runs.contestants import contestant, world_of
@@ -16,18 +17,18 @@ Policies = dict[str, Policy]
 
 
 def cast(
-    drivers: Sequence[str], people: Sequence[str], maps: Sequence[str], multiplier: float, **loading: Any
+    drivers: Sequence[str], people: Sequence[str], options: Play | Report | Scenario | Tracks, **loading: Any
 ) -> tuple[Street, Policies, Policies]:
     """Return the street, the drivers and the populations that options name.
 
     Args:
         drivers: names as `jaxwalk evaluate` takes them.
         people: names of populations.
-        maps: bundled maps or map files; none: those on which the run folders among the names were trained.
-        multiplier: P(jaywalk | decision) = jaywalking tendency x this.
+        options: where to play: without a map or a world, where the run folders among the names were trained.
         loading: how `contestant` loads drivers (``trust``, ``seconds``).
     """
+    maps = options.map if isinstance(options.map, tuple) else (options.map,) if options.map else ()
     with bad_values():
-        street = with_jaywalk_multiplier(world_of([*drivers, *people], maps), multiplier)
+        street = with_jaywalk_multiplier(world_of([*drivers, *people], maps, options.world), options.jaywalk_multiplier)
         cars = {name: contestant(street, "driver", name, **loading) for name in drivers}
         return street, cars, {name: contestant(street, "pedestrian", name) for name in people}

@@ -30,6 +30,7 @@ from jaxwalk.experiments.again import compare_documents, evaluation_again, read_
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all, prepared
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.suite import said
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import world_of
@@ -38,6 +39,8 @@ from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.sim.observation import HIDDEN
 
+CONTACT_COLUMNS = ("moving, disc %", "moving, footprint %")
+"""Shares of the episodes in which the moving car touched somebody, by either rule."""
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
 """The only options that an evaluation takes which is made again."""
 
@@ -74,7 +77,7 @@ def _work(options: Evaluate) -> Evaluation:
         encounters=options.encounters,
     )
     return prepared(
-        world_of([*drivers, *populations], options.map), (drivers, populations),
+        world_of([*drivers, *populations], options.map, options.world), (drivers, populations),
         Scenarios(options.episodes, options.seed), asked,
         out=options.out, trust=options.trust, seconds=options.driver_seconds,
     )  # fmt: skip
@@ -150,13 +153,15 @@ def table(cells: Sequence[Cell]) -> Table:
     several = any(cell.by_map for cell in cells)
     if several:
         made.add_column("map", overflow="fold")
-    for name in ("goal %", "collision %", "timeout %", "time to goal [s]"):
+    for name in ("goal %", "collision %", "timeout %", "time to goal [s]", *CONTACT_COLUMNS):
         made.add_column(escape(name), justify="right", no_wrap=True)
     for cell in cells:
         extra = [f"{cell.jaywalk_multiplier:g}"] if len(multipliers) > 1 else []
         observes = cell.driver_observes
         names = cell.driver + (f" ({observes})" if observes in HIDDEN else ""), cell.pedestrians
-        made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell))
+        contacts = vars(cell.summary[MEASURED_CONTACTS]).values()
+        touched = [escape(shown(found.moving)) for found in contacts]
+        made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell), *touched)
         for found in cell.by_map:
             made.add_row("", "", *[""] * len(extra), escape(found.map), *_rates(found))
     return made

@@ -27,9 +27,8 @@ def run(options: Play) -> int:
     """Play the episodes and write them to the file."""
     out = check(options)
     street, drivers, people = cast(
-        options.driver, [options.pedestrians], options.map, options.jaywalk_multiplier,
-        trust=options.trust, seconds=options.driver_seconds,
-    )  # fmt: skip
+        options.driver, [options.pedestrians], options, trust=options.trust, seconds=options.driver_seconds
+    )
     out.parent.mkdir(parents=True, exist_ok=True)
     show = _page if out.suffix.lower() == PAGE else _drawing
     print(f"{out}: {show(options, out, street, drivers, people[options.pedestrians])}")

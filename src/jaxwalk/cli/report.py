@@ -32,9 +32,8 @@ def run(options: Report) -> int:
         return 0
     check(options)
     street, drivers, people = cast(
-        options.runs, options.pedestrians, options.map, options.jaywalk_multiplier,
-        trust=options.trust, seconds=options.driver_seconds,
-    )  # fmt: skip
+        options.runs, options.pedestrians, options, trust=options.trust, seconds=options.driver_seconds
+    )
     console = Console(stderr=True)
     evaluated = Cast(street, drivers, people, options.seed)
     page = driver_report(

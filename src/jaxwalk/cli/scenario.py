@@ -16,7 +16,7 @@ from jaxwalk.scenarios import Drawn
 def run(options: Scenario) -> int:
     """Play the scenario and write the files."""
     check(options)
-    street, drivers, people = cast([options.driver], [options.pedestrians], options.map, options.jaywalk_multiplier)
+    street, drivers, people = cast([options.driver], [options.pedestrians], options)
     (driver,), (crowd,) = drivers.values(), people.values()
     name = f"jaxwalk: {options.driver} among {options.pedestrians}, scenario {options.scenario} of seed {options.seed}"
     policies, source = {"driver": driver, "pedestrian": crowd}, Drawn(street, options.seed)

@@ -20,8 +20,7 @@ from jaxwalk.wording import counted
 def run(options: Tracks) -> int:
     """Play the episodes and write the file."""
     check(options)
-    maps = [options.map] if options.map else []
-    street, drivers, people = cast([options.driver], [options.pedestrians], maps, options.jaywalk_multiplier)
+    street, drivers, people = cast([options.driver], [options.pedestrians], options)
     (driver,), (crowd,) = drivers.values(), people.values()
     options.out.parent.mkdir(parents=True, exist_ok=True)
     about = {

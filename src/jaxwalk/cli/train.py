@@ -16,6 +16,7 @@ from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import make_street, shared_out
 from jaxwalk.runs.training import train
 from jaxwalk.shards import mesh_of
+from jaxwalk.sim.sim_config import rules_of
 from jaxwalk.wording import counted
 
 TUNABLE = (
@@ -84,7 +85,8 @@ def make_experiment(options: Train) -> Experiment:
         experiment = with_training(experiment, **{name: getattr(options, name) for name in TUNABLE})
         maps = tuple(map(_absolute, options.map))
         multiplier = options.jaywalk_multiplier
-        experiment = replace(experiment, seed=options.seed, maps=maps, jaywalk_multiplier=multiplier)
+        sim = rules_of(options.world, maps, experiment.sim)
+        experiment = replace(experiment, seed=options.seed, maps=maps, sim=sim, jaywalk_multiplier=multiplier)
         experiment = replace(experiment, minutes=options.minutes)
     return experiment
 

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Policy, View
+from jaxwalk.policies.clearance_rule import ClearanceRule
 from jaxwalk.policies.oracle import Oracle
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim.features import SPEED
@@ -180,6 +181,7 @@ DRIVERS: dict[str, Callable[[], Policy]] = {
     "rule-based": RuleBased,
     "rule-based-braking": RuleBasedBraking,
     "route-follower": RouteFollower,
+    "clearance": ClearanceRule,
     "oracle": Oracle,
 }
 """Rule-based drivers by name: call an entry to make the driver."""

@@ -20,14 +20,16 @@ from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_fold
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import to_stderr
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.sim_config import rules_of
 
 MADE = {"driver": DRIVERS, "pedestrian": POPULATIONS}
 """Rule-based policies of each role, by name."""
 
 
-def world_of(names: Sequence[str], maps: Sequence[str], tell: Callable[[str], None] = to_stderr) -> Street:
-    """Return the street to evaluate on: of the given maps, else of those that the named run folders keep.
+def world_of(
+    names: Sequence[str], maps: Sequence[str], world: str | None = None, tell: Callable[[str], None] = to_stderr
+) -> Street:
+    """Return the street to evaluate on: the given maps and world, else those that the named run folders keep.
 
     ``tell`` is called with a warning for each folder that keeps no maps.
     """
@@ -40,11 +42,13 @@ def world_of(names: Sequence[str], maps: Sequence[str], tell: Callable[[str], No
         raise ContestantError(
             f"the run folders were trained on different maps ({', '.join(labels)}); choose some with --map"
         )
-    worlds = list(dict.fromkeys(run.experiment.sim for run in runs))
+    worlds = [] if world else list(dict.fromkeys(run.experiment.sim for run in runs))
     if len(worlds) > 1:
-        raise ContestantError("the run folders were trained in worlds of different rules (sim in config.json)")
+        raise ContestantError(
+            "the run folders were trained in worlds of different rules (sim in config.json); choose one with --world"
+        )
     chosen = tuple(maps) or (trained[0] if trained else ("paper",))
-    return Street.create(chosen, worlds[0] if worlds else SimConfig())
+    return Street.create(chosen, worlds[0] if worlds else rules_of(world, maps or ("paper",)))
 
 
 def contestant(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 ContactRule = Literal["disc", "footprint"]
@@ -96,3 +97,19 @@ class SimConfig:
             raise ValueError(f"offroad_speed must lie in [0, 1], not {self.offroad_speed}")
         if not 0 < self.max_steering < 1.5:
             raise ValueError(f"max_steering must lie in (0, 1.5) rad, not {self.max_steering}")
+
+
+WORLDS = {"paper": SimConfig(), "paper-footprint": SimConfig(contact="footprint")}
+"""Rules of a world, by name. ``paper`` is as in the paper; in any other, contacts of the footprint are collisions."""
+
+
+def rules_of(world: str | None, maps: Sequence[str], usual: SimConfig = WORLDS["paper"]) -> SimConfig:
+    """Return the rules of a named world; without a name, the usual ones, but by footprint on any map but the paper's.
+
+    Raise ValueError for a name that doesn't exist.
+    """
+    if world is None:
+        return usual if tuple(maps) == ("paper",) else replace(usual, contact="footprint")
+    if world not in WORLDS:
+        raise ValueError(f"no world '{world}'; there are: {', '.join(WORLDS)}")
+    return WORLDS[world]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import tyro
 
 from jaxwalk.recipes import RECIPES
+from jaxwalk.sim.sim_config import WORLDS
 
 Flag = tyro.conf.FlagCreatePairsOff[bool]
 """An option without a value."""
@@ -14,10 +15,11 @@ Acting = Literal["mode", "sample"]
 """How a learned policy chooses its actions."""
 
 if TYPE_CHECKING:
-    Recipe = str
+    Recipe = World = str
 else:
     Recipe = Literal[tuple(RECIPES)]
-"""The name of a recipe."""
+    World = Literal[tuple(WORLDS)]
+"""The name of a recipe, and that of a world."""
 
 
 def option(default: str, kind: str | None = None, name: str | None = None) -> Any:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from jaxwalk.cli.options.declare import Flag, option
+from jaxwalk.cli.options.declare import Flag, World, option
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,9 @@ class Tracks:
     """Which set of scenarios."""
     map: Annotated[str, option("the run folder's, else paper", "MAP")] = ""
     """A bundled map or a map file."""
+    world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
+    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
+    usual on other maps than paper. Both are always counted."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("tracks.parquet", "FILE")] = Path("tracks.parquet")
@@ -68,6 +71,9 @@ class Scenario:
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps or map files."""
+    world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
+    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
+    usual on other maps than paper. Both are always counted."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("scenario", "DIR")] = Path("scenario")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from jaxwalk.cli.options.declare import Acting, Flag, option
+from jaxwalk.cli.options.declare import Acting, Flag, World, option
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,9 @@ class Evaluate:
     """Which set of scenarios; none is ever met in training."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps or map files."""
+    world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
+    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
+    usual on other maps than paper. Both are always counted."""
     jaywalk_multiplier: Annotated[tuple[float, ...], option("0.25", "X [X ...]")] = (0.25,)
     """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
     driver_acts: Annotated[Acting, option("mode", "HOW")] = "mode"
@@ -73,6 +76,9 @@ class Play:
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps or map files."""
+    world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
+    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
+    usual on other maps than paper. Both are always counted."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     time: Annotated[float | None, option("the end", "S")] = None
@@ -110,6 +116,9 @@ class Report:
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps or map files."""
+    world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
+    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
+    usual on other maps than paper. Both are always counted."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("runs/report", "DIR")] = Path("runs/report")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from jaxwalk.cli.options.declare import Flag, Recipe, option, tuned
+from jaxwalk.cli.options.declare import Flag, Recipe, World, option, tuned
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,8 @@ class Train:
     """Train the car alone, among pedestrians who always go."""
     map: Annotated[tuple[str, ...], option("paper", "MAP [MAP ...]")] = ("paper",)
     """Bundled maps or map files to train on."""
+    world: Annotated[World | None, option("the recipe's; on other maps than paper paper-footprint", "WORLD")] = None
+    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     environments: Annotated[int | None, tuned("environments", "N")] = None

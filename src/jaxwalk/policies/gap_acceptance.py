@@ -1,0 +1,64 @@
+"""People who wait at the kerb for a gap that they accept."""
+
+from __future__ import annotations
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int, Key
+
+from jaxwalk.interfaces import View
+from jaxwalk.sim.features import SPEED
+from jaxwalk.sim.observation import Observation, part
+from jaxwalk.sim.pedestrian_features import LONG
+
+SET = "kerb"
+INTERCEPT, PER_SECOND = 6.2064, 0.9420
+"""P(accept) = 1 / (1 + exp(6.2064 - 0.9420 gap)), gap in s (Brewer et al., 2006): one half at 6.6 s."""
+STANDS = 0.5
+"""A car below this speed lets people go first [m/s]."""
+
+Column = Float[Array, "ped *batch"]
+
+
+class GapAcceptance(eqx.Module):
+    """Goes if the car is far enough away in time, and waits at the kerb otherwise.
+
+    A gap is the time until the car, at its present speed, is where the pedestrian is. Each approach to a kerb has a
+    critical gap of its own, drawn so that a gap is accepted as often as Brewer et al. observed. People also go once the
+    car has passed, stands, or is more than 40 m away, and always on the roadway.
+    """
+
+    view: View = eqx.field(static=True, default=Observation("pedestrian", SET))
+    """What it sees."""
+
+    @property
+    def sample(self) -> bool:
+        """Always True: it draws critical gaps."""
+        return True
+
+    def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Column:
+        """Return critical gaps [s] that are drawn anew at the first step, since nobody begins at a kerb."""
+        return jnp.full((*agents, *batch), INTERCEPT / PER_SECOND)
+
+    def act(
+        self, key: Key[Array, "*batch"], memory: Column, observation: Float[Array, "feature ped *batch"]
+    ) -> tuple[Int[Array, "ped *batch"], Column]:
+        """Return who goes, and the critical gaps [s]: kept while somebody decides, else drawn anew."""
+        deciding = observation[part("pedestrian", SET, "decides")][0] > 0
+        gap = observation[part("pedestrian", SET, "times")][0] * LONG
+        stands = observation[part("pedestrian", SET, "car_motion")][0] * SPEED < STANDS
+        critical = jnp.where(deciding, memory, _critical_gaps(key, deciding.shape[0]))
+        go = ~deciding | stands | (gap < 0) | (gap >= critical)
+        return go.astype(jnp.int32), critical
+
+
+def _critical_gaps(key: Key[Array, "*batch"], people: int) -> Column:
+    """Return a critical gap for everybody [s], each episode's from its own key."""
+
+    def draw(one: Key[Array, ""]) -> Float[Array, "ped"]:
+        return (INTERCEPT + jax.random.logistic(one, (people,))) / PER_SECOND
+
+    for _ in range(key.ndim):
+        draw = jax.vmap(draw, out_axes=-1)
+    return draw(key)
