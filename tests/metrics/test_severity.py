@@ -11,12 +11,12 @@ from hypothesis import given
 from jaxwalk.metrics import SURROGATE_DISTRIBUTIONS, SURROGATES, measure, summarise
 from jaxwalk.metrics.severity import THRESHOLDS
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from metrics.scenes import Scene, Walk, trajectory
+from metrics.scenes import DISC, Scene, Walk, trajectory
 from metrics.test_properties import few, trajectories
 
 
 def _rows(*scenes):
-    return measure(trajectory(*scenes))
+    return measure(trajectory(*scenes), config=DISC)
 
 
 def _share(found, threshold):
@@ -24,12 +24,12 @@ def _share(found, threshold):
 
 
 def test_thresholds_are_those_of_results_made_before():
-    """Another one would need another schema of results; 1.5 s (TTC, PET), 3 s, 3.4 m/s2 and 1.5 m are critical."""
+    """Another one would need another schema of results; 1.5 s (TTC, PET), 3 s, 3.4 m/s2 and 0 m are critical."""
     assert THRESHOLDS == {
         "ttc": (0.25, 0.5, 0.75, 1, 1.5, 2, 2.5, 3, 4, 5),
         "pet": (0.25, 0.5, 0.75, 1, 1.5, 2, 2.5, 3, 4, 5),
         "drac": (0, 0.5, 1, 1.5, 2, 2.5, 3, 3.4, 4, 5, 6, 8, 10),
-        "min_distance": (1.5, 2, 2.5, 3, 3.5, 4, 5, 6, 8, 10, 15),
+        "gap": (0, 0.25, 0.5, 0.75, 1, 1.5, 2, 3, 5, 10, 15),
     }
 
 
@@ -40,11 +40,11 @@ def test_a_touch_beside_a_near_miss():
     rows = _rows(hit, missed)
     found = summarise(rows, resamples=50)[SURROGATE_DISTRIBUTIONS]
     jaywalk = found.jaywalk
-    assert [x.count for x in (jaywalk.ttc, jaywalk.pet, jaywalk.drac, jaywalk.min_distance)] == [2, 2, 2, 2]
+    assert [x.count for x in (jaywalk.ttc, jaywalk.pet, jaywalk.drac, jaywalk.gap)] == [2, 2, 2, 2]
     assert set(jaywalk.ttc.value) == {0.5}
     assert (_share(jaywalk.pet, 1.0), _share(jaywalk.pet, 1.5)) == (0.5, 1.0)
     assert set(jaywalk.drac.value) == {0.5}
-    assert (_share(jaywalk.min_distance, 1.5), _share(jaywalk.min_distance, 15.0)) == (0.5, 1.0)
+    assert (_share(jaywalk.gap, 0), _share(jaywalk.gap, 15)) == (0.5, 1.0)
     assert (jaywalk.pet.low[0], jaywalk.pet.high[0]) == (0.0, 1.0)
     assert found.crosswalk.ttc.count == 0
     assert set(found.crosswalk.ttc.value + found.crosswalk.ttc.low) == {None}
@@ -53,7 +53,7 @@ def test_a_touch_beside_a_near_miss():
 @few
 @given(trajectories)
 def test_they_agree_with_the_shares_beyond_critical_thresholds(world):
-    summary = summarise(measure(world), resamples=5)
+    summary = summarise(measure(world, config=DISC), resamples=5)
     for kind in ("crosswalk", "jaywalk"):
         found, shares = getattr(summary[SURROGATE_DISTRIBUTIONS], kind), getattr(summary[SURROGATES], kind)
         assert _share(found.ttc, 1.5) == shares.ttc_critical.value
@@ -68,7 +68,7 @@ def test_they_agree_with_the_shares_beyond_critical_thresholds(world):
 def test_the_document_has_them():
     walk = Walk(20, -4, vy=2, crossings=[(1, 39, CROSSWALK)])
     document = json.loads(json.dumps(summarise(_rows(Scene(80, [walk])), resamples=5).as_dict(), allow_nan=False))
-    found = document["surrogate_distributions"]["crosswalk"]["min_distance"]
+    found = document["surrogate_distributions"]["crosswalk"]["gap"]
     assert list(found) == ["threshold", "value", "low", "high", "count"]
     assert len({len(found[name]) for name in ("threshold", "value", "low", "high")}) == 1
     assert found["value"][0] == pytest.approx(0.0)

@@ -11,11 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jaxwalk.metrics import SURROGATES, Rows, measure, summarise
+from jaxwalk.metrics.footprint import required_deceleration, time_to_collision
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
-from jaxwalk.metrics.surrogate import Surrogates, required_deceleration, surrogate_columns, time_to_collision
+from jaxwalk.metrics.surrogate import Surrogates, surrogate_columns
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics import reference
-from metrics.scenes import Scene, Walk, changed, trajectory
+from metrics.scenes import DISC, Scene, Walk, changed, trajectory
 from metrics.test_properties import few, trajectories
 
 MEASURES = ("ttc", "exposed_time", "pet", "t2", "drac", "impact_speed", "relative_speed")
@@ -24,7 +25,7 @@ number = st.integers(-2000, 2000).map(lambda n: n / 100)  # (no numbers whose sq
 
 def surrogates(scene: Scene) -> dict[str, float]:
     """Those of the scene's only encounter."""
-    table = measure(trajectory(scene))[SURROGATES]
+    table = measure(trajectory(scene), config=DISC)[SURROGATES]
     assert len(table.episode) == 1
     return {name: float(getattr(table, name)[0]) for name in MEASURES}
 
@@ -100,21 +101,25 @@ def test_parallel_paths_never_meet():
     assert_measured(scene, pet=math.nan, t2=math.nan, ttc=math.nan, drac=0, exposed_time=0)
 
 
+def deceleration(dx, dy, dvx, dvy, radius):
+    """What discs need."""
+    return required_deceleration(time_to_collision(dx, dy, dvx, dvy, radius), np.hypot(dvx, dvy))
+
+
 def test_time_to_collision_by_hand():
     assert time_to_collision(2.0, 0.0, -0.1, 0.0, 1.5) == pytest.approx(5)
     # head-on, standing, in touch, parting, passing at 3 m, grazing at 1.5 m
     dx, dy = np.array([11.5, 5, 1, 5, 10, 10]), np.array([0, 0, 0, 0, 3, 1.5])
     dvx = np.array([-2.0, 0, 1, 1, -2, -2])
     assert time_to_collision(dx, dy, dvx, 0, 1.5).tolist() == [5, math.inf, 0, math.inf, math.inf, 5]
-    deceleration = required_deceleration(dx, dy, dvx, 0, 1.5)
-    assert deceleration == pytest.approx([0.2, 0, math.nan, 0, 0, 0.2], nan_ok=True)
+    assert deceleration(dx, dy, dvx, 0, 1.5) == pytest.approx([0.2, 0, math.nan, 0, 0, 0.2], nan_ok=True)
 
 
 @given(number, number, number, number, st.floats(0.1, 10))
 def test_scaling_lengths_scales_deceleration_and_leaves_times(dx, dy, dvx, dvy, radius):
     state = np.array([dx, dy, dvx, dvy, radius])
     assert time_to_collision(*(4 * state)) == pytest.approx(time_to_collision(*state))
-    assert required_deceleration(*(4 * state)) == pytest.approx(4 * required_deceleration(*state), nan_ok=True)
+    assert deceleration(*(4 * state)) == pytest.approx(4 * deceleration(*state), nan_ok=True)
 
 
 @given(number, number, number, number, st.floats(0.1, 10))
@@ -129,7 +134,7 @@ def test_discs_touch_at_the_time_to_collision_and_not_before(dx, dy, dvx, dvy, r
 @few
 @given(trajectories)
 def test_surrogates_agree_with_the_reference(recorded):
-    table = measure(recorded)[SURROGATES]
+    table = measure(recorded, config=DISC)[SURROGATES]
     rows = list(zip(*(getattr(table, name) for name in MEASURES), strict=True))
     expected = reference.surrogates(recorded)
     assert len(rows) == len(expected)
@@ -142,7 +147,7 @@ def test_surrogates_agree_with_the_reference(recorded):
 def test_turning_the_scene_by_90_degrees_changes_nothing(recorded):
     pairs = (("car_x", "car_y"), ("car_cos", "car_sin"), ("ped_x", "ped_y"), ("ped_vx", "ped_vy"))
     turned = {x: -getattr(recorded, y) for x, y in pairs} | {y: getattr(recorded, x) for x, y in pairs}
-    before, after = (measure(t)[SURROGATES] for t in (recorded, changed(recorded, **turned)))
+    before, after = (measure(t, config=DISC)[SURROGATES] for t in (recorded, changed(recorded, **turned)))
     for column in fields(before):
         np.testing.assert_allclose(getattr(before, column.name), getattr(after, column.name), rtol=1e-5)
 
@@ -167,7 +172,7 @@ def test_summary():
         Scene(80, [Walk(10, -4, vy=1, crossings=crossing)]),  # PET -0.5 s
         Scene(48, [Walk(30, 0, vx=-1, crossings=[(3, 48, CROSSWALK)])], touched=[0]),  # hit at 5 m/s
     ]
-    found = summarise(measure(trajectory(*scenes)), resamples=200)[SURROGATES]
+    found = summarise(measure(trajectory(*scenes), config=DISC), resamples=200)[SURROGATES]
     here = found.crosswalk
     shares = (here.ttc_critical, here.drac_critical, here.pet_critical, here.pet_close)
     assert [share.value for share in shares] == [0.25, 0.25, 0.75, 0.75]

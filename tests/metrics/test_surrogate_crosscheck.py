@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from jaxwalk.metrics import ENCOUNTERS, SURROGATES, measure
-from jaxwalk.metrics.surrogate import required_deceleration, time_to_collision
+from jaxwalk.metrics.footprint import required_deceleration, time_to_collision
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from metrics.scenes import Scene, Walk, trajectory
+from metrics.scenes import DISC, Scene, Walk, trajectory
 
 COUNT = 1000
 RADIUS = 1.5
@@ -44,7 +44,7 @@ def random_encounters():
         walk = Walk(**place, vx=rng.uniform(-1, 1), vy=rng.uniform(0.5, 2), crossings=[(1, 45, rng.integers(1, 3))])
         scenes.append(Scene(49, [walk], speed=np.clip(rng.uniform(0, 8) + np.cumsum(rng.normal(0, 0.3, 50)), 0, 9)))
     recorded = trajectory(*scenes)
-    rows = measure(recorded)
+    rows = measure(recorded, config=DISC)
     assert len(rows[ENCOUNTERS].episode) > COUNT
     assert {CROSSWALK, JAYWALK} == set(rows[ENCOUNTERS].type)
     return recorded, rows
@@ -125,7 +125,8 @@ def test_time_to_collision_and_required_deceleration_agree_with_sumo(tmp_path):
     rng = np.random.default_rng(2)
     ahead, speed, other_speed = rng.uniform((2, 5, 0), (40, 15, 5), (COUNT, 3)).T
     state = ahead, 0.0, other_speed - speed, 0.0, RADIUS
-    ours = {"TTC": time_to_collision(*state), "DRAC": required_deceleration(*state)}
+    ttc = time_to_collision(*state)
+    ours = {"TTC": ttc, "DRAC": required_deceleration(ttc, np.hypot(*state[2:4]))}
     log = sumo_log(sumo, tmp_path, ahead, speed, other_speed)
     conflicts = {conflict.get("ego"): conflict for conflict in log.iter("conflict")}
     assert len(conflicts) == COUNT

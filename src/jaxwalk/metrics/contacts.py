@@ -29,7 +29,7 @@ CELLS = 10
 
 @dataclass(frozen=True)
 class Contacts:
-    """One row per pedestrian and rule, ordered by rule, episode and pedestrian."""
+    """One row per pedestrian and rule, ordered by episode, pedestrian and rule."""
 
     episode: Int[np.ndarray, "contact"]
     """Row of the episode."""
@@ -64,6 +64,8 @@ def find_contacts(trajectory: Trajectory, config: SimConfig) -> Contacts:
         row.append(touched[first])
         rule.append(np.full(len(first), index))
     rule, row = np.concatenate(rule), np.concatenate(row)
+    order = np.lexsort((rule, ped[row], episode[row]))
+    rule, row = rule[order], row[order]
     frame, episode, ped = frame[row], episode[row], ped[row]
     speed = trajectory.car_speed[frame, episode]
     vx, vy = (getattr(trajectory, f"ped_v{x}")[frame, episode, ped] for x in "xy")
@@ -155,7 +157,7 @@ def contact_columns(rows: Rows) -> dict[str, np.ndarray]:
 
     def total(weights: np.ndarray) -> Float[np.ndarray, "episode rule"]:
         counted = np.bincount(cell, weights * table.moving, minlength=rows.episodes * len(RULES))
-        return counted.reshape(rows.episodes, len(RULES))
+        return counted.astype(np.float64).reshape(rows.episodes, len(RULES))
 
     speeds = {"car_speed": table.car_speed, "relative_speed": table.relative_speed}
     return {"moving": total(np.ones(len(cell))), **{name: total(values) for name, values in speeds.items()}}

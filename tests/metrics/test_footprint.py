@@ -1,0 +1,136 @@
+"""Contacts of the car's rectangle with people's bodies: worked out by hand, and beside a simulation in small steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jaxwalk.metrics import measure, summarise
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, reach, time_to_contact, touched_part
+from jaxwalk.sim import events
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
+from jaxwalk.sim.sim_config import SimConfig
+from metrics.scenes import Scene, Walk, trajectory
+
+CAR = SimConfig()
+number = st.integers(-1000, 1000).map(lambda n: n / 100)
+
+
+def contacts(*scenes, config=CAR):
+    return measure(trajectory(*scenes), config=config)[MEASURED_CONTACTS]
+
+
+def summary(*scenes, config=CAR):
+    return summarise(measure(trajectory(*scenes), config=config), resamples=50)[MEASURED_CONTACTS]
+
+
+def touching(ahead, left):
+    return events.to_rectangle(ahead, left, CAR.car_length, CAR.car_width) < CAR.body_radius
+
+
+def when(ahead, left, v_ahead, v_left):
+    return time_to_contact(*(np.array([float(x)]) for x in (ahead, left, v_ahead, v_left)), CAR)[0]
+
+
+@pytest.mark.parametrize(
+    ("ahead", "left", "metres"),
+    [(0, 0, 0), (2.25, 0.9, 0), (5.25, 0, 3), (-5.25, 0.9, 3), (0, 1.9, 1), (0, -1.9, 1), (5.25, 4.9, 5)],
+)
+def test_the_distance_to_the_rectangle(ahead, left, metres):
+    assert events.to_rectangle(ahead, left, 4.5, 1.8) == pytest.approx(metres)
+
+
+def test_times_to_contact_by_hand():
+    assert when(12.5, 0, -5, 0) == pytest.approx(2)  # 2.5 m are the front and the body
+    assert when(12.5, 0.9, -5, 0) == pytest.approx(2)  # straight in front of the corner
+    assert when(12.5, 1.1, -5, 0) == pytest.approx((12.5 - 2.4) / 5)  # the corner meets a round body, 0.2 m aside
+    assert when(12.5, 1.16, -5, 0) == math.inf
+
+
+def test_a_body_beside_the_car():
+    assert when(0, 3.15, 0, -1) == pytest.approx(2)
+    assert when(0, -3.15, 0, 1) == pytest.approx(2)
+    assert when(0, 3.15, 0, 1) == math.inf
+    assert when(0, 1, 0, 0) == 0
+    assert when(0, 3, 0, 0) == math.inf
+
+
+@given(number, number, number, number)
+def test_the_time_to_contact_is_that_of_small_steps(ahead, left, v_ahead, v_left):
+    found = when(ahead, left, v_ahead, v_left)
+    times = np.linspace(0, 4, 4001)
+    touched = np.flatnonzero(touching(ahead + v_ahead * times, left + v_left * times))
+    if len(touched):
+        assert found == pytest.approx(times[touched[0]], abs=2e-3)
+    elif found < 4:  # between two steps it may graze a corner
+        place = np.array([ahead + v_ahead * found, left + v_left * found])
+        assert events.to_rectangle(*place, CAR.car_length, CAR.car_width) == pytest.approx(CAR.body_radius, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "part", "place"),
+    [
+        ((3, 0), (2, 0), FRONT, 50),
+        ((3, 0.45), (2, 0.45), FRONT, 75),
+        ((3, -0.9), (2, -0.9), FRONT, 0),
+        ((3, -1.1), (2, -1.1), FRONT, 0),  # its body reaches beyond the edge
+        ((3, 0.5), (2, -0.5), FRONT, 50),  # half of the way is made when the front touches it
+        ((-3, 0.45), (-2, 0.45), REAR, 75),
+        ((0, 1.3), (0, 1.1), SIDE, math.nan),
+        ((1, -2), (1.5, -1), SIDE, math.nan),
+    ],
+)
+def test_which_part_is_touched_and_where(before, after, part, place):
+    found, where = touched_part(*(np.array([float(x)]) for x in (*after, *before)), CAR)
+    assert found[0] == part
+    assert where[0] == pytest.approx(place, nan_ok=True)
+
+
+def test_a_body_in_front_is_touched_before_the_disc_and_counts_once():
+    # at 5 m/s the front (2.25 m) and the body (0.25 m) reach somebody standing 10 m ahead after 1.5 s, within the step
+    # to frame 16; the centres are nearer than 1.5 m from frame 18 on (1.0 m)
+    table = contacts(Scene(60, [Walk(10, 0, crossings=[(3, 60, JAYWALK)])]))
+    assert table.rule.tolist() == [0, 1]
+    assert table.frame.tolist() == [18, 16]
+    assert table.part.tolist() == [FRONT, FRONT]
+    assert table.hit_point == pytest.approx([50, 50])
+    assert table.car_speed == pytest.approx([5, 5])
+    assert table.relative_speed == pytest.approx([5, 5])
+    assert table.type.tolist() == [JAYWALK, JAYWALK]
+    assert table.moving.all()
+
+
+def test_who_is_passed_at_arms_length_is_touched_by_neither():
+    assert len(contacts(Scene(60, [Walk(10, 1.6)])).episode) == 0
+    beside = contacts(Scene(60, [Walk(10, 1.4)]))  # within 1.5 m of the centre, but 0.25 m beside the car
+    assert beside.rule.tolist() == [0]
+    assert beside.type.tolist() == [ContactKind.SIDEWALK]
+
+
+def test_who_walks_into_a_standing_car_is_told_apart():
+    # from 4 m to the left at 1 m/s: the side of the car and the body are 1.15 m wide
+    walker = Scene(60, [Walk(0, 4, vy=-1, crossings=[(1, 60, CROSSWALK)])], speed=0)
+    found = summary(walker, Scene(60, [Walk(10, 0, crossings=[(3, 60, JAYWALK)])]))
+    footprint = found.footprint
+    assert (footprint.contacts, footprint.standing, footprint.episodes.successes) == (2, 1, 2)
+    assert (footprint.moving.successes, footprint.moving.trials) == (1, 2)
+    assert (footprint.crosswalk, footprint.jaywalk, footprint.sidewalk) == (1, 1, 0)
+    assert (footprint.front, footprint.side, footprint.rear) == (1, 0, 0)
+    assert footprint.hit_points == (0, 0, 0, 0, 0, 1, 0, 0, 0, 0)
+    assert (footprint.car_speed.value, footprint.car_speed.count) == (pytest.approx(5), 1)
+    assert found.disc.standing == 1
+
+
+def test_without_contacts_there_are_no_speeds():
+    found = summary(Scene(20, [Walk(50, 9)]))
+    assert (found.disc.contacts, found.footprint.car_speed.value) == (0, None)
+
+
+def test_a_larger_body_reaches_further():
+    assert reach(SimConfig(car_length=6.0, car_width=8.0, body_radius=1.0)) == 6
+    assert contacts(Scene(60, [Walk(10, 1.6)]), config=SimConfig(body_radius=0.75)).rule.tolist() == [1]
