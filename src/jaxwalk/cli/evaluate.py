@@ -39,8 +39,8 @@ from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.sim.observation import HIDDEN
 
-CONTACT_COLUMNS = ("moving, disc %", "moving, footprint %")
-"""Shares of the episodes in which the moving car touched somebody, by either rule."""
+TOUCHED = "disc / footprint %"
+"""The shares of the episodes in which the moving car touched somebody, by either rule."""
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
 """The only options that an evaluation takes which is made again."""
 
@@ -153,18 +153,22 @@ def table(cells: Sequence[Cell]) -> Table:
     several = any(cell.by_map for cell in cells)
     if several:
         made.add_column("map", overflow="fold")
-    for name in ("goal %", "collision %", "timeout %", "time to goal [s]", *CONTACT_COLUMNS):
+    for name in ("goal %", "collision %", "timeout %", "time to goal [s]", TOUCHED):
         made.add_column(escape(name), justify="right", no_wrap=True)
     for cell in cells:
         extra = [f"{cell.jaywalk_multiplier:g}"] if len(multipliers) > 1 else []
         observes = cell.driver_observes
         names = cell.driver + (f" ({observes})" if observes in HIDDEN else ""), cell.pedestrians
-        contacts = vars(cell.summary[MEASURED_CONTACTS]).values()
-        touched = [escape(shown(found.moving)) for found in contacts]
-        made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell), *touched)
+        made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell), touched(cell))
         for found in cell.by_map:
             made.add_row("", "", *[""] * len(extra), escape(found.map), *_rates(found))
     return made
+
+
+def touched(cell: Cell) -> str:
+    """Return the shares of the episodes in which the moving car touched somebody, by either rule."""
+    found = cell.summary[MEASURED_CONTACTS]
+    return " / ".join(per_cent(rule.moving.value) for rule in (found.disc, found.footprint))
 
 
 def _rates(found: Cell | MapRates) -> list[str]:
