@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import shutil
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import safetensors
 from safetensors.numpy import load_file, save_file
 
 from jaxwalk.cli import main
+from jaxwalk.experiments import tournament
 from jaxwalk.policies import shipped_policy
+from jaxwalk.recipes import RECIPES
+from jaxwalk.runs import study
+from jaxwalk.runs.folder import POLICY, Run
 
 FACTOR = 1e30
 
@@ -55,3 +62,29 @@ def test_it_is_said_who_and_where(broken, place, name, capsys):
     assert "the policy is broken" in said
     assert "Traceback" not in said
     assert not [path for path in (place / "made").rglob("*") if path.is_file() and path.name != ".lock"]
+
+
+NOTHING_MADE = "its action is [nan nan], not 2 numbers in [-1, 1] (scenario 0, step 0); the policy is broken"
+
+
+def test_what_is_shared_is_played_first(broken, place, capsys):
+    run = Run.create(place / "run", RECIPES["fast"])
+    shutil.copy(place / "broken.safetensors", run.policy)
+    assert (
+        main(["share", "run", "--pedestrians", "always-go", "--episodes", "8", "--out", "made/mine.safetensors"]) == 2
+    )
+    assert f"jaxwalk: run: {NOTHING_MADE}" in " ".join(capsys.readouterr().err.split())
+    assert not list(place.rglob("mine.*"))
+
+
+@pytest.mark.parametrize(("command", "first"), [("reproduce", "single-agent"), ("hidden-intent", "blind")])
+def test_a_study_names_which_of_its_trainings_broke(broken, place, command, first, monkeypatch, capsys):
+    def train(run, **_):
+        shutil.copy(place / "broken.safetensors", run.path / POLICY)
+        return SimpleNamespace(interrupted=False, steps=1, seconds=1.0)
+
+    monkeypatch.setattr(study, "train", train)
+    monkeypatch.setattr(tournament, "COMPARED", [])
+    assert main([command, *["--updates", "1", "--episodes", "8", "--seeds", "1", "--out", "made"]]) == 2
+    assert f"jaxwalk: {first}: {NOTHING_MADE}" in " ".join(capsys.readouterr().err.split())
+    assert sorted(path.name for path in (place / "made").glob("*.*")) == [".lock", "minutes.json", "plan.json"]

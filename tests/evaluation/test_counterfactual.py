@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation import (
+    ActionError,
     Counterfactuals,
     ReplayError,
     counterfactuals,
@@ -32,13 +33,17 @@ COLUMNS = [field.name for field in dataclasses.fields(Counterfactuals) if field.
 
 
 class Car(RouteFollower):
-    """Drives along its route without looking, or stands."""
+    """Drives along its route without looking, or stands; from a step on, its throttle isn't a number."""
 
     throttle: jax.Array = eqx.field(kw_only=True)
+    broken_from: jax.Array = eqx.field(default_factory=lambda: jnp.int32(10_000), kw_only=True)
+
+    def init(self, agents, batch):
+        return jnp.zeros(batch, jnp.int32)
 
     def act(self, key, memory, observation):
-        action, memory = super().act(key, memory, observation)
-        return action.at[0].set(self.throttle), memory
+        action, _ = super().act(key, None, observation)
+        return action.at[0].set(jnp.where(memory < self.broken_from, self.throttle, jnp.nan)), memory + 1
 
 
 class People(AlwaysGo):
@@ -244,6 +249,15 @@ def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
 def test_another_evaluation_is_refused(often, hits):
     with pytest.raises(ReplayError, match="a replay without any change is at step"):
         counterfactuals(often, BLIND_ONE, Drawn(often, 8), find_hits(hits), batch=BATCH)
+
+
+def test_a_driver_that_breaks_only_after_the_avoided_collision_is_said(often, hits, table):
+    """The unchanged replay ends before; at the first changed one the collision doesn't end the episode."""
+    one = find_hits(hits).some(np.flatnonzero(table.crosswalk)[:1])
+    cast = {"driver": Car(throttle=jnp.float32(1), broken_from=jnp.int32(one.steps[0] + 1)), "pedestrian": WALKERS}
+    message = rf"driver: its action is \[nan .*\(scenario {one.scenario[0]}, step {one.steps[0] + 1}\)"
+    with pytest.raises(ActionError, match=message):
+        counterfactuals(often, cast, Drawn(often, 7), one, batch=BATCH)
 
 
 def test_who_steps_out_right_before_the_car_cannot_be_spared(often):

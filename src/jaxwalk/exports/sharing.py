@@ -26,11 +26,11 @@ def share(
 ) -> Path:  # fmt: skip
     """Write the policy file of a run folder with the driver's results among the populations; return the card's path.
 
-    Raises RunError if the run has no policy yet, ContestantError for an unknown population.
+    Raises RunError if the run has no policy yet, ContestantError for an unknown population, Stopped if a policy fails.
     """
     run, here = Run.open(folder), str(folder.resolve())  # the whole path can't be a shipped policy's name
     street = world_of([here], ())
-    driver = {"driver": contestant(street, "driver", here)}
+    driver = {str(folder): contestant(street, "driver", here)}
     people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
     about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)
     actors = {role: load_policy(run.policy, role).actor for role in about.pop("roles")}
