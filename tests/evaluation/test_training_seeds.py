@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation import Match, over_training_seeds, paired, paired_over_seeds
-from jaxwalk.evaluation.training_seeds import SEED_RATIOS
 from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.evaluation.training_seeds import SEED_RATIOS
 from jaxwalk.metrics import OUTCOMES, Estimate, OverSeeds, crossed_mean, mcnemar, over_seeds, paired_difference
 
 

@@ -39,17 +39,24 @@ def test_without_common_scenarios_it_is_the_t_test_over_seeds():
 
 def test_over_seeds_is_a_t_interval_over_seeds():
     rates = np.repeat([[0.2], [0.4], [0.3], [0.5], [0.1]], 40, axis=1)
-    found = over_seeds(rates, np.ones_like(rates), within=(0.0, 1.0))
+    found = over_seeds(rates, np.ones_like(rates))
     assert (found.mean.value, found.iqm, found.mean.count) == (pytest.approx(0.3), pytest.approx(0.3), 5)
     assert found.each == pytest.approx((0.2, 0.4, 0.3, 0.5, 0.1))
     half = 2.776 * np.std([0.2, 0.4, 0.3, 0.5, 0.1], ddof=1) / 5**0.5
     assert (found.mean.low, found.mean.high) == pytest.approx((0.3 - half, 0.3 + half), abs=1e-3)
+    # odds of 3 / 7, and half / 0.21 on the scale of their logarithm; of a rate, half / 0.3
+    share, rate = (over_seeds(rates, np.ones_like(rates), kind=kind).mean for kind in ("share", "rate"))
+    odds = [3 / 7 * math.exp(sign * half / 0.21) for sign in (-1, 1)]
+    assert (share.low, share.high) == pytest.approx([x / (1 + x) for x in odds], abs=1e-3)
+    assert (rate.low, rate.high) == pytest.approx((0.3 * math.exp(-half / 0.3), 0.3 * math.exp(half / 0.3)), abs=1e-3)
 
 
-def test_a_rate_stays_between_0_and_1():
-    rates = np.repeat(np.eye(5)[0][:, None], 40, axis=1)
-    assert over_seeds(rates, np.ones_like(rates), within=(0.0, 1.0)).mean.low == 0
-    assert over_seeds(1 - rates, np.ones_like(rates), within=(0.0, 1.0)).mean.high == 1
+def test_a_share_stays_between_0_and_1():
+    one = np.repeat(np.eye(5)[0][:, None], 40, axis=1)
+    rarely, mostly = (over_seeds(x, np.ones_like(x), kind="share").mean for x in (one, 1 - one))
+    assert 0 < rarely.low < 0.2 < rarely.high < 1
+    assert (mostly.low, mostly.high) == pytest.approx((1 - rarely.high, 1 - rarely.low))
+    assert over_seeds(one, np.ones_like(one), kind="rate").mean.low > 0
 
 
 def test_over_seeds_where_only_scenarios_differ():
@@ -70,14 +77,16 @@ def test_a_ratio_of_sums_varies_as_its_linear_part():
 
 
 def test_equal_seeds_are_no_proof():
-    never = over_seeds(np.zeros((5, 2000)), np.ones((5, 2000)), within=(0.0, 1.0)).mean
-    assert (never.value, never.low, never.high) == (0, *share_ends(0, 2000))
+    never, trials = np.zeros((5, 2000)), np.ones((5, 2000))
+    found = over_seeds(never, trials, kind="share").mean
+    assert (found.value, found.low, found.high) == (0, *share_ends(0, 2000))
+    assert over_seeds(never, trials / 100, kind="rate").mean.high == pytest.approx(3.689 / 20, rel=1e-3)
+    assert over_seeds(never, trials).mean == Estimate(0.0, None, None, 5)
     three = np.zeros((5, 2000))
     for seed in range(5):
         three[seed, 3 * seed : 3 * seed + 3] = 1
-    found = over_seeds(three, np.ones((5, 2000)), within=(0.0, 1.0)).mean
+    found = over_seeds(three, trials, kind="share").mean
     assert (found.value, found.low, found.high) == (0.0015, *share_ends(3, 2000))
-    assert over_seeds(np.zeros((5, 20)), np.ones((5, 20))).mean == Estimate(0.0, None, None, 5)
 
 
 def test_few_seeds_do_not_tell_how_much_seeds_differ():

@@ -2,9 +2,9 @@
 
     python tests/reliability/coverage.py        # exits with 1 if one covers too little or too much
 
-Events are rare, as published ones are: 1, 2, 10 or 100 are expected. Exact intervals must cover at least 95 %; the others
-93 to 97 %, or more where events are so few that hardly any count is possible. A test must not reject a true hypothesis
-more often than an interval may miss.
+Events are rare, as published ones are: 1, 2, 10 or 100 are expected. Exact intervals must cover at least 95 %; the
+others 93 to 97 %, or more where hardly any count is possible. A test must not reject a true hypothesis more often than
+an interval may miss.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -40,11 +42,11 @@ class Regime:
 
     interval: str
     data: str
-    covers: Callable[[np.random.Generator], bool | float]
-    """Simulates once, and returns whether the truth was covered; or returns the exact probability."""
+    covers: Callable[..., Any]
+    """Simulates once, with a generator, and returns whether the truth was covered; or returns the probability."""
     limits: tuple[float, float]
     exact: bool = False
-    """Whether ``covers`` returns a probability."""
+    """Whether ``covers`` returns a probability, and needs no generator."""
 
 
 def regimes() -> Iterator[Regime]:
@@ -57,46 +59,40 @@ def regimes() -> Iterator[Regime]:
 def _of_counts() -> Iterator[Regime]:
     for expected in EXPECTED:
         few = EXACT if expected <= 2 else NEAR
-        yield Regime("share of trials", f"{expected} of {SCENARIOS}", _share(expected, SCENARIOS), few, exact=True)
-        yield Regime("events per km (Poisson)", f"{expected}", _rate(expected), EXACT, exact=True)
+        yield Regime(
+            "share of trials", f"{expected} of {SCENARIOS}", partial(share_covers, expected, SCENARIOS), few, exact=True
+        )
+        yield Regime("events per km (Poisson)", f"{expected}", partial(_rate_covers, expected), EXACT, exact=True)
         if expected < 100:
-            yield Regime("share of collisions", f"{expected} of 67", _share(expected, 67), few, exact=True)
-            yield Regime("ratio of two rates", f"{expected} of 67", _ratio(expected, 67), EXACT, exact=True)
+            yield Regime(
+                "share of collisions", f"{expected} of 67", partial(share_covers, expected, 67), few, exact=True
+            )
+            yield Regime(
+                "ratio of two rates", f"{expected} of 67", partial(_ratio_covers, expected, 67), EXACT, exact=True
+            )
         yield Regime("paired difference", f"{expected} against {expected}", _pairs(expected), (NEAR[0], 1.0))
 
 
-def _share(expected: float, trials: int) -> Callable[[np.random.Generator], float]:
-    truth = expected / trials
-
-    def covers(rng: np.random.Generator) -> float:
-        counts = np.arange(trials + 1)
-        likely = counts[stats.binom.pmf(counts, trials, truth) > 1e-9]
-        found = [proportion(int(count), trials) for count in likely]
-        return _probability(likely, [(x.low, x.high) for x in found], truth, stats.binom(trials, truth))
-
-    return covers
+def share_covers(expected: float, trials: int) -> float:
+    """Return the probability that the interval of a share holds the truth, with this number of events expected."""
+    truth, counts = expected / trials, np.arange(trials + 1)
+    likely = counts[stats.binom.pmf(counts, trials, truth) > 1e-9]
+    found = [proportion(int(count), trials) for count in likely]
+    return _probability(likely, [(x.low, x.high) for x in found], truth, stats.binom(trials, truth))
 
 
-def _rate(expected: float) -> Callable[[np.random.Generator], float]:
-    def covers(rng: np.random.Generator) -> float:
-        counts = np.arange(400)
-        found = [rate(int(count), 20.0) for count in counts]
-        return _probability(counts, [(x.low, x.high) for x in found], expected / 20, stats.poisson(expected))
-
-    return covers
+def _rate_covers(expected: float) -> float:
+    counts = np.arange(400)
+    found = [rate(int(count), 20.0) for count in counts]
+    return _probability(counts, [(x.low, x.high) for x in found], expected / 20, stats.poisson(expected))
 
 
-def _ratio(expected: float, both: int) -> Callable[[np.random.Generator], float]:
+def _ratio_covers(expected: float, both: int) -> float:
     """Of ``both`` collisions, ``expected`` are jaywalkers', who have a tenth of the exposure."""
-    truth = expected / (both - expected) * 9
-
-    def covers(rng: np.random.Generator) -> float:
-        counts = np.arange(both + 1)
-        found = [rate_ratio((both - int(count), int(count)), (900.0, 100.0)) for count in counts]
-        ends = [(x.low, np.inf if x.high is None else x.high) for x in found]
-        return _probability(counts, ends, truth, stats.binom(both, expected / both))
-
-    return covers
+    truth, counts = expected / (both - expected) * 9, np.arange(both + 1)
+    found = [rate_ratio((both - int(count), int(count)), (900.0, 100.0)) for count in counts]
+    ends = [(x.low, np.inf if x.high is None else x.high) for x in found]
+    return _probability(counts, ends, truth, stats.binom(both, expected / both))
 
 
 def _probability(counts: np.ndarray, ends: list, truth: float, law) -> float:
@@ -173,7 +169,7 @@ def _difficulty(rng: np.random.Generator, shared: float) -> np.ndarray:
 def _seeds(seeds: int, expected: float, shared: float) -> Callable[[np.random.Generator], bool]:
     def covers(rng: np.random.Generator) -> bool:
         ends = _events(rng, seeds, expected, _difficulty(rng, shared))
-        found = over_seeds(ends, np.ones(ends.shape), within=(0.0, 1.0)).mean
+        found = over_seeds(ends, np.ones(ends.shape), kind="share").mean
         return found.low <= expected / SCENARIOS <= found.high
 
     return covers
@@ -203,9 +199,9 @@ def _tested(seeds: int, expected: float, shared: float) -> Callable[[np.random.G
 
 def measure(regime: Regime, times: int, seed: int) -> tuple[float, float]:
     """Return the share of simulations that covered the truth, and its standard error."""
-    rng = np.random.default_rng(seed)
     if regime.exact:
-        return float(regime.covers(rng)), 0.0
+        return float(regime.covers()), 0.0
+    rng = np.random.default_rng(seed)
     covered = float(np.mean([regime.covers(rng) for _ in range(times)]))
     return covered, float(np.sqrt(max(covered * (1 - covered), 1 / times) / times))
 

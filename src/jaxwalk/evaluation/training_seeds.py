@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -27,6 +26,7 @@ from jaxwalk.metrics import (
     over_seeds,
     paired_difference,
 )
+from jaxwalk.metrics.over_seeds import Kind
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,11 @@ class SeedRatio:
     """The number for a single cell."""
     parts: Callable[[Rows], tuple[np.ndarray, np.ndarray]]
     """Its numerators and denominators, one pair per episode."""
-    within: tuple[float, float] = (0.0, math.inf)
-    """The limits of what it can be."""
+    kind: Kind
 
 
 def _rate(of_one: Callable[[Summary], Rate], ending: Callable[[Rows], np.ndarray]) -> SeedRatio:
-    return SeedRatio(of_one, lambda rows: (ending(rows), np.ones(rows.episodes)), within=(0.0, 1.0))
+    return SeedRatio(of_one, lambda rows: (ending(rows), np.ones(rows.episodes)), kind="share")
 
 
 SEED_RATIOS: dict[str, SeedRatio] = {
@@ -63,16 +62,17 @@ SEED_RATIOS: dict[str, SeedRatio] = {
     "collision_rate": _rate(lambda s: s[OUTCOMES].collision, lambda rows: rows[OUTCOMES].collision),
     "timeout_rate": _rate(lambda s: s[OUTCOMES].timeout, lambda rows: ~rows[OUTCOMES].goal & ~rows[OUTCOMES].collision),
     "collisions_per_km": SeedRatio(
-        lambda s: s[OUTCOMES].all.per_km, lambda rows: (rows[OUTCOMES].collision, rows[OUTCOMES].driven / 1000)
+        lambda s: s[OUTCOMES].all.per_km, lambda rows: (rows[OUTCOMES].collision, rows[OUTCOMES].driven / 1000), "rate"
     ),
     "mean_time_to_goal": SeedRatio(
         lambda s: s[OUTCOMES].time_to_goal,
         lambda rows: (rows[OUTCOMES].goal * rows[OUTCOMES].steps * rows.dt, rows[OUTCOMES].goal),
+        kind="mean",
     ),
     "jaywalk_share": SeedRatio(
         lambda s: s[ATTRIBUTION].per_crossing.share,
         lambda rows: (rows[ATTRIBUTION].crossings[:, 1], rows[ATTRIBUTION].crossings.sum(axis=1)),
-        within=(0.0, 1.0),
+        kind="share",
     ),
 }
 """Numbers over training seeds, by their names in `SeedNumbers`."""
@@ -101,7 +101,7 @@ def _over_seeds(ratio: SeedRatio, group: list[Match]) -> OverSeeds:
         number = ratio.of_one(group[0].cell.summary)
         return OverSeeds(Estimate(number.value, number.low, number.high, 1), number.value, (number.value,))
     over, under = zip(*(ratio.parts(match.rows) for match in group), strict=True)
-    return over_seeds(np.stack(over), np.stack(under), within=ratio.within)
+    return over_seeds(np.stack(over), np.stack(under), kind=ratio.kind)
 
 
 Ending = Literal["collision", "goal"]

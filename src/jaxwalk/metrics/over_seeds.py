@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Shaped
-from scipy import stats
+from scipy import special, stats
 
-from jaxwalk.metrics.counts import share_ends
+from jaxwalk.metrics.counts import proportion, rate
 from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, ratio
 
 FEWEST_SEEDS = 5
 """Fewer training seeds than this give no interval and no test: their spread is unknown."""
+
+
+Kind = Literal["share", "rate", "mean"]
+"""What a number over seeds is: a share of trials; events per unit of exposure; or a mean or difference, of any sign."""
 
 
 @dataclass(frozen=True)
@@ -72,30 +77,43 @@ def over_seeds(
     numerator: Shaped[np.ndarray, "seed scenario"],
     denominator: Shaped[np.ndarray, "seed scenario"],
     *,
-    within: tuple[float, float] = (-math.inf, math.inf),
+    kind: Kind = "mean",
 ) -> OverSeeds:
     """Return each training seed's sum of numerators over sum of denominators, their mean and interquartile mean.
 
-    The interval is that of `crossed_mean`, cut at the limits ``within`` of what the number can be; there is none with
-    fewer than `FEWEST_SEEDS` seeds. (A ratio varies as its linear part does: numerator - ratio x denominator.)
+    The interval is that of `crossed_mean`: of shares on the scale of log odds, of rates on that of logarithms, so that
+    it stays where they can be, and misses on either side alike. There is none with fewer than `FEWEST_SEEDS` seeds. (A
+    ratio varies as its linear part does: numerator - ratio x denominator.)
 
-    Where nothing varies there is no spread to judge by. If the number is a share that every scenario has (``within`` is
-    0 to 1), the interval is then the binomial one of one seed's scenarios: 0 of 2,000 in each of five seeds is no proof
-    of a rate of 0, and if it is the scenario that decides, five seeds on 2,000 scenarios are no more than 2,000 trials.
-    Other numbers have no interval then.
+    Where nothing varies there is no spread to judge by. The interval is then that of one seed's scenarios: 0 of 2,000
+    in each of five seeds is no proof that the share is 0, and if it is the scenario that decides, five seeds on 2,000
+    scenarios are no more than 2,000 trials. A mean that does not vary has no interval.
     """
     over, under = np.asarray(numerator, np.float64), np.asarray(denominator, np.float64)
     each = ratio(over.sum(axis=1), under.sum(axis=1))
-    seeds, scenarios = over.shape
-    mean, known = _finite(each.mean()), tuple(_finite(value) for value in each)
-    if mean is None or seeds < FEWEST_SEEDS:
-        return OverSeeds(Estimate(mean, None, None, seeds), _finite(float(interquartile_mean(each))), known)
-    linear = each[:, None] + (over - each[:, None] * under) / under.mean(axis=1, keepdims=True)
-    found = crossed_mean(linear)
-    low, high = np.clip(found.ends(), *within).tolist()
-    if found.error == 0:
-        low, high = share_ends(mean * scenarios, scenarios) if within == (0, 1) else (None, None)
+    seeds, mean = len(each), _finite(each.mean())
+    low, high = (None, None) if mean is None or seeds < FEWEST_SEEDS else _ends(over, under, kind)
+    known = tuple(_finite(value) for value in each)
     return OverSeeds(Estimate(mean, low, high, seeds), _finite(float(interquartile_mean(each))), known)
+
+
+def _ends(
+    over: Float[np.ndarray, "seed scenario"], under: Float[np.ndarray, "seed scenario"], kind: Kind
+) -> tuple[float | None, float | None]:
+    """Return the interval of the mean of the seeds' ratios."""
+    each = (over.sum(axis=1) / under.sum(axis=1))[:, None]
+    found = crossed_mean(each + (over - each * under) / under.mean(axis=1, keepdims=True))
+    mean, (low, high) = found.value, found.ends()
+    if kind == "mean":
+        return (low, high) if found.error > 0 else (None, None)
+    if found.error == 0:
+        one = (proportion if kind == "share" else rate)(over[0].sum(), under[0].sum())
+        return one.low, one.high
+    if kind == "rate":
+        half = (high - mean) / mean
+        return mean * math.exp(-half), mean * math.exp(half)
+    half, odds = (high - mean) / (mean * (1 - mean)), math.log(mean / (1 - mean))
+    return float(special.expit(odds - half)), float(special.expit(odds + half))
 
 
 def interquartile_mean(values: Float[np.ndarray, "*step seed"]) -> Float[np.ndarray, "*step"]:
