@@ -156,8 +156,13 @@ def test_what_a_report_of_several_seeds_says(several, page):
     assert ">goal, IQM<" in text
 
 
-def test_two_seeds_give_no_interval(tmp_path, monkeypatch):
-    monkeypatch.setattr("jaxwalk.report.write.draw_all", lambda *_: dict.fromkeys(FIGURES, ""))  # as always, but slow
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Figures are left empty: drawing them takes seconds, and they are as in the other reports."""
+    monkeypatch.setattr("jaxwalk.report.write.draw_all", lambda *_: dict.fromkeys(FIGURES, ""))
+
+
+def test_two_seeds_give_no_interval(tmp_path, undrawn):
     write_report(tmp_path, material(2))
     assert "2 training seeds, 5 to 6: rates are their means (IQM: interquartile means), without intervals" in (
         tmp_path / "report.html"
@@ -238,7 +243,7 @@ def test_any_drivers_among_any_people(documents, tmp_path):
     assert len(_table(tmp_path, "matrix")) == 6
 
 
-def test_numbers_of_who_can_be_watched_are_links(documents, tmp_path):
+def test_numbers_of_who_can_be_watched_are_links(documents, tmp_path, undrawn):
     gallery = gallery_document()
     for episode in gallery["episodes"]:
         episode["driver"] = {"rash": "co-trained", "careful": "route-follower"}[episode["driver"]]
