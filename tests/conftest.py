@@ -23,7 +23,7 @@ install_import_hook("jaxwalk", "beartype.beartype")  # before the first import o
 QUICKLY = {
     "JAX_DISABLE_MOST_OPTIMIZATIONS": "1",
     "JAX_TRACEBACK_IN_LOCATIONS_LIMIT": "0",
-    "XLA_FLAGS": "--xla_cpu_use_fusion_emitters=false",
+    "XLA_FLAGS": "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1",
 }
 os.environ.update(QUICKLY)
 

@@ -93,14 +93,50 @@ def test_a_stream_may_be_closed_unread_or_full(line, code, out, err, place):
     assert done.stderr.startswith(err) and done.stderr.count("\n") <= 1
 
 
-@pytest.mark.parametrize("ascii_only", [{"PYTHONIOENCODING": "ascii"}, {"PYTHONIOENCODING": "ascii:surrogateescape"}])
+UNUSUAL = """
+import sys
+from jaxwalk.cli import commands, main
+
+commands.run = lambda options: print("Stra\xdfe/a.svg") or 0
+sys.argv = ["jaxwalk", "play"]
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize("ascii_only", ["ascii", "ascii:surrogateescape"])
 def test_characters_that_the_terminal_lacks_are_escaped(ascii_only, place):
-    """The folder's name is printed after all the work."""
-    (place / "Straße").mkdir()
-    command = "play --driver random --out Straße/a.svg"
-    done = shell(f"J {command}", **ascii_only)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("Stra\\xdfe/a.svg: scenario 0 of seed 0")
+    """A command that prints a file's name."""
+    environment = os.environ | {"PYTHONIOENCODING": ascii_only}
+    done = subprocess.run([sys.executable, "-c", UNUSUAL], env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "Stra\\xdfe/a.svg\n", "")
+
+
+LEAVING = """
+import pathlib, sys, time
+from jaxwalk.cli import main
+
+class Last:
+    def __del__(self, begin=pathlib.Path("begun").touch, sleep=time.sleep):
+        begin()
+        sleep(1)
+
+last = Last()  # Python deletes it after it has given up its handlers of signals
+sys.argv = ["jaxwalk", "--version"]
+sys.exit(main())
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="POSIX")
+@pytest.mark.parametrize("sent", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_command_that_has_ended_is_not_ended_again_while_python_leaves(sent, place):
+    """Seen once in faults.py: `observations` was done, and a hangup killed it without a word."""
+    with subprocess.Popen([sys.executable, "-c", LEAVING], stderr=subprocess.PIPE, text=True) as process:
+        while not (place / "begun").exists():
+            assert process.poll() is None, process.stderr.read()
+            time.sleep(0.05)
+        process.send_signal(getattr(signal, sent))
+        _, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (0, "")
 
 
 INT, TERM, HUP = (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP"))

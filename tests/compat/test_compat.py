@@ -1,13 +1,22 @@
-"""A slice of `compare.py`: version 0.1's scenarios and outcomes come out again, and its files can still be used."""
+"""Version 0.1's scenarios come out again; a slice of `compare.py`: so do its outcomes, and its files can be used."""
 
 from __future__ import annotations
 
 import pytest
 
-from compat.compare import TRAINED, compare, differences, different_outcomes
+from compat.compare import RECORDED, TRAINED, compare, differences, different_outcomes
+from compat.record import read
+from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.runs.folder import Run
+from jaxwalk.scenarios import Drawn
 
 
+@pytest.mark.parametrize(("seed", "episodes", "multiplier", "digest"), read(RECORDED / "scenarios.json.gz"))
+def test_scenarios_are_those_of_version_0_1(street, seed, episodes, multiplier, digest):
+    assert Drawn(with_jaywalk_multiplier(street, multiplier), seed, episodes).hash() == digest
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("part", ["scenarios", "evaluations", "trained"])
 def test_it_behaves_as_version_0_1(part, tmp_path):
     found = list(compare([part], quick=True, folder=tmp_path))

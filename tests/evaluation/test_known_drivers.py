@@ -61,6 +61,7 @@ class Known(eqx.Module):
         return jnp.stack([jnp.clip(target - seen[0] * SPEED, -1, 1), pursue(seen[6:22])]), memory
 
 
+pytestmark = pytest.mark.long
 BLIND, CROSSWALKS, CROSSWALK_USERS = (0, 0), (1, 0), (0, 1)
 
 

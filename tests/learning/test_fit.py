@@ -1,7 +1,8 @@
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -29,8 +30,11 @@ from jaxwalk.learning.losses import Actions, actor_loss
 from learning.games import ROLES
 
 STEPS, ENVS = 8, 6
+compiled_fit, compiled_gradient = eqx.filter_jit(fit), eqx.filter_jit(mean_gradient)
 
 
+@cache
+@eqx.filter_jit
 def rollout_of(agents, action):
     actor = make_actor(jax.random.key(0), 5, action, RoleConfig(actor_hidden=(16,)))
     keys = jax.random.split(jax.random.key(1), 5)
@@ -49,14 +53,14 @@ def test_chunked_gradient_is_that_of_the_whole(agents, action, chunks):
     actor, data = rollout_of(agents, action)
     loss = partial(actor_loss, clip=0.2, entropy=0.1)
     times = jnp.array([5, 0, 7, 2])
-    gradient, report = mean_gradient(loss, actor, data, times, chunks=chunks)
+    gradient, report = compiled_gradient(loss, actor, data, times, chunks=chunks)
 
     def plainly(actor):  # over the whole minibatch at once, with its axes left where they are
         part = jax.tree.map(lambda x: jnp.moveaxis(x[times], 0, -2), data)
         total, sums = loss(actor, part)
         return total / sums["weight"]
 
-    value, expected = jax.value_and_grad(plainly)(actor)
+    value, expected = jax.jit(jax.value_and_grad(plainly))(actor)
     assert float(report["policy_loss"] - 0.1 * report["entropy"]) == pytest.approx(float(value), rel=1e-5)
     np.testing.assert_allclose(gradient, ravel_pytree(expected)[0], rtol=1e-4, atol=1e-6)
 
@@ -66,12 +70,12 @@ def test_entries_with_weight_give_the_gradient_of_all(columns):
     actor, data = rollout_of((3,), Discrete(2))
     weight = jnp.zeros((STEPS, 3, ENVS)).at[2, 1].set(1.0).at[5, :, 2].set(1.0)
     data = Actions(data.observation, data.raw, data.log_prob, data.advantage, weight)
-    few = pack_weighted(data, columns=columns)
+    few = jax.jit(pack_weighted, static_argnames="columns")(data, columns=columns)
     assert few.observation.shape == (STEPS, 5, columns)
     assert float(few.weight.sum()) == float(weight.sum()) == 9
     loss = partial(actor_loss, clip=0.2, entropy=0.1)
-    want, _ = mean_gradient(loss, actor, data, jnp.arange(STEPS), chunks=Chunks(1, 1))
-    got, _ = mean_gradient(loss, actor, few, jnp.arange(STEPS), chunks=Chunks(1, 1))
+    want, _ = compiled_gradient(loss, actor, data, jnp.arange(STEPS), chunks=Chunks(1, 1))
+    got, _ = compiled_gradient(loss, actor, few, jnp.arange(STEPS), chunks=Chunks(1, 1))
     np.testing.assert_allclose(got, want, rtol=1e-4, atol=1e-6)
 
 
@@ -93,7 +97,9 @@ def test_plans_of_the_papers_sizes():
 @pytest.mark.parametrize("chunks", [Chunks(2, 1), Chunks(1, 3), Chunks(8, 2)])
 def test_mapping_over_chunks_keeps_every_entry_in_its_place(chunks):
     data = jnp.arange(STEPS * 2 * 3 * ENVS, dtype=jnp.float32).reshape(STEPS, 2, 3, ENVS)
-    np.testing.assert_array_equal(map_chunks(lambda x: x[0] - x[1], data, chunks=chunks), data[:, 0] - data[:, 1])
+    mapped = jax.jit(lambda data: map_chunks(lambda x: x[0] - x[1], data, chunks=chunks))(data)
+    data = np.asarray(data)
+    np.testing.assert_array_equal(mapped, data[:, 0] - data[:, 1])
 
 
 def test_every_epoch_sees_every_step_once_in_its_own_order():
@@ -106,7 +112,7 @@ def test_every_epoch_sees_every_step_once_in_its_own_order():
 
     times = jnp.broadcast_to(jnp.arange(STEPS, dtype=jnp.float32)[:, None], (STEPS, ENVS))
     network = jnp.ones(())
-    out = fit(
+    out = compiled_fit(
         Fit(config, jnp.float32(0.1), epochs=2, agents=1, environments=ENVS), loss, network,
         optimiser(config).init(network), times, jax.random.key(0),
     )  # fmt: skip
@@ -126,7 +132,7 @@ def test_every_parameter_goes_against_its_own_gradient():
         slope = sum(jnp.sum(signs[name] * network[name]) for name in signs)
         return slope * chunk.size, {"weight": jnp.float32(chunk.size)}
 
-    moved, memory, report = fit(
+    moved, memory, report = compiled_fit(
         Fit(config, jnp.float32(0.1), epochs=1, agents=1, environments=ENVS), loss, network,
         optimiser(config).init(network), jnp.zeros((STEPS, ENVS)), jax.random.key(0),
     )  # fmt: skip

@@ -36,27 +36,33 @@ def test_ratios_never_overflow():
     assert np.isfinite(losses.approximate_kl(ratio))
 
 
+@eqx.filter_jit
+def saturated(action, config):
+    """An actor that always chooses the limit, what it sees, its choices, and what they stand for and how likely."""
+    actor = make_actor(jax.random.key(0), 3, action, config)
+    actor = eqx.tree_at(lambda a: a.network.biases[-1], actor, jnp.array([1e4, -1e4]))
+    seen, keys = jax.random.normal(jax.random.key(1), (3, 64)), jax.random.split(jax.random.key(2), 64)
+    choice = actor(seen)
+    raw = choice.sample(keys)
+    return actor, seen, raw, choice.action(raw), choice.log_prob(raw)
+
+
+slopes_of = eqx.filter_jit(eqx.filter_value_and_grad(losses.actor_loss, has_aux=True))
+
+
 @pytest.mark.parametrize("kind", ["clipped", "tanh", "discrete"])
 @pytest.mark.parametrize("surprised", [False, True])
 def test_gradients_are_finite_when_policies_saturate(kind, surprised):
     """Every action at its limit, every other choice impossible; or played by a policy that did just the opposite."""
     action = Discrete(2) if kind == "discrete" else Box(2)
     config = RoleConfig(actor_hidden=(8,), noise="clipped" if kind == "discrete" else kind, initial_std=0.01)
-    actor = make_actor(jax.random.key(0), 3, action, config)
-    actor = eqx.tree_at(lambda a: a.network.biases[-1], actor, jnp.array([1e4, -1e4]))
-    seen, keys = jax.random.normal(jax.random.key(1), (3, 64)), jax.random.split(jax.random.key(2), 64)
-    choice = actor(seen)
-    raw = choice.sample(keys)
-    limits = choice.action(raw)
+    actor, seen, raw, limits, old = saturated(action, config)
     assert (limits == 0).all() if kind == "discrete" else np.abs(limits).mean() > 0.98
-    old = choice.log_prob(raw)
     if surprised:
         raw, old = (1 - raw if kind == "discrete" else -raw), jnp.zeros(64)
-    advantage = jnp.where(jnp.arange(64) % 2 == 0, 1.0, -1.0)
+    advantage = jnp.asarray(np.where(np.arange(64) % 2 == 0, 1.0, -1.0), jnp.float32)
     actions = losses.Actions(seen, raw, old, advantage, jnp.ones(64))
-    (loss, sums), slopes = eqx.filter_value_and_grad(losses.actor_loss, has_aux=True)(
-        actor, actions, clip=0.2, entropy=0.01
-    )
+    (loss, sums), slopes = slopes_of(actor, actions, clip=0.2, entropy=0.01)
     assert np.isfinite([loss, *sums.values()]).all()
     assert all(np.isfinite(x).all() for x in jax.tree.leaves(slopes))
 

@@ -28,6 +28,11 @@ CONFIG = TrainConfig(
 )  # fmt: skip
 
 
+def in_one_chunk(shards=1):
+    """CONFIG in one chunk, which changes nothing; the first test to use it sees that it is traced once."""
+    return dataclasses.replace(CONFIG, chunk_rows=10**6, shards=shards)
+
+
 def both(config, **changes):
     """The configuration with the same changes in both roles."""
     return games.with_roles(config, **{role: dataclasses.replace(x, **changes) for role, x in config.roles.items()})
@@ -160,7 +165,8 @@ def test_blended_reward_by_hand():
 
 
 @pytest.mark.parametrize("shards", [1, 2])
-def test_one_trace_and_equal_seeds_equal_results(shards, monkeypatch):
+def test_one_program_and_equal_seeds_equal_results(shards, monkeypatch, tmp_path, caplog):
+    """Another game, another seed and a resumed training trace and compile nothing anew."""
     traces = []
 
     def rule(*seen):
@@ -168,10 +174,14 @@ def test_one_trace_and_equal_seeds_equal_results(shards, monkeypatch):
         return games.bandit(*seen)
 
     monkeypatch.setitem(games.RULES, "bandit", rule)
-    config = dataclasses.replace(CONFIG, clip=0.21, shards=shards)  # its own compilation
+    config = in_one_chunk(shards)
     learner, first = play(games.game("bandit"), config, updates=1)
     once = len(traces)
-    learner, _ = update(games.game("bandit"), config, learner)
+    save(tmp_path, learner, updates=1)
+    resumed = restore(tmp_path, learner)
+    with jax.log_compiles():
+        learner, _ = update(games.game("bandit"), config, update(games.game("bandit"), config, resumed)[0])
+    assert "Compiling" not in caplog.text
     update(games.game("given"), config, learner)
     _, again = play(games.game("bandit"), config, updates=1)
     _, other = play(games.game("bandit"), config, updates=1, seed=1)
@@ -182,7 +192,7 @@ def test_one_trace_and_equal_seeds_equal_results(shards, monkeypatch):
 
 def test_chunks_change_nothing():
     _, metrics = play(games.game("bandit"), updates=2)
-    _, whole = play(games.game("bandit"), dataclasses.replace(CONFIG, chunk_rows=10**6), updates=2)
+    _, whole = play(games.game("bandit"), in_one_chunk(), updates=2)
     for name in metrics:
         assert metrics[name] == pytest.approx(whole[name], rel=1e-3, abs=1e-4), name
 
@@ -191,7 +201,8 @@ def test_chunks_change_nothing():
 def test_shared_out_environments_learn_the_same(credit):
     config = dataclasses.replace(CONFIG, credit=credit)
     learner, metrics = play(games.game("holding"), config, updates=3)
-    shared, of_both = play(games.game("holding"), dataclasses.replace(config, shards=2), updates=3)
+    halves = in_one_chunk(2) if credit == "individual" else dataclasses.replace(config, shards=2)
+    shared, of_both = play(games.game("holding"), halves, updates=3)
     for name in metrics:
         assert of_both[name] == pytest.approx(metrics[name], rel=1e-3, abs=1e-4), name
     for one, other in zip(jax.tree.leaves(learner.actors), jax.tree.leaves(shared.actors), strict=True):
@@ -231,7 +242,7 @@ def test_nonsense_is_reported():
 
 @pytest.mark.parametrize("shards", [1, 2])
 def test_resumed_training_equals_uninterrupted_training(shards, tmp_path):
-    game, config = games.game("bandit", length=3), dataclasses.replace(CONFIG, shards=shards)
+    game, config = games.game("bandit", length=3), in_one_chunk(shards)
     learner = init(game, config, jax.random.key(0))
     for number in range(1, 4):
         learner, _ = update(game, config, learner)
@@ -243,17 +254,6 @@ def test_resumed_training_equals_uninterrupted_training(shards, tmp_path):
     assert (latest(tmp_path), kept) == (3, ["2", "3"])
     for one in (resumed, newest):
         assert eqx.tree_equal(one, learner)
-
-
-def test_a_resumed_training_compiles_nothing_anew(tmp_path, caplog):
-    game, config = games.game("bandit", length=3), dataclasses.replace(CONFIG, clip=0.22)  # its own compilation
-    learner = init(game, config, jax.random.key(0))
-    update(game, config, learner)
-    save(tmp_path, learner, updates=1)
-    resumed = restore(tmp_path, learner)
-    with jax.log_compiles():
-        update(game, config, update(game, config, resumed)[0])
-    assert "Compiling" not in caplog.text
 
 
 def test_checkpoints_that_do_not_fit_are_refused(tmp_path):

@@ -76,7 +76,9 @@ def play(fault: Fault, name: str, folder: Path, cache: Path) -> Seen:
     line = line.replace("; " + sys.executable, "; exec " + sys.executable)
     shell = ["/bin/bash", "-o", "pipefail", "-c", line]
     environment = {k: v for k, v in (_environment(cache) | fault.environment).items() if v is not None}
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # commands that begin with & ignore it, and so would ours
+    # What is begun with & or nohup ignores these, and so would our commands.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, lambda *_: None)
     begun = time.monotonic()
     with subprocess.Popen(
         shell, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace"

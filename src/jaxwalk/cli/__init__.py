@@ -31,6 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     prepare_streams()
     signals.listen()
     code = _run(sys.argv[1:], signals)
+    signals.ignore()
     if signals.number is not None:
         leave(code)
     return code

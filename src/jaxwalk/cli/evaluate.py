@@ -168,7 +168,7 @@ def table(cells: Sequence[Cell]) -> Table:
 def touched(cell: Cell) -> str:
     """Return the shares of the episodes in which the moving car touched somebody, by either rule."""
     found = cell.summary[MEASURED_CONTACTS]
-    return " / ".join(per_cent(rule.moving.value) for rule in (found.disc, found.footprint))
+    return " / ".join(f"{100 * (rule.moving.value or 0):.2f}" for rule in (found.disc, found.footprint))
 
 
 def _rates(found: Cell | MapRates) -> list[str]:

@@ -51,6 +51,11 @@ class Signals:
         signal.set_wakeup_fd(pythons.fileno(), warn_on_full_buffer=False)
         threading.Thread(target=self._watch, args=(ours, pythons, heard, self._heard), daemon=True).start()
 
+    def ignore(self) -> None:
+        """Ignore signals: the command has ended, and Python would die of one while it leaves."""
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
+
     def _watch(self, ours: socket.socket, _pythons: socket.socket, heard: list[int], first: threading.Event) -> None:
         """End the process if it doesn't end in time. (The other socket is a parameter so that it stays open.)"""
         while self.number is None:

@@ -11,11 +11,12 @@ from typing import get_args
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from jaxwalk.metrics.counts import proportion
 from jaxwalk.metrics.crossings import crossing_type, real_frames
 from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, reach, touched_part
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.outcomes import CONTACTS, SIDEWALK
-from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio, wilson
+from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
@@ -180,8 +181,8 @@ def _summarise_rule(rows: Rows, sums: Sums, rule: int) -> ContactsByRule:
         return interval(ratio(own[name][:, rule], count), int(count[0]))
 
     return ContactsByRule(
-        episodes=wilson(len(np.unique(table.episode[mine])), rows.episodes),
-        moving=wilson(len(np.unique(table.episode[moving])), rows.episodes),
+        episodes=proportion(len(np.unique(table.episode[mine])), rows.episodes),
+        moving=proportion(len(np.unique(table.episode[moving])), rows.episodes),
         contacts=int(mine.sum()),
         standing=int((mine & ~table.moving).sum()),
         **{x.name.lower(): int((mine & (table.type == x)).sum()) for x in CONTACTS},

@@ -8,9 +8,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN, braking_times
+from jaxwalk.metrics.counts import proportion
 from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, ByType, Crossings, RoadSteps, count_by_type
 from jaxwalk.metrics.metric import Metric, Rows, Sums
-from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio, wilson
+from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio
 from jaxwalk.sim.events import to_rectangle
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
@@ -154,7 +155,7 @@ def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> Encounter
     counts = {code: int((status == code).sum()) for code in (NEVER, ONSET, ALREADY, STANDING, UNSEEN)}
     return EncounterSummary(
         count=len(status),
-        collided=wilson(table.collided[mine].sum(), len(status)),
+        collided=proportion(table.collided[mine].sum(), len(status)),
         minimum_approach=quantile(table.min_distance[mine], 0.05),
         minimum_gap=quantile(table.min_gap[mine], 0.05),
         braking=Braking(
