@@ -12,7 +12,7 @@ from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
 DT = 0.1
-DISC = SimConfig(car_length=1e-6, car_width=1e-6, body_radius=1.5)
+DISC = SimConfig(car_length=1e-300, car_width=1e-300, body_radius=1.5)
 """Rules of a car that is a point and people of 1.5 m radius: numbers by footprint are then easy to work out by hand."""
 PADDED = ("car_x", "car_y", "car_cos", "car_sin", "car_speed", "car_acceleration")
 PLACES = ("ped_x", "ped_y", "ped_vx", "ped_vy", "on_roadway", "on_crosswalk")

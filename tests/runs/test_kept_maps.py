@@ -53,9 +53,9 @@ def test_a_copied_run_folder_evaluates_to_the_same_document_without_its_map_file
 def test_another_map_in_the_place_of_the_runs_changes_nothing(town, tmp_path):
     assert OTHER != PAPER
     (tmp_path / "town.toml").write_text(OTHER, encoding="utf-8")
-    (found,) = world_of([str(town.path)], (), _silent).maps
+    (found,) = world_of([str(town.path)], (), tell=_silent).maps
     assert (found.name, found.text) == ("town.toml", PAPER)
-    (chosen,) = world_of([str(town.path)], [str(tmp_path / "town.toml")], _silent).maps
+    (chosen,) = world_of([str(town.path)], [str(tmp_path / "town.toml")], tell=_silent).maps
     assert (chosen.name, chosen.text) == ("town.toml", OTHER)
 
 
@@ -72,7 +72,7 @@ def test_equal_maps_in_two_places_are_one_street(town, tmp_path):
     (tmp_path / "there").mkdir()
     (tmp_path / "there" / "town.toml").write_text(PAPER, encoding="utf-8")
     other = Run.create(tmp_path / "other", replace(town.experiment, maps=(str(tmp_path / "there" / "town.toml"),)))
-    assert len(world_of([str(town.path), str(other.path)], (), _silent).maps) == 1
+    assert len(world_of([str(town.path), str(other.path)], (), tell=_silent).maps) == 1
 
 
 def _spoiled(run, **change):
