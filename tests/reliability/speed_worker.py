@@ -54,27 +54,13 @@ def simulator() -> tuple[Callable[[], None], int]:
     return work, ENVIRONMENTS * STEPS
 
 
-def as_in_0_1(experiment):
-    """The recipe with the world and the driver's view that it had in 0.1, so that both checkouts do the same work."""
-    from jaxwalk import SimConfig
-
-    def then(names):
-        return tuple("route" if name == "route-footprint" else name for name in names)
-
-    driver = experiment.train.roles["driver"]
-    (observes,) = then([driver.observes])
-    driver = replace(driver, observes=observes, critic_observes=then(driver.critic_observes))
-    train = replace(experiment.train, roles=experiment.train.roles | {"driver": driver})
-    return replace(experiment, train=train, sim=SimConfig())
-
-
 def updates(recipe: str) -> tuple[Callable[[], None], int]:
     """Updates of a recipe at its own size."""
     from jaxwalk.learning import mappo
     from jaxwalk.rollout import TRAINING, seed_key
 
     street = module("street")
-    experiment = street.shared_out(as_in_0_1(module("recipes").RECIPES[recipe]))
+    experiment = street.shared_out(module("recipes").RECIPES[recipe])
     environment, config = street.make_street(experiment), replace(experiment.train, updates=1)
     others = street.fixed_policies(experiment)
     learner = mappo.init(environment, config, seed_key(0, TRAINING), others=others)

@@ -36,7 +36,6 @@ from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import BELIEF, TOLD
-from jaxwalk.sim.sim_config import WORLDS
 from jaxwalk.writing import write_whole
 
 DRIVERS = {BLIND: "route", "belief": BELIEF, "told": TOLD}
@@ -68,11 +67,9 @@ def hidden_intent(
 ) -> Path:
     """Make whatever is missing in the folder; return the page's path. Raise Interrupted on Ctrl-C.
 
-    ``base``: what to train instead of only the car of recipe ``fast`` in the world ``paper``; its driver's observation
-    set is replaced.
+    ``base``: what to train instead of only the car of recipe ``fast``; its driver's observation set is replaced.
     """
-    usual = replace(single_agent(RECIPES["fast"]), sim=WORLDS["paper"])
-    work = IntentWork(folder, plan, console or Console(stderr=True), base or usual)
+    work = IntentWork(folder, plan, console or Console(stderr=True), base or single_agent(RECIPES["fast"]))
     work.do(
         [
             ("training the car, blind, believing and told", _train),

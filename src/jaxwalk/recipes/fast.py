@@ -1,6 +1,5 @@
-"""The recipe ``fast``: whatever learns best. ``docs/recipes.md`` gives a reason for every number.
+"""The recipe ``fast``: whatever learns best on the paper's task. ``docs/recipes.md`` gives a reason for every number.
 
-A collision is a contact of the car's footprint (the world ``paper-footprint``).
 Compared with ``paper``: observations in the route's frame, one critic for each role, one value for each pedestrian,
 pedestrians who decide at the kerb and keep to it for a second, short rollouts, small minibatches, and a learning rate
 that falls. In a third of the environments people meet careless and earlier drivers; in another third the driver meets
@@ -13,17 +12,16 @@ from typing import Final
 
 from jaxwalk.learning.config import GLOBAL, RoleConfig, TrainConfig
 from jaxwalk.recipes.experiment import Experiment
-from jaxwalk.sim.sim_config import WORLDS
 
 FAST: Final = Experiment(
     recipe="fast",
     train=TrainConfig(
         roles={
             "driver": RoleConfig(
-                observes="route-footprint",
+                observes="route",
                 actor_hidden=(256, 256),
                 critic_hidden=(256, 256),
-                critic_observes=("route-footprint", GLOBAL),
+                critic_observes=("route", GLOBAL),
                 entropy=0.001,
                 epochs=2,
                 initial_std=0.5,
@@ -51,5 +49,4 @@ FAST: Final = Experiment(
         "time": -0.02,
     },
     pedestrian_weights={"waited": -0.02, "collision": -100.0},
-    sim=WORLDS["paper-footprint"],
 )
