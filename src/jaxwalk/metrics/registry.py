@@ -6,6 +6,7 @@ from typing import Any
 
 from jaxwalk.metrics.attribution import ATTRIBUTION
 from jaxwalk.metrics.decisions import JAYWALK_RATE
+from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric
 from jaxwalk.metrics.outcomes import OUTCOMES
@@ -23,6 +24,7 @@ METRICS: tuple[Metric[Any, Any], ...] = (
     SPEED_DIFFERENTIAL,
     JAYWALK_RATE,
     WAITING,
+    DELAY,
 )
 """Add new metrics at the end: the last bit of a sum depends on the position of its column, and published numbers must
 not change."""
