@@ -28,7 +28,7 @@ def unhindered_times(street: Street) -> Float[np.ndarray, "map route"]:
     """
     steps = np.asarray(_steps(street.world))
     rules = street.world.rules
-    return np.where(steps <= int(rules.horizon), steps * float(rules.dt), np.nan)
+    return np.where(steps <= rules.horizon, steps * rules.dt, np.nan)
 
 
 def with_delay(rows: Rows, times: Float[np.ndarray, "map route"], scenarios: Scenario) -> Rows:
@@ -56,8 +56,8 @@ def _steps(world: World) -> Int[Array, "map route"]:
         return step + 1, jnp.where(there, jnp.minimum(arrived, step + 1), arrived), car
 
     start = vehicle.place(world, scenario)
-    step, nowhere = jnp.zeros_like(world.rules.horizon), jnp.full((maps, routes), never)
-    return jax.lax.while_loop(under_way, drive, (step, nowhere, start))[1]
+    nowhere = jnp.full((maps, routes), never)
+    return jax.lax.while_loop(under_way, drive, (jnp.zeros((), int), nowhere, start))[1]
 
 
 def _empty_streets(maps: Int[Array, "map route"], routes: Int[Array, "map route"]) -> Scenario:
