@@ -113,8 +113,9 @@ def interruptible():
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-AT_ONCE = 16
-"""Episodes that evaluations of tests play at once: many more than most of them ask for, badly compiled, take long."""
+AT_ONCE, REPLAYED = 16, 4
+"""Episodes that evaluations of tests play at once, and collisions that they replay: many more than most of them ask
+for, badly compiled, take long."""
 READERS = ("evaluation.batches", "evaluation.counterfactual", "exports.track_table", "exports.replays", "cli.evaluate")
 """Modules that know how many episodes are played at once."""
 
@@ -125,7 +126,7 @@ def small_batches():
     with pytest.MonkeyPatch.context() as patch:
         for module in READERS:
             patch.setattr(f"jaxwalk.{module}.BATCH", AT_ONCE)
-        patch.setattr("jaxwalk.evaluation.counterfactual.SMALL_BATCH", AT_ONCE)
+        patch.setattr("jaxwalk.evaluation.counterfactual.SMALL_BATCH", REPLAYED)
         yield
 
 
