@@ -54,6 +54,7 @@ mutants: install  ## small mistakes are put into the definitions: do the tests n
 
 reliability: install  ## thousands of bad files and policies, faults, millions of random steps, trainings killed 50 times, 0.1's behaviour again: an hour
 	$(BIN)/pytest -n $(JOBS) -m long
+	$(BIN)/python tests/reliability/coverage.py
 	$(BIN)/python tests/reliability/fuzz_loaders.py
 	$(BIN)/python tests/reliability/fuzz_weights.py
 	$(BIN)/python tests/reliability/faults.py

@@ -78,7 +78,7 @@ def test_an_evaluation_repeats_itself(place, capsys):
     assert capsys.readouterr().out == first
     assert (place / "kept" / "results.json").read_text() == first
     document = json.loads(first)
-    assert document["schema"] == 3
+    assert document["schema"] == 4
     assert document["scenarios"].keys() == {"seed", "count", "hash"}
     assert document["cells"][0]["goal_rate"].keys() == {"value", "low", "high"}
     rows = (place / "kept" / "episodes.csv").read_text().splitlines()

@@ -25,7 +25,7 @@ def test_the_document_is_as_promised(compared):
     results, rows = compared
     document = json.loads(results.to_json(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
     assert list(document) == ["schema", "scenarios", "street", "cells"]
-    assert document["schema"] == 3
+    assert document["schema"] == 4
     assert document["scenarios"] == {"seed": 7, "count": 24, "hash": results.scenarios.hash}
     assert document["street"]["maps"] == [{"name": "paper", "hash": read_map("paper").hash}]
     assert document["street"]["sim"] == asdict(SimConfig())

@@ -90,8 +90,8 @@ def _changed(name, change):
     return {name: json.dumps(document).encode()}
 
 
-def _of_schema_2(document):
-    document["schema"] = 2
+def _of_schema_3(document):
+    document["schema"] = 3
 
 
 def _of_words(document):
@@ -147,7 +147,7 @@ def _no_seed(document):
         ("results", _few_quarters, "results.json: damaged (cells.2.jaywalk_rate.quarters: has 3 entries, not 4)"),
         ("results", _uneven_curve, "(cells.0.surrogate_distributions.jaywalk.pet: has 11 entries, not 10)"),
         ("results", _unknown_field, "results.json: damaged (cells.0.waiting.patience: "),
-        ("ablation", _of_schema_2, "ablation.json: of another version (its schema is not 3)"),
+        ("ablation", _of_schema_3, "ablation.json: of another version (its schema is not 4)"),
         ("episode", _no_seed, "episode.json: damaged (seed: "),
     ],
 )  # fmt: skip

@@ -45,7 +45,7 @@ def test_a_touch_beside_a_near_miss():
     assert (_share(jaywalk.pet, 1.0), _share(jaywalk.pet, 1.5)) == (0.5, 1.0)
     assert set(jaywalk.drac.value) == {0.5}
     assert (_share(jaywalk.min_distance, 1.5), _share(jaywalk.min_distance, 15.0)) == (0.5, 1.0)
-    assert (jaywalk.pet.low[0], jaywalk.pet.high[0]) == (0.0, 1.0)
+    assert (jaywalk.pet.low[0], jaywalk.pet.high[0]) == pytest.approx((0, 1))  # two episodes
     assert found.crosswalk.ttc.count == 0
     assert set(found.crosswalk.ttc.value + found.crosswalk.ttc.low) == {None}
 

@@ -13,39 +13,12 @@ from jaxwalk.metrics.statistics import (
     Estimate,
     bootstrap_by_episode,
     episode_sums,
-    holm,
-    interquartile_mean,
     interval,
     kaplan_meier_median,
-    mcnemar,
-    over_seeds,
+    mean_of,
     quantile,
     ratio,
-    wilson,
 )
-
-
-def test_wilson_of_the_papers_14_percent():
-    rate = wilson(70, 500)
-    assert (rate.value, rate.low, rate.high) == (0.14, pytest.approx(0.112, abs=5e-4), pytest.approx(0.173, abs=5e-4))
-
-
-def test_wilson_at_the_edges():
-    assert wilson(0, 0).value is None
-    assert (wilson(0, 10).low, wilson(10, 10).high) == (0, pytest.approx(1))
-    # a single success: centre (1 + z^2 / 2) / (1 + z^2), half width z / 2 * |z| / (1 + z^2)
-    z2 = stats.norm.ppf(0.975) ** 2
-    assert wilson(1, 1).low == pytest.approx(1 / (1 + z2))
-
-
-def test_mcnemar():
-    # 9 against 1 of 10 discordant pairs: 2 * (1 + 10) / 2^10
-    a = np.array([True] * 9 + [False] + [True] * 5)
-    b = np.array([False] * 9 + [True] + [True] * 5)
-    assert mcnemar(a, b) == pytest.approx(22 / 1024)
-    assert mcnemar(a, a) == 1.0
-    with pytest.raises((ValueError, TypeError)):  # TypeError: where shapes are checked
-        mcnemar(a, b[1:])
 
 
 def test_bootstrap_of_a_mean_is_near_the_normal_interval():
@@ -93,13 +66,6 @@ def test_draws_of_many_episodes_are_made_in_parts_and_are_as_good(monkeypatch):
     assert (episode_sums(columns, resamples=20, seed=4)["x"][1:] != parts["x"][1:21]).any()
 
 
-def test_holm_on_a_worked_example():
-    # Holm's procedure by hand: 0.005 x 4, 0.01 x 3, 0.03 x 2, and 0.04 x 1 is raised to the one before
-    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx((0.03, 0.06, 0.06, 0.02))
-    assert holm([0.9, 0.8]) == (1.0, 1.0)
-    assert holm([]) == ()
-
-
 def test_ends_of_an_interval_are_percentiles_of_the_resamples():
     found = interval(np.concatenate([[7.0], np.arange(1001.0)]), 3)
     assert (found.value, found.low, found.high, found.count) == (7, pytest.approx(25), pytest.approx(975), 3)
@@ -110,51 +76,16 @@ def test_ratio_and_interval_of_what_is_undefined():
     assert interval(np.array([np.nan, 1.0]), 3).value is None
 
 
-def test_interquartile_mean_drops_a_quarter_at_either_end():
-    assert interquartile_mean(np.array([100.0, 1, 2, 3, -50])) == 2
-    assert interquartile_mean(np.array([0.0, 1, 5])) == 2  # a quarter of three is nobody
-    assert interquartile_mean(np.array([[1.0, 2, 3, 9], [4, 4, 4, np.nan]])).tolist()[0] == 2.5
-    assert np.isnan(interquartile_mean(np.array([4.0, 4, 4, np.nan])))
-
-
-def test_over_seeds_of_one_seed_is_the_bootstrap_by_episode():
-    over, under = np.random.default_rng(2).random((2, 1, 50))
-    found = over_seeds(over, under)
-    alone = bootstrap_by_episode(over[0], under[0])
-    assert (found.mean.value, found.mean.low, found.mean.high) == (alone.value, alone.low, alone.high)
-    assert found.iqm == found.mean
-    assert found.each == (alone.value,)
-
-
-def test_over_seeds_where_only_seeds_differ():
-    """No episode matters: the ends are quantiles of means of five seeds drawn from 0, 0, 0, 0 and 1."""
-    rates = np.repeat(np.eye(5)[0][:, None], 40, axis=1)
-    found = over_seeds(rates, np.ones_like(rates), resamples=4000)
-    assert (found.mean.value, found.iqm.value, found.mean.count) == (0.2, 0, 5)
-    assert found.each == (1, 0, 0, 0, 0)
-    often = stats.binom(5, 0.2).ppf([0.025, 0.975]) / 5
-    assert (found.mean.low, found.mean.high) == pytest.approx(tuple(often))
-
-
-def test_over_seeds_where_only_scenarios_differ():
-    """Every seed ends alike in the same scenario: more seeds tell nothing more."""
-    ends = (np.random.default_rng(3).random(400) < 0.3).astype(float)
-    found = over_seeds(np.tile(ends, (5, 1)), np.ones((5, 400)))
-    alone = over_seeds(ends[None], np.ones((1, 400)))
-    assert (found.mean.low, found.mean.high) == pytest.approx((alone.mean.low, alone.mean.high))
-
-
-def test_two_seeds_do_not_tell_how_much_seeds_differ():
-    found = over_seeds(np.ones((2, 30)), np.ones((2, 30)))
-    assert (found.mean.value, found.mean.low, found.iqm.low) == (1, None, None)
-    three = over_seeds(np.ones((3, 30)), np.ones((3, 30)))
-    assert (three.mean.low, three.mean.high) == (1, 1)
-
-
-def test_a_seed_without_a_number_leaves_none_over_seeds():
-    found = over_seeds(np.ones((3, 4)), np.array([[0.0] * 4, [1] * 4, [2] * 4]))
-    assert (found.mean.value, found.iqm.value) == (None, None)
-    assert found.each == (None, 1, 0.5)
+def test_mean_of_has_the_t_interval():
+    # 1, 2, 3: standard error 1 / sqrt(3), t with 2 degrees of freedom is 4.303
+    found = mean_of(np.array([1.0, 2.0, 3.0]))
+    assert (found.value, found.count) == (2, 3)
+    assert (found.low, found.high) == pytest.approx((2 - 4.303 / 3**0.5, 2 + 4.303 / 3**0.5), abs=1e-3)
+    assert mean_of(np.array([1.0, 2.0, 3.0]), within=(0.0, 4.0)).low == 0
+    assert mean_of(np.array([1.0, 2.0, 3.0]), within=(0.0, 4.0)).high == 4
+    assert mean_of(np.array([7.0, 7.0])) == Estimate(7.0, None, None, 2)
+    assert mean_of(np.array([7.0])) == Estimate(7.0, None, None, 1)
+    assert mean_of(np.array([])) == Estimate(None, None, None, 0)
 
 
 def test_quantile_interval_covers():

@@ -98,10 +98,10 @@ def test_every_table_is_there_and_has_as_many_cells_as_columns(page):
 def test_what_stands_in_it(page):
     assert "2 scenarios of seed 5 for every driver and population, hash 0123456789abcdef" in page
     assert "Made at commit abc123 on an abacus, jax 0.10.2." in page
-    assert "| mine among always-go | 50.0 [9.5, 90.5] | 50.0 [9.5, 90.5] | 0.00 [0.00, 65.76] |" in page
+    assert "| mine among always-go | 50.0 [1.3, 98.7] | 50.0 [1.3, 98.7] | 0.00 [0.00, 84.19] |" in page
     assert "| other among always-go x 1 |" in page
     by_pedestrian = (
-        "| mine among always-go | jaywalk | 1 | 0.00 [0.00, 79.35] | 0.00 [0.00, 79.35] | 100.00 [20.65, 100.00]"
+        "| mine among always-go | jaywalk | 1 | 0.00 [0.00, 97.50] | 0.00 [0.00, 97.50] | 100.00 [2.50, 100.00]"
     )
     assert by_pedestrian in page
     assert "| 14 and 16 | 5,006 |" in page

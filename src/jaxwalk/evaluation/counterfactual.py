@@ -19,7 +19,7 @@ from jaxwalk.evaluation.batches import BATCH, Progress
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.evaluation.playing import play
 from jaxwalk.interfaces import Policy, Roles
-from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, wilson
+from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, proportion
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
 from jaxwalk.policies import Oracle
 from jaxwalk.scenarios import Source
@@ -274,6 +274,6 @@ def _avoidable(table: Counterfactuals, mine: Bool[np.ndarray, "collision"]) -> A
     avoided = {}
     for change in CHANGES:
         applies = mine & getattr(table, f"{change}_applies", True)
-        avoided[change] = wilson((getattr(table, change) & applies).sum(), applies.sum())
-    labels = {label: wilson((mine & (table.label == label)).sum(), count) for label in LABELS}
+        avoided[change] = proportion((getattr(table, change) & applies).sum(), applies.sum())
+    labels = {label: proportion((mine & (table.label == label)).sum(), count) for label in LABELS}
     return Avoidable(count, labels, avoided)

@@ -94,9 +94,10 @@ class PairedSeeds:
     only_a: int
     only_b: int
     difference: Interval
-    """Rate of B minus rate of A, with the interval over seeds and scenarios."""
-    p: float
-    """Exact McNemar p-value, two-sided, over all pairs."""
+    """Rate of B minus rate of A; of several training seeds, with the interval for other seeds and scenarios."""
+    p: float | None
+    """Two-sided p-value: of one pair of policies the exact McNemar test, of several training seeds the t-test over
+    seeds, in the same scenarios. None if there are too few seeds to judge."""
 
 
 @dataclass(frozen=True)

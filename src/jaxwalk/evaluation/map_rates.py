@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxwalk.evaluation.document_parts import Interval
-from jaxwalk.metrics import OUTCOMES, Rows, bootstrap_by_episode, wilson
+from jaxwalk.metrics import OUTCOMES, Rows, bootstrap_by_episode, proportion
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ def _rates(name: str, rows: Rows, here: np.ndarray) -> MapRates:
     return MapRates(
         map=name,
         episodes=count,
-        goal_rate=Interval.of(wilson(goal.sum(), count)),
-        collision_rate=Interval.of(wilson(collision.sum(), count)),
-        timeout_rate=Interval.of(wilson((~goal & ~collision).sum(), count)),
+        goal_rate=Interval.of(proportion(goal.sum(), count)),
+        collision_rate=Interval.of(proportion(collision.sum(), count)),
+        timeout_rate=Interval.of(proportion((~goal & ~collision).sum(), count)),
         mean_time_to_goal=Interval.of(bootstrap_by_episode(time, goal)),
     )

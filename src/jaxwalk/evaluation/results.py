@@ -33,7 +33,7 @@ from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.wording import counted
 
-SCHEMA = 3
+SCHEMA = 4
 """Version of the JSON document; it changes when reports need something new."""
 
 

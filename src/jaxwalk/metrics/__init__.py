@@ -4,6 +4,7 @@ Metrics are objects: ``rows[OUTCOMES]`` and ``summary[OUTCOMES]`` are what `OUTC
 """
 
 from jaxwalk.metrics.attribution import ATTRIBUTION
+from jaxwalk.metrics.counts import clustered_share, proportion, rate, rate_ratio
 from jaxwalk.metrics.crossings import CROSSINGS
 from jaxwalk.metrics.decisions import JAYWALK_RATE
 from jaxwalk.metrics.encounters import ENCOUNTERS
@@ -11,22 +12,13 @@ from jaxwalk.metrics.measurement import Summary, measure, summarise
 from jaxwalk.metrics.meetings import MEETINGS
 from jaxwalk.metrics.metric import Finding, Metric, MetricTable, NoRows, Recording, Rows, Sums
 from jaxwalk.metrics.outcomes import OUTCOMES
+from jaxwalk.metrics.over_seeds import FEWEST_SEEDS, OverSeeds, crossed_mean, interquartile_mean, over_seeds
+from jaxwalk.metrics.paired_tests import holm, mcnemar, paired_difference
 from jaxwalk.metrics.power import scenarios_needed
 from jaxwalk.metrics.registry import METRICS
 from jaxwalk.metrics.severity import SURROGATE_DISTRIBUTIONS
 from jaxwalk.metrics.speed_differential import PLACEBO, SPEED_DIFFERENTIAL
-from jaxwalk.metrics.statistics import (
-    Estimate,
-    OverSeeds,
-    Rate,
-    bootstrap_by_episode,
-    holm,
-    interquartile_mean,
-    kaplan_meier_median,
-    mcnemar,
-    over_seeds,
-    wilson,
-)
+from jaxwalk.metrics.statistics import Estimate, Rate, bootstrap_by_episode, kaplan_meier_median
 from jaxwalk.metrics.surrogate import SURROGATES
 from jaxwalk.metrics.waiting import WAITING
 
@@ -34,6 +26,7 @@ __all__ = [
     "ATTRIBUTION",
     "CROSSINGS",
     "ENCOUNTERS",
+    "FEWEST_SEEDS",
     "JAYWALK_RATE",
     "MEETINGS",
     "METRICS",
@@ -55,13 +48,18 @@ __all__ = [
     "Summary",
     "Sums",
     "bootstrap_by_episode",
+    "clustered_share",
+    "crossed_mean",
     "holm",
     "interquartile_mean",
     "kaplan_meier_median",
     "mcnemar",
     "measure",
     "over_seeds",
+    "paired_difference",
+    "proportion",
+    "rate",
+    "rate_ratio",
     "scenarios_needed",
     "summarise",
-    "wilson",
 ]

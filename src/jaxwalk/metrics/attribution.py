@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
+from jaxwalk.metrics.counts import clustered_share, proportion, rate, rate_ratio
 from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, Crossings, RoadSteps, count_by_type
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.outcomes import OUTCOMES
-from jaxwalk.metrics.statistics import Estimate, interval, ratio
+from jaxwalk.metrics.statistics import Estimate, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.trajectory import Trajectory
@@ -41,7 +42,8 @@ class Risk:
     """Collisions per unit of exposure; the count is the number of collisions."""
     jaywalk: Estimate
     ratio: Estimate
-    """Jaywalk rate over crosswalk rate: 1 if both are equally dangerous; the count is the collisions of both types."""
+    """Jaywalk rate over crosswalk rate: 1 if both are equally dangerous; the count is the collisions of both types.
+    Without a collision on a crosswalk it has no value and no upper end, but a lower end."""
 
 
 @dataclass(frozen=True)
@@ -81,29 +83,36 @@ def exposure_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_attribution(rows: Rows, sums: Sums) -> Attribution:
     """Return jaywalking's share of the collisions, and the risks on each scale of exposure."""
-    own, hits = sums[ATTRIBUTION], sums[OUTCOMES]["contacts"][:, : len(TYPES)]
-    both = hits.sum(axis=1)
+    own, hits = sums[ATTRIBUTION], sums[OUTCOMES]["contacts"][0, : len(TYPES)]
+    found = proportion(hits[JAYWALK - 1], hits.sum())
+    table = rows[ATTRIBUTION]
+    crossed, near = _episodes(table.crossings), _episodes(table.near_frames)
+    met = _episodes(count_by_type(rows[ENCOUNTERS].episode, rows[ENCOUNTERS].type, rows.episodes))
     return Attribution(
-        share=interval(ratio(hits[:, JAYWALK - 1], both), both[0]),
-        per_crossing=_risk(hits, own["crossings"]),
-        per_encounter=_risk(hits, sums[ENCOUNTERS]["encounters"]),
-        per_second=_risk(hits, own["road_time"]),
-        per_second_near=_risk(hits, own["near_time"]),
+        share=Estimate(found.value, found.low, found.high, found.trials),
+        per_crossing=_risk(hits, own["crossings"], crossed),
+        per_encounter=_risk(hits, sums[ENCOUNTERS]["encounters"], met),
+        per_second=_risk(hits, own["road_time"], crossed),
+        per_second_near=_risk(hits, own["near_time"], near),
     )
 
 
-def _risk(hits: np.ndarray, exposure: np.ndarray) -> Risk:
-    """Return the rates and their ratio, from resampled sums of shape (resample, type)."""
-    rate = ratio(hits, exposure)
-    crosswalk, jaywalk = rate[:, CROSSWALK - 1], rate[:, JAYWALK - 1]
-    whole = exposure.sum(axis=1)
+def _episodes(exposure: Int[np.ndarray, "episode type"]) -> int:
+    """Return the number of episodes with any exposure."""
+    return int(exposure.any(axis=1).sum())
+
+
+def _risk(hits: Float[np.ndarray, "type"], exposure: Float[np.ndarray, "draw type"], episodes: int) -> Risk:
+    """Return the rates and their ratio; only jaywalking's share of the exposure is taken as uncertain."""
+    crosswalk, jaywalk = exposure[0].tolist()
+    share = ratio(exposure[:, JAYWALK - 1], exposure.sum(axis=1))
     return Risk(
-        exposure_crosswalk=float(exposure[0, CROSSWALK - 1]),
-        exposure_jaywalk=float(exposure[0, JAYWALK - 1]),
-        share=interval(ratio(exposure[:, JAYWALK - 1], whole), whole[0]),
-        crosswalk=interval(crosswalk, hits[0, CROSSWALK - 1]),
-        jaywalk=interval(jaywalk, hits[0, JAYWALK - 1]),
-        ratio=interval(ratio(jaywalk, crosswalk), hits[0].sum()),
+        exposure_crosswalk=crosswalk,
+        exposure_jaywalk=jaywalk,
+        share=clustered_share(share, crosswalk + jaywalk, episodes),
+        crosswalk=rate(hits[CROSSWALK - 1], crosswalk),
+        jaywalk=rate(hits[JAYWALK - 1], jaywalk),
+        ratio=rate_ratio((hits[CROSSWALK - 1], hits[JAYWALK - 1]), (crosswalk, jaywalk)),
     )
 
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from jaxwalk.metrics.counts import proportion
 from jaxwalk.metrics.crossings import real_frames
 from jaxwalk.metrics.metric import Metric, Rows, Sums
-from jaxwalk.metrics.statistics import Rate, wilson
+from jaxwalk.metrics.statistics import Rate
 from jaxwalk.sim.crossing_kind import JAYWALK, NO_CROSSING
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -66,8 +67,8 @@ def summarise_decisions(rows: Rows, sums: Sums) -> JaywalkRate:
     jaywalk = table.type[known] == JAYWALK
     quarter = np.clip(np.floor(table.tau[known] * QUARTERS), 0, QUARTERS - 1)
     return JaywalkRate(
-        all=wilson(jaywalk.sum(), len(jaywalk)),
-        quarters=tuple(wilson(jaywalk[quarter == q].sum(), (quarter == q).sum()) for q in range(QUARTERS)),
+        all=proportion(jaywalk.sum(), len(jaywalk)),
+        quarters=tuple(proportion(jaywalk[quarter == q].sum(), (quarter == q).sum()) for q in range(QUARTERS)),
         unknown=int(table.made.sum()) - len(jaywalk),
     )
 

@@ -8,9 +8,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN, braking_times
+from jaxwalk.metrics.counts import proportion
 from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, ByType, Crossings, RoadSteps, count_by_type
 from jaxwalk.metrics.metric import Metric, Rows, Sums
-from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio, wilson
+from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio
 from jaxwalk.sim.trajectory import Trajectory
 
 
@@ -135,7 +136,7 @@ def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> Encounter
     counts = {code: int((status == code).sum()) for code in (NEVER, ONSET, ALREADY, STANDING, UNSEEN)}
     return EncounterSummary(
         count=len(status),
-        collided=wilson(table.collided[mine].sum(), len(status)),
+        collided=proportion(table.collided[mine].sum(), len(status)),
         minimum_approach=quantile(table.min_distance[mine], 0.05),
         braking=Braking(
             median=kaplan_meier_median(table.braking_time[mine][watched], status[watched] == ONSET),

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from jaxwalk.metrics.counts import proportion, rate
 from jaxwalk.metrics.crossings import crossing_type, real_frames
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric, Rows, Sums
-from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio, wilson
+from jaxwalk.metrics.statistics import Estimate, Rate, interval, mean_of, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
 from jaxwalk.sim.trajectory import Trajectory
@@ -150,51 +152,50 @@ def outcome_columns(rows: Rows) -> dict[str, np.ndarray]:
         "km": table.driven / 1000,
         "collisions": np.stack([table.collision, table.moving, table.collision & ~table.moving], axis=1),
         "contacts": contacts,
-        "impact": np.where(contacts, np.nan_to_num(table.impact_speed)[:, None], 0),
     }
 
 
 def summarise_outcomes(rows: Rows, sums: Sums) -> Outcomes:
     """Return how the episodes ended."""
-    table, own, encounters = rows[OUTCOMES], sums[OUTCOMES], sums[ENCOUNTERS]["encounters"].sum(axis=1)
+    table, own, encounters = rows[OUTCOMES], sums[OUTCOMES], int(sums[ENCOUNTERS]["encounters"][0].sum())
     episodes, goals, collisions = len(table.goal), int(table.goal.sum()), int(table.collision.sum())
     spread = table.steps[table.goal].std(ddof=1) * rows.dt / np.sqrt(goals) if goals > 1 else None
-    kinds = [_collision_rates(hits, own["km"], encounters, episodes) for hits in np.moveaxis(own["collisions"], 1, 0)]
-    impact = ratio(own["impact"], own["contacts"])
-    contacts = [_contact(table, kind, impact[:, kind - 1], collisions) for kind in CONTACTS]
+    kilometres = float(own["km"][0])
+    kinds = [_collision_rates(int(hits), episodes, kilometres, encounters) for hits in own["collisions"][0]]
+    contacts = [_contact(table, kind, collisions) for kind in CONTACTS]
     return Outcomes(
-        goal=wilson(goals, episodes),
-        collision=wilson(collisions, episodes),
-        timeout=wilson((~table.goal & ~table.collision).sum(), episodes),
+        goal=proportion(goals, episodes),
+        collision=proportion(collisions, episodes),
+        timeout=proportion((~table.goal & ~table.collision).sum(), episodes),
         time_to_goal=interval(ratio(own["goal_time"], own["goals"]), goals),
         time_to_goal_error=None if spread is None else float(spread),
-        kilometres=float(own["km"][0]),
-        encounters=int(encounters[0]),
+        kilometres=kilometres,
+        encounters=encounters,
         all=kinds[0],
         moving=kinds[1],
         standing=kinds[2],
-        impact_speed=interval(ratio(own["impact"].sum(axis=1), own["contacts"].sum(axis=1)), collisions),
+        impact_speed=_speeds(table.impact_speed[table.collision]),
         crosswalk=contacts[0],
         jaywalk=contacts[1],
         sidewalk=contacts[2],
     )
 
 
-def _collision_rates(hits: np.ndarray, km: np.ndarray, encounters: np.ndarray, episodes: int) -> CollisionRates:
-    """Return the rates of one kind of collision, from resampled sums."""
-    count = int(hits[0])
-    return CollisionRates(
-        per_episode=wilson(count, episodes),
-        per_km=interval(ratio(hits, km), count),
-        per_encounter=interval(ratio(hits, encounters), count),
-    )
+def _collision_rates(count: int, episodes: int, kilometres: float, encounters: int) -> CollisionRates:
+    """Return the rates of one kind of collision."""
+    return CollisionRates(proportion(count, episodes), rate(count, kilometres), rate(count, encounters))
 
 
-def _contact(table: Episodes, kind: int, impact: np.ndarray, collisions: int) -> Contact:
-    """Summarise the collisions of one contact type; ``impact`` is the resampled mean impact speed [m/s]."""
+def _contact(table: Episodes, kind: int, collisions: int) -> Contact:
+    """Summarise the collisions of one contact type."""
     mine = table.contact == kind
     count, moving = int(mine.sum()), int((mine & table.moving).sum())
-    return Contact(wilson(count, collisions), moving, count - moving, interval(impact, count))
+    return Contact(proportion(count, collisions), moving, count - moving, _speeds(table.impact_speed[mine]))
+
+
+def _speeds(speed: Float[np.ndarray, "collision"]) -> Estimate:
+    """Return the mean of speeds [m/s]; there is at most one collision per episode, so they are independent."""
+    return mean_of(speed, within=(0.0, math.inf))
 
 
 OUTCOMES = Metric(

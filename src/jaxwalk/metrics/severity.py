@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
+from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.crossings import TYPES, ByType, count_by_type
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric, NoRows, Rows, Sums
-from jaxwalk.metrics.statistics import interval, ratio
+from jaxwalk.metrics.statistics import ratio
 from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CLOSE, PET_CRITICAL, SURROGATES, TTC_CRITICAL
 
 THRESHOLDS: dict[str, tuple[float, ...]] = {
@@ -29,7 +30,7 @@ THRESHOLDS: dict[str, tuple[float, ...]] = {
 
 @dataclass(frozen=True)
 class Distribution:
-    """The share of a type's encounters beyond each threshold, with its bootstrap interval; None without encounters."""
+    """The share of a type's encounters beyond each threshold, with its interval; None without encounters."""
 
     threshold: tuple[float, ...]
     value: tuple[float | None, ...]
@@ -73,13 +74,20 @@ def distribution_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_distributions(rows: Rows, sums: Sums) -> ByType[Distributions]:
     """Return the distributions of all encounters, by type."""
-    return ByType(*(Distributions(**{name: _distribution(name, kind, sums) for name in THRESHOLDS}) for kind in TYPES))
+    table = rows[SURROGATES]
+    met = count_by_type(table.episode, table.type, rows.episodes).astype(bool).sum(axis=0).tolist()
+    return ByType(
+        *(
+            Distributions(**{name: _distribution(name, kind, sums, met[kind - 1]) for name in THRESHOLDS})
+            for kind in TYPES
+        )
+    )
 
 
-def _distribution(name: str, kind: int, sums: Sums) -> Distribution:
+def _distribution(name: str, kind: int, sums: Sums, episodes: int) -> Distribution:
     own = sums[SURROGATE_DISTRIBUTIONS]
     met, beyond = own["met"][:, kind - 1], own[name][:, kind - 1]
-    shares = [interval(ratio(column, met), met[0]) for column in beyond.T]
+    shares = [clustered_share(ratio(column, met), met[0], episodes) for column in beyond.T]
     return Distribution(
         threshold=THRESHOLDS[name],
         value=tuple(x.value for x in shares),

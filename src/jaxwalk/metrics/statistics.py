@@ -1,4 +1,6 @@
-"""Estimate how certain numbers are: intervals of rates, ratios, quantiles and waiting times; tests of paired data.
+"""Estimate how certain numbers are: intervals of means, ratios of sums, quantiles and waiting times.
+
+Counts and shares of counts have their own (`metrics.counts`), and so do numbers over training seeds.
 
 A number that does not exist (a division by zero, a median never reached) is None, never NaN: JSON has null.
 """
@@ -6,9 +8,9 @@ A number that does not exist (a division by zero, a median never reached) is Non
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, SupportsInt, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float, Shaped
@@ -19,8 +21,8 @@ RESAMPLES = 1000
 """Default number of bootstrap resamples."""
 CHUNK = 2**14
 """Number of episodes resampled at once: with 1,000 resamples, 125 MiB."""
-FEWEST_SEEDS = 3
-"""Fewer training seeds than this (but more than one) give no interval: their spread is unknown."""
+CONFIDENCE = 0.95
+"""Level of all intervals."""
 
 
 @dataclass(frozen=True)
@@ -44,49 +46,6 @@ class Estimate:
     high: float | None
     count: int
     """Number of observations behind the number; its place in the summary says what they are."""
-
-
-@dataclass(frozen=True)
-class OverSeeds:
-    """A number over several training seeds; the counts are numbers of seeds."""
-
-    mean: Estimate
-    iqm: Estimate
-    """Interquartile mean."""
-    each: tuple[float | None, ...]
-    """The number of each seed."""
-
-
-def wilson(successes: SupportsInt, trials: SupportsInt, confidence: float = 0.95) -> Rate:
-    """Return the share of successes with its Wilson score interval."""
-    successes, trials = int(successes), int(trials)
-    if trials == 0:
-        return Rate(None, None, None, 0, 0)
-    interval = stats.binomtest(successes, trials).proportion_ci(confidence, method="wilson")
-    return Rate(successes / trials, float(interval.low), float(interval.high), successes, trials)
-
-
-def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float:
-    """Return the exact two-sided p-value for equal rates of two yes-no outcomes of the same trials (1 if all agree)."""
-    a, b = np.asarray(a, bool), np.asarray(b, bool)
-    if a.shape != b.shape:
-        raise ValueError(f"paired outcomes need equal lengths, not {a.shape} and {b.shape}")
-    only_a, only_b = int((a & ~b).sum()), int((b & ~a).sum())
-    if only_a + only_b == 0:
-        return 1.0
-    return float(stats.binomtest(only_a, only_a + only_b, 0.5).pvalue)
-
-
-def holm(p: Sequence[float]) -> tuple[float, ...]:
-    """Return the adjusted p-values of a family of tests, in the same order (Holm, 1979).
-
-    With probability at least 1 - alpha, every true null hypothesis has an adjusted p-value above alpha.
-    """
-    order = np.argsort(p, kind="stable")
-    worse = np.maximum.accumulate(np.asarray(p, np.float64)[order] * np.arange(len(p), 0, -1))
-    adjusted = np.empty(len(p))
-    adjusted[order] = np.minimum(worse, 1)
-    return tuple(adjusted.tolist())
 
 
 def episode_sums(
@@ -169,45 +128,22 @@ def bootstrap_by_episode(
     return interval(ratio(sums["over"], sums["under"]), count, confidence=confidence)
 
 
-def interquartile_mean(values: Float[np.ndarray, "*draw seed"]) -> Float[np.ndarray, "*draw"]:
-    """Return the mean without the lowest and the highest quarter of the values (of fewer than four values: of all).
+def mean_of(
+    values: Shaped[np.ndarray, "observation"], *, within: tuple[float, float] = (-math.inf, math.inf)
+) -> Estimate:
+    """Return the mean of independent values with its t-interval, cut at the limits ``within`` of what it can be.
 
-    The result is NaN if any value is. Agarwal et al. (2021), *Deep reinforcement learning at the edge of the
-    statistical precipice*.
+    A single value, or equal ones, have no interval: their spread is unknown.
     """
     values = np.asarray(values, np.float64)
-    mean = stats.trim_mean(values, 0.25, axis=-1)
-    return np.where(np.isnan(values).any(axis=-1), np.nan, mean)  # an older SciPy treats NaN as the largest value
-
-
-def over_seeds(
-    numerator: Shaped[np.ndarray, "seed episode"],
-    denominator: Shaped[np.ndarray, "seed episode"],
-    *,
-    resamples: int = RESAMPLES,
-    confidence: float = 0.95,
-    seed: int = 0,
-) -> OverSeeds:
-    """Return each training seed's sum of numerators over sum of denominators, their mean and interquartile mean.
-
-    The intervals are percentile intervals; seeds and episodes are resampled. All seeds play the same scenarios, so a
-    scenario that is drawn is drawn for every seed (Owen, 2007, *The pigeonhole bootstrap*). If scenarios were drawn for
-    each seed separately, effects of the shared scenarios would seem to average out over seeds. With one seed the
-    interval is that over episodes; with more, but fewer than `FEWEST_SEEDS`, there is none.
-    """
-    columns = {"over": np.transpose(numerator), "under": np.transpose(denominator)}
-    sums = episode_sums(columns, resamples=resamples, seed=seed)
-    values = ratio(sums["over"], sums["under"])
-    each, seeds = values[0], values.shape[1]
-    drawn = np.random.default_rng((seed, seeds)).integers(0, seeds, values[1:].shape)
-    values[1:] = np.take_along_axis(values[1:], drawn, axis=1)
-    if 1 < seeds < FEWEST_SEEDS:
-        values[1:] = np.nan
-    return OverSeeds(
-        mean=interval(values.mean(axis=1), seeds, confidence=confidence),
-        iqm=interval(interquartile_mean(values), seeds, confidence=confidence),
-        each=tuple(_finite(value) for value in each),
-    )
+    if len(values) == 0:
+        return Estimate(None, None, None, 0)
+    value = float(values.mean())
+    error = float(values.std(ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else 0.0
+    if error == 0:
+        return Estimate(value, None, None, len(values))
+    half = float(stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1)) * error
+    return Estimate(value, max(value - half, within[0]), min(value + half, within[1]), len(values))
 
 
 def quantile(values: Shaped[np.ndarray, "observation"], p: float, *, confidence: float = 0.95) -> Estimate:

@@ -13,11 +13,12 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from jaxwalk.metrics.conflict_areas import Steps, conflict_areas, crossing_steps, finite, second_arrivals
+from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.crossings import TYPES, ByType, count_by_type
 from jaxwalk.metrics.encounters import ENCOUNTERS, Encounters
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
 from jaxwalk.metrics.metric import Metric, Recording, Rows, Sums
-from jaxwalk.metrics.statistics import Estimate, interval, quantile, ratio
+from jaxwalk.metrics.statistics import Estimate, interval, mean_of, quantile, ratio
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -140,7 +141,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class SurrogateSummary:
-    """The encounters of one type. Shares are over all encounters; means and shares have bootstrap intervals."""
+    """The encounters of one type. Shares are over all encounters."""
 
     count: int
     ttc: Spread
@@ -173,57 +174,74 @@ class SurrogateSummary:
     """Mean risk of death for those hit, after Rosén and Sander (2009)."""
 
 
-SHARES = ("ttc_critical", "pet_critical", "pet_close", "drac_critical", "exposed_time")
-RISKS = ("impact_speed", "mais3", "fatal", "fatal_rosen_sander")
+SHARES = {
+    "ttc_critical": "met",
+    "pet_critical": "met",
+    "pet_close": "met",
+    "drac_critical": "met",
+    "pedestrian_first": "one_first",
+}
+"""Shares of the summary, and what each is a share of."""
+RISKS = {"mais3": monfort_mueller_mais3, "fatal": monfort_mueller_fatal, "fatal_rosen_sander": rosen_sander_fatal}
+"""Mean risks of those hit by a moving car. Their intervals are over those who were hit, and leave out how uncertain the
+curves are: the standard errors of their coefficients were not at hand (``docs/metrics.md``)."""
 
 
 def surrogate_columns(rows: Rows) -> dict[str, np.ndarray]:
     """Return, per episode and type, the sums behind every share and mean of the summary."""
     table = rows[SURROGATES]
-    hit, speed = ~np.isnan(table.impact_speed), np.nan_to_num(table.impact_speed)
     sums = {
-        "met": np.ones(len(speed)),
+        **_trials(table),
         "ttc_critical": table.ttc < TTC_CRITICAL,
         "pet_critical": np.abs(table.pet) < PET_CRITICAL,
         "pet_close": np.abs(table.pet) < PET_CLOSE,
         "drac_critical": table.drac > DRAC_CRITICAL,
         "exposed_time": table.exposed_time,
         "pedestrian_first": table.pet > 0,
-        "one_first": np.abs(table.pet) > 0,
-        "hit": hit,
-        "impact_speed": speed,
-        "mais3": hit * monfort_mueller_mais3(speed),
-        "fatal": hit * monfort_mueller_fatal(speed),
-        "fatal_rosen_sander": hit * rosen_sander_fatal(speed),
     }
     return {name: count_by_type(table.episode, table.type, rows.episodes, values) for name, values in sums.items()}
 
 
 def summarise_surrogates(rows: Rows, sums: Sums) -> ByType[SurrogateSummary]:
     """Return the surrogates of all encounters, by type."""
-    return ByType(*(_summarise_type(rows[SURROGATES], kind, sums[SURROGATES]) for kind in TYPES))
+    table = rows[SURROGATES]
+    tried = {
+        name: count_by_type(table.episode, table.type, rows.episodes, trial).astype(bool).sum(axis=0)
+        for name, trial in _trials(table).items()
+    }
+    return ByType(*(_summarise_type(table, kind, sums[SURROGATES], tried) for kind in TYPES))
 
 
-def _summarise_type(table: Surrogates, kind: int, sums: Mapping[str, np.ndarray]) -> SurrogateSummary:
-    """Return the surrogates of one type."""
+def _trials(table: Surrogates) -> dict[str, np.ndarray]:
+    """Return which encounters are counted below the line of each of `SHARES`."""
+    return {"met": np.ones(len(table.type)), "one_first": np.abs(table.pet) > 0}
 
-    def mean(name: str, over: str) -> Estimate:
-        count = sums[over][:, kind - 1]
-        return interval(ratio(sums[name][:, kind - 1], count), int(count[0]))
+
+def _summarise_type(
+    table: Surrogates, kind: int, sums: Mapping[str, np.ndarray], episodes: Mapping[str, np.ndarray]
+) -> SurrogateSummary:
+    """Return the surrogates of one type; ``episodes`` is the number of those with a trial of each share, by type."""
+    own = {name: column[:, kind - 1] for name, column in sums.items()}
+    mine = table.type == kind
+    hit = table.impact_speed[mine & ~np.isnan(table.impact_speed)]
+
+    def share(name: str, over: str) -> Estimate:
+        return clustered_share(ratio(own[name], own[over]), own[over][0], episodes[over][kind - 1])
 
     def spread(values: np.ndarray, p: float) -> Spread:
-        known = values[(table.type == kind) & ~np.isnan(values)]
+        known = values[mine & ~np.isnan(values)]
         return Spread(median=quantile(known, 0.5), extreme=quantile(known, p))
 
     return SurrogateSummary(
-        count=int((table.type == kind).sum()),
+        count=int(mine.sum()),
         ttc=spread(table.ttc, 0.05),
         pet=spread(np.abs(table.pet), 0.05),
         t2=spread(table.t2, 0.05),
         drac=spread(table.drac, 0.95),
-        pedestrian_first=mean("pedestrian_first", "one_first"),
-        **{name: mean(name, "met") for name in SHARES},
-        **{name: mean(name, "hit") for name in RISKS},
+        exposed_time=interval(ratio(own["exposed_time"], own["met"]), own["met"][0]),
+        impact_speed=mean_of(hit, within=(0.0, np.inf)),
+        **{name: share(name, over) for name, over in SHARES.items()},
+        **{name: mean_of(curve(hit), within=(0.0, 1.0)) for name, curve in RISKS.items()},
     )
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.crossings import real_frames, runs
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
@@ -179,29 +180,33 @@ def waiting_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_waiting(rows: Rows, sums: Sums) -> Waiting:
     """Return wait rates and the cost of waiting."""
-    own = sums[WAITING]
-    by_setting = _rates(own["waits"], own["moments"])
+    own, table = sums[WAITING], rows[WAITING]
+    by_setting = _rates(own["waits"], own["moments"], table.moments)
+    steps = own["ped_steps"]
     return Waiting(
         danger=by_setting[DANGER],
         harmless=by_setting[HARMLESS],
         other=by_setting[OTHER],
-        by_distance=_bins(DISTANCES, own["distance_waits"], own["distance_moments"]),
-        by_speed=_bins(SPEEDS, own["speed_waits"], own["speed_moments"]),
+        by_distance=_bins(DISTANCES, own["distance_waits"], own["distance_moments"], table.distance_moments),
+        by_speed=_bins(SPEEDS, own["speed_waits"], own["speed_moments"], table.speed_moments),
         pace=interval(ratio(own["walked"], own["ped_time"]), own["walked"][0]),
-        waited=interval(ratio(own["ped_waits"], own["ped_steps"]), own["ped_steps"][0]),
-        longest_stand=int(rows[WAITING].longest_stand.max(initial=0)),
+        waited=clustered_share(ratio(own["ped_waits"], steps), steps[0], (table.ped_steps > 0).sum()),
+        longest_stand=int(table.longest_stand.max(initial=0)),
     )
 
 
-def _rates(waits: Float[np.ndarray, "draw bin"], moments: Float[np.ndarray, "draw bin"]) -> tuple[Estimate, ...]:
-    """Return the share of moments that were waited through, in each bin."""
-    return tuple(interval(ratio(w, m), m[0]) for w, m in zip(waits.T, moments.T, strict=True))
+def _rates(
+    waits: Float[np.ndarray, "draw bin"], moments: Float[np.ndarray, "draw bin"], each: Int[np.ndarray, "episode bin"]
+) -> tuple[Estimate, ...]:
+    """Return the share of moments that were waited through, in each bin; ``each`` has the episodes' moments."""
+    episodes = (each > 0).sum(axis=0)
+    return tuple(clustered_share(ratio(w, m), m[0], n) for w, m, n in zip(waits.T, moments.T, episodes, strict=True))
 
 
-def _bins(edges: tuple[float, ...], waits: np.ndarray, moments: np.ndarray) -> tuple[WaitBin, ...]:
+def _bins(edges: tuple[float, ...], waits: np.ndarray, moments: np.ndarray, each: np.ndarray) -> tuple[WaitBin, ...]:
     """Return wait rates between consecutive edges, from resampled sums of shape (draw, bin, miss)."""
     return tuple(
-        WaitBin(begin=edges[i], end=edges[i + 1], rates=_rates(waits[:, i], moments[:, i]))
+        WaitBin(begin=edges[i], end=edges[i + 1], rates=_rates(waits[:, i], moments[:, i], each[:, i]))
         for i in range(len(edges) - 1)
     )
 

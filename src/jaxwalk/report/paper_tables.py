@@ -49,8 +49,7 @@ def _columns(material: Material, rate: str) -> tuple[str, ...]:
 def _shown(material: Material, number: OverSeeds) -> tuple[str, ...]:
     """Return the cells of these columns."""
     mean = shown(number.mean)
-    iqm = Interval(number.iqm.value, None, None)  # its interval, much like the mean's, is in results.json
-    return (mean, shown(iqm)) if material.several else (mean,)
+    return (mean, shown(Interval(number.iqm, None, None))) if material.several else (mean,)
 
 
 def baselines(material: Material) -> Table:

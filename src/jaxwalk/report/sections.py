@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from jaxwalk.metrics import FEWEST_SEEDS
 from jaxwalk.report.material import ALWAYS_GO, Material
 from jaxwalk.report.published import TRAINED
 
@@ -89,10 +90,11 @@ SECTIONS = (
         "The same scenarios in pairs",
         "",
         "Which of two lets the same scenarios end better? A pair is a scenario (of a "
-        "training seed, if there are several); the last counts are of pairs that end so on one side alone. p is the "
-        "exact McNemar test over all pairs, as if they were independent: it is about these very policies. The "
-        "difference's interval is by bootstrap over scenarios and, of several, over training seeds: then it is about "
-        "training again. Holm's p may be read for all comparisons of the table at once.",
+        "training seed, if there are several); the last counts are of pairs that end so on one side alone. Of one "
+        "training seed, p is the exact McNemar test: it is about these very policies. Of several, p and the "
+        "difference's interval are those of a t-test over the seeds, which all played the same scenarios: they are "
+        f"about training again, and with fewer than {FEWEST_SEEDS} seeds that cannot be judged. Holm's p may be read "
+        "for all comparisons of the table at once.",
         applies=lambda m: bool(m.results.paired),
         table="pairs",
         over_seeds=True,

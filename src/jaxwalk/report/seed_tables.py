@@ -34,10 +34,11 @@ def pairs(material: Material) -> Table:
 
 
 def paired_table(paired: Sequence[PairedSeeds]) -> Table:
-    """Return a row for each result of `jaxwalk.evaluation.paired_over_seeds`; Holm's p covers all of them."""
+    """Return a row for each result of `jaxwalk.evaluation.paired_over_seeds`; Holm's p covers all tests."""
     columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p", "p, Holm")
-    adjusted = holm([found.p for found in paired])
-    return Table(columns, tuple((*_pair(found), p_value(p)) for found, p in zip(paired, adjusted, strict=True)))
+    adjusted = iter(holm([found.p for found in paired if found.p is not None]))
+    rows = ((*_pair(found), p_value(None if found.p is None else next(adjusted))) for found in paired)
+    return Table(columns, tuple(rows))
 
 
 def _pair(found: PairedSeeds) -> tuple[str, ...]:

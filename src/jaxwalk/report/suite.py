@@ -20,9 +20,8 @@ def suite(results: Results, made: Provenance) -> str:
     cells, chosen = results.cells, results.scenarios
     about = (
         f"{chosen.name} for every driver and population, hash "
-        f"{chosen.hash}. Brackets: 95 % intervals; of rates Wilson's, of the smallest distance and the median time "
-        "to braking as if encounters were independent, of all else by bootstrap over episodes. What each number is: "
-        "the page on metrics. A dash: too few cases, or none."
+        f"{chosen.hash}. Brackets: 95 % intervals. What each number is, and how its interval is made: the page on "
+        "metrics. A dash: too few cases, or none."
     )
     versions = ", ".join(f"{name} {version}" for name, version in made.versions.items())
     origin = f"Made at commit {made.commit or 'unknown'} on {made.hardware}, {versions}."
@@ -66,7 +65,8 @@ def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
 ENCOUNTERS_CAPTION = (
     "Shares of encounters with a time to collision below 1.5 s, a post-encroachment time below 1.5 s or a required "
     "deceleration above 3.4 m/s²; the smallest distance; and of those who were hit by a moving car, the mean speed and "
-    "the risk of a serious injury or death (Monfort and Mueller, 2025)."
+    "the risk of a serious injury or death (Monfort and Mueller, 2025), whose interval is over those who were hit: how "
+    "sure the curve itself is, it leaves out."
 )
 ATTRIBUTION_CAPTION = (
     "Collisions with people on a roadway: jaywalking's share of them, beside its share of the crossings; and how many "

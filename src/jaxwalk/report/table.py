@@ -54,10 +54,11 @@ def by_type(found: ByType[T]) -> dict[str, T]:
 def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:
     """Return a number and its interval as in ``14.0 [11.2, 17.3]``.
 
-    ``digits`` after the point are 1 by default, and 2 for a percentage within 1 of 0 or 100.
+    ``digits`` after the point are 1 by default, and 2 for a percentage within 1 of 0 or 100. A ratio over zero events
+    has only a lower end: ``> 2.1``.
     """
     if ours.value is None:
-        return NONE
+        return NONE if ours.low is None else f"> {scale * ours.low:.{digits or 1}f}"
     if digits is None:
         digits = 1 if scale != 100 or 0.01 <= abs(ours.value) <= 0.99 else 2
     value = f"{scale * ours.value:.{digits}f}"
@@ -66,6 +67,12 @@ def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:
     return f"{value} [{scale * ours.low:.{digits}f}, {scale * ours.high:.{digits}f}]"
 
 
-def p_value(p: float) -> str:
+UNJUDGED = "cannot be judged"
+"""Shown for the p-value of too few training seeds."""
+
+
+def p_value(p: float | None) -> str:
     """Return a p-value as in ``0.021``."""
+    if p is None:
+        return UNJUDGED
     return "< 0.001" if p < 0.001 else f"{p:.3f}"

@@ -6,7 +6,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from jaxwalk.metrics.statistics import FEWEST_SEEDS
+from jaxwalk.metrics import FEWEST_SEEDS
 from jaxwalk.report.figures import draw_all
 from jaxwalk.report.latex import write_latex
 from jaxwalk.report.material import Material
@@ -77,8 +77,10 @@ def _seeds(material: Material) -> str:
         return f"one training seed, {seeds[0]}: intervals are over scenarios, and say nothing about training again"
     said = f"{len(seeds)} training seeds, {seeds[0]} to {seeds[-1]}: rates are their means (IQM: interquartile means)"
     if len(seeds) < FEWEST_SEEDS:
-        return f"{said}, without intervals: so few don't tell how much seeds differ"
-    return f"{said}, intervals over training seeds and scenarios"
+        return (
+            f"{said}, without intervals: differences cannot be judged by so few, which don't tell how much seeds differ"
+        )
+    return f"{said}, intervals for other training seeds and scenarios"
 
 
 def _facts(material: Material) -> list[tuple[str, str]]:

@@ -63,7 +63,7 @@ KERB_AXES: dict[str, Callable[[Waiting], tuple[WaitBin, ...]]] = {
 MISSES = {"below 1 m": RED, "1 to 2.5 m": ORANGE, "2.5 to 5 m": SKY, "5 m or more": GRID}
 """The predicted misses, in the order of a bin's rates."""
 FEWEST = 20
-"""Bins with fewer kerb moments are not drawn: if nobody waited there, the bootstrap would show no uncertainty."""
+"""Bins with fewer kerb moments are not drawn: the interval of so few fills half the axis."""
 
 
 def waiting(material: Material) -> Figure:
