@@ -60,7 +60,7 @@ def pytest_configure(config):
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.05)
 
 
-ROOMS = ("experiments", "sim", "learning", "runs", "cli", "evaluation", "adapters", "properties", "exports", "policies")
+ROOMS = ("cli", "learning", "evaluation", "browser", "runs", "sim", "adapters", "policies", "metrics", "experiments")
 """Folders of tests that take long, the longest first; workers begin with them."""
 
 
