@@ -60,7 +60,7 @@ def pytest_configure(config):
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.05)
 
 
-ROOMS = ("experiments", "sim", "learning", "runs", "cli", "evaluation", "adapters", "properties", "exports", "policies")
+ROOMS = ("cli", "learning", "evaluation", "browser", "runs", "sim", "adapters", "policies", "metrics", "experiments")
 """Folders of tests that take long, the longest first; workers begin with them."""
 
 
@@ -113,8 +113,9 @@ def interruptible():
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-AT_ONCE = 16
-"""Episodes that evaluations of tests play at once: many more than most of them ask for, badly compiled, take long."""
+AT_ONCE, REPLAYED = 16, 4
+"""Episodes that evaluations of tests play at once, and collisions that they replay: many more than most of them ask
+for, badly compiled, take long."""
 READERS = ("evaluation.batches", "evaluation.counterfactual", "exports.track_table", "exports.replays", "cli.evaluate")
 """Modules that know how many episodes are played at once."""
 
@@ -125,7 +126,7 @@ def small_batches():
     with pytest.MonkeyPatch.context() as patch:
         for module in READERS:
             patch.setattr(f"jaxwalk.{module}.BATCH", AT_ONCE)
-        patch.setattr("jaxwalk.evaluation.counterfactual.SMALL_BATCH", AT_ONCE)
+        patch.setattr("jaxwalk.evaluation.counterfactual.SMALL_BATCH", REPLAYED)
         yield
 
 

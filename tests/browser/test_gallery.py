@@ -8,16 +8,20 @@ import pytest
 
 from browser.pages import gallery_document, watched
 from jaxwalk.report import write_report
+from jaxwalk.report.figures import FIGURES
 from report.material import material
 
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
-    """A report whose gallery has two drivers of the report's own."""
+    """A report, without figures, whose gallery has two drivers of the report's own."""
     gallery = gallery_document()
     for episode in gallery["episodes"]:
         episode["driver"] = {"rash": "co-trained", "careful": "single-agent"}[episode["driver"]]
-    return write_report(tmp_path_factory.mktemp("report"), dataclasses.replace(material(1), gallery=watched(gallery)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("jaxwalk.report.write.draw_all", lambda *_: dict.fromkeys(FIGURES, ""))
+        contents = dataclasses.replace(material(1), gallery=watched(gallery))
+        return write_report(tmp_path_factory.mktemp("report"), contents)
 
 
 @pytest.fixture

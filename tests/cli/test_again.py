@@ -31,14 +31,6 @@ def _save(path, seed):
     save_policy(path, {"driver": actor}, {})
 
 
-@pytest.fixture(scope="module", autouse=True)
-def few_at_once():
-    """One collision is replayed at a time."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("jaxwalk.evaluation.counterfactual.SMALL_BATCH", 2)
-        yield
-
-
 @pytest.fixture(scope="module")
 def evaluated(tmp_path_factory):
     """A folder with an evaluation under ``kept`` and its policy file, but without the map that it was made on."""

@@ -217,7 +217,7 @@ def test_verdicts():
     assert "Because." in verdict([inside, outside, unknown], "Because.")
 
 
-def test_any_drivers_among_any_people(documents, tmp_path):
+def test_any_drivers_among_any_people(documents, tmp_path, undrawn):
     def alone(found):
         mine = (dataclasses.replace(one, driver=f"my/{one.driver}") for one in found if one.driver != "random")
         return tuple(one for one in mine if one.pedestrians == "always-go")

@@ -153,7 +153,7 @@ def table(cells: Sequence[Cell]) -> Table:
     several = any(cell.by_map for cell in cells)
     if several:
         made.add_column("map", overflow="fold")
-    for name in ("goal %", "collision %", "timeout %", "time to goal [s]", TOUCHED):
+    for name in ("goal %", "collision %", "timeout %", "time to goal [s]", "delay [s]", TOUCHED):
         made.add_column(escape(name), justify="right", no_wrap=True)
     for cell in cells:
         extra = [f"{cell.jaywalk_multiplier:g}"] if len(multipliers) > 1 else []
@@ -174,7 +174,8 @@ def touched(cell: Cell) -> str:
 def _rates(found: Cell | MapRates) -> list[str]:
     """Return how episodes ended, as columns of the table."""
     rates = [shown(rate) for rate in (found.goal_rate, found.collision_rate, found.timeout_rate)]
-    return [escape(x) for x in (*rates, shown(found.mean_time_to_goal, 1.0))]
+    times = (shown(found.mean_time_to_goal, 1.0), shown(found.mean_delay, 1.0, 2))
+    return [escape(x) for x in (*rates, *times)]
 
 
 def cost_lines(cells: Sequence[Cell]) -> list[str]:

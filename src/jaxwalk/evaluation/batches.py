@@ -16,6 +16,7 @@ import numpy as np
 
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.playing import play
+from jaxwalk.evaluation.unhindered import unhindered_times, with_delay
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.maps import map_labels
 from jaxwalk.metrics import Rows, measure
@@ -61,6 +62,7 @@ def evaluate_batches(
     batch = _size(batch)
     episodes, config = len(source), street.config
     maps = np.array(map_labels(street.maps), object)
+    times = unhindered_times(street)
 
     def rows(first: int) -> Rows:
         numbers = (first + np.arange(batch)) % episodes
@@ -73,7 +75,8 @@ def evaluate_batches(
             part_of(ghosts, frames=frames, episodes=asked),
             config=config,
         )
-        return replace(measured, maps=maps[np.asarray(scenarios.map)[asked]])
+        known = with_delay(measured, times, scenarios)
+        return replace(known, maps=maps[np.asarray(scenarios.map)[asked]])
 
     with ThreadPoolExecutor(AT_ONCE) as pool:
         compiled = rows(0)

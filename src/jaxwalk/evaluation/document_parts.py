@@ -115,6 +115,8 @@ class SeedNumbers:
     collisions_per_km: OverSeeds
     mean_time_to_goal: OverSeeds
     """Mean time to goal [s]."""
+    mean_delay: OverSeeds
+    """Mean of the seconds beyond untouchable full throttle [s]."""
     jaywalk_share: OverSeeds
     """Jaywalking's share of the crossings."""
 

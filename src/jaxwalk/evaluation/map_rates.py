@@ -8,6 +8,7 @@ import numpy as np
 
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.metrics import OUTCOMES, Rows, bootstrap_by_episode, proportion
+from jaxwalk.metrics.delay import delays
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,8 @@ class MapRates:
     timeout_rate: Interval
     mean_time_to_goal: Interval
     """Mean over the episodes that reach the goal [s]."""
+    mean_delay: Interval
+    """Mean of their seconds beyond untouchable full throttle [s]."""
 
 
 def rates_by_map(rows: Rows) -> tuple[MapRates, ...]:
@@ -35,7 +38,7 @@ def rates_by_map(rows: Rows) -> tuple[MapRates, ...]:
 def _rates(name: str, rows: Rows, here: np.ndarray) -> MapRates:
     table, count = rows[OUTCOMES], int(here.sum())
     goal, collision = table.goal[here], table.collision[here]
-    time = np.where(goal, table.steps[here] * rows.dt, 0)
+    time, delay = np.where(goal, table.steps[here] * rows.dt, 0), delays(rows)[here]
     return MapRates(
         map=name,
         episodes=count,
@@ -43,4 +46,5 @@ def _rates(name: str, rows: Rows, here: np.ndarray) -> MapRates:
         collision_rate=Interval.of(proportion(collision.sum(), count)),
         timeout_rate=Interval.of(proportion((~goal & ~collision).sum(), count)),
         mean_time_to_goal=Interval.of(bootstrap_by_episode(time, goal)),
+        mean_delay=Interval.of(bootstrap_by_episode(np.nan_to_num(delay), ~np.isnan(delay))),
     )

@@ -27,7 +27,7 @@ from jaxwalk.evaluation.document_parts import (
 from jaxwalk.evaluation.map_rates import MapRates, rates_by_map
 from jaxwalk.evaluation.settings import acts_by, jaywalk_multiplier
 from jaxwalk.interfaces import Policy, Roles
-from jaxwalk.metrics import OUTCOMES, Rows, Summary, summarise
+from jaxwalk.metrics import DELAY, OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
@@ -37,7 +37,7 @@ SCHEMA = 4
 """Version of the JSON document; it changes when reports need something new."""
 
 
-HEADLINE = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal")
+HEADLINE = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal", "mean_delay")
 """Numbers of a cell that the document repeats at the top."""
 
 
@@ -86,6 +86,11 @@ class Cell:
     def mean_time_to_goal(self) -> Interval:
         """The mean time of episodes that reach the goal [s]."""
         return Interval.of(self.summary[OUTCOMES].time_to_goal)
+
+    @property
+    def mean_delay(self) -> Interval:
+        """The mean of the seconds beyond untouchable full throttle, of episodes that reach the goal [s]."""
+        return Interval.of(self.summary[DELAY].mean)
 
     def headline(self) -> dict[str, dict[str, float | None]]:
         """Return the numbers of `HEADLINE`, each with its interval."""

@@ -14,6 +14,7 @@ from jaxwalk.evaluation.document_parts import Interval, PairedSeeds, PairedSide,
 from jaxwalk.evaluation.results import Cell
 from jaxwalk.metrics import (
     ATTRIBUTION,
+    DELAY,
     FEWEST_SEEDS,
     OUTCOMES,
     Estimate,
@@ -26,6 +27,7 @@ from jaxwalk.metrics import (
     over_seeds,
     paired_difference,
 )
+from jaxwalk.metrics.delay import delays
 from jaxwalk.metrics.over_seeds import Kind
 
 
@@ -57,6 +59,11 @@ def _rate(of_one: Callable[[Summary], Rate], ending: Callable[[Rows], np.ndarray
     return SeedRatio(of_one, lambda rows: (ending(rows), np.ones(rows.episodes)), kind="share")
 
 
+def _known(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return values with 0 for those that don't exist, and which do."""
+    return np.nan_to_num(values), ~np.isnan(values)
+
+
 SEED_RATIOS: dict[str, SeedRatio] = {
     "goal_rate": _rate(lambda s: s[OUTCOMES].goal, lambda rows: rows[OUTCOMES].goal),
     "collision_rate": _rate(lambda s: s[OUTCOMES].collision, lambda rows: rows[OUTCOMES].collision),
@@ -69,6 +76,7 @@ SEED_RATIOS: dict[str, SeedRatio] = {
         lambda rows: (rows[OUTCOMES].goal * rows[OUTCOMES].steps * rows.dt, rows[OUTCOMES].goal),
         kind="mean",
     ),
+    "mean_delay": SeedRatio(lambda s: s[DELAY].mean, lambda rows: _known(delays(rows)), kind="mean"),
     "jaywalk_share": SeedRatio(
         lambda s: s[ATTRIBUTION].per_crossing.share,
         lambda rows: (rows[ATTRIBUTION].crossings[:, 1], rows[ATTRIBUTION].crossings.sum(axis=1)),

@@ -94,8 +94,8 @@ def _result_lines(results: Results) -> list[str]:
     return [
         f"{head}{chosen['hash']}; 95 % intervals over scenarios:",
         "",
-        "| among | goal % | collision % | timeout % | time to goal [s] |",
-        "| --- | --- | --- | --- | --- |",
+        "| among | goal % | collision % | timeout % | time to goal [s] | delay [s] |",
+        "| --- | --- | --- | --- | --- | --- |",
         *(
             f"| {name} | {' | '.join(shown(Interval(**cell[x]), _scale(x)) for x in HEADLINE)} |"
             for name, cell in results["among"].items()

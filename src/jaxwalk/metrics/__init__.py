@@ -7,6 +7,7 @@ from jaxwalk.metrics.attribution import ATTRIBUTION
 from jaxwalk.metrics.counts import clustered_share, proportion, rate, rate_ratio
 from jaxwalk.metrics.crossings import CROSSINGS
 from jaxwalk.metrics.decisions import JAYWALK_RATE
+from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.measurement import Summary, measure, summarise
 from jaxwalk.metrics.meetings import MEETINGS
@@ -25,6 +26,7 @@ from jaxwalk.metrics.waiting import WAITING
 __all__ = [
     "ATTRIBUTION",
     "CROSSINGS",
+    "DELAY",
     "ENCOUNTERS",
     "FEWEST_SEEDS",
     "JAYWALK_RATE",

@@ -7,6 +7,7 @@ from typing import Any
 from jaxwalk.metrics.attribution import ATTRIBUTION
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.metrics.decisions import JAYWALK_RATE
+from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric
 from jaxwalk.metrics.outcomes import OUTCOMES
@@ -24,6 +25,7 @@ METRICS: tuple[Metric[Any, Any], ...] = (
     SPEED_DIFFERENTIAL,
     JAYWALK_RATE,
     WAITING,
+    DELAY,
     MEASURED_CONTACTS,
 )
 """Add new metrics at the end: the last bit of a sum depends on the position of its column, and published numbers must

@@ -39,7 +39,16 @@ def _markdown(table: Table) -> str:
 
 def _drivers(street: IntentStreet) -> Table:
     observes = {cell.driver: cell.driver_observes for cell in street.results.cells}
-    columns = ("driver", "observes", "goal %", "collision %", "of each seed", "timeout %", "time to goal [s]")
+    columns = (
+        "driver",
+        "observes",
+        "goal %",
+        "collision %",
+        "of each seed",
+        "timeout %",
+        "time to goal [s]",
+        "delay [s]",
+    )
     rows = []
     for found in street.results.over_seeds:
         name = found.driver
@@ -48,7 +57,8 @@ def _drivers(street: IntentStreet) -> Table:
         goal, collision, timeout = (shown(rate.mean, digits=2) for rate in rates)
         each = ", ".join(f"{100 * value:.2f}" for value in found.collision_rate.each if value is not None)
         time = shown(found.mean_time_to_goal.mean, 1.0, 2)
-        rows.append((name, sees, goal, collision, each, timeout, time))
+        delay = shown(found.mean_delay.mean, 1.0, 2)
+        rows.append((name, sees, goal, collision, each, timeout, time, delay))
     return Table(columns, tuple(rows))
 
 

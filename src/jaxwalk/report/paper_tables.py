@@ -30,14 +30,15 @@ def matrix(material: Material) -> Table:
     """Return the table of every driver among every population."""
     rates = ("goal", "collision", "timeout")
     percents = (column for rate in rates for column in _columns(material, rate))
-    columns = ("driver", "pedestrians", *percents, "collisions per km", "time to goal [s]")
+    columns = ("driver", "pedestrians", *percents, "collisions per km", "time to goal [s]", "delay [s]")
     rows = []
     for name, people in ((name, people) for name in material.drivers for people in material.populations):
         found = material.over_seeds(name, people)
         ended = (found.goal_rate, found.collision_rate, found.timeout_rate)
         percents = (text for rate in ended for text in _shown(material, rate))
         per_km, time = found.collisions_per_km.mean, found.mean_time_to_goal.mean
-        rows.append((name, people, *percents, shown(per_km, 1.0, 2), shown(time, 1.0)))
+        times = (shown(time, 1.0), shown(found.mean_delay.mean, 1.0, 2))
+        rows.append((name, people, *percents, shown(per_km, 1.0, 2), *times))
     return Table(columns, tuple(rows))
 
 

@@ -107,23 +107,34 @@ def _name(cell: Cell) -> str:
 
 def outcomes(cells: Sequence[Cell]) -> Table:
     """Return how episodes end."""
-    columns = ("driver", "goal %", "collision %", "timeout %", "time to goal [s]", "collisions per km", "moving %")
+    columns = (
+        "driver",
+        "goal %",
+        "collision %",
+        "timeout %",
+        "time to goal [s]",
+        "delay [s]",
+        "collisions per km",
+        "moving %",
+    )
     rows = []
     for cell in cells:
         rates = (shown(rate) for rate in (cell.goal_rate, cell.collision_rate, cell.timeout_rate))
         found = cell.summary[OUTCOMES]
         per_km, moving = shown(found.all.per_km, 1.0, 2), shown(found.moving.per_episode)
-        rows.append((_name(cell), *rates, shown(cell.mean_time_to_goal, 1.0), per_km, moving))
+        times = (shown(cell.mean_time_to_goal, 1.0), shown(cell.mean_delay, 1.0, 2))
+        rows.append((_name(cell), *rates, *times, per_km, moving))
     return Table(columns, tuple(rows))
 
 
 def on_each_map(cells: Sequence[Cell]) -> Table:
     """Return how episodes end on each of several maps."""
-    columns = ("driver", "map", "episodes", "goal %", "collision %", "timeout %", "time to goal [s]")
+    columns = ("driver", "map", "episodes", "goal %", "collision %", "timeout %", "time to goal [s]", "delay [s]")
     rows = []
     for cell, found in ((one, found) for one in cells for found in one.by_map):
         rates = (shown(rate) for rate in (found.goal_rate, found.collision_rate, found.timeout_rate))
-        rows.append((_name(cell), found.map, f"{found.episodes:,}", *rates, shown(found.mean_time_to_goal, 1.0)))
+        times = (shown(found.mean_time_to_goal, 1.0), shown(found.mean_delay, 1.0, 2))
+        rows.append((_name(cell), found.map, f"{found.episodes:,}", *rates, *times))
     return Table(columns, tuple(rows))
 
 
