@@ -57,7 +57,7 @@ def test_ind(tmp_path):
     rows = measure_all([(tracks, None)], config=SimConfig()).rows
     assert rows[OUTCOMES].scenario.tolist() == [7], "the one car; a bicycle drives no episode and is no pedestrian"
     left = 45 - 8 * 3.9  # 3.96 s are seen: the last step of 0.1 s ends at 3.9 s
-    assert rows[SURROGATES].ttc == pytest.approx([(left - 1.5) / 8], abs=1e-5)
+    assert rows[SURROGATES].ttc == pytest.approx([(left - 4.6 / 2 - 0.25) / 8], abs=1e-5)
 
 
 @pytest.mark.parametrize(

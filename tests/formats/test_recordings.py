@@ -26,12 +26,12 @@ def _rows(tracks, areas=GROUND):
 
 
 def test_surrogates_by_hand():
-    """Standing on the road 10 m ahead of where a car at 10 m/s goes out of view: TTC (10 - 1.5) / 10 s."""
+    """Standing on the road 10 m ahead of where a car at 10 m/s goes out of view: TTC (10 - 2.5) / 10 s."""
     rows = _rows(recording(car(0, 4, 0, 0, 10.0), person(0, 4, 50, 0)))
     assert rows[ENCOUNTERS].start.tolist() == [30], "within 20 m from 3 s on"
-    assert rows[SURROGATES].ttc == pytest.approx([0.85], abs=1e-6)
-    assert rows[SURROGATES].drac == pytest.approx([10**2 / (2 * 8.5)], rel=1e-5)
-    assert rows[SURROGATES].exposed_time == pytest.approx([0.7], abs=1e-6), "below 1.5 s from 16.5 m on: 7 frames"
+    assert rows[SURROGATES].ttc == pytest.approx([0.75], abs=1e-6)
+    assert rows[SURROGATES].drac == pytest.approx([10**2 / (2 * 7.5)], rel=1e-5)
+    assert rows[SURROGATES].exposed_time == pytest.approx([0.8], abs=1e-6), "below 1.5 s from 17.5 m on: 8 frames"
     assert rows[ENCOUNTERS].min_distance == pytest.approx([10.0], abs=1e-5)
     assert rows[ENCOUNTERS].braking.tolist() == [UNSEEN]
     assert np.isnan(rows[ENCOUNTERS].braking_time).all()
@@ -95,7 +95,7 @@ def test_parked_cars_are_left_out():
 
 def test_a_car_that_backs_up_moves_backwards():
     rows = _rows(recording(car(0, 3, 80, 0, -5.0, heading=0.0), person(0, 3, 60, 0)))
-    assert rows[SURROGATES].ttc == pytest.approx([(5 - 1.5) / 5], abs=1e-6)
+    assert rows[SURROGATES].ttc == pytest.approx([(5 - 2.5) / 5], abs=1e-6)
 
 
 def test_y_may_point_down():
@@ -131,7 +131,7 @@ def test_any_frame_rate_is_resampled_to_the_same(rate):
     rows = _rows(recording(car(0, 4, 0, 0, 10.0), person(0, 4, 50, 0), walks, rate=rate))
     assert rows.dt == 0.1
     assert rows[OUTCOMES].steps.tolist() == [40]
-    assert rows[SURROGATES].ttc == pytest.approx([0.85], abs=1e-6)
+    assert rows[SURROGATES].ttc == pytest.approx([0.75], abs=1e-6)
     assert rows[CROSSINGS].enter.tolist() == [0, 11]
 
 

@@ -37,7 +37,8 @@ class Measured:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the metrics of `jaxwalk.metrics.Summary` that can be computed, and why others are left out."""
-        found, left_out = summarise(self.rows).as_dict(), {}
+        found, left_out = summarise(self.rows).as_dict(), {"delay": "how long the way takes without people is unknown"}
+        del found["delay"]
         for name, columns in (("jaywalk_rate", CHOICES), ("waiting", WAITING)):
             if missing := [column for column in columns if column not in self.known]:
                 left_out[name] = f"the table has no column {', '.join(missing)}"
@@ -98,6 +99,7 @@ def _of_anybody(found: dict[str, Any]) -> dict[str, Any]:
     encounters = _without(found["encounters"]["jaywalk"], ("braking",))  # without areas, nobody is on a crosswalk
     of_anybody = {name: {ANYBODY: found[name]["jaywalk"]} for name in ("surrogates", "surrogate_distributions")}
     rest = _without(found, ("speed_differential", "attribution", "jaywalk_rate", "waiting"))
+    rest["contacts"] = {rule: _without(one, CONTACT_NAMES) for rule, one in rest["contacts"].items()}
     if "outcomes" in rest:
         rest["outcomes"] = _without(rest["outcomes"], CONTACT_NAMES)
     return {**rest, **of_anybody, "encounters": {ANYBODY: encounters}}

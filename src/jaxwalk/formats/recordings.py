@@ -20,7 +20,7 @@ from jaxwalk.formats.tracks import CAR, COLLISION, GOAL, PEDESTRIAN, Tracks, Tra
 from jaxwalk.formats.tracks import CROSSINGS as CHOICES
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, Rows, measure
 from jaxwalk.metrics.braking import UNSEEN
-from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.sim_config import LARGEST, SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 GAP = 1.0
@@ -49,10 +49,14 @@ def measure_tracks(tracks: Tracks, *, areas: Areas | None, config: SimConfig) ->
     """Yield the rows of each episode of a recording.
 
     Without ``areas`` and without the optional columns that state it, every place is roadway and none is a crosswalk.
+    A car has the size that the recording states, else that of ``config``.
     """
     for view in cars_in_view(tracks, config):
         trajectory = trajectory_of(view, areas=areas, config=config)
-        yield _without_unseen_entries(measure(trajectory, config=config), trajectory)
+        size = float(tracks.length[view.car[0]]), float(tracks.width[view.car[0]])
+        stated = all(0 < metres <= LARGEST["car_length"] for metres in size)
+        own = replace(config, car_length=size[0], car_width=size[1]) if stated else config
+        yield _without_unseen_entries(measure(trajectory, config=own), trajectory)
 
 
 def cars_in_view(tracks: Tracks, config: SimConfig) -> Iterator[CarInView]:
