@@ -1,0 +1,59 @@
+"""The clearance rule and people who accept gaps, on observations made by hand."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.policies.clearance_rule import SET, ClearanceRule
+from jaxwalk.policies.gap_acceptance import INTERCEPT, PER_SECOND, GapAcceptance
+from jaxwalk.sim.observation import part, size
+from jaxwalk.sim.pedestrian_features import LONG
+from jaxwalk.sim.prediction import FAR
+
+KEYS = jax.random.split(jax.random.key(0), 2)
+
+
+@pytest.mark.parametrize(
+    ("brake", "hold", "accelerate", "throttle"),
+    [(5, 5, 5, 1), (5, 5, 0.9, 0), (5, 0.9, 0.9, -1), (0, 0, 0, -1), (0, 0, 1.1, 1)],
+)
+def test_the_clearance_rule_takes_the_fastest_that_is_clear(brake, hold, accelerate, throttle):
+    seen = np.zeros((size("driver", SET), 1), np.float32)
+    seen[part("driver", SET, "clearance"), 0] = np.array([brake, hold, accelerate]) / FAR
+    seen[part("driver", SET, "route")] = np.tile([[1.0], [0.0]], (8, 1))
+    action, _ = ClearanceRule().act(KEYS[:1], None, jnp.asarray(seen))
+    assert action[:, 0].tolist() == [throttle, 0]
+
+
+def kerb(gap, *, deciding=True, speed=5.0, people=4000):
+    """What people see, all alike, in each of two episodes."""
+    seen = np.zeros((size("pedestrian", "kerb"), people, 2), np.float32)
+    seen[part("pedestrian", "kerb", "decides")] = deciding
+    seen[part("pedestrian", "kerb", "times").start] = gap / LONG
+    seen[part("pedestrian", "kerb", "car_motion").start] = speed / 8.33
+    return jnp.asarray(seen)
+
+
+def go(memory, *args, **more):
+    return GapAcceptance().act(KEYS, memory, kerb(*args, **more))
+
+
+@pytest.mark.parametrize("gap", [2.0, 5.0, INTERCEPT / PER_SECOND, 8.0])
+def test_gaps_are_accepted_as_often_as_was_observed(gap):
+    critical = go(GapAcceptance().init((4000,), (2,)), gap, deciding=False)[1]
+    accepted, kept = go(critical, gap)
+    expected = 1 / (1 + np.exp(INTERCEPT - PER_SECOND * gap))
+    assert accepted.mean() == pytest.approx(expected, abs=0.02)
+    np.testing.assert_array_equal(kept, critical)  # who decides does not draw again: time makes nobody braver
+    assert not np.array_equal(accepted[:, 0], accepted[:, 1])
+
+
+def test_people_go_when_there_is_nothing_to_wait_for():
+    nobody = jnp.full((4000, 2), 100.0)
+    assert go(nobody, 0.1)[0].sum() == 0
+    assert go(nobody, 0.1, deciding=False)[0].all()
+    assert go(nobody, 0.1, speed=0.2)[0].all()
+    assert go(nobody, -0.1)[0].all()
