@@ -25,7 +25,7 @@ def test_what_tracks_writes_measure_measures_as_evaluate_does(place, capsys):
     measured = json.loads(capsys.readouterr().out)
     assert _run("evaluate --driver route-follower --episodes 40 --seed 3 --json") == 0
     cell = json.loads(capsys.readouterr().out)["cells"][0]
-    for name in ("outcomes", "attribution", "jaywalk_rate", "waiting"):
+    for name in ("outcomes", "attribution", "jaywalk_rate", "waiting", "contacts"):
         assert measured[name] == cell[name], name
     for found, expected in zip(measured["speed_differential"], cell["speed_differential"], strict=True):
         assert {**found, "placebo": None} == {**expected, "placebo": None}, "there are no ghosts in a file"

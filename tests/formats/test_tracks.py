@@ -92,7 +92,7 @@ def test_measuring_the_file_is_measuring_the_episodes(file, recorded, street):
             if expected.dtype.kind != "f":
                 assert np.array_equal(values, expected), (table, name)
     document, expected = found.as_dict(), summarise(native).as_dict()
-    assert list(document["left_out"]) == ["delay"]
+    assert document["left_out"] == {}
     for name in ("outcomes", "attribution", "jaywalk_rate", "waiting", "speed_differential"):
         assert document[name] == expected[name], name
     share = document["surrogates"]["crosswalk"]["ttc_critical"]

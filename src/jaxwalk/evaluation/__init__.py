@@ -11,13 +11,13 @@ from jaxwalk.evaluation.counterfactual import (
     find_hits,
     summarise_counterfactuals,
 )
-from jaxwalk.evaluation.document_parts import ComparedEnding
+from jaxwalk.evaluation.document_parts import ComparedEnding, ScenarioSet
 from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
 from jaxwalk.evaluation.episode_file import write_rows
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.playing import play
-from jaxwalk.evaluation.results import Cell, Results, ScenarioSet, Stopped, evaluate_grid
+from jaxwalk.evaluation.results import Cell, Results, Stopped, evaluate_grid
 from jaxwalk.evaluation.settings import SAMPLES, acts_by, jaywalk_multiplier, with_jaywalk_multiplier, with_mode
 from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
 

@@ -7,8 +7,10 @@ from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 from jaxwalk.maps import MapText, reference
 from jaxwalk.metrics import OverSeeds
+from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.wording import counted
 
 
 @runtime_checkable
@@ -132,6 +134,33 @@ class Provenance:
     hardware: str
     versions: dict[str, str]
     """Versions of Python and of the main packages."""
+
+
+@dataclass(frozen=True)
+class ScenarioSet:
+    """The scenarios that every cell was evaluated on."""
+
+    count: int
+    hash: str
+    """Hash of the source (`jaxwalk.scenarios.Source`)."""
+    seed: int | None = None
+    """Seed of drawn scenarios; None for others."""
+
+    @staticmethod
+    def of(source: Source) -> ScenarioSet:
+        """Return the description of a source's scenarios for results."""
+        about = source.describe()
+        return ScenarioSet(count=len(source), hash=about["hash"], seed=about.get("seed"))
+
+    @property
+    def name(self) -> str:
+        """The number of scenarios and their origin, as in ``2,000 scenarios of seed 0``."""
+        return counted(self.count, "scenario") + ("" if self.seed is None else f" of seed {self.seed}")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain numbers; the seed is left out if there is none."""
+        seed = {} if self.seed is None else {"seed": self.seed}
+        return {**seed, "count": self.count, "hash": self.hash}
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from jaxwalk.evaluation.document_parts import (
     PairedSeeds,
     PolicyOrigin,
     Provenance,
+    ScenarioSet,
     SeedNumbers,
     StreetOrigin,
 )
@@ -31,7 +32,6 @@ from jaxwalk.metrics import DELAY, OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
-from jaxwalk.wording import counted
 
 SCHEMA = 4
 """Version of the JSON document; it changes when reports need something new."""
@@ -116,33 +116,6 @@ class Cell:
             **self.summary.as_dict(),
             **replayed,
         }
-
-
-@dataclass(frozen=True)
-class ScenarioSet:
-    """The scenarios that every cell was evaluated on."""
-
-    count: int
-    hash: str
-    """Hash of the source (`jaxwalk.scenarios.Source`)."""
-    seed: int | None = None
-    """Seed of drawn scenarios; None for others."""
-
-    @staticmethod
-    def of(source: Source) -> ScenarioSet:
-        """Return the description of a source's scenarios for results."""
-        about = source.describe()
-        return ScenarioSet(count=len(source), hash=about["hash"], seed=about.get("seed"))
-
-    @property
-    def name(self) -> str:
-        """The number of scenarios and their origin, as in ``2,000 scenarios of seed 0``."""
-        return counted(self.count, "scenario") + ("" if self.seed is None else f" of seed {self.seed}")
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return plain numbers; the seed is left out if there is none."""
-        seed = {} if self.seed is None else {"seed": self.seed}
-        return {**seed, "count": self.count, "hash": self.hash}
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from jaxwalk.evaluation import (
     paired_over_seeds,
     with_jaywalk_multiplier,
 )
-from jaxwalk.evaluation.document_parts import PairedSeeds, StreetOrigin
-from jaxwalk.evaluation.results import ScenarioSet
+from jaxwalk.evaluation.document_parts import PairedSeeds, ScenarioSet, StreetOrigin
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT

@@ -37,8 +37,7 @@ class Measured:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the metrics of `jaxwalk.metrics.Summary` that can be computed, and why others are left out."""
-        found, left_out = summarise(self.rows).as_dict(), {"delay": "how long the way takes without people is unknown"}
-        del found["delay"]
+        found, left_out = _without(summarise(self.rows).as_dict(), ["delay"]), {}  # no file has unhindered times
         for name, columns in (("jaywalk_rate", CHOICES), ("waiting", WAITING)):
             if missing := [column for column in columns if column not in self.known]:
                 left_out[name] = f"the table has no column {', '.join(missing)}"
