@@ -85,10 +85,17 @@ def page():
 
 
 def test_every_table_is_there_and_has_as_many_cells_as_columns(page):
-    for heading in ("Outcomes", "Encounters", "Whose collisions", "Could it have been avoided?", "In words"):
+    for heading in (
+        "Outcomes",
+        "Contacts",
+        "Encounters",
+        "Whose collisions",
+        "Could it have been avoided?",
+        "In words",
+    ):
         assert f"\n## {heading}\n" in page
     tables = [part.splitlines() for part in page.split("\n\n") if part.startswith("| ")]
-    assert len(tables) == 7
+    assert len(tables) == 8
     for lines in tables:
         assert len({line.count(" | ") for line in lines}) == 1, lines[0]
         assert len(lines) >= 3
@@ -100,6 +107,8 @@ def test_what_stands_in_it(page):
     assert "Made at commit abc123 on an abacus, jax 0.10.2." in page
     assert "| mine among always-go | 50.0 [1.3, 98.7] | 50.0 [1.3, 98.7] | 0.00 [0.00, 84.19] |" in page
     assert "| other among always-go x 1 |" in page
+    # the car reaches who stands at 25 m with its front; the walkers cross after it, or before it comes
+    assert "| mine among always-go | footprint | 50.0 [1.3, 98.7] | 50.0 [1.3, 98.7] | 1 | 0 | 1 | 0 | 0 |" in page
     by_pedestrian = (
         "| mine among always-go | jaywalk | 1 | 0.00 [0.00, 97.50] | 0.00 [0.00, 97.50] | 100.00 [2.50, 100.00]"
     )

@@ -8,6 +8,7 @@ from jaxwalk.evaluation.counterfactual import Avoidable, CounterfactualSummary
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.results import Cell, Results
 from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, OUTCOMES, SPEED_DIFFERENTIAL, SURROGATES, scenarios_needed
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report import surprise
 from jaxwalk.report.table import Table, by_type, markdown_table, shown
 
@@ -53,6 +54,7 @@ def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "Outcomes", "", outcomes(cells)
     if any(cell.by_map for cell in cells):
         yield "On each map", "", on_each_map(cells)
+    yield "Contacts", CONTACTS_CAPTION, contacts(cells)
     yield "Encounters", ENCOUNTERS_CAPTION, surrogates(cells)
     yield "Whose collisions", ATTRIBUTION_CAPTION, attribution(cells)
     if any(cell.counterfactuals for cell in cells):
@@ -62,6 +64,11 @@ def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "How many scenarios it takes", POWER, power()
 
 
+CONTACTS_CAPTION = (
+    "Episodes in which somebody was touched, by the paper's rule (disc: centres closer than 1.5 m) and by the car's "
+    "footprint (a body overlaps the car's rectangle), whichever of them ended the episodes. Standing: somebody walked "
+    "into a car below 0.5 m/s. Front, side, rear: the part of the moving car that was touched first."
+)
 ENCOUNTERS_CAPTION = (
     "Shares of encounters with a time to collision below 1.5 s, a post-encroachment time below 1.5 s or a required "
     "deceleration above 3.4 m/s²; the smallest distance; and of those who were hit by a moving car, the mean speed and "
@@ -124,6 +131,21 @@ def outcomes(cells: Sequence[Cell]) -> Table:
         per_km, moving = shown(found.all.per_km, 1.0, 2), shown(found.moving.per_episode)
         times = (shown(cell.mean_time_to_goal, 1.0), shown(cell.mean_delay, 1.0, 2))
         rows.append((_name(cell), *rates, *times, per_km, moving))
+    return Table(columns, tuple(rows))
+
+
+def contacts(cells: Sequence[Cell]) -> Table:
+    """Return the contacts by both rules."""
+    columns = (
+        "driver", "rule", "touched %", "by the moving car %", "contacts", "standing", "front", "side", "rear",
+        "car's speed [m/s]",
+    )  # fmt: skip
+    rows = []
+    for cell in cells:
+        for rule, found in vars(cell.summary[MEASURED_CONTACTS]).items():
+            counts = (found.contacts, found.standing, found.front, found.side, found.rear)
+            shares = (shown(found.episodes), shown(found.moving))
+            rows.append((_name(cell), rule, *shares, *(f"{n:,}" for n in counts), shown(found.car_speed, 1.0)))
     return Table(columns, tuple(rows))
 
 
