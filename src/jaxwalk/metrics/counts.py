@@ -100,7 +100,8 @@ def clustered_rate(draws: Float[np.ndarray, "draw"], exposure: int | float) -> E
     count = int(draws[0])
     if not exposure > 0:
         return Estimate(None, None, None, count)
-    times = max(1.0, float(np.nan_to_num(np.var(draws[1:]))) / max(count, 1))
+    variance = float(np.nan_to_num(np.var(draws[1:]))) if len(draws) > 1 else 0.0
+    times = max(1.0, variance / max(count, 1))
     return Estimate(count / exposure, *_rate_ends(count / times, exposure / times), count)
 
 

@@ -42,7 +42,7 @@ class Kerb:
     ahead: Float[np.ndarray, "moment"]
     """How far the pedestrian is ahead of the car, along its heading [m]."""
     speed: Float[np.ndarray, "moment"]
-    """Of the car [m/s]."""
+    """Speed of the car [m/s]."""
     miss: Float[np.ndarray, "moment"]
     """How close the centres would come if the pedestrian went on now and the car kept its velocity [m]."""
     setting: Int[np.ndarray, "moment"]
