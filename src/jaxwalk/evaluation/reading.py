@@ -13,9 +13,18 @@ from pydantic import TypeAdapter, ValidationError
 
 from jaxwalk.evaluation.document_parts import SeedNumbers
 from jaxwalk.evaluation.results import HEADLINE, SCHEMA, Cell, Results
-from jaxwalk.metrics import JAYWALK_RATE, METRICS, SPEED_DIFFERENTIAL, SURROGATE_DISTRIBUTIONS, WAITING, OverSeeds
+from jaxwalk.metrics import (
+    JAYWALK_RATE,
+    METRICS,
+    PASSING,
+    SPEED_DIFFERENTIAL,
+    SURROGATE_DISTRIBUTIONS,
+    WAITING,
+    OverSeeds,
+)
 from jaxwalk.metrics.decisions import QUARTERS
 from jaxwalk.metrics.meetings import BINS
+from jaxwalk.metrics.passing import CLEARANCES
 from jaxwalk.metrics.severity import Distribution, Distributions
 from jaxwalk.metrics.waiting import DISTANCES, MISSES, SPEEDS, WaitBin
 
@@ -127,6 +136,7 @@ def _check_sizes(cell: Cell, origin: Origin) -> None:
     """Raise DocumentError if a table's size differs from that of the metrics."""
     summary = cell.summary
     _check_size(summary[SPEED_DIFFERENTIAL], BINS, origin.inside("speed_differential"))
+    _check_size(summary[PASSING], len(CLEARANCES) - 1, origin.inside("passing"))
     _check_size(summary[JAYWALK_RATE].quarters, QUARTERS, origin.inside("jaywalk_rate", "quarters"))
     _check_wait_bins(summary[WAITING].by_distance, DISTANCES, origin.inside("waiting", "by_distance"))
     _check_wait_bins(summary[WAITING].by_speed, SPEEDS, origin.inside("waiting", "by_speed"))

@@ -36,7 +36,6 @@ from jaxwalk.sim.environment import Street
 SCHEMA = 4
 """Version of the JSON document; it changes when reports need something new."""
 
-
 HEADLINE = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal", "mean_delay")
 """Numbers of a cell that the document repeats at the top."""
 
@@ -195,7 +194,7 @@ def evaluate_grid(
     batch: int | None = None,
     progress: Callable[[str, str, int, int], None] | None = None,
 ) -> tuple[Results, dict[tuple[str, str], Rows]]:
-    """Evaluate every driver among every population, on the same scenarios.
+    """Evaluate every driver among every population, on the same scenarios. Return also the rows of each such pair.
 
     Args:
         street: the world.
@@ -204,9 +203,6 @@ def evaluate_grid(
         source: the scenarios.
         batch: episodes played at once (default: as `evaluate`).
         progress: called with driver, population, episodes of the cell played so far, and the total.
-
-    Returns:
-        The results, and the rows of each (driver, population).
 
     Raises:
         ValueError: ``batch`` is below 1.

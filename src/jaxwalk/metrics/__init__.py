@@ -3,18 +3,22 @@
 Metrics are objects: ``rows[OUTCOMES]`` and ``summary[OUTCOMES]`` are what `OUTCOMES` measured, with its types.
 """
 
+from jaxwalk.metrics.approaches import APPROACHES
 from jaxwalk.metrics.attribution import ATTRIBUTION
-from jaxwalk.metrics.counts import clustered_share, proportion, rate, rate_ratio
+from jaxwalk.metrics.comfort import COMFORT
+from jaxwalk.metrics.counts import clustered_rate, clustered_share, proportion, rate, rate_ratio
 from jaxwalk.metrics.crossings import CROSSINGS
 from jaxwalk.metrics.decisions import JAYWALK_RATE
 from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
+from jaxwalk.metrics.gaps import GAPS
 from jaxwalk.metrics.measurement import Summary, measure, summarise
 from jaxwalk.metrics.meetings import MEETINGS
 from jaxwalk.metrics.metric import Finding, Metric, MetricTable, NoRows, Recording, Rows, Sums
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.over_seeds import FEWEST_SEEDS, OverSeeds, crossed_mean, interquartile_mean, over_seeds
 from jaxwalk.metrics.paired_tests import holm, mcnemar, paired_difference
+from jaxwalk.metrics.passing import PASSING
 from jaxwalk.metrics.power import scenarios_needed
 from jaxwalk.metrics.registry import METRICS
 from jaxwalk.metrics.severity import SURROGATE_DISTRIBUTIONS
@@ -24,15 +28,19 @@ from jaxwalk.metrics.surrogate import SURROGATES
 from jaxwalk.metrics.waiting import WAITING
 
 __all__ = [
+    "APPROACHES",
     "ATTRIBUTION",
+    "COMFORT",
     "CROSSINGS",
     "DELAY",
     "ENCOUNTERS",
     "FEWEST_SEEDS",
+    "GAPS",
     "JAYWALK_RATE",
     "MEETINGS",
     "METRICS",
     "OUTCOMES",
+    "PASSING",
     "PLACEBO",
     "SPEED_DIFFERENTIAL",
     "SURROGATES",
@@ -50,6 +58,7 @@ __all__ = [
     "Summary",
     "Sums",
     "bootstrap_by_episode",
+    "clustered_rate",
     "clustered_share",
     "crossed_mean",
     "holm",

@@ -81,12 +81,35 @@ def rate(count: SupportsInt, exposure: int | float) -> Estimate:
 
     The value does not exist without exposure.
     """
-    count, tail = int(count), (1 - CONFIDENCE) / 2
+    count = int(count)
     if not exposure > 0:
         return Estimate(None, None, None, count)
+    return Estimate(count / exposure, *_rate_ends(count, exposure), count)
+
+
+def clustered_rate(draws: Float[np.ndarray, "draw"], exposure: int | float) -> Estimate:
+    """Return events per unit of known exposure, if events of one episode depend on each other.
+
+    The interval is Garwood's of an effective number of events: as many independent ones as vary as much as the
+    resamples over episodes do.
+
+    Args:
+        draws: the number of events (element 0), and its resamples over episodes; NaN means undefined.
+        exposure: all of it.
+    """
+    count = int(draws[0])
+    if not exposure > 0:
+        return Estimate(None, None, None, count)
+    variance = float(np.nan_to_num(np.var(draws[1:]))) if len(draws) > 1 else 0.0
+    times = max(1.0, variance / max(count, 1))
+    return Estimate(count / exposure, *_rate_ends(count / times, exposure / times), count)
+
+
+def _rate_ends(count: int | float, exposure: int | float) -> tuple[float, float]:
+    tail = (1 - CONFIDENCE) / 2
     low = stats.chi2.ppf(tail, 2 * count) / 2 if count else 0.0
     high = stats.chi2.ppf(1 - tail, 2 * count + 2) / 2
-    return Estimate(count / exposure, float(low / exposure), float(high / exposure), count)
+    return float(low / exposure), float(high / exposure)
 
 
 def rate_ratio(events: tuple[SupportsInt, SupportsInt], exposures: tuple[float, float]) -> Estimate:

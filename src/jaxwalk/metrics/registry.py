@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+from jaxwalk.metrics.approaches import APPROACHES
 from jaxwalk.metrics.attribution import ATTRIBUTION
+from jaxwalk.metrics.comfort import COMFORT
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.metrics.decisions import JAYWALK_RATE
 from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
+from jaxwalk.metrics.gaps import GAPS
 from jaxwalk.metrics.metric import Metric
 from jaxwalk.metrics.outcomes import OUTCOMES
+from jaxwalk.metrics.passing import PASSING
 from jaxwalk.metrics.severity import SURROGATE_DISTRIBUTIONS
 from jaxwalk.metrics.speed_differential import SPEED_DIFFERENTIAL
 from jaxwalk.metrics.surrogate import SURROGATES
@@ -26,6 +30,10 @@ METRICS: tuple[Metric[Any, Any], ...] = (
     JAYWALK_RATE,
     WAITING,
     DELAY,
+    APPROACHES,
+    GAPS,
+    PASSING,
+    COMFORT,
     MEASURED_CONTACTS,
 )
 """Add new metrics at the end: the last bit of a sum depends on the position of its column, and published numbers must

@@ -1,8 +1,6 @@
 """Measure whether people wait at the kerb: before a car they would walk into, before any other car, and what it costs.
 
-A *kerb moment* is a frame in which a pedestrian at the kerb walks straight at a roadway. The next frame shows what the
-pedestrian does, so an episode's last frame is no kerb moment. The limits below belong to the metric: it must not change
-when people's observations or rewards change.
+Counted are kerb moments (`metrics.kerb`): a person who waits has many. `metrics.approaches` counts each person once.
 """
 
 from __future__ import annotations
@@ -15,21 +13,11 @@ from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.crossings import real_frames, runs
+from jaxwalk.metrics.kerb import DANGER, HARMLESS, KERB, NEAR, OTHER, SETTINGS, Kerb
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.trajectory import Trajectory
-
-NEAR = 40.0
-"""A car is harmless if it is this far away or farther [m] ..."""
-PAST = 2.5
-"""... or more than this past the pedestrian [m]."""
-FAST = 2.0
-"""A nearer car, with the pedestrian ahead of it, is dangerous if it is faster than this [m/s] ..."""
-CONFLICT = 2.5
-"""... and would come closer than this if the pedestrian walked on [m]."""
-DANGER, HARMLESS, OTHER = SETTINGS = range(3)
-"""What the car is to a pedestrian at the kerb; an axis ``setting`` has this order."""
 
 DISTANCES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, NEAR)
 """Edges of the distance bins [m]; each holds its lower edge."""
@@ -94,23 +82,15 @@ class Waiting:
     """The longest time that anybody stood still on a roadway, in consecutive steps."""
 
 
-def measure_waiting(trajectory: Trajectory) -> KerbMoments:
+def measure_waiting(trajectory: Trajectory, kerb: Kerb) -> KerbMoments:
     """Count the kerb moments of each episode."""
     episodes, people = len(trajectory.length), trajectory.ped_x.shape[2]
-    at_kerb = trajectory.at_kerb[:-1] & trajectory.enters_roadway[:-1]
     played = real_frames(trajectory)[1:, :, None]
-    frame, episode, ped = where = np.nonzero(at_kerb & played)
-    waited = ~trajectory.going[frame + 1, episode, ped]
-    distance, ahead = _from_car(trajectory, *where)
-    speed, miss = trajectory.car_speed[frame, episode], trajectory.predicted_miss[where]
+    moments, waits = _tally(kerb.waited, (kerb.episode, kerb.setting), (episodes, len(SETTINGS)))
 
-    close = (distance < NEAR) & (ahead > 0)
-    danger = close & (speed > FAST) & (miss < CONFLICT)
-    harmless = (distance >= NEAR) | (ahead < -PAST)
-    setting = np.where(danger, DANGER, np.where(harmless, HARMLESS, OTHER))
-    moments, waits = _tally(waited, (episode, setting), (episodes, len(SETTINGS)))
-
-    waited, episode, distance, speed, miss = (x[close] for x in (waited, episode, distance, speed, miss))
+    close = (kerb.distance < NEAR) & (kerb.ahead > 0)
+    columns = (kerb.waited, kerb.episode, kerb.distance, kerb.speed, kerb.miss)
+    waited, episode, distance, speed, miss = (x[close] for x in columns)
     gap = _bin(miss, MISSES)
     by_distance, by_speed = (
         _tally(waited, (episode, _bin(values, edges[:-1]), gap), (episodes, len(edges) - 1, len(MISSES)))
@@ -128,14 +108,6 @@ def measure_waiting(trajectory: Trajectory) -> KerbMoments:
         ped_waits=(~trajectory.going[1:] & played).sum(axis=(0, 2)).astype(np.int32),
         longest_stand=_longest_stand(trajectory),
     )
-
-
-def _from_car(trajectory: Trajectory, frame, episode, ped) -> tuple[np.ndarray, np.ndarray]:
-    """Return the pedestrian's distance from the car, and how far ahead of it, for the given rows [m]."""
-    car, person = (frame, episode), (frame, episode, ped)
-    dx = trajectory.ped_x[person] - trajectory.car_x[car]
-    dy = trajectory.ped_y[person] - trajectory.car_y[car]
-    return events.distance(dx, dy), dx * trajectory.car_cos[car] + dy * trajectory.car_sin[car]
 
 
 def _bin(values: np.ndarray, edges: tuple[float, ...]) -> Int[np.ndarray, "row"]:
@@ -213,7 +185,8 @@ def _bins(edges: tuple[float, ...], waits: np.ndarray, moments: np.ndarray, each
 
 WAITING = Metric(
     name="waiting",
-    measure=lambda recording: measure_waiting(recording.trajectory),
+    measure=lambda recording: measure_waiting(recording.trajectory, recording[KERB]),
+    needs=(KERB,),
     columns=waiting_columns,
     summarise=summarise_waiting,
 )
