@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.policies.clearance_rule import SET, ClearanceRule
-from jaxwalk.policies.gap_acceptance import INTERCEPT, PER_SECOND, GapAcceptance
+from jaxwalk.policies.gap_acceptance import INTERCEPT, PER_SECOND, GapAccepting
 from jaxwalk.sim.observation import part, size
 from jaxwalk.sim.pedestrian_features import LONG
 from jaxwalk.sim.prediction import FAR
@@ -38,12 +38,12 @@ def kerb(gap, *, deciding=True, speed=5.0, people=4000):
 
 
 def go(memory, *args, **more):
-    return GapAcceptance().act(KEYS, memory, kerb(*args, **more))
+    return GapAccepting().act(KEYS, memory, kerb(*args, **more))
 
 
 @pytest.mark.parametrize("gap", [2.0, 5.0, INTERCEPT / PER_SECOND, 8.0])
 def test_gaps_are_accepted_as_often_as_was_observed(gap):
-    critical = go(GapAcceptance().init((4000,), (2,)), gap, deciding=False)[1]
+    critical = go(GapAccepting().init((4000,), (2,)), gap, deciding=False)[1]
     accepted, kept = go(critical, gap)
     expected = 1 / (1 + np.exp(INTERCEPT - PER_SECOND * gap))
     assert accepted.mean() == pytest.approx(expected, abs=0.02)

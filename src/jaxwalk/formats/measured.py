@@ -38,7 +38,8 @@ class Measured:
     def as_dict(self) -> dict[str, Any]:
         """Return the metrics of `jaxwalk.metrics.Summary` that can be computed, and why others are left out."""
         found, left_out = _without(summarise(self.rows).as_dict(), ["delay"]), {}  # no file has unhindered times
-        for name, columns in (("jaywalk_rate", CHOICES), ("waiting", WAITING)):
+        needs = {"jaywalk_rate": CHOICES, **dict.fromkeys(("waiting", "approaches", "gaps"), WAITING)}
+        for name, columns in needs.items():
             if missing := [column for column in columns if column not in self.known]:
                 left_out[name] = f"the table has no column {', '.join(missing)}"
                 del found[name]
@@ -97,7 +98,7 @@ def _of_anybody(found: dict[str, Any]) -> dict[str, Any]:
     """Return the metrics without those that need a known roadway."""
     encounters = _without(found["encounters"]["jaywalk"], ("braking",))  # without areas, nobody is on a crosswalk
     of_anybody = {name: {ANYBODY: found[name]["jaywalk"]} for name in ("surrogates", "surrogate_distributions")}
-    rest = _without(found, ("speed_differential", "attribution", "jaywalk_rate", "waiting"))
+    rest = _without(found, ("speed_differential", "attribution", "jaywalk_rate", "waiting", "approaches"))
     rest["contacts"] = {rule: _without(one, CONTACT_NAMES) for rule, one in rest["contacts"].items()}
     if "outcomes" in rest:
         rest["outcomes"] = _without(rest["outcomes"], CONTACT_NAMES)

@@ -21,7 +21,7 @@ STANDS = 0.5
 Column = Float[Array, "ped *batch"]
 
 
-class GapAcceptance(eqx.Module):
+class GapAccepting(eqx.Module):
     """Goes if the car is far enough away in time, and waits at the kerb otherwise.
 
     A gap is the time until the car, at its present speed, is where the pedestrian is. Each approach to a kerb has a

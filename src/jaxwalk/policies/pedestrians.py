@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.interfaces import Policy, View
-from jaxwalk.policies.gap_acceptance import GapAcceptance
+from jaxwalk.policies.gap_acceptance import GapAccepting
 from jaxwalk.sim.observation import Observation
 
 GO = 1
@@ -33,5 +33,5 @@ class AlwaysGo(eqx.Module):
         return jnp.full(observation.shape[1:], GO, jnp.int32), memory
 
 
-POPULATIONS: dict[str, Callable[[], Policy]] = {"always-go": AlwaysGo, "gap-acceptance": GapAcceptance}
+POPULATIONS: dict[str, Callable[[], Policy]] = {"always-go": AlwaysGo, "gap-acceptance": GapAccepting}
 """Rule-based pedestrians by name: call an entry to make the policy."""
