@@ -58,7 +58,7 @@ def run(options: Evaluate) -> int:
         print(results.to_json(), end="")
     else:
         console = Console()
-        console.width = max(console.width, 132)  # the table needs it; a narrower terminal wraps the lines
+        console.width = max(console.width, 160)  # the table needs it; a narrower terminal wraps the lines
         lines = [*said(results), *cost_lines(results.cells), scenarios_line(results)]
         console.print(table(results.cells), *map(escape, lines), sep="\n")
     return 0
@@ -192,5 +192,6 @@ def cost_lines(cells: Sequence[Cell]) -> list[str]:
 
 def scenarios_line(results: Results) -> str:
     """Return a line that names the scenarios played, and where."""
-    where = f", on {', '.join(map_labels(results.street.maps))}" if results.street else ""
+    street = results.street
+    where = f", on {', '.join(map_labels(street.maps))}, collisions by {street.sim.contact}" if street else ""
     return f"{results.scenarios.name}, hash {results.scenarios.hash}{where}"

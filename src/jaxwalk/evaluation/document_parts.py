@@ -178,8 +178,9 @@ class StreetOrigin:
         return StreetOrigin(tuple(map(reference, street.maps)), street.config)
 
     def in_words(self) -> str:
-        """Return the names and hashes of the maps, as in ``paper (hash 0123456789abcdef)``."""
-        return ", ".join(f"{found.name} (hash {found.hash})" for found in self.maps)
+        """Return the maps and what a collision is, as in ``paper (hash 0123456789abcdef), collisions by disc``."""
+        maps = [f"{found.name} (hash {found.hash})" for found in self.maps]
+        return ", ".join([*maps, f"collisions by {self.sim.contact}"])
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain dicts; a map that ships with jaxwalk has no text."""
