@@ -10,7 +10,7 @@ import pytest
 from jaxwalk.policies.clearance_rule import SET, ClearanceRule
 from jaxwalk.policies.gap_acceptance import INTERCEPT, PER_SECOND, GapAccepting
 from jaxwalk.sim.observation import part, size
-from jaxwalk.sim.pedestrian_features import LONG
+from jaxwalk.sim.pedestrian_features import KERB_CAR_DISTANCE
 from jaxwalk.sim.prediction import FAR
 
 KEYS = jax.random.split(jax.random.key(0), 2)
@@ -32,7 +32,7 @@ def kerb(gap, *, deciding=True, speed=5.0, people=4000):
     """What people see, all alike, in each of two episodes."""
     seen = np.zeros((size("pedestrian", "kerb"), people, 2), np.float32)
     seen[part("pedestrian", "kerb", "decides")] = deciding
-    seen[part("pedestrian", "kerb", "times").start] = gap / LONG
+    seen[part("pedestrian", "kerb", "place").start] = gap * speed / KERB_CAR_DISTANCE
     seen[part("pedestrian", "kerb", "car_motion").start] = speed / 8.33
     return jnp.asarray(seen)
 
@@ -41,7 +41,7 @@ def go(memory, *args, **more):
     return GapAccepting().act(KEYS, memory, kerb(*args, **more))
 
 
-@pytest.mark.parametrize("gap", [2.0, 5.0, INTERCEPT / PER_SECOND, 8.0])
+@pytest.mark.parametrize("gap", [2.0, 5.0, INTERCEPT / PER_SECOND, 8.0, 13.0])
 def test_gaps_are_accepted_as_often_as_was_observed(gap):
     critical = go(GapAccepting().init((4000,), (2,)), gap, deciding=False)[1]
     accepted, kept = go(critical, gap)

@@ -58,7 +58,7 @@ def run(options: Evaluate) -> int:
         print(results.to_json(), end="")
     else:
         console = Console()
-        console.width = max(console.width, 160)  # the table needs it; a narrower terminal wraps the lines
+        console.width = max(console.width, 172)  # the table needs it; a narrower terminal wraps the lines
         lines = [*said(results), *cost_lines(results.cells), scenarios_line(results)]
         console.print(table(results.cells), *map(escape, lines), sep="\n")
     return 0

@@ -241,7 +241,7 @@ class Avoidable:
 
 @dataclass(frozen=True)
 class CounterfactualSummary:
-    """Shares of the replayed collisions, with Wilson intervals; None stands for a number that does not exist."""
+    """Shares of the replayed collisions, with `proportion`'s intervals; None: a number that does not exist."""
 
     collisions: int
     """All collisions of the evaluation, replayed or not."""

@@ -196,7 +196,7 @@ def _interesting(work: Reproduction, street: Street, driver: Policy, people: Pol
     fit = [i for i in range(len(found.type)) if found.type[i] == JAYWALK and reached[found.episode[i]]]
     if not fit:
         return 0, 0
-    best = min(fit, key=lambda i: found.min_gap[i])
+    best = min(fit, key=lambda i: (found.min_gap[i] == 0, found.min_gap[i]))
     return int(found.scenario[best]), int(found.start[best])
 
 

@@ -16,7 +16,7 @@ from jaxwalk.metrics.crossings import crossing_type, real_frames
 from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, reach, touched_part
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.outcomes import CONTACTS, SIDEWALK
-from jaxwalk.metrics.statistics import Estimate, Rate, interval, ratio
+from jaxwalk.metrics.statistics import Estimate, Rate, mean_of
 from jaxwalk.sim import events
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
@@ -103,7 +103,9 @@ def _between(trajectory: Trajectory, frame: np.ndarray, episode: np.ndarray, ped
 def _part(trajectory, frame, episode, ped, config: SimConfig) -> tuple[np.ndarray, np.ndarray]:
     """Return which part of the car was touched, and where, as `touched_part` does."""
     after, before = (_in_car_frame(trajectory, at, episode, ped) for at in (frame, np.maximum(frame - 1, 0)))
-    return touched_part(*after, *before, config)
+    seen = np.isfinite(before[0])  # a recording may begin with the contact
+    ahead, left = (np.where(seen, old, new) for old, new in zip(before, after, strict=True))
+    return touched_part(*after, ahead, left, config)
 
 
 def _in_car_frame(trajectory: Trajectory, frame, episode, ped) -> tuple[np.ndarray, np.ndarray]:
@@ -151,34 +153,20 @@ class BothRules:
     """The body overlapped the car's rectangle."""
 
 
-def contact_columns(rows: Rows) -> dict[str, np.ndarray]:
-    """Return, per episode and rule, the contacts of a moving car, and the sums of their speeds."""
-    table = rows[MEASURED_CONTACTS]
-    cell = table.episode.astype(np.int64) * len(RULES) + table.rule
-
-    def total(weights: np.ndarray) -> Float[np.ndarray, "episode rule"]:
-        counted = np.bincount(cell, weights * table.moving, minlength=rows.episodes * len(RULES))
-        return counted.astype(np.float64).reshape(rows.episodes, len(RULES))
-
-    speeds = {"car_speed": table.car_speed, "relative_speed": table.relative_speed}
-    return {"moving": total(np.ones(len(cell))), **{name: total(values) for name, values in speeds.items()}}
-
-
 def summarise_contacts(rows: Rows, sums: Sums) -> BothRules:
     """Return the contacts by both rules."""
-    return BothRules(*(_summarise_rule(rows, sums, rule) for rule in range(len(RULES))))
+    return BothRules(*(_summarise_rule(rows, rule) for rule in range(len(RULES))))
 
 
-def _summarise_rule(rows: Rows, sums: Sums, rule: int) -> ContactsByRule:
-    table, own = rows[MEASURED_CONTACTS], sums[MEASURED_CONTACTS]
+def _summarise_rule(rows: Rows, rule: int) -> ContactsByRule:
+    table = rows[MEASURED_CONTACTS]
     mine = table.rule == rule
     moving = mine & table.moving
     front = moving & (table.part == FRONT)
     cell = np.minimum(table.hit_point[front] / 100 * CELLS, CELLS - 1).astype(np.int64)
-    count = own["moving"][:, rule]
 
-    def mean(name: str) -> Estimate:
-        return interval(ratio(own[name][:, rule], count), int(count[0]))
+    def mean(speeds: np.ndarray) -> Estimate:
+        return mean_of(speeds[moving], within=(0.0, np.inf))
 
     return ContactsByRule(
         episodes=proportion(len(np.unique(table.episode[mine])), rows.episodes),
@@ -188,8 +176,8 @@ def _summarise_rule(rows: Rows, sums: Sums, rule: int) -> ContactsByRule:
         **{x.name.lower(): int((mine & (table.type == x)).sum()) for x in CONTACTS},
         **{name: int((moving & (table.part == x)).sum()) for name, x in PARTS.items()},
         hit_points=tuple(np.bincount(cell, minlength=CELLS).tolist()),
-        car_speed=mean("car_speed"),
-        relative_speed=mean("relative_speed"),
+        car_speed=mean(table.car_speed),
+        relative_speed=mean(table.relative_speed),
     )
 
 
@@ -197,7 +185,6 @@ PARTS = {"front": FRONT, "side": SIDE, "rear": REAR}
 MEASURED_CONTACTS = Metric(
     name="contacts",
     measure=lambda recording: find_contacts(recording.trajectory, recording.config),
-    columns=contact_columns,
     summarise=summarise_contacts,
     headline=True,
 )

@@ -139,9 +139,9 @@ def mean_of(
     if len(values) == 0:
         return Estimate(None, None, None, 0)
     value = float(values.mean())
-    error = float(values.std(ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else 0.0
-    if error == 0:
+    if np.ptp(values) == 0:
         return Estimate(value, None, None, len(values))
+    error = float(values.std(ddof=1)) / math.sqrt(len(values))
     half = float(stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1)) * error
     return Estimate(value, max(value - half, within[0]), min(value + half, within[1]), len(values))
 

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int, Key
 from jaxwalk.interfaces import View
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.observation import Observation, part
-from jaxwalk.sim.pedestrian_features import LONG
+from jaxwalk.sim.pedestrian_features import KERB_CAR_DISTANCE
 
 SET = "kerb"
 INTERCEPT, PER_SECOND = 6.2064, 0.9420
@@ -46,10 +46,10 @@ class GapAccepting(eqx.Module):
     ) -> tuple[Int[Array, "ped *batch"], Column]:
         """Return who goes, and the critical gaps [s]: kept while somebody decides, else drawn anew."""
         deciding = observation[part("pedestrian", SET, "decides")][0] > 0
-        gap = observation[part("pedestrian", SET, "times")][0] * LONG
-        stands = observation[part("pedestrian", SET, "car_motion")][0] * SPEED < STANDS
+        ahead = observation[part("pedestrian", SET, "place")][0] * KERB_CAR_DISTANCE
+        speed = observation[part("pedestrian", SET, "car_motion")][0] * SPEED
         critical = jnp.where(deciding, memory, _critical_gaps(key, deciding.shape[0]))
-        go = ~deciding | stands | (gap < 0) | (gap >= critical)
+        go = ~deciding | (speed < STANDS) | (ahead < 0) | (ahead >= critical * speed)
         return go.astype(jnp.int32), critical
 
 

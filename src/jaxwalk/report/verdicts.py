@@ -91,7 +91,7 @@ ATTRIBUTION = (
 )
 APPROACH = (
     "Not comparable in the strict sense: the paper does not define its encounter. Ours begins with the car within 20 "
-    "m and closing, includes collisions (distance below 1.5 m), and lasts until the pedestrian leaves the road."
+    "m and closing, includes collisions, and lasts until the pedestrian leaves the road."
 )
 BRAKING = (
     "Ours begins at the first braking command of 1 m/s² or more held for 0.3 s after road entry, and counts a car that "

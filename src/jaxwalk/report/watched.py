@@ -35,7 +35,7 @@ class WatchedIncident:
     ttc: float | None
     """Smallest time to collision [s]."""
     nearest: float | None
-    """Smallest distance of the centres [m]."""
+    """Smallest gap between car and body [m]."""
 
 
 @dataclass(frozen=True)

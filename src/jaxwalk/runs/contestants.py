@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,11 +43,12 @@ def world_of(
         raise ContestantError(
             f"the run folders were trained on different maps ({', '.join(labels)}); choose some with --map"
         )
-    worlds = [] if world else list(dict.fromkeys(run.experiment.sim for run in runs))
+    rules = [run.experiment.sim for run in runs]
+    worlds = list(dict.fromkeys(rules_of(world, (), one) if world else one for one in rules))
     if len(worlds) > 1:
-        raise ContestantError(
-            "the run folders were trained in worlds of different rules (sim in config.json); choose one with --world"
-        )
+        alike = len({replace(one, contact="disc") for one in worlds}) == 1
+        hint = "; choose one with --world" if alike else ""
+        raise ContestantError(f"the run folders were trained in worlds of different rules (sim in config.json){hint}")
     chosen = tuple(maps) or (trained[0] if trained else ("paper",))
     return Street.create(chosen, worlds[0] if worlds else rules_of(world, maps or ("paper",)))
 

@@ -100,11 +100,11 @@ class SimConfig:
 
 
 WORLDS = {"paper": SimConfig(), "paper-footprint": SimConfig(contact="footprint")}
-"""Rules of a world, by name. ``paper`` is as in the paper; in any other, contacts of the footprint are collisions."""
+"""Worlds by name: they have the same rules, but in ``paper-footprint`` a contact of the footprint is a collision."""
 
 
 def rules_of(world: str | None, maps: Sequence[str], usual: SimConfig = WORLDS["paper"]) -> SimConfig:
-    """Return the rules of a named world; without a name, the usual ones, but by footprint on any map but the paper's.
+    """Return the usual rules with the contact of a named world; without a name, by footprint on other maps than paper.
 
     Raise ValueError for a name that doesn't exist.
     """
@@ -112,4 +112,4 @@ def rules_of(world: str | None, maps: Sequence[str], usual: SimConfig = WORLDS["
         return usual if tuple(maps) == ("paper",) else replace(usual, contact="footprint")
     if world not in WORLDS:
         raise ValueError(f"no world '{world}'; there are: {', '.join(WORLDS)}")
-    return WORLDS[world]
+    return replace(usual, contact=WORLDS[world].contact)

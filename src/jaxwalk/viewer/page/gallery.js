@@ -179,6 +179,7 @@ const situation = (one) => `${WHO[one.contact]} ${one.side === "standing" ? "sta
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 function severity(one) {
+  if (one.kind === "near miss" && one.nearest === 0) return "Contact by the car's footprint, which ends no episode here";
   if (one.kind === "near miss") return `Near miss: ${one.ttc.toFixed(1)} s to collision, came within ${one.nearest.toFixed(1)} m`;
   const who = one.avoidable ? `, ${AVOIDABLE[one.avoidable]}` : "";
   if (!one.moving) return `Walked into the standing car${who}`;
