@@ -111,9 +111,9 @@ def test_places_tell_who_crosses_how(episodes, recorded, areas, street):
     document = found.as_dict()
     assert document.keys() == {
         "episodes", "kilometres", "hours", "speed_differential", "encounters", "surrogates", "surrogate_distributions",
-        "contacts", "passing", "comfort", "left_out",
+        "contacts", "comfort", "left_out",
     }  # fmt: skip
-    assert "ending" in document["left_out"]["outcomes, attribution, those who were hit"]
+    assert "ending" in document["left_out"]["outcomes, attribution, passing, yielded, those who were hit"]
     assert "fatal" not in document["surrogates"]["jaywalk"]
 
 

@@ -20,7 +20,7 @@ from jaxwalk.adapters.players import AdapterError, Weights, player, weights_of
 from jaxwalk.interfaces import Outcome, Policy, Roles
 from jaxwalk.rollout import Step, Stream, advance, environment_keys, restart, seed_key, start
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.sim_config import SimConfig, rules_of
 
 SEEDS = 2**32
 """Upper limit of seeds: they lie in [0, this)."""
@@ -38,7 +38,7 @@ class WorldOptions(TypedDict, total=False):
     jaywalk_multiplier: float
     """P(jaywalk | decision) = jaywalking tendency x this (default: 0.25)."""
     config: SimConfig | None
-    """The world's rules."""
+    """The world's rules (default: those of `SimConfig`; on other maps than ``paper`` by footprint)."""
 
 
 class Game(eqx.Module):
@@ -64,6 +64,7 @@ class Game(eqx.Module):
         """
         maps = world.get("maps", ("paper",))
         world["maps"] = (maps,) if isinstance(maps, str | Path) else tuple(maps)
+        world["config"] = world.get("config") or rules_of(None, [str(name) for name in world["maps"]])
         street = Street.create(
             driver_weights=weights_of("driver", driver_reward),
             pedestrian_weights=weights_of("pedestrian", pedestrian_reward),

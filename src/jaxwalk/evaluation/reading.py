@@ -22,6 +22,7 @@ from jaxwalk.metrics import (
     WAITING,
     OverSeeds,
 )
+from jaxwalk.metrics.contacts import CELLS, MEASURED_CONTACTS
 from jaxwalk.metrics.decisions import QUARTERS
 from jaxwalk.metrics.meetings import BINS
 from jaxwalk.metrics.passing import CLEARANCES
@@ -137,6 +138,8 @@ def _check_sizes(cell: Cell, origin: Origin) -> None:
     summary = cell.summary
     _check_size(summary[SPEED_DIFFERENTIAL], BINS, origin.inside("speed_differential"))
     _check_size(summary[PASSING], len(CLEARANCES) - 1, origin.inside("passing"))
+    for rule, found in vars(summary[MEASURED_CONTACTS]).items():
+        _check_size(found.hit_points, CELLS, origin.inside("contacts", rule, "hit_points"))
     _check_size(summary[JAYWALK_RATE].quarters, QUARTERS, origin.inside("jaywalk_rate", "quarters"))
     _check_wait_bins(summary[WAITING].by_distance, DISTANCES, origin.inside("waiting", "by_distance"))
     _check_wait_bins(summary[WAITING].by_speed, SPEEDS, origin.inside("waiting", "by_speed"))

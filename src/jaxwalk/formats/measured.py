@@ -45,13 +45,15 @@ class Measured:
                 del found[name]
         outcomes = found["outcomes"]
         if not {"ending", "touched"} <= self.known:
-            left_out["outcomes, attribution, those who were hit"] = "the table has no column ending, touched"
-            del found["outcomes"], found["attribution"]
+            name = "outcomes, attribution, passing, yielded, those who were hit"
+            left_out[name] = "the table has no column ending, touched"
+            del found["outcomes"], found["attribution"], found["passing"]
+            found.get("approaches", {}).pop("yielded", None)
             for kind in found["encounters"]:
                 del found["encounters"][kind]["collided"]
                 found["surrogates"][kind] = _without(found["surrogates"][kind], OF_HITS)
         if not self.ground:
-            left_out["speed_differential, crosswalk and jaywalk, braking"] = "no areas say where roadway is"
+            left_out["speed_differential, approaches, crosswalk and jaywalk, braking"] = "no areas say where roadway is"
             found = _of_anybody(found)
         steps = self.rows[OUTCOMES].steps.sum() * self.rows.dt
         return {
@@ -74,7 +76,8 @@ def measure_all(
     Args:
         recordings: recordings, each with its areas; at least one has a car that moves. A table that states who is on a
             roadway needs no areas.
-        config: gives the step of the resampling, the speed of a moving car and the distance of a collision.
+        config: gives the step of the resampling, the speed of a moving car, the size of a body, and that of a car
+            whose track doesn't state it.
         progress: called after each recording with the number of recordings so far.
 
     Raises:

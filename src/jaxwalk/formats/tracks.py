@@ -9,12 +9,13 @@ import numpy as np
 from jaxtyping import Float, Int, Shaped
 
 from jaxwalk.sim.crossing_kind import CrossingKind
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 CAR, PEDESTRIAN = "car", "pedestrian"
 """Types that are measured. Others, such as ``bicycle``, may be in a table, but the metrics ignore them."""
-CAR_LENGTH, CAR_WIDTH, PERSON = 4.5, 1.8, 0.5
-"""Nominal sizes in the simulator's tables [m]. In the simulator, collisions depend on the distance of centres."""
+CAR_LENGTH, CAR_WIDTH, PERSON = SimConfig.car_length, SimConfig.car_width, 2 * SimConfig.body_radius
+"""Sizes in the simulator's tables [m]."""
 CROSSINGS = tuple(kind.word for kind in CrossingKind)
 """Words for `Trajectory.crossing`, by its number."""
 GOAL, COLLISION, TIMEOUT = "goal", "collision", "timeout"

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.counts import proportion
 from jaxwalk.metrics.crossings import crossing_type, real_frames
-from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, reach, touched_part
+from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, in_car_frame, reach, touched_part
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.outcomes import CONTACTS, SIDEWALK
 from jaxwalk.metrics.statistics import Estimate, Rate, mean_of
@@ -56,11 +56,10 @@ class Contacts:
 def find_contacts(trajectory: Trajectory, config: SimConfig) -> Contacts:
     """Find the contacts of a trajectory; ``config`` has the sizes of the disc, the car and the body."""
     frame, episode, ped = _near(trajectory, max(reach(config), config.collision_distance))
-    dx, dy = _between(trajectory, frame, episode, ped)
-    heading = trajectory.car_cos[frame, episode], trajectory.car_sin[frame, episode]
+    place = in_car_frame(trajectory, frame, episode, ped)
     rule, row = [], []
     for index, name in enumerate(RULES):
-        touched = np.flatnonzero(events.touching(replace(config, contact=name), dx, dy, *heading))
+        touched = np.flatnonzero(events.touching(replace(config, contact=name), *place, 1.0, 0.0))
         _, first = np.unique(np.stack([episode[touched], ped[touched]]), axis=1, return_index=True)
         row.append(touched[first])
         rule.append(np.full(len(first), index))
@@ -70,7 +69,7 @@ def find_contacts(trajectory: Trajectory, config: SimConfig) -> Contacts:
     frame, episode, ped = frame[row], episode[row], ped[row]
     speed = trajectory.car_speed[frame, episode]
     vx, vy = (getattr(trajectory, f"ped_v{x}")[frame, episode, ped] for x in "xy")
-    ahead, aside = to_frame(vx, vy, *(x[row] for x in heading))
+    ahead, aside = to_frame(vx, vy, trajectory.car_cos[frame, episode], trajectory.car_sin[frame, episode])
     part, hit_point = _part(trajectory, frame, episode, ped, config)
     walking = crossing_type(trajectory.crossing[frame, episode, ped], trajectory.on_crosswalk[frame, episode, ped])
     return Contacts(
@@ -94,25 +93,12 @@ def _near(trajectory: Trajectory, metres: float) -> tuple[np.ndarray, np.ndarray
     return frame, episode, ped
 
 
-def _between(trajectory: Trajectory, frame: np.ndarray, episode: np.ndarray, ped: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the displacements from the car's centre to the pedestrian's [m]."""
-    person, car = (frame, episode, ped), (frame, episode)
-    return tuple(getattr(trajectory, f"ped_{x}")[person] - getattr(trajectory, f"car_{x}")[car] for x in "xy")
-
-
 def _part(trajectory, frame, episode, ped, config: SimConfig) -> tuple[np.ndarray, np.ndarray]:
     """Return which part of the car was touched, and where, as `touched_part` does."""
-    after, before = (_in_car_frame(trajectory, at, episode, ped) for at in (frame, np.maximum(frame - 1, 0)))
+    after, before = (in_car_frame(trajectory, at, episode, ped) for at in (frame, np.maximum(frame - 1, 0)))
     seen = np.isfinite(before[0])  # a recording may begin with the contact
     ahead, left = (np.where(seen, old, new) for old, new in zip(before, after, strict=True))
     return touched_part(*after, ahead, left, config)
-
-
-def _in_car_frame(trajectory: Trajectory, frame, episode, ped) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far ahead of the car and to its left the pedestrian is [m]."""
-    dx, dy = _between(trajectory, frame, episode, ped)
-    ahead, left = to_frame(dx, dy, trajectory.car_cos[frame, episode], trajectory.car_sin[frame, episode])
-    return ahead, left
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ from jaxtyping import Bool, Float, Int
 from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN, braking_times
 from jaxwalk.metrics.counts import proportion
 from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, ByType, Crossings, RoadSteps, count_by_type
+from jaxwalk.metrics.footprint import in_car_frame
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio
 from jaxwalk.sim.events import to_rectangle
-from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -86,11 +86,8 @@ def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSte
 
 def _gaps(trajectory: Trajectory, steps: RoadSteps, config: SimConfig) -> Float[np.ndarray, "step"]:
     """Return the distance from the car's rectangle to the pedestrian's body [m]; 0 in contact."""
-    car, person = (steps.frame, steps.episode), (steps.frame, steps.episode, steps.ped)
-    dx, dy = (getattr(trajectory, f"ped_{x}")[person] - getattr(trajectory, f"car_{x}")[car] for x in "xy")
-    away = to_rectangle(
-        *to_frame(dx, dy, trajectory.car_cos[car], trajectory.car_sin[car]), config.car_length, config.car_width
-    )
+    place = in_car_frame(trajectory, steps.frame, steps.episode, steps.ped)
+    away = to_rectangle(*place, config.car_length, config.car_width)
     return np.maximum(away - config.body_radius, 0)
 
 

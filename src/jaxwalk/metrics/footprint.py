@@ -1,6 +1,6 @@
 """When and where a car's rectangle and a pedestrian's body touch, if both keep their velocities.
 
-All functions broadcast. Positions are those of the pedestrian's centre in the car's frame: ahead of the car's centre
+Positions are those of the pedestrian's centre in the car's frame: ahead of the car's centre
 and to the left [m]; velocities are relative to the car [m/s].
 """
 
@@ -12,7 +12,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from jaxwalk.sim.events import to_rectangle
+from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.trajectory import Trajectory
 
 Column = Float[np.ndarray, "row"]
 
@@ -87,6 +89,16 @@ def required_deceleration(ttc, speed):
     """
     ttc, speed = np.broadcast_arrays(ttc, speed)
     return np.divide(speed, 2 * ttc, out=np.full(speed.shape, np.nan), where=ttc > 0)
+
+
+def in_car_frame(
+    trajectory: Trajectory, frame: np.ndarray, episode: np.ndarray, ped: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far pedestrians are ahead of the car and to its left [m], for the given rows."""
+    car, person = (frame, episode), (frame, episode, ped)
+    dx, dy = (getattr(trajectory, f"ped_{x}")[person] - getattr(trajectory, f"car_{x}")[car] for x in "xy")
+    ahead, left = to_frame(dx, dy, trajectory.car_cos[car], trajectory.car_sin[car])
+    return ahead, left
 
 
 FRONT, SIDE, REAR = 1, 2, 3

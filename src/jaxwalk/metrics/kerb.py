@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.crossings import real_frames, runs
+from jaxwalk.metrics.footprint import in_car_frame
 from jaxwalk.metrics.metric import Finding
 from jaxwalk.sim import events
 from jaxwalk.sim.trajectory import Trajectory
@@ -60,7 +61,8 @@ def find_kerb(trajectory: Trajectory) -> Kerb:
     frame, episode, ped = np.nonzero(at_kerb & played)
     order = np.lexsort((frame, ped, episode))  # (few stand there: cheaper than to turn the whole array round)
     where = frame, episode, ped = frame[order], episode[order], ped[order]
-    distance, ahead = _from_car(trajectory, *where)
+    ahead, left = in_car_frame(trajectory, *where)
+    distance = events.distance(ahead, left)
     speed, miss = trajectory.car_speed[frame, episode], trajectory.predicted_miss[where]
     danger = (distance < NEAR) & (ahead > 0) & (speed > FAST) & (miss < CONFLICT)
     harmless = (distance >= NEAR) | (ahead < -PAST)
@@ -78,14 +80,6 @@ def find_kerb(trajectory: Trajectory) -> Kerb:
         first=first,
         last=np.append(first[1:], len(frame))[: len(first)] - 1,
     )
-
-
-def _from_car(trajectory: Trajectory, frame, episode, ped) -> tuple[np.ndarray, np.ndarray]:
-    """Return the pedestrian's distance from the car, and how far ahead of it, for the given rows [m]."""
-    car, person = (frame, episode), (frame, episode, ped)
-    dx = trajectory.ped_x[person] - trajectory.car_x[car]
-    dy = trajectory.ped_y[person] - trajectory.car_y[car]
-    return events.distance(dx, dy), dx * trajectory.car_cos[car] + dy * trajectory.car_sin[car]
 
 
 KERB = Finding(name="kerb", measure=lambda recording: find_kerb(recording.trajectory))

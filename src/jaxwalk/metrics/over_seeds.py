@@ -11,7 +11,7 @@ from jaxtyping import Float, Shaped
 from scipy import special, stats
 
 from jaxwalk.metrics.counts import proportion, rate
-from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, ratio
+from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, finite_or_none, ratio
 
 FEWEST_SEEDS = 5
 """Fewer training seeds than this give no interval and no test: their spread is unknown."""
@@ -82,8 +82,8 @@ def over_seeds(
     """Return each training seed's sum of numerators over sum of denominators, their mean and interquartile mean.
 
     The interval is that of `crossed_mean`: of shares on the scale of log odds, of rates on that of logarithms, so that
-    it stays where they can be, and misses on either side alike. There is none with fewer than `FEWEST_SEEDS` seeds. (A
-    ratio varies as its linear part does: numerator - ratio x denominator.)
+    it stays where they can be, and misses on either side alike. There is none with fewer than `FEWEST_SEEDS` seeds. A
+    ratio varies as its linear part does: numerator - ratio x denominator.
 
     Where nothing varies there is no spread to judge by. The interval is then that of one seed's scenarios: 0 of 2,000
     in each of five seeds is no proof that the share is 0, and if it is the scenario that decides, five seeds on 2,000
@@ -91,10 +91,10 @@ def over_seeds(
     """
     over, under = np.asarray(numerator, np.float64), np.asarray(denominator, np.float64)
     each = ratio(over.sum(axis=1), under.sum(axis=1))
-    seeds, mean = len(each), _finite(each.mean())
+    seeds, mean = len(each), finite_or_none(each.mean())
     low, high = (None, None) if mean is None or seeds < FEWEST_SEEDS else _ends(over, under, kind)
-    known = tuple(_finite(value) for value in each)
-    return OverSeeds(Estimate(mean, low, high, seeds), _finite(float(interquartile_mean(each))), known)
+    known = tuple(finite_or_none(value) for value in each)
+    return OverSeeds(Estimate(mean, low, high, seeds), finite_or_none(float(interquartile_mean(each))), known)
 
 
 def _ends(
@@ -125,8 +125,3 @@ def interquartile_mean(values: Float[np.ndarray, "*step seed"]) -> Float[np.ndar
     values = np.asarray(values, np.float64)
     mean = stats.trim_mean(values, 0.25, axis=-1)
     return np.where(np.isnan(values).any(axis=-1), np.nan, mean)  # an older SciPy treats NaN as the largest value
-
-
-def _finite(number: float) -> float | None:
-    """Return the number, or None if it is infinite or NaN."""
-    return float(number) if math.isfinite(number) else None

@@ -62,13 +62,15 @@ def distribution_columns(rows: Rows) -> dict[str, np.ndarray]:
         found = count_by_type(table.episode[chosen], table.type[chosen], rows.episodes)
         return found.astype(np.int16)  # small, so that a million episodes fit into memory
 
-    # signed so that less is more dangerous; comparisons with NaN are false
-    gap = np.nextafter(rows[ENCOUNTERS].min_gap, -np.inf)
-    values = {"ttc": table.ttc, "pet": np.abs(table.pet), "drac": -table.drac, "gap": gap}
-    signs = {"drac": -1}
+    # comparisons with NaN are false
+    beyond = {
+        "ttc": lambda x: table.ttc < x,
+        "pet": lambda x: np.abs(table.pet) < x,
+        "drac": lambda x: table.drac > x,
+        "gap": lambda x: rows[ENCOUNTERS].min_gap <= x,
+    }
     return {"met": count(np.ones(len(table.type), bool))} | {
-        name: np.stack([count(values[name] < signs.get(name, 1) * x) for x in thresholds], axis=2)
-        for name, thresholds in THRESHOLDS.items()
+        name: np.stack([count(beyond[name](x)) for x in thresholds], axis=2) for name, thresholds in THRESHOLDS.items()
     }
 
 

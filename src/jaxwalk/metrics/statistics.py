@@ -153,7 +153,7 @@ def quantile(values: Shaped[np.ndarray, "observation"], p: float, *, confidence:
     values = np.asarray(values, np.float64)
     # quantile_test tests against q; any q gives the same interval
     ends = stats.quantile_test(values, q=0, p=p).confidence_interval(confidence_level=confidence)
-    return Estimate(float(np.quantile(values, p)), _finite(ends.low), _finite(ends.high), len(values))
+    return Estimate(float(np.quantile(values, p)), finite_or_none(ends.low), finite_or_none(ends.high), len(values))
 
 
 def kaplan_meier_median(
@@ -197,6 +197,6 @@ def _comes_down(times: np.ndarray, survival: np.ndarray) -> float | None:
     return float(times[below[0]]) if len(below) else None
 
 
-def _finite(number: float) -> float | None:
+def finite_or_none(number: float) -> float | None:
     """Return the number, or None if it is infinite or NaN."""
     return float(number) if math.isfinite(number) else None

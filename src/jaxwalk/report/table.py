@@ -58,7 +58,7 @@ def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:
     has only a lower end: ``> 2.1``.
     """
     if ours.value is None:
-        return NONE if ours.low is None else f"> {scale * ours.low:.{digits or 1}f}"
+        return NONE if ours.low is None else f"> {scale * ours.low:.{2 if digits is None else digits}f}"
     if digits is None:
         digits = 1 if scale != 100 or 0.01 <= abs(ours.value) <= 0.99 else 2
     value = f"{scale * ours.value:.{digits}f}"

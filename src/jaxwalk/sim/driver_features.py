@@ -147,7 +147,7 @@ ROUTE = (*ON_ROUTE, *_predictions("disc"), PEOPLE)
 """The car in the frame of its route 22, predicted clearances between centres 13, nearest people 24."""
 
 ROUTE_FOOTPRINT = (*ON_ROUTE, *_predictions("footprint"), PEOPLE)
-"""The same with predicted clearances between the car's rectangle and people's bodies, 16 instead of 13."""
+"""As `ROUTE`, but with 16 numbers for predicted clearances between the car's rectangle and people's bodies."""
 
 TOLD_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency))
 """The jaywalking tendency of each of the nearest people."""

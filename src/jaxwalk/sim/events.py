@@ -65,10 +65,10 @@ def touching(rules, dx, dy, cos, sin):
 
     Args:
         rules: `SimConfig` or `jaxwalk.sim.world.Rules`.
-        dx: displacement from the car's centre to the pedestrian's [m].
-        dy: the same.
-        cos: heading of the car, as its cosine and sine.
-        sin: the same.
+        dx: displacement from the car's centre to the pedestrian's along x [m].
+        dy: displacement along y [m].
+        cos: cosine of the car's heading in the same axes.
+        sin: sine of it.
     """
     if rules.contact == "disc":
         return touches(dx, dy, rules.collision_distance)

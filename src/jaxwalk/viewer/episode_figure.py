@@ -15,11 +15,12 @@ from matplotlib.patches import Polygon
 
 from jaxwalk.maps import RoadMap
 from jaxwalk.sim.crossing_kind import JAYWALK
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer.ground import draw_ground
 
-CAR_LENGTH, CAR_WIDTH = 4.5, 1.8
-"""Size of the drawn car [m]. Collisions depend on the distance of centres, not on this size."""
+CAR_LENGTH, CAR_WIDTH = SimConfig.car_length, SimConfig.car_width
+"""Size of the drawn car [m]."""
 CAR, JAYWALKED, GOAL, CRASH = "#1f5fd0", "#ffd400", "#d81e2c", "#d81e2c"
 """Colours of the car, of jaywalks, of the goal and of a collision."""
 TENDENCY = LinearSegmentedColormap.from_list("tendency", ["#fff4d6", "#f5b242", "#cd540a", "#541408"])
