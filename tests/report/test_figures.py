@@ -9,6 +9,8 @@ import numpy as np
 from jaxwalk.metrics import SURROGATE_DISTRIBUTIONS
 from jaxwalk.metrics.crossings import ByType
 from jaxwalk.metrics.severity import Distribution, Distributions
+from jaxwalk.policies import DRIVERS
+from jaxwalk.report.figures.frontier import SIGNS
 from jaxwalk.report.figures.surrogates import surrogates
 from report.material import material
 
@@ -28,3 +30,7 @@ def test_curves_of_surrogate_safety():
         np.testing.assert_allclose(lines["co-trained, crosswalk"].get_xydata(), [[1, 25], [2, 50]])
         (band, _) = axis.collections
         assert {12.5, 25, 50, 75} <= set(band.get_paths()[0].vertices[:, 1])
+
+
+def test_no_two_drivers_of_a_reproduction_look_alike():
+    assert len(set(SIGNS)) == len(SIGNS) > len(DRIVERS) + 1  # all rules but the oracle, and two trained drivers

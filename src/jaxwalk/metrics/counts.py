@@ -1,4 +1,4 @@
-"""Intervals of counts and shares that keep their promise when events are rare.
+"""Intervals of counts and shares that cover what they say when events are rare.
 
 A resample of an episode without a collision has none either: the bootstrap of a count of zero ends at zero, and with
 one or two events it covers 63 to 87 %. So no count or share of counts in jaxwalk has a bootstrap interval.

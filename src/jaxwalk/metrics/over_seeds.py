@@ -15,8 +15,6 @@ from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, finite_or_none, rat
 
 FEWEST_SEEDS = 5
 """Fewer training seeds than this give no interval and no test: their spread is unknown."""
-
-
 Kind = Literal["share", "rate", "mean"]
 """What a number over seeds is: a share of trials; events per unit of exposure; or a mean or difference, of any sign."""
 

@@ -162,8 +162,9 @@ SECTIONS = (
     Section(
         "How near the car comes",
         "section IV-B",
-        "An encounter: a crossing with the car within 20 m and closing, until the pedestrian leaves the road. At 1.5 "
-        "m the two touch: one in twenty encounters comes nearer than the number shown.",
+        "An encounter: a crossing with the car within 20 m and closing, until the pedestrian leaves the road. One in "
+        "twenty encounters comes nearer than the number shown. Distances are between the centres; below 1.5 m is a "
+        "collision by the paper's rule.",
         table="approach",
     ),
     Section(

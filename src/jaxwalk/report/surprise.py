@@ -55,7 +55,10 @@ def in_words(bins: Sequence[SpeedBin]) -> str:
     raw = _said(bins, lambda found: found.pooled.difference)
     beyond = _said(bins, lambda found: found.placebo.difference)
     matched = _said(bins, lambda found: found.matched)
-    nowhere = "At no distance is the interval of the difference between jaywalkers and crosswalk users free of 0."
+    nowhere = (
+        f"At no distance with {FEWEST} encounters or more of either type is the interval of the difference between "
+        "jaywalkers and crosswalk users free of 0."
+    )
     sentences = [f"Near jaywalkers the car is {raw}." if raw else nowhere]
     if beyond:
         sentences.append(f"Beyond what is so near ghosts, which it cannot see, it is {beyond}.")
