@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxwalk.formats.paths import Path, paths
-from jaxwalk.formats.road_network import Arm, Connection, Network, Rectangle
+from jaxwalk.formats.road_network import Arm, Connection, RoadNetwork, Rectangle
 from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -28,7 +28,7 @@ NOWHERE = {"geoNameId": "-999", "gpsLatitude": "999", "gpsLongitude": "999"}
 Points = Sequence[tuple[float, float]]
 
 
-def commonroad(tracks: Tracks, network: Network, *, name: str, config: SimConfig) -> bytes:
+def commonroad(tracks: Tracks, network: RoadNetwork, *, name: str, config: SimConfig) -> bytes:
     """Return the scenario as an XML document.
 
     Args:
@@ -73,7 +73,7 @@ def _add_exact(parent: ET.Element, tag: str, text: str) -> None:
     ET.SubElement(ET.SubElement(parent, tag), "exact").text = text
 
 
-def _add_lanelets(root: ET.Element, network: Network) -> None:
+def _add_lanelets(root: ET.Element, network: RoadNetwork) -> None:
     """Add two lanelets for every arm, and one for every connection, crosswalk and sidewalk."""
     for number, arm in enumerate(network.arms):
         line = _along(arm)
@@ -103,7 +103,7 @@ def _ids(arm: int) -> tuple[int, int]:
     return 1 + 2 * arm, 2 + 2 * arm
 
 
-def _connection_id(network: Network, number: int) -> int:
+def _connection_id(network: RoadNetwork, number: int) -> int:
     return 1 + 2 * len(network.arms) + number
 
 
@@ -124,7 +124,7 @@ def _add_kind(lanelet: ET.Element, kind: str, *, one_way: str | None = None, bot
             ET.SubElement(lanelet, tag).text = user
 
 
-def _add_links(lanelet: ET.Element, network: Network, arm: int, along: bool) -> None:
+def _add_links(lanelet: ET.Element, network: RoadNetwork, arm: int, along: bool) -> None:
     """Add the connections that lead into an arm's lane, and those that lead out of it."""
     before, after = network.arms[arm].ends if along else network.arms[arm].ends[::-1]
     numbered = list(enumerate(network.connections))

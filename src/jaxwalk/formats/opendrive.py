@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from types import ModuleType
 
-from jaxwalk.formats.road_network import Arm, Connection, Network, Rectangle
+from jaxwalk.formats.road_network import Arm, Connection, RoadNetwork, Rectangle
 from jaxwalk.formats.tracks import TracksError
 
 FIRST_CONNECTION, FIRST_JUNCTION = 1000, 2000
@@ -26,7 +26,7 @@ def load_library() -> ModuleType:
     return scenariogeneration
 
 
-def opendrive(network: Network, name: str) -> bytes:
+def opendrive(network: RoadNetwork, name: str) -> bytes:
     """Return the map as an OpenDRIVE document. Raises TracksError if scenariogeneration is missing."""
     library = load_library()
     xodr = library.xodr
@@ -99,7 +99,7 @@ def _crosswalk(xodr: ModuleType, id: str, s: float, t: float, length: float, wid
     return made
 
 
-def _connection(xodr: ModuleType, number: int, connection: Connection, network: Network):
+def _connection(xodr: ModuleType, number: int, connection: Connection, network: RoadNetwork):
     """Return a connecting road with one lane, and its link in the junction."""
     id = FIRST_CONNECTION + number
     begin, end = connection.widths

@@ -75,7 +75,7 @@ class Connection:
 
 
 @dataclass(frozen=True)
-class Network:
+class RoadNetwork:
     """The lanes of a map."""
 
     junctions: tuple[Junction, ...]
@@ -101,7 +101,7 @@ class Network:
                 yield number, arm, at_end
 
 
-def road_network(road_map: RoadMap) -> Network:
+def road_network(road_map: RoadMap) -> RoadNetwork:
     """Return the lanes of a map (not a stack of maps).
 
     Raises TracksError if two junctions, or a junction and a crosswalk, are too close.
@@ -109,9 +109,9 @@ def road_network(road_map: RoadMap) -> Network:
     roads, crosswalks, sidewalks = (_real(getattr(road_map, name)) for name in ("roads", "crosswalks", "sidewalks"))
     junctions = _junctions(roads, crosswalks)
     arms = tuple(arm for road in roads for arm in _arms(road, junctions))
-    bare = Network(junctions, arms, (), crosswalks, sidewalks)
+    bare = RoadNetwork(junctions, arms, (), crosswalks, sidewalks)
     connections = tuple(one for number in range(len(junctions)) for one in _connections(bare, number))
-    return Network(junctions, arms, connections, crosswalks, sidewalks)
+    return RoadNetwork(junctions, arms, connections, crosswalks, sidewalks)
 
 
 def _real(rectangles: np.ndarray) -> tuple[Rectangle, ...]:
@@ -174,7 +174,7 @@ def _arms(road: Rectangle, junctions: tuple[Junction, ...]) -> Iterator[Arm]:
             yield Arm(x, y, EAST if east else NORTH, stop - start, width, (before, after))
 
 
-def _connections(network: Network, junction: int) -> Iterator[Connection]:
+def _connections(network: RoadNetwork, junction: int) -> Iterator[Connection]:
     """Yield a lane from every arm of a junction to every other one."""
     reach = network.junctions[junction].reach
     for (number, arm, at_end), (target, other, other_end) in permutations(network.arms_at(junction), 2):
