@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxwalk.formats.paths import Path, paths
-from jaxwalk.formats.road_network import Arm, Connection, RoadNetwork, Rectangle
+from jaxwalk.formats.road_network import Arm, Connection, Rectangle, RoadNetwork
 from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.sim_config import SimConfig
 

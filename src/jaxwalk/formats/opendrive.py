@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from types import ModuleType
 
-from jaxwalk.formats.road_network import Arm, Connection, RoadNetwork, Rectangle
+from jaxwalk.formats.road_network import Arm, Connection, Rectangle, RoadNetwork
 from jaxwalk.formats.tracks import TracksError
 
 FIRST_CONNECTION, FIRST_JUNCTION = 1000, 2000

@@ -1,7 +1,8 @@
 """A street as plain data: lanes, areas, a walk graph with crossings, and the car's routes.
 
-Generators and importers make a `Network`; the checks, the file format and the rasteriser read it. Positions are in metres,
-x to the east, y to the north, from (0, 0) to `Network.size`. Parts name each other by their place in their list, from 0.
+Generators and importers make a `Network`; the checks, the file format and the rasteriser read it. Positions are in
+metres, x to the east, y to the north, from (0, 0) to `Network.size`. Parts name each other by their place in their
+list, from 0.
 """
 
 from __future__ import annotations
@@ -122,8 +123,8 @@ class Crossing:
     areas: tuple[Index, ...]
     """The crosswalk areas that it leads over; with an island between them, several."""
     nodes: tuple[Index, ...]
-    """The way: a landing, the nodes between, the opposite landing. Landings are waypoints, each of one crossing; the nodes
-    between aren't waypoints, and belong to no other way. One lies in the middle of each area, one on each island."""
+    """The way: a landing, the nodes between, the opposite landing. Landings are waypoints, each of one crossing; the
+    nodes between aren't waypoints, and belong to no other way: one in the middle of each area, one on each island."""
     zone: JaywalkZone | None = None
     """Where people may jaywalk instead; None: nowhere."""
 
