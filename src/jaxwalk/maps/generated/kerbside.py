@@ -49,9 +49,6 @@ def _free(low: float, high: float, sites: list[Site]) -> Iterator[tuple[float, f
 
 def buildings(town: Town, dice: Dice, plan: Plan, ground: Ground) -> Iterator[shapely.Polygon]:
     """Yield buildings: on plots along all roads, off the sidewalks, and apart."""
-    paved = shapely.union_all([ground.whole, ground.sidewalk])
-    low_x, low_y, high_x, high_y = paved.bounds
-    within = shapely.box(low_x, low_y, high_x, high_y)
     bounds = shapely.union_all([ground.roadway, ground.sidewalk]).bounds
     within = shapely.box(bounds[0] - AROUND, bounds[1] - AROUND, bounds[2] + AROUND, bounds[3] + AROUND)
     distance = dice.between(town.building_distance)

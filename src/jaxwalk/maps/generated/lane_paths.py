@@ -16,7 +16,7 @@ from jaxwalk.maps.network import Lane, LaneRoute, along, without_repeats
 AHEAD, ASIDE = 0.6, 0.3
 """A way that turns by less than ``AHEAD`` leads straight on [rad]; one that turns by less than ``ASIDE`` is a smooth
 curve, others are an arc between straight pieces."""
-ARC_SPACING = 0.3
+ARC_SPACING = 0.25
 """Distance between the points of a way through a junction [m]."""
 FROM_END = 8.0
 """Routes begin and end at this distance from the street's edge, or in the middle of a shorter lane [m]."""

@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
+import shapely.ops
 
-from jaxwalk.maps.generated.crossing_sites import Site, landings, nearest_walk
+from jaxwalk.maps.generated.crossing_sites import ISLAND_ASIDE, Site, landings, nearest_walk
 from jaxwalk.maps.generated.ground_shapes import Ground
 from jaxwalk.maps.generated.town_plan import Plan
 from jaxwalk.maps.network import Crossing, JaywalkZone, WalkGraph, along
@@ -92,8 +93,6 @@ def _over(walks: _Walks, plan: Plan, site: Site) -> list[int]:
 
 def island_width(median: float) -> float:
     """Return the width of an island in a median [m]."""
-    from jaxwalk.maps.generated.crossing_sites import ISLAND_ASIDE
-
     return median - 2 * ISLAND_ASIDE
 
 
