@@ -161,7 +161,7 @@ def _chord_fault(chord: shapely.LineString, crossing: Crossing, network: Network
     on_roadway = chord.intersection(scene.wide_roadway)
     if on_roadway.is_empty or on_roadway.geom_type != "LineString":
         return "meets an island, or no roadway"
-    if chord.difference(scene.pavement.union(scene.wide_roadway)).length > SLACK:
+    if not scene.ground.covers(chord) and chord.difference(scene.ground).length > SLACK:
         return "leaves the roadway and the sidewalks"
     met = [n for n, shape in scene.crosswalks if chord.intersection(shape).length > SLACK]
     return f"meets the crosswalk areas[{met[0]}]" if met else ""

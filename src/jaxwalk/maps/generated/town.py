@@ -35,9 +35,9 @@ class Town:
     main_length: Range = (130.0, 170.0)
     """Length of the main street [m]."""
     arm_length: Range = (50.0, 75.0)
-    """Length of a side street, from the middle of the main street [m]."""
+    """Length of a side street, from the middle of the main street [m]; longer where its corners need it."""
     block_length: Range = (55.0, 75.0)
-    """Distance between two junctions [m]."""
+    """Distance between two junctions [m]; longer where their corners need it."""
     angle: Range = (78.0, 102.0)
     """Angle between the main street and an arm [degrees]."""
     skewed_angle: Range = (58.0, 70.0)

@@ -10,14 +10,15 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from jaxwalk.maps.generated.curve import Curve
+from jaxwalk.maps.generated.refusal import Refusal
 from jaxwalk.maps.generated.town import Layout, Range, Town
 
 BEYOND = 15.0
 """Roads go on straight beyond the street's edges, where they are cut [m]."""
-STRAIGHT = 12.0
-"""A main street is straight for this long on either side of a junction's middle [m]."""
-ARM_STRAIGHT = 20.0
-"""A side street is straight for this long from the middle of the main street [m]."""
+ROOM = 1.0
+"""Roads are straight for this much longer than the kerbs of their junctions bend [m]."""
+BETWEEN = 16.0
+"""Room for crosswalks between two junctions' kerbs [m]."""
 FARTHEST_TURN = 0.8
 """A bend turns by at most this [rad]; then the road goes on straight."""
 LONGEST_BEND = 60.0
@@ -118,6 +119,7 @@ class Arm(NamedTuple):
     """1: to the left of the main street; -1: to the right."""
     angle: float
     """Angle between both [rad]."""
+    profile: Profile
 
 
 @dataclass(frozen=True)
@@ -136,54 +138,75 @@ class Plan:
 
 
 def draw_plan(town: Town, dice: Dice) -> Plan:
-    """Draw the roads of a street."""
+    """Draw the roads of a street. Raise Refusal if its junctions don't fit into it."""
     layout, length = dice.one_of(town.layouts), dice.between(town.main_length)
-    junctions, arms = _draw_junctions(town, dice, layout, length)
-    main = Curve.of(np.zeros(2), dice.between((0, 2 * np.pi)), _main_pieces(town, dice, junctions, length),
+    radius, sidewalk = dice.between(town.kerb_radius), dice.between(town.sidewalk_width)
+    profile, limit = _draw_profile(town, dice, town.lanes), dice.one_of(town.speed_limits)
+    arms = _draw_arms(town, dice, layout)
+    straight = [max(_bent(profile, arm, radius) for arm in around) for around in arms]
+    places = _place_junctions(town, dice, length, straight)
+    main = Curve.of(np.zeros(2), dice.between((0, 2 * np.pi)), _main_pieces(town, dice, places, straight, length),
                     first=-BEYOND)  # fmt: skip
-    limit = dice.one_of(town.speed_limits)
-    profile = _draw_profile(town, dice, town.lanes)
-    cuts = [0.0, *junctions, length]
-    names = [None, *range(len(junctions)), None]
-    roads = [
-        Road(main, cuts[n], cuts[n + 1], profile, limit, (names[n], names[n + 1])) for n in range(len(junctions) + 1)
-    ]
-    for number, (place, around) in enumerate(zip(junctions, arms, strict=True)):
-        roads += [_draw_arm(town, dice, arm, main, place, (number, limit)) for arm in around]
-    return Plan(layout, main, length, tuple(roads), tuple(junctions), dice.between(town.kerb_radius),
-                dice.between(town.sidewalk_width))  # fmt: skip
+    cuts, names = [0.0, *places, length], [None, *range(len(places)), None]
+    roads = [Road(main, cuts[n], cuts[n + 1], profile, limit, (names[n], names[n + 1])) for n in range(len(cuts) - 1)]
+    for number, around in enumerate(arms):
+        for arm in around:
+            curve, end = _draw_side_street(town, dice, arm, (main, places[number]), straight[number])
+            slower = [x for x in town.speed_limits if x <= limit]
+            roads.append(Road(curve, 0.0, end, arm.profile, dice.one_of(slower), (number, None)))
+    return Plan(layout, main, length, tuple(roads), tuple(places), radius, sidewalk)
 
 
-def _draw_junctions(town: Town, dice: Dice, layout: Layout, length: float) -> tuple[list[float], list[list[Arm]]]:
-    """Return the places of the junctions on the main street, and the arms of each."""
-    if layout == "straight":
-        return [], []
-    angle = np.deg2rad(dice.between(town.skewed_angle if layout == "skewed" else town.angle))
-    side, half = dice.sign(), length / 2
-    middle = half + dice.between((-0.06, 0.06)) * length
-    if layout == "tee":
-        return [middle], [[Arm(side, angle)]]
+def _draw_arms(town: Town, dice: Dice, layout: Layout) -> list[list[Arm]]:
+    """Return the arms of each junction, in the order of the main street."""
+
+    def arm(side: int, angle: float) -> Arm:
+        return Arm(side, float(np.deg2rad(angle)), _draw_profile(town, dice, town.arm_lanes))
+
+    side = dice.sign()
+    angle, other = dice.between(town.angle), dice.between(town.angle)
     if layout == "skewed":
-        return [middle], [[Arm(1, angle), Arm(-1, angle)]]
-    other = np.deg2rad(dice.between(town.angle))
-    if layout == "cross":
-        return [middle], [[Arm(1, angle), Arm(-1, other)]]
-    block = dice.between(town.block_length)
-    places = [half - block / 2, half + block / 2]
-    if layout == "staggered":
-        return places, [[Arm(side, angle)], [Arm(-side, other)]]
-    arms = [[Arm(1, angle), Arm(-1, angle)], [Arm(side, other)]]
-    return places, arms if dice.chance(0.5) else arms[::-1]
+        skewed = dice.between(town.skewed_angle)
+        return [[arm(side, skewed), arm(-side, skewed)]]
+    if layout == "block":
+        both = [[arm(1, angle), arm(-1, angle)], [arm(side, other)]]
+        return both if dice.chance(0.5) else both[::-1]
+    arms: dict[Layout, list[list[Arm]]] = {
+        "straight": [],
+        "tee": [[arm(side, angle)]],
+        "cross": [[arm(side, angle), arm(-side, other)]],
+        "staggered": [[arm(side, angle)], [arm(-side, other)]],
+    }
+    return arms[layout]
 
 
-def _main_pieces(town: Town, dice: Dice, junctions: list[float], length: float) -> list[tuple[float, float]]:
+def _bent(profile: Profile, arm: Arm, radius: float) -> float:
+    """Return how far from the middle of a junction the kerbs of both its roads bend, at its sharper corner [m]."""
+    angle = min(arm.angle, np.pi - arm.angle)
+    wide = [max(x.left, x.right) for x in (profile, arm.profile)]
+    corner = (max(wide) + min(wide) * np.cos(angle)) / np.sin(angle)
+    return float(corner + radius / np.tan(angle / 2)) + ROOM
+
+
+def _place_junctions(town: Town, dice: Dice, length: float, straight: list[float]) -> list[float]:
+    """Return the places of the junctions on the main street."""
+    middle = length / 2 + dice.between((-0.06, 0.06)) * length
+    block = max(dice.between(town.block_length), sum(straight) + BETWEEN)
+    places = {0: [], 1: [middle], 2: [(length - block) / 2, (length + block) / 2]}[len(straight)]
+    if places and (places[0] < straight[0] or places[-1] > length - straight[-1]):
+        raise Refusal("the junctions are too large for the main street")
+    return places
+
+
+def _main_pieces(
+    town: Town, dice: Dice, places: list[float], straight: list[float], length: float
+) -> list[tuple[float, float]]:
     """Return the pieces of the main street: straight beyond its ends and at junctions, with bends between."""
-    cuts = [0.0, *(x for place in junctions for x in (place - STRAIGHT, place + STRAIGHT)), length]
-    pieces = [(BEYOND, 0.0)]
-    for begin, end in zip(cuts[::2], cuts[1::2], strict=True):
-        pieces += _bends(town, dice, end - begin)
-        pieces.append((2 * STRAIGHT, 0.0))
-    return [*pieces[:-1], (BEYOND, 0.0)]
+    pieces, at = [(BEYOND, 0.0)], 0.0
+    for place, half in zip(places, straight, strict=True):
+        pieces += [*_bends(town, dice, place - half - at), (2 * half, 0.0)]
+        at = place + half
+    return [*pieces, *_bends(town, dice, length - at), (BEYOND, 0.0)]
 
 
 def _bends(town: Town, dice: Dice, length: float) -> list[tuple[float, float]]:
@@ -208,14 +231,14 @@ def _draw_profile(town: Town, dice: Dice, lanes: tuple[int, ...]) -> Profile:
     return replace(profile, forward=count * forward, backward=count * (not forward), median=0.0)
 
 
-def _draw_arm(town: Town, dice: Dice, arm: Arm, main: Curve, place: float, at: tuple[int, float]) -> Road:
-    """Draw a side street at a place of the main street; ``at`` is the junction and the main street's speed limit."""
-    junction, limit = at
-    length = dice.between(town.arm_length)
+def _draw_side_street(
+    town: Town, dice: Dice, arm: Arm, on: tuple[Curve, float], straight: float
+) -> tuple[Curve, float]:  # fmt: skip
+    """Draw the curve of a side street, and its length [m]; ``on`` is the main street and a place on it."""
+    main, place = on
+    length = max(dice.between(town.arm_length), straight + BETWEEN)
     heading = main.heading(place) + arm.angle - (np.pi if arm.side < 0 else 0.0)
     # It begins behind the middle of the main street, where its surface is cut off.
     before = main.beside(place) - BEYOND * np.array([np.cos(heading), np.sin(heading)])
-    pieces = [(BEYOND + ARM_STRAIGHT, 0.0), *_bends(town, dice, length - ARM_STRAIGHT), (BEYOND, 0.0)]
-    curve = Curve.of(before, heading, pieces, first=-BEYOND)
-    limits = [slower for slower in town.speed_limits if slower <= limit]
-    return Road(curve, 0.0, length, _draw_profile(town, dice, town.arm_lanes), dice.one_of(limits), (junction, None))
+    pieces = [(BEYOND + straight, 0.0), *_bends(town, dice, length - straight), (BEYOND, 0.0)]
+    return Curve.of(before, heading, pieces, first=-BEYOND), length
