@@ -49,7 +49,7 @@ def lay_ground(plan: Plan) -> Ground:
 
 
 def mouth(plan: Plan, ground: Ground, road: Road, end: int) -> float:
-    """Return the place on a road from which its kerbs run along it.
+    """Return the place on a road from which its kerbs run along it. Raise Refusal if there is none.
 
     Args:
         plan: the street.
@@ -66,9 +66,9 @@ def mouth(plan: Plan, ground: Ground, road: Road, end: int) -> float:
         [road.curve.beside(places, profile.left + PROBE), road.curve.beside(places, -profile.right - PROBE)]
     )
     widened = shapely.contains_xy(ground.whole, probes).reshape(2, -1).any(axis=0)
-    last = away[widened].max(initial=0.0) + 0.5
-    if last > min(PROBED, road.length) - 1:
+    if widened.all():
         raise Refusal("junctions are too close together for their kerbs")
+    last = away[widened.argmin()] + 0.25
     return float(road.end - last if end else road.begin + last)
 
 

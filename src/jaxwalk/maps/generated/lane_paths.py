@@ -18,6 +18,10 @@ AHEAD, ASIDE = 0.6, 0.3
 curve, others are an arc between straight pieces."""
 ARC_SPACING = 0.25
 """Distance between the points of a way through a junction [m]."""
+FROM_KERB = 1.25
+"""The middle of a way through a junction stays at least this far from the kerb, if it can [m]."""
+SHARES = (1.0, 0.75, 0.5, 0.35)
+"""Parts of a way through a junction in which it may move aside; the first one that stays clear of kerbs is taken."""
 FROM_END = 8.0
 """Routes begin and end at this distance from the street's edge, or in the middle of a shorter lane [m]."""
 MOST_ROUTES = 32
@@ -66,15 +70,20 @@ class _Builder:
         return tuple(Lane(line, width, limit, tuple(after)) for line, width, limit, after in parts)
 
 
-def make_lanes(plan: Plan, mouths: list[tuple[float, float]], slow: list[list[Stop]]) -> tuple[Lane, ...]:
+def make_lanes(
+    plan: Plan, roadway: shapely.Polygon, mouths: list[tuple[float, float]], slow: list[list[Stop]]
+) -> tuple[Lane, ...]:  # fmt: skip
     """Return the lanes of a street with their successors.
 
     Args:
         plan: the street.
+        roadway: its roadway.
         mouths: for each road the places between which its kerbs run along it.
         slow: for each road the stretches of its raised crosswalks.
     """
     built = _Builder()
+    clear = roadway.buffer(-FROM_KERB)
+    shapely.prepare(clear)
     gates_in: dict[int, list[_Gate]] = {n: [] for n in range(len(plan.junctions))}
     gates_out: dict[int, list[_Gate]] = {n: [] for n in range(len(plan.junctions))}
     for number, (road, ends) in enumerate(zip(plan.roads, mouths, strict=True)):
@@ -84,7 +93,7 @@ def make_lanes(plan: Plan, mouths: list[tuple[float, float]], slow: list[list[St
             _gate(gates_in, number, road, last, (forward, True, ends))
     for junction in range(len(plan.junctions)):
         for before, after in _ways(gates_in[junction], gates_out[junction]):
-            _connect(built, before, after, plan.kerb_radius)
+            _connect(built, before, after, (plan.kerb_radius, clear))
     return built.lanes()
 
 
@@ -159,34 +168,45 @@ def _matching(before: _Gate, after: _Gate) -> list[tuple[int, int]]:
     return [(0, 0)] if turn > 0 else [(many - 1, places - 1)]
 
 
-def _connect(built: _Builder, before: tuple[_Gate, int], after: tuple[_Gate, int], kerb_radius: float) -> None:
-    """Add the way from one lane to another through a junction."""
+def _connect(built: _Builder, before: tuple[_Gate, int], after: tuple[_Gate, int], room: tuple[float, shapely.Polygon]) -> None:
+    """Add the way from one lane to another through a junction.
+
+    ``room`` is the radius of its kerbs [m], and where the middle of a way may lie.
+    """
     (gate_in, i), (gate_out, j) = before, after
     one, other = gate_in.lanes[i], gate_out.lanes[j]
     turn = _turning(gate_in, gate_out)
     side = int(turn > 0)
-    radius = kerb_radius + min(gate_in.to_kerb[i][side], gate_out.to_kerb[j][side])
+    radius = room[0] + min(gate_in.to_kerb[i][side], gate_out.to_kerb[j][side])
     begin, end = built.lines[one][-1], built.lines[other][0]
-    line = way_through(begin, gate_in.heading, end, turn, radius)
+    for share in SHARES:
+        line = way_through((begin, end), gate_in.heading, turn, radius, share)
+        if room[1].covers(shapely.LineString(line)):
+            break
     way = built.add(line, min(built.widths[one], built.widths[other]), min(built.limits[one], built.limits[other]))
     built.next[one].append(way)
     built.next[way].append(other)
 
 
-def way_through(begin: np.ndarray, heading: float, end: np.ndarray, turn: float, radius: float) -> np.ndarray:
+def way_through(
+    ends: tuple[np.ndarray, np.ndarray], heading: float, turn: float, radius: float, share: float = 1.0
+) -> np.ndarray:
     """Return a line (point, 2) from one place, with a heading, to another, where it has turned by ``turn`` [rad].
 
     It is an arc of at most ``radius`` between straight pieces; a smooth curve if it turns little, or the places don't
-    allow the other.
+    allow the other. The smooth curve takes a share of the way, in its middle.
     """
-    ahead = np.array([np.cos(heading), np.sin(heading)])
-    after = np.array([np.cos(heading + turn), np.sin(heading + turn)])
+    begin, end = ends
+    ahead, after = (np.array([np.cos(angle), np.sin(angle)]) for angle in (heading, heading + turn))
     if abs(turn) >= ASIDE:
         first, second = np.linalg.solve(np.stack([ahead, after], axis=1), end - begin)
         if min(first, second) > 0:
             return _arc_between(begin, end, (ahead, after), radius, (float(first), float(second)))
-    handle = 0.4 * np.linalg.norm(end - begin)
-    return _bezier(np.stack([begin, begin + handle * ahead, end - handle * after, end]))
+    straight = (1 - share) / 2 * np.linalg.norm(end - begin)
+    one, other = begin + straight * ahead, end - straight * after
+    handle = 0.4 * np.linalg.norm(other - one)
+    curve = _bezier(np.stack([one, one + handle * ahead, other - handle * after, other]))
+    return without_repeats(np.concatenate([begin[None], curve, end[None]]), 1e-3)
 
 
 def _arc_between(

@@ -50,7 +50,7 @@ def make_street(town: Town, number: int) -> TownStreet:
     areas, crosswalks = _areas(plan, ground, sites)
     areas += [_area("parking", shapely.Polygon(outline)) for outline in parking_strips(plan, mouths, sites)]
     areas += [_area("building", shape) for shape in buildings(town, dice, plan, ground)]
-    lanes = make_lanes(plan, mouths, raised_stretches(sites, plan, mouths))
+    lanes = make_lanes(plan, ground.whole, mouths, raised_stretches(sites, plan, mouths))
     walk, crossings = make_walks(plan, ground, sites, crosswalks)
     network = _placed(Network((1.0, 1.0), lanes, tuple(areas), walk, crossings, make_routes(lanes)))
     refuse_faults(network)
