@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.collections import LineCollection, PatchCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
@@ -102,11 +102,10 @@ def _draw_crossing(axes: Axes, network: Network, crossing: Crossing) -> None:
         if crossing.kind == "raised":
             _fill(axes, [_outline(area)], RAISED, 3)
         if crossing.kind == "unmarked":
-            axes.add_collection(LineCollection(
-                list(_along_sides(area, way)), colors=PAINT, linewidths=0.8, linestyles="dotted", zorder=4))  # fmt: skip
+            sides = list(_along_sides(area, way))
+            axes.add_collection(LineCollection(sides, linestyles="dotted", colors=PAINT, linewidths=0.8, zorder=4))
         else:
-            for stripe in _stripes(area, way):
-                axes.fill(*stripe.T, color=PAINT, linewidth=0, zorder=4)
+            axes.add_collection(PolyCollection(list(_stripes(area, way)), facecolors=PAINT, linewidths=0, zorder=4))
     if crossing.zone is not None:
         lines = ZoneLines.of(network, crossing.zone)
         places = np.linspace(crossing.zone.begin, crossing.zone.end, ACROSS)

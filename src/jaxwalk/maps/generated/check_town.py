@@ -26,7 +26,7 @@ CHORD = 1.0
 STEP = 1.0
 """Distance between the places where the car's rectangle is laid [m]."""
 DISTANCES = {"goal_spacing": 20.0, "start_clearance": 10.0}
-"""Of the simulator: shortest walk to a goal, and smallest distance between the car's start and people's [m]."""
+"""The simulator's shortest walk to a goal, and its smallest distance between the car's start and people's [m]."""
 
 
 def refuse_faults(network: Network) -> None:

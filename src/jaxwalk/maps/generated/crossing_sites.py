@@ -9,10 +9,10 @@ import numpy as np
 import shapely
 
 from jaxwalk.maps.generated.ground_shapes import FROM_EDGE, Ground
-from jaxwalk.maps.generated.lane_paths import Stop
+from jaxwalk.maps.generated.lane_paths import SlowStretch
 from jaxwalk.maps.generated.refusal import Refusal
 from jaxwalk.maps.generated.town import Town
-from jaxwalk.maps.generated.town_plan import Dice, Plan, Road
+from jaxwalk.maps.generated.town_plan import Dice, TownPlan, TownRoad
 from jaxwalk.maps.network import CrossingType
 
 FROM_MOUTH = 0.5
@@ -51,15 +51,16 @@ class Site:
         return self.width / 2 + ISLAND_BEYOND * self.island
 
 
-def choose_sites(town: Town, dice: Dice, plan: Plan, ground: Ground, mouths: list[tuple[float, float]]) -> list[Site]:
+def choose_sites(
+    town: Town, dice: Dice, plan: TownPlan, ground: Ground, mouths: list[tuple[float, float]]
+) -> list[Site]:
     """Return a street's crosswalks with their zones. Raise Refusal if they can't join all sidewalks."""
     density = dice.between(town.crosswalks)
     drawn, others = [], []
-    for number, road in enumerate(plan.roads):
-        for end in (0, 1):
-            if road.junctions[end] is not None:
-                site = _at_mouth(town, dice, road, number, (mouths[number], end))
-                (drawn if dice.chance(density) else others).append(site)
+    ends = [(n, road, end) for n, road in enumerate(plan.roads) for end in (0, 1) if road.junctions[end] is not None]
+    for number, road, end in ends:
+        site = _at_mouth(town, dice, road, number, (mouths[number], end))
+        (drawn if dice.chance(density) else others).append(site)
     fitting = [site for site in drawn if _fits(site, mouths)]
     fitting = [site for site in fitting if not _collides(site, fitting)]
     chosen = [*fitting, *_joining(fitting, [site for site in others if _fits(site, mouths)], plan, ground)]
@@ -71,18 +72,18 @@ def choose_sites(town: Town, dice: Dice, plan: Plan, ground: Ground, mouths: lis
     return [_with_zone(site, chosen, plan, (mouths[site.road], zone)) for site, zone in zip(chosen, zones, strict=True)]
 
 
-def raised_stretches(sites: list[Site], plan: Plan, mouths: list[tuple[float, float]]) -> list[list[Stop]]:
+def raised_stretches(sites: list[Site], plan: TownPlan, mouths: list[tuple[float, float]]) -> list[list[SlowStretch]]:
     """Return for each road the stretches of its raised crosswalks."""
-    stretches: list[list[Stop]] = [[] for _ in plan.roads]
+    stretches: list[list[SlowStretch]] = [[] for _ in plan.roads]
     for site in sites:
         low, high = mouths[site.road]
         if site.kind == "raised":
             half = site.width / 2 + RAMP
-            stretches[site.road].append(Stop(max(site.at - half, low), min(site.at + half, high)))
+            stretches[site.road].append(SlowStretch(max(site.at - half, low), min(site.at + half, high)))
     return stretches
 
 
-def _draw_site(town: Town, dice: Dice, road: Road, number: int, at: float, outward: int) -> Site:
+def _draw_site(town: Town, dice: Dice, road: TownRoad, number: int, at: float, outward: int) -> Site:
     """Draw a crosswalk."""
     unmarked, raised = dice.chance(town.unmarked), dice.chance(town.raised)
     island = dice.chance(town.island) and road.profile.median > 0
@@ -91,7 +92,7 @@ def _draw_site(town: Town, dice: Dice, road: Road, number: int, at: float, outwa
 
 
 def _at_mouth(
-    town: Town, dice: Dice, road: Road, number: int, where: tuple[tuple[float, float], int]
+    town: Town, dice: Dice, road: TownRoad, number: int, where: tuple[tuple[float, float], int]
 ) -> Site:  # fmt: skip
     """Draw the crosswalk at one end of a road, where a junction is."""
     ends, end = where
@@ -111,7 +112,7 @@ def _collides(site: Site, sites: list[Site]) -> bool:
     return any(x.road == site.road and abs(x.at - site.at) < x.half + site.half + 4 * BESIDE for x in earlier)
 
 
-def _joining(chosen: list[Site], others: list[Site], plan: Plan, ground: Ground) -> Iterator[Site]:
+def _joining(chosen: list[Site], others: list[Site], plan: TownPlan, ground: Ground) -> Iterator[Site]:
     """Yield those of the other sites that are needed to join all sidewalks."""
     taken = list(chosen)
     for site in others:
@@ -121,7 +122,7 @@ def _joining(chosen: list[Site], others: list[Site], plan: Plan, ground: Ground)
             yield site
 
 
-def _parts(sites: list[Site], plan: Plan, ground: Ground) -> int:
+def _parts(sites: list[Site], plan: TownPlan, ground: Ground) -> int:
     """Return into how many parts the sidewalks fall, which crosswalks don't join."""
     groups = list(range(len(ground.walks)))
     for site in sites:
@@ -135,8 +136,8 @@ def nearest_walk(ground: Ground, point: np.ndarray) -> int:
     return int(np.argmin(shapely.distance(np.array(ground.walks), shapely.Point(point))))
 
 
-def landings(plan: Plan, site: Site, ahead: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Return the places (2,) at the right and left sidewalk's middle, ``ahead`` metres along the curve from the site."""
+def landings(plan: TownPlan, site: Site, ahead: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Return the middles (2,) of the right and left sidewalk, ``ahead`` metres along the curve from the site."""
     road = plan.roads[site.road]
     aside = plan.sidewalk / 2
     right, left = -road.profile.right - aside, road.profile.left + aside
@@ -144,7 +145,7 @@ def landings(plan: Plan, site: Site, ahead: float = 0.0) -> tuple[np.ndarray, np
 
 
 def _between(
-    town: Town, dice: Dice, road: Road, number: int, where: tuple[tuple[float, float], list[Site]]
+    town: Town, dice: Dice, road: TownRoad, number: int, where: tuple[tuple[float, float], list[Site]]
 ) -> Iterator[Site]:  # fmt: skip
     """Yield crosswalks of a road away from junctions; a street without junction has at least one."""
     (low, high), sites = where
@@ -161,7 +162,7 @@ def _between(
             yield site
 
 
-def _with_zone(site: Site, sites: list[Site], plan: Plan, where: tuple[tuple[float, float], float]) -> Site:
+def _with_zone(site: Site, sites: list[Site], plan: TownPlan, where: tuple[tuple[float, float], float]) -> Site:
     """Return a site with its jaywalk zone, if there is room for one."""
     ends, length = where
     road, side = plan.roads[site.road], int(site.outward > 0)

@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.generated.curve import Curve
 from jaxwalk.maps.generated.refusal import Refusal
-from jaxwalk.maps.generated.town_plan import BEYOND, Plan, Profile, Road
+from jaxwalk.maps.generated.town_plan import BEYOND, Profile, TownPlan, TownRoad
 
 ROUNDING = 24
 """Points of a quarter of a circle."""
@@ -36,7 +36,7 @@ class Ground(NamedTuple):
     """The middles of the sidewalks: a line for each piece of kerb from edge to edge."""
 
 
-def lay_ground(plan: Plan) -> Ground:
+def lay_ground(plan: TownPlan) -> Ground:
     """Return the surfaces of a street. Raise Refusal if its roads meet where they shouldn't."""
     whole = _rounded(shapely.union_all(list(_bands(plan))), plan.kerb_radius)
     edges = shapely.union_all([_edge_box(road, plan.sidewalk) for road in plan.roads if road.junctions[1] is None]
@@ -48,7 +48,7 @@ def lay_ground(plan: Plan) -> Ground:
     return Ground(whole, roadway, sidewalk, _walks(plan, whole))
 
 
-def mouth(plan: Plan, ground: Ground, road: Road, end: int) -> float:
+def mouth(plan: TownPlan, ground: Ground, road: TownRoad, end: int) -> float:
     """Return the place on a road from which its kerbs run along it. Raise Refusal if there is none.
 
     Args:
@@ -72,7 +72,7 @@ def mouth(plan: Plan, ground: Ground, road: Road, end: int) -> float:
     return float(road.end - last if end else road.begin + last)
 
 
-def _bands(plan: Plan) -> Iterator[shapely.Polygon]:
+def _bands(plan: TownPlan) -> Iterator[BaseGeometry]:
     """Yield the surface of the main street, and those of its arms from the middle of it."""
     main = plan.main
     yield _band(main, plan.roads[0].profile, -BEYOND, plan.main_length + BEYOND)
@@ -100,7 +100,7 @@ def _rounded(roads: BaseGeometry, radius: float) -> BaseGeometry:
     return roads.buffer(radius, ROUNDING, join_style="mitre").buffer(-radius, ROUNDING)
 
 
-def _edge_box(road: Road, sidewalk: float, *, at_begin: bool = False, inward: float = 0.0) -> shapely.Polygon:
+def _edge_box(road: TownRoad, sidewalk: float, *, at_begin: bool = False, inward: float = 0.0) -> shapely.Polygon:
     """Return what lies beyond a street's edge at one end of a road."""
     place, sign = (road.begin, -1) if at_begin else (road.end, 1)
     heading, middle = road.curve.heading(place), road.curve.beside(place)
@@ -110,7 +110,7 @@ def _edge_box(road: Road, sidewalk: float, *, at_begin: bool = False, inward: fl
     return shapely.Polygon([near - aside, near + aside, far + aside, far - aside])
 
 
-def _walks(plan: Plan, whole: shapely.Polygon) -> tuple[shapely.LineString, ...]:
+def _walks(plan: TownPlan, whole: shapely.Polygon) -> tuple[shapely.LineString, ...]:
     """Return the middles of the sidewalks, up to `FROM_EDGE` from the edges."""
     beyond = [_edge_box(road, plan.sidewalk, inward=FROM_EDGE) for road in plan.roads if road.junctions[1] is None]
     beyond.append(_edge_box(plan.roads[0], plan.sidewalk, at_begin=True, inward=FROM_EDGE))

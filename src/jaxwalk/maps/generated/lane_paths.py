@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.generated.curve import SPACING
-from jaxwalk.maps.generated.town_plan import Plan, Road
+from jaxwalk.maps.generated.town_plan import TownPlan, TownRoad
 from jaxwalk.maps.network import Lane, LaneRoute, along, without_repeats
 
 AHEAD, ASIDE = 0.6, 0.3
@@ -30,7 +31,7 @@ CRAWL = 20 / 3.6
 """Speed limit on a raised crosswalk [m/s]: 20 km/h."""
 
 
-class Stop(NamedTuple):
+class SlowStretch(NamedTuple):
     """A stretch of a road with a speed limit of its own."""
 
     begin: float
@@ -71,7 +72,7 @@ class _Builder:
 
 
 def make_lanes(
-    plan: Plan, roadway: shapely.Polygon, mouths: list[tuple[float, float]], slow: list[list[Stop]]
+    plan: TownPlan, roadway: shapely.Polygon, mouths: list[tuple[float, float]], slow: list[list[SlowStretch]]
 ) -> tuple[Lane, ...]:  # fmt: skip
     """Return the lanes of a street with their successors.
 
@@ -98,7 +99,7 @@ def make_lanes(
 
 
 def _road_lanes(
-    built: _Builder, road: Road, ends: tuple[float, float], slow: list[Stop], forward: bool
+    built: _Builder, road: TownRoad, ends: tuple[float, float], slow: list[SlowStretch], forward: bool
 ) -> tuple[list[int], list[int]]:
     """Add the lanes of one direction; return the numbers of their first and last pieces, from the leftmost lane."""
     cuts = sorted({*ends, *(x for stop in slow for x in stop)})
@@ -118,7 +119,7 @@ def _road_lanes(
 
 
 def _gate(
-    gates: dict[int, list[_Gate]], number: int, road: Road, lanes: list[int],
+    gates: dict[int, list[_Gate]], number: int, road: TownRoad, lanes: list[int],
     where: tuple[bool, bool, tuple[float, float]],
 ) -> None:  # fmt: skip
     """Add the lanes of a road to the gates of the junction at which they begin or end."""
@@ -141,18 +142,21 @@ def _ways(into: list[_Gate], out: list[_Gate]) -> Iterator[tuple[tuple[_Gate, in
     pairs = [(a, b) for a, b in product(range(len(into)), range(len(out))) if into[a].road != out[b].road]
     pairs.sort(key=lambda pair: abs(_turning(into[pair[0]], out[pair[1]])))
     found = {((a, i), (b, j)) for a, b in pairs for i, j in _matching(into[a], out[b])}
-    for a, gate in enumerate(into):
-        for i in range(len(gate.lanes)):
-            exits = [b for x, b in pairs if x == a]
-            if exits and not any(before == (a, i) for before, _ in found):
-                found.add(((a, i), (exits[0], min(i, len(out[exits[0]].lanes) - 1))))
-    for b, gate in enumerate(out):
-        for j in range(len(gate.lanes)):
-            entries = [a for a, x in pairs if x == b]
-            if entries and not any(after == (b, j) for _, after in found):
-                found.add(((entries[0], min(j, len(into[entries[0]].lanes) - 1)), (b, j)))
+    straightest_out = {a: b for a, b in reversed(pairs)}
+    straightest_in = {b: a for a, b in reversed(pairs)}
+    for a, i in _lanes_of(into) - {before for before, _ in found}:
+        if (b := straightest_out.get(a)) is not None:
+            found.add(((a, i), (b, min(i, len(out[b].lanes) - 1))))
+    for b, j in _lanes_of(out) - {after for _, after in found}:
+        if (a := straightest_in.get(b)) is not None:
+            found.add(((a, min(j, len(into[a].lanes) - 1)), (b, j)))
     for (a, i), (b, j) in sorted(found):
         yield (into[a], i), (out[b], j)
+
+
+def _lanes_of(gates: list[_Gate]) -> set[tuple[int, int]]:
+    """Return the number of the gate, and that in the gate, of all lanes."""
+    return {(n, lane) for n, gate in enumerate(gates) for lane in range(len(gate.lanes))}
 
 
 def _turning(before: _Gate, after: _Gate) -> float:
@@ -168,7 +172,9 @@ def _matching(before: _Gate, after: _Gate) -> list[tuple[int, int]]:
     return [(0, 0)] if turn > 0 else [(many - 1, places - 1)]
 
 
-def _connect(built: _Builder, before: tuple[_Gate, int], after: tuple[_Gate, int], room: tuple[float, shapely.Polygon]) -> None:
+def _connect(
+    built: _Builder, before: tuple[_Gate, int], after: tuple[_Gate, int], room: tuple[float, BaseGeometry]
+) -> None:
     """Add the way from one lane to another through a junction.
 
     ``room`` is the radius of its kerbs [m], and where the middle of a way may lie.
@@ -178,11 +184,9 @@ def _connect(built: _Builder, before: tuple[_Gate, int], after: tuple[_Gate, int
     turn = _turning(gate_in, gate_out)
     side = int(turn > 0)
     radius = room[0] + min(gate_in.to_kerb[i][side], gate_out.to_kerb[j][side])
-    begin, end = built.lines[one][-1], built.lines[other][0]
-    for share in SHARES:
-        line = way_through((begin, end), gate_in.heading, turn, radius, share)
-        if room[1].covers(shapely.LineString(line)):
-            break
+    ends = built.lines[one][-1], built.lines[other][0]
+    lines = [way_through(ends, gate_in.heading, turn, radius, share) for share in SHARES]
+    line = next((line for line in lines if room[1].covers(shapely.LineString(line))), lines[-1])
     way = built.add(line, min(built.widths[one], built.widths[other]), min(built.limits[one], built.limits[other]))
     built.next[one].append(way)
     built.next[way].append(other)
@@ -241,16 +245,22 @@ def make_routes(lanes: tuple[Lane, ...]) -> tuple[LaneRoute, ...]:
     followed = {after for lane in lanes for after in lane.successors}
     routes = []
     for first in (n for n in range(len(lanes)) if n not in followed):
-        ways = {first: (first,)}
-        waiting = [first]
-        while waiting:
-            here = waiting.pop(0)
-            for after in (x for x in lanes[here].successors if x not in ways):
-                ways[after] = (*ways[here], after)
-                waiting.append(after)
+        ways = _ways_from(lanes, first)
         routes += [_route(lanes, way) for last, way in sorted(ways.items()) if not lanes[last].successors]
     chosen = np.unique(np.linspace(0, len(routes) - 1, MOST_ROUTES).round().astype(int)) if routes else []
     return tuple(routes) if len(routes) <= MOST_ROUTES else tuple(routes[n] for n in chosen)
+
+
+def _ways_from(lanes: tuple[Lane, ...], first: int) -> dict[int, tuple[int, ...]]:
+    """Return the way with the fewest lanes from one lane to each that it leads to."""
+    ways = {first: (first,)}
+    waiting = [first]
+    while waiting:
+        here = waiting.pop(0)
+        found = {after: (*ways[here], after) for after in lanes[here].successors if after not in ways}
+        ways |= found
+        waiting += found
+    return ways
 
 
 def _route(lanes: tuple[Lane, ...], way: tuple[int, ...]) -> LaneRoute:

@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from jaxwalk.maps.generated.town_street import TownStreet, make_street
 from jaxwalk.maps.generated.refusal import Refusal
 from jaxwalk.maps.generated.town import TOWN, UNSEEN, Town
+from jaxwalk.maps.generated.town_street import TownStreet, make_street
 
 
 @dataclass(frozen=True)
@@ -26,13 +26,17 @@ class Split:
             refused: counts the refused numbers by reason; None: they aren't counted.
         """
         for number in self.numbers:
-            try:
-                street = make_street(self.family, number)
-            except Refusal as refusal:
-                if refused is not None:
-                    refused[str(refusal)] += 1
-                continue
-            yield street
+            street = self._street(number, refused)
+            if street is not None:
+                yield street
+
+    def _street(self, number: int, refused: Counter[str] | None) -> TownStreet | None:
+        try:
+            return make_street(self.family, number)
+        except Refusal as refusal:
+            if refused is not None:
+                refused[str(refusal)] += 1
+            return None
 
 
 SPLITS = {

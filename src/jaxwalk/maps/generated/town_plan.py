@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -95,7 +96,7 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Road:
+class TownRoad:
     """A piece of road between junctions or edges: a part of a curve."""
 
     curve: Curve
@@ -112,7 +113,7 @@ class Road:
         return self.end - self.begin
 
 
-class Arm(NamedTuple):
+class SideArm(NamedTuple):
     """A side street to be."""
 
     side: int
@@ -123,13 +124,13 @@ class Arm(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Plan:
+class TownPlan:
     """The roads of a street. The first ones make up the main street, the others are its arms."""
 
     layout: Layout
     main: Curve
     main_length: float
-    roads: tuple[Road, ...]
+    roads: tuple[TownRoad, ...]
     junctions: tuple[float, ...]
     """Places of the junctions on the main street."""
     kerb_radius: float
@@ -137,7 +138,7 @@ class Plan:
     """Width of the sidewalks [m]."""
 
 
-def draw_plan(town: Town, dice: Dice) -> Plan:
+def draw_plan(town: Town, dice: Dice) -> TownPlan:
     """Draw the roads of a street. Raise Refusal if its junctions don't fit into it."""
     layout, length = dice.one_of(town.layouts), dice.between(town.main_length)
     radius, sidewalk = dice.between(town.kerb_radius), dice.between(town.sidewalk_width)
@@ -147,21 +148,21 @@ def draw_plan(town: Town, dice: Dice) -> Plan:
     places = _place_junctions(town, dice, length, straight)
     main = Curve.of(np.zeros(2), dice.between((0, 2 * np.pi)), _main_pieces(town, dice, places, straight, length),
                     first=-BEYOND)  # fmt: skip
-    cuts, names = [0.0, *places, length], [None, *range(len(places)), None]
-    roads = [Road(main, cuts[n], cuts[n + 1], profile, limit, (names[n], names[n + 1])) for n in range(len(cuts) - 1)]
+    ends = [(0.0, None), *((place, n) for n, place in enumerate(places)), (length, None)]
+    roads = [TownRoad(main, a, b, profile, limit, (one, other)) for (a, one), (b, other) in pairwise(ends)]
     for number, around in enumerate(arms):
         for arm in around:
             curve, end = _draw_side_street(town, dice, arm, (main, places[number]), straight[number])
             slower = [x for x in town.speed_limits if x <= limit]
-            roads.append(Road(curve, 0.0, end, arm.profile, dice.one_of(slower), (number, None)))
-    return Plan(layout, main, length, tuple(roads), tuple(places), radius, sidewalk)
+            roads.append(TownRoad(curve, 0.0, end, arm.profile, dice.one_of(slower), (number, None)))
+    return TownPlan(layout, main, length, tuple(roads), tuple(places), radius, sidewalk)
 
 
-def _draw_arms(town: Town, dice: Dice, layout: Layout) -> list[list[Arm]]:
+def _draw_arms(town: Town, dice: Dice, layout: Layout) -> list[list[SideArm]]:
     """Return the arms of each junction, in the order of the main street."""
 
-    def arm(side: int, angle: float) -> Arm:
-        return Arm(side, float(np.deg2rad(angle)), _draw_profile(town, dice, town.arm_lanes))
+    def arm(side: int, angle: float) -> SideArm:
+        return SideArm(side, float(np.deg2rad(angle)), _draw_profile(town, dice, town.arm_lanes))
 
     side = dice.sign()
     angle, other = dice.between(town.angle), dice.between(town.angle)
@@ -171,7 +172,7 @@ def _draw_arms(town: Town, dice: Dice, layout: Layout) -> list[list[Arm]]:
     if layout == "block":
         both = [[arm(1, angle), arm(-1, angle)], [arm(side, other)]]
         return both if dice.chance(0.5) else both[::-1]
-    arms: dict[Layout, list[list[Arm]]] = {
+    arms: dict[Layout, list[list[SideArm]]] = {
         "straight": [],
         "tee": [[arm(side, angle)]],
         "cross": [[arm(side, angle), arm(-side, other)]],
@@ -180,7 +181,7 @@ def _draw_arms(town: Town, dice: Dice, layout: Layout) -> list[list[Arm]]:
     return arms[layout]
 
 
-def _bent(profile: Profile, arm: Arm, radius: float) -> float:
+def _bent(profile: Profile, arm: SideArm, radius: float) -> float:
     """Return how far from the middle of a junction the kerbs of both its roads bend, at its sharper corner [m]."""
     angle = min(arm.angle, np.pi - arm.angle)
     wide = [max(x.left, x.right) for x in (profile, arm.profile)]
@@ -232,7 +233,7 @@ def _draw_profile(town: Town, dice: Dice, lanes: tuple[int, ...]) -> Profile:
 
 
 def _draw_side_street(
-    town: Town, dice: Dice, arm: Arm, on: tuple[Curve, float], straight: float
+    town: Town, dice: Dice, arm: SideArm, on: tuple[Curve, float], straight: float
 ) -> tuple[Curve, float]:  # fmt: skip
     """Draw the curve of a side street, and its length [m]; ``on`` is the main street and a place on it."""
     main, place = on

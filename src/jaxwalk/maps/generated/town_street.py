@@ -15,7 +15,7 @@ from jaxwalk.maps.generated.ground_shapes import ROUNDING, Ground, lay_ground, m
 from jaxwalk.maps.generated.kerbside import buildings, parking_strips
 from jaxwalk.maps.generated.lane_paths import make_lanes, make_routes
 from jaxwalk.maps.generated.town import Layout, Town
-from jaxwalk.maps.generated.town_plan import Dice, Plan, draw_plan
+from jaxwalk.maps.generated.town_plan import Dice, TownPlan, draw_plan
 from jaxwalk.maps.generated.town_walks import island_width, make_walks
 from jaxwalk.maps.network import Area, AreaKind, Lane, Network, WalkGraph
 
@@ -62,7 +62,7 @@ def _area(kind: AreaKind, shape: shapely.Polygon) -> Area:
     return Area(kind, outline, tuple(holes))
 
 
-def _areas(plan: Plan, ground: Ground, sites: list[Site]) -> tuple[list[Area], list[tuple[int, ...]]]:
+def _areas(plan: TownPlan, ground: Ground, sites: list[Site]) -> tuple[list[Area], list[tuple[int, ...]]]:
     """Return roadway, sidewalks, islands and crosswalks; and for each site the numbers of its crosswalks."""
     islands = {number: _island(plan, site) for number, site in enumerate(sites) if site.island}
     roadway = ground.roadway.simplify(FINEST).difference(shapely.union_all(list(islands.values())))
@@ -85,7 +85,7 @@ def _parts(shape: BaseGeometry) -> Iterator[shapely.Polygon]:
     yield from (part for part in shapely.get_parts(shape).tolist() if part.area > 0.1)
 
 
-def _island(plan: Plan, site: Site) -> shapely.Polygon:
+def _island(plan: TownPlan, site: Site) -> shapely.Polygon:
     """Return the shape of a crosswalk's island: rounded at both ends."""
     road = plan.roads[site.road]
     half = island_width(road.profile.median) / 2

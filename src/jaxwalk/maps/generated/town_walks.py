@@ -10,7 +10,7 @@ import shapely.ops
 
 from jaxwalk.maps.generated.crossing_sites import ISLAND_ASIDE, Site, landings, nearest_walk
 from jaxwalk.maps.generated.ground_shapes import Ground
-from jaxwalk.maps.generated.town_plan import Plan
+from jaxwalk.maps.generated.town_plan import TownPlan
 from jaxwalk.maps.network import Crossing, JaywalkZone, WalkGraph, along
 
 PIECE, BENT = 5.0, 0.02
@@ -56,7 +56,7 @@ class _Walks:
         return WalkGraph(np.stack(self.points)[order], edges, sum(self.is_waypoint)), number
 
 
-def make_walks(plan: Plan, ground: Ground, sites: list[Site], areas: list[tuple[int, ...]]) -> tuple[
+def make_walks(plan: TownPlan, ground: Ground, sites: list[Site], areas: list[tuple[int, ...]]) -> tuple[
     WalkGraph, tuple[Crossing, ...]
 ]:  # fmt: skip
     """Return the walk graph and the crossings; ``areas`` are the numbers of each site's crosswalk areas."""
@@ -76,12 +76,13 @@ def make_walks(plan: Plan, ground: Ground, sites: list[Site], areas: list[tuple[
         nodes = tuple(int(number[node]) for node in chain)
         if zone is not None:
             sides, begin, end = zone
-            zone = JaywalkZone(tuple(tuple(int(number[n]) for n in side) for side in sides), begin, end)
+            right, left = (tuple(int(number[n]) for n in side) for side in sides)
+            zone = JaywalkZone((right, left), begin, end)
         crossings.append(Crossing(site.kind, own, nodes, zone))
     return graph, tuple(crossings)
 
 
-def _over(walks: _Walks, plan: Plan, site: Site) -> list[int]:
+def _over(walks: _Walks, plan: TownPlan, site: Site) -> list[int]:
     """Add the nodes of a crossing between its landings: the middle of each of its areas, and of its island."""
     road = plan.roads[site.road]
     right, left = -road.profile.right, road.profile.left
@@ -96,7 +97,7 @@ def island_width(median: float) -> float:
     return median - 2 * ISLAND_ASIDE
 
 
-def _zone(walks: _Walks, plan: Plan, site: Site, ends: tuple[int, int]) -> tuple | None:
+def _zone(walks: _Walks, plan: TownPlan, site: Site, ends: tuple[int, int]) -> tuple | None:
     """Add the nodes of a site's zone; return its sides, its begin and its end [m along the middle]."""
     if site.zone is None:
         return None
