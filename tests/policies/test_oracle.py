@@ -124,6 +124,7 @@ def test_among_always_go_it_always_arrives(street, played):
     assert played.steps[both].mean() < 1.15 * blind.steps[both].mean()
 
 
+@pytest.mark.long
 def test_the_command_line_says_that_it_is_privileged(tmp_path, capsys):
     assert main(["evaluate", "--driver", "oracle", "--episodes", "4", "--out", str(tmp_path)]) == 0
     assert "oracle (privileged)" in capsys.readouterr().out

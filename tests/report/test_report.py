@@ -170,6 +170,7 @@ def test_two_seeds_give_no_interval(tmp_path, undrawn):
     assert _table(tmp_path, "matrix")[-1]["goal %"] == "50.0"
 
 
+@pytest.mark.long
 def test_the_same_results_make_the_same_report(documents, folder, tmp_path):
     write_report(tmp_path, documents)
     for name in ("report.html", "figures/baselines.svg", "tables/matrix.csv", "tables/matrix.tex"):

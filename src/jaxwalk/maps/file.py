@@ -106,17 +106,18 @@ def parse(text: str, source: str) -> MapFile:
     try:
         return _ADAPTER.validate_python(table)
     except ValidationError as error:
-        raise MapError(source, [_explain(dict(fault)) for fault in error.errors()]) from None
+        raise MapError(source, [explain(dict(fault)) for fault in error.errors()]) from None
 
 
-def _explain(fault: dict[str, Any]) -> str:
+def explain(fault: dict[str, Any]) -> str:
     """Return one pydantic fault as a line: the field, what is wrong, what to write instead."""
     field = ".".join(str(part) for part in fault["loc"] if not _is_branch_of_union(part))
     if fault["type"] == "unexpected_keyword_argument":
         return f"{field}: unknown key; remove it or correct its spelling (docs/maps.md lists all keys)"
     if fault["type"] == "missing":
         return f"{field}: missing; add it (docs/maps.md lists all keys)"
-    return f"{field}: {fault['msg'].replace('Input s', 's')}, not {shorten(repr(fault['input']), SHOWN)}"
+    wrong = fault["msg"].replace("Input s", "s").removeprefix("Value error, ")
+    return f"{field}: {wrong}, not {shorten(repr(fault['input']), SHOWN)}"
 
 
 def _is_branch_of_union(part: str | int) -> bool:

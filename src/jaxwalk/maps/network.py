@@ -70,6 +70,10 @@ class Lane:
     successors: tuple[Index, ...] = ()
     """The lanes that begin where it ends; none at the end of the road."""
 
+    def length(self) -> float:
+        """Return its length [m]."""
+        return float(along(self.line)[-1])
+
 
 @dataclass(frozen=True, eq=False, config=_EXACT)
 class Area:
