@@ -14,7 +14,7 @@ import time
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.cli.options import Bench, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
+from jaxwalk.cli.options import Bench, CoTraining, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
 from report.material import material
@@ -29,9 +29,9 @@ def test_version(capsys):
     assert capsys.readouterr().out == f"jaxwalk {version('jaxwalk')}\n"
 
 
-@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, HiddenIntent, Observations, Bench])
+@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, HiddenIntent, CoTraining, Observations, Bench])
 def test_help_says_every_default(command, capsys):
-    name = "hidden-intent" if command is HiddenIntent else command.__name__.lower()
+    name = {HiddenIntent: "hidden-intent", CoTraining: "co-training"}.get(command, command.__name__.lower())
     assert main([name, "--help"]) == 0
     text = capsys.readouterr().out
     assert text.count("(default:") == len(dataclasses.fields(command))

@@ -36,6 +36,7 @@ COMMANDS = (
     Command("reproduce", options.Reproduce, "jaxwalk.cli.reproduce"),
     Command("report", options.Report, "jaxwalk.cli.report"),
     Command("hidden-intent", options.HiddenIntent, "jaxwalk.cli.hidden_intent"),
+    Command("co-training", options.CoTraining, "jaxwalk.cli.co_training"),
     Command("share", options.Share, "jaxwalk.cli.share"),
     Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
     Command("measure", options.Measure, "jaxwalk.cli.measure"),

@@ -132,8 +132,7 @@ def _trained(work: Reproduction, street: Street, seed: int) -> TrainedPolicies:
 
 
 def _evaluate(work: Reproduction) -> None:
-    if work.json("results.json") is not None:
-        work.say("    there already")
+    if work.done("results.json"):
         return
     street, scenarios = work.street(), Scenarios(work.plan.episodes, work.plan.seed)
     trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
@@ -144,8 +143,7 @@ def _evaluate(work: Reproduction) -> None:
 
 
 def _ablate(work: Reproduction) -> None:
-    if work.json("ablation.json") is not None:
-        work.say("    there already")
+    if work.done("ablation.json"):
         return
     street, scenarios = work.street(), Scenarios(min(ABLATED, work.plan.episodes), work.plan.seed)
     trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
@@ -154,8 +152,7 @@ def _ablate(work: Reproduction) -> None:
 
 def _collect(work: Reproduction) -> None:
     """Collect the worst failures of the first training seed's drivers, and of the driver that ignores people."""
-    if work.json("gallery.json") is not None:
-        work.say("    there already")
+    if work.done("gallery.json"):
         return
     street, seed = work.street(), work.plan.seed
     trained = _trained(work, street, seed)
