@@ -15,9 +15,8 @@ from jaxwalk.maps.generated.town_plan import BEYOND, Profile, TownPlan, TownRoad
 
 ROUNDING = 24
 """Points of a quarter of a circle."""
-PROBE, PROBED = 0.05, 45.0
-"""A kerb runs along its road where the ground so far beside the road is no roadway [m]; it is looked for within this
-distance of a junction [m]."""
+PROBE = 0.05
+"""A kerb runs along its road where the ground at this distance beside the road is no roadway [m]."""
 FROM_EDGE = 1.0
 """People walk up to this distance from the street's edge [m]."""
 FAR = 400.0
@@ -49,7 +48,7 @@ def lay_ground(plan: TownPlan) -> Ground:
 
 
 def mouth(plan: TownPlan, ground: Ground, road: TownRoad, end: int) -> float:
-    """Return the place on a road from which its kerbs run along it. Raise Refusal if there is none.
+    """Return the place on a road from which its kerbs run along it.
 
     Args:
         plan: the street.
@@ -57,18 +56,17 @@ def mouth(plan: TownPlan, ground: Ground, road: TownRoad, end: int) -> float:
         road: one of its roads.
         end: 0 for the junction or edge at its begin, 1 for that at its end.
     """
-    if road.junctions[end] is None:
+    junction = road.junctions[end]
+    if junction is None:
         return (road.begin, road.end)[end]
-    away = np.arange(0, min(PROBED, road.length), 0.25)
+    away = np.arange(0, min(plan.bent[junction], road.length), 0.25)
     places = road.end - away if end else road.begin + away
     profile = road.profile
     probes = np.concatenate(
         [road.curve.beside(places, profile.left + PROBE), road.curve.beside(places, -profile.right - PROBE)]
     )
     widened = shapely.contains_xy(ground.whole, probes).reshape(2, -1).any(axis=0)
-    if widened.all():
-        raise Refusal("junctions are too close together for their kerbs")
-    last = away[widened.argmin()] + 0.25
+    last = away[widened].max(initial=0.0) + 0.5
     return float(road.end - last if end else road.begin + last)
 
 

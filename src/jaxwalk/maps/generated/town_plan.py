@@ -133,6 +133,8 @@ class TownPlan:
     roads: tuple[TownRoad, ...]
     junctions: tuple[float, ...]
     """Places of the junctions on the main street."""
+    bent: tuple[float, ...]
+    """How far from each junction's middle kerbs may bend [m]."""
     kerb_radius: float
     sidewalk: float
     """Width of the sidewalks [m]."""
@@ -155,7 +157,7 @@ def draw_plan(town: Town, dice: Dice) -> TownPlan:
             curve, end = _draw_side_street(town, dice, arm, (main, places[number]), straight[number])
             slower = [x for x in town.speed_limits if x <= limit]
             roads.append(TownRoad(curve, 0.0, end, arm.profile, dice.one_of(slower), (number, None)))
-    return TownPlan(layout, main, length, tuple(roads), tuple(places), radius, sidewalk)
+    return TownPlan(layout, main, length, tuple(roads), tuple(places), tuple(straight), radius, sidewalk)
 
 
 def _draw_arms(town: Town, dice: Dice, layout: Layout) -> list[list[SideArm]]:

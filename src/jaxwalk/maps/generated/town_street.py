@@ -21,7 +21,7 @@ from jaxwalk.maps.network import Area, AreaKind, Lane, Network, WalkGraph
 
 AROUND = 2.0
 """Empty ground around everything [m]."""
-FINEST = 0.002
+FINEST = 0.005
 """Outlines are simplified by at most this [m]."""
 DIGITS = 4
 """Digits after the point of all positions [m]."""
