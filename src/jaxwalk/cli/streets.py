@@ -17,7 +17,7 @@ from rich.table import Table
 from jaxwalk.cli.checks import check_count
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Streets
-from jaxwalk.maps.generated import SPLITS, Refusal, Split, TownStreet, make_street
+from jaxwalk.maps.generated import SPLITS, Split, TownStreet
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.viewer.street_picture import contact_sheet, street_picture
 from jaxwalk.wording import counted
@@ -75,10 +75,7 @@ def _check_numbers(split: Split, count: int) -> None:
     with Progress(console=Console(stderr=True), transient=True) as bar:
         for number in bar.track(split.numbers[:count], description="making"):
             begun = time.perf_counter()
-            try:
-                make_street(split.family, number)
-            except Refusal as refusal:
-                refused[str(refusal)] += 1
+            split.street(number, refused)
             seconds.append(time.perf_counter() - begun)
     accepted = count - sum(refused.values())
     times = 1000 * np.array(seconds)

@@ -15,8 +15,10 @@ from jaxwalk.maps.generated.town_plan import BEYOND, Profile, TownPlan, TownRoad
 
 ROUNDING = 24
 """Points of a quarter of a circle."""
-PROBE = 0.05
+PROBE = 0.02
 """A kerb runs along its road where the ground at this distance beside the road is no roadway [m]."""
+FINEST = 0.005
+"""Curves are simplified by at most this [m]."""
 FROM_EDGE = 1.0
 """People walk up to this distance from the street's edge [m]."""
 FAR = 400.0
@@ -37,13 +39,13 @@ class Ground(NamedTuple):
 
 def lay_ground(plan: TownPlan) -> Ground:
     """Return the surfaces of a street. Raise Refusal if its roads meet where they shouldn't."""
-    whole = _rounded(shapely.union_all(list(_bands(plan))), plan.kerb_radius)
+    whole = _rounded(shapely.union_all(list(_bands(plan))), plan.kerb_radius).simplify(FINEST)
     edges = shapely.union_all([_edge_box(road, plan.sidewalk) for road in plan.roads if road.junctions[1] is None]
                               + [_edge_box(plan.roads[0], plan.sidewalk, at_begin=True)])  # fmt: skip
     roadway = whole.difference(edges)
     if not isinstance(whole, shapely.Polygon) or not isinstance(roadway, shapely.Polygon) or whole.interiors:
         raise Refusal("roads meet beyond their junctions")
-    sidewalk = whole.buffer(plan.sidewalk, ROUNDING).difference(whole).difference(edges)
+    sidewalk = whole.buffer(plan.sidewalk, ROUNDING).simplify(FINEST).difference(whole).difference(edges)
     return Ground(whole, roadway, sidewalk, _walks(plan, whole))
 
 
@@ -77,7 +79,7 @@ def _bands(plan: TownPlan) -> Iterator[BaseGeometry]:
     for road in plan.roads[len(plan.junctions) + 1 :]:
         assert road.junctions[0] is not None
         place = plan.junctions[road.junctions[0]]
-        side = float(np.sign(np.sin(road.curve.heading(0) - main.heading(place))))
+        side = float(np.sign(np.sin(road.curve.heading(0.0) - main.heading(place))))
         along = main.heading(place)
         ahead = np.array([np.cos(along), np.sin(along)])
         beside = side * np.array([-ahead[1], ahead[0]])

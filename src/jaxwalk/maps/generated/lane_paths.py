@@ -17,7 +17,7 @@ from jaxwalk.maps.network import Lane, LaneRoute, along, without_repeats
 AHEAD, ASIDE = 0.6, 0.3
 """A way that turns by less than ``AHEAD`` leads straight on [rad]; one that turns by less than ``ASIDE`` has no arc."""
 GENTLE = 6.0
-"""Of ways with a larger radius than this, the first one is taken, else the one with the largest [m]."""
+"""The first way with a larger radius than this is taken; if there is none, the one with the largest radius [m]."""
 CHORD = 1.0
 """A bend is measured between pieces of about this length [m], so that single points of a line don't matter."""
 ARC_SPACING = 0.25
