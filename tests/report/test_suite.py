@@ -87,6 +87,8 @@ def page():
 def test_every_table_is_there_and_has_as_many_cells_as_columns(page):
     for heading in (
         "Outcomes",
+        "At the kerb",
+        "How it drives",
         "Contacts",
         "Encounters",
         "Whose collisions",
@@ -95,7 +97,7 @@ def test_every_table_is_there_and_has_as_many_cells_as_columns(page):
     ):
         assert f"\n## {heading}\n" in page
     tables = [part.splitlines() for part in page.split("\n\n") if part.startswith("| ")]
-    assert len(tables) == 8
+    assert len(tables) == 10
     for lines in tables:
         assert len({line.count(" | ") for line in lines}) == 1, lines[0]
         assert len(lines) >= 3

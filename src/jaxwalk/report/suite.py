@@ -9,7 +9,7 @@ from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.results import Cell, Results
 from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, OUTCOMES, SPEED_DIFFERENTIAL, SURROGATES, scenarios_needed
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
-from jaxwalk.report import surprise
+from jaxwalk.report import driving_tables, surprise
 from jaxwalk.report.table import Table, by_type, markdown_table, shown
 
 TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
@@ -54,6 +54,9 @@ def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "Outcomes", "", outcomes(cells)
     if any(cell.by_map for cell in cells):
         yield "On each map", "", on_each_map(cells)
+    named = [(_name(cell), cell) for cell in cells]
+    yield "At the kerb", driving_tables.KERB, driving_tables.kerb(named)
+    yield "How it drives", driving_tables.DRIVING, driving_tables.driving(named)
     yield "Contacts", CONTACTS_CAPTION, contacts(cells)
     yield "Encounters", ENCOUNTERS_CAPTION, surrogates(cells)
     yield "Whose collisions", ATTRIBUTION_CAPTION, attribution(cells)
