@@ -10,7 +10,7 @@ from jaxwalk.maps.generated import TOWN
 
 
 def test_streets_are_listed_and_drawn(place, capsys):
-    assert main("streets --split test --count 2 --out there".split()) == 0
+    assert main(["streets", "--split", "test", "--count", "2", "--out", "there"]) == 0
     said = capsys.readouterr().out
     assert f"test, family {TOWN.hash}" in said and "2000000000" in said and "2000000001" in said
     assert said.endswith("there: 2 pictures, and streets.png with all of them\n")
@@ -22,7 +22,7 @@ def test_streets_are_listed_and_drawn(place, capsys):
 
 
 def test_numbers_without_a_street_are_counted(place, capsys):
-    assert main("streets --first 71 --count 2".split()) == 0
+    assert main(["streets", "--first", "71", "--count", "2"]) == 0
     said = capsys.readouterr().out
     assert " 71 " in said and " 72 " not in said and " 73 " in said
     assert "1 number refused:\n  1 x roads meet beyond their junctions" in said
@@ -30,7 +30,7 @@ def test_numbers_without_a_street_are_counted(place, capsys):
 
 
 def test_numbers_are_checked(capsys):
-    assert main("streets --first 70 --check 4".split()) == 0
+    assert main(["streets", "--first", "70", "--check", "4"]) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[0] == f"training: 4 numbers from 70 on, family {TOWN.hash}"
     assert said[1:3] == ["3 accepted (75.0%), 1 refused", "  1 x roads meet beyond their junctions"]
@@ -60,7 +60,7 @@ def test_what_cannot_be_used_ends_in_one_message(place, capsys, words, message):
 
 def test_a_disk_that_fills_leaves_no_picture(place, monkeypatch):
     monkeypatch.setattr("jaxwalk.cli.streets.contact_sheet", _full)
-    assert main("streets --count 1 --out there".split()) == 2
+    assert main(["streets", "--count", "1", "--out", "there"]) == 2
     assert not list((place / "there").iterdir())
 
 
