@@ -82,7 +82,7 @@ def clearance_and_conflict(world: World, closest: Array, contact: ContactRule) -
 
 
 def _moments(contact: ContactRule, axes: int) -> Array:
-    """Return the moments [s], with so many axes after their own."""
+    """Return the moments [s], followed by this number of axes."""
     return jnp.array(MOMENTS[contact]).reshape(-1, *(1,) * axes)
 
 
@@ -119,7 +119,7 @@ def _predicted_car(
 
 
 def _along(route: Float[Array, "point *batch"], metres: Array) -> Array:
-    """Return a coordinate of the place so many metres along the straight pieces between the route's points.
+    """Return a coordinate of the place this many metres along the straight pieces between the route's points.
 
     It is a sum: the first piece, continued, and the change of slope at each point, from there on. Beyond the last
     point the last piece continues.
