@@ -64,7 +64,10 @@ def test_every_section_table_and_figure_is_in_the_page(page, several):
     assert sorted(shown) == sorted(TABLES)
     assert page.count("<table>") == len(TABLES) - len(OF_SEVERAL)
     assert page.count("<svg") == len(FIGURES)
-    assert page.count('<img class="drawing" src="data:image/svg+xml;base64,') == 1
+    assert page.count('<img class="drawing" src="data:image/svg+xml;base64,') == 2
+    assert page.index("Collision with a jaywalker. Scenario 1 of seed 5: the route-follower car") < page.index(
+        "Successful avoidance. Scenario 2 of seed 5: the co-trained car"
+    )
 
 
 def test_files_of_every_table_and_figure(folder):
