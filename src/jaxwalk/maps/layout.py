@@ -59,10 +59,9 @@ def _crossings(network: Network, roadway: shapely.geometry.base.BaseGeometry) ->
     inner, clear = np.zeros(len(nodes), bool), np.zeros(len(nodes))
     for crossing in network.crossings:
         inner[list(crossing.nodes[1:-1])] = True
-        for a, b in pairwise(crossing.nodes):
-            on_roadway = shapely.LineString(nodes[[a, b]]).intersection(roadway)
-            for node in (a, b):
-                clear[node] = shapely.Point(nodes[node]).distance(on_roadway)
+    for a, b in [pair for crossing in network.crossings for pair in pairwise(crossing.nodes)]:
+        on_roadway = shapely.LineString(nodes[[a, b]]).intersection(roadway)
+        clear[[a, b]] = shapely.distance(shapely.points(nodes[[a, b]]), on_roadway)
     landings = [landing for x in network.crossings for landing in (x.nodes[0], x.nodes[-1])]
     node_side = np.full(len(nodes), -1)
     node_side[landings] = np.arange(len(landings))

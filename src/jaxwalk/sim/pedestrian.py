@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Shaped
 
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING, LegKind
-from jaxwalk.sim.jaywalk import jaywalk_from, zone_of
+from jaxwalk.sim.jaywalk import Zone, jaywalk_from, zone_of
 from jaxwalk.sim.lookup import look_up, look_up_each
-from jaxwalk.sim.map_tables import unpack_hop
+from jaxwalk.sim.map_tables import Hop, unpack_hop
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Leg, PedestrianState
 from jaxwalk.sim.world import World
@@ -76,34 +78,20 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     """Return the leg that follows.
 
     A pedestrian at the point where its jaywalk begins goes across. One that is on its way there follows the line of its
-    zone. All others continue along the graph: to the next node, or after a jaywalk to the node of the first edge. A
-    crossing is decided (equation 1) when a pedestrian begins the last edge before it, or the line of its zone; or at
-    the crossing's landing, if it turns there.
+    zone. All others continue along the graph: to the next node, or after a jaywalk to the node of the first edge.
     """
     begins, landed = leg.kind == LegKind.TO_ZONE, leg.kind == LegKind.ACROSS
     arrived = (leg.kind <= LegKind.CROSSWALK) & (leg.node == leg.goal)
     arrivals = leg.arrivals + arrived
     goal = jnp.where(arrived, _take(scenario.goals, arrivals), leg.goal)
-
     hop = unpack_hop(look_up(world.tables.hop, scenario.map, leg.node, goal))
-    to_crosswalk = hop.to_midpoint & ~landed
-    on_crosswalk = to_crosswalk | (hop.from_midpoint & ~landed)
-    done = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
-    crossing = jnp.where(done, NO_CROSSING, leg.crossing)
-    committed = (crossing == JAYWALK) & ~begins
-    offered = jnp.where(landed & ~hop.to_midpoint, -1, hop.side)
-    decided = (offered >= 0) & (crossing == NO_CROSSING)
+    choice = _choose(world, scenario, leg, hop)
+    zone, seeks = choice.zone, choice.seeks
+    way = jaywalk_from(world, scenario, choice.side, choice.begin, goal)
 
-    side = jnp.where(decided, offered, leg.side)
-    zone = zone_of(world, scenario, leg, side)
-    begin = jnp.where(decided, zone.choose(_take(scenario.zone_draw, leg.decisions)), leg.begin)
-    way = jaywalk_from(world, scenario, side, begin, goal)
-    jaywalk = decided & zone.exists & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
-    seeks = jaywalk | committed
-    place, begin_first = zone.next_node(begin)
+    place, begin_first = zone.next_node(choice.begin)
     at_begin = seeks & begin_first
-
-    along = look_up(world.maps.zone_node, scenario.map, side, place)
+    along = look_up(world.maps.zone_node, scenario.map, choice.side, place)
     onward = jnp.where(landed, leg.node, hop.node)
     node = jnp.where(begins, way.node, jnp.where(seeks, along, onward))
     nodes = (world.maps.node_x, world.maps.node_y, world.maps.node_clear)
@@ -113,30 +101,61 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     dx, dy = end_x - leg.end_x, end_y - leg.end_y
     length = jnp.sqrt(dx * dx + dy * dy)
 
+    on_crosswalk = (hop.to_midpoint | hop.from_midpoint) & ~landed & ~seeks
     clear_here = look_up(world.maps.node_clear, scenario.map, leg.node)
-    enters = on_crosswalk & (clear_here > 0) & ~seeks
-    by_crosswalk = zone.clear + zone.to_landing(length)
-    to_kerb = jnp.where(decided, by_crosswalk, jnp.where(done, jnp.inf, leg.kerb_past_end))
-    to_kerb = jnp.where(enters, clear_here, to_kerb)  # also from an island
-    to_begin = jnp.where(begins, 0, zone.to_place(begin, way.piece, length))
+    no_longer = jnp.where(choice.done, jnp.inf, leg.kerb_past_end)
+    to_kerb = jnp.where(choice.decided, zone.clear + zone.to_landing(length), no_longer)
+    to_kerb = jnp.where(on_crosswalk & (clear_here > 0), clear_here, to_kerb)  # from a landing, or from an island
+    to_begin = jnp.where(begins, 0, zone.to_place(choice.begin, way.piece, length))
     to_kerb = jnp.where(begins | seeks, to_begin + way.enter, to_kerb)
-    walks = jnp.where(at_begin, LegKind.TO_ZONE, jnp.where(on_crosswalk & ~seeks, LegKind.CROSSWALK, LegKind.SIDEWALK))
+    walks = jnp.where(at_begin, LegKind.TO_ZONE, jnp.where(on_crosswalk, LegKind.CROSSWALK, LegKind.SIDEWALK))
+    divisor = jnp.maximum(length, 1e-6)
     return Leg(
-        end_x=end_x,
-        end_y=end_y,
-        cos=dx / jnp.maximum(length, 1e-6),
-        sin=dy / jnp.maximum(length, 1e-6),
-        length=length,
-        kind=jnp.where(begins, LegKind.ACROSS, walks),
-        node=node,
-        side=side,
-        begin=begin,
-        road_end=jnp.where(begins, way.leave, jnp.where(clear > 0, clear, -1)),
-        kerb_past_end=to_kerb - length,
+        end_x=end_x, end_y=end_y, cos=dx / divisor, sin=dy / divisor, length=length,
+        kind=jnp.where(begins, LegKind.ACROSS, walks), node=node, side=choice.side, begin=choice.begin,
+        road_end=jnp.where(begins, way.leave, jnp.where(clear > 0, clear, -1)), kerb_past_end=to_kerb - length,
+        crossing=choice.crossing, decisions=leg.decisions + choice.decided, goal=goal, arrivals=arrivals,
+    )  # fmt: skip
+
+
+class _Choice(NamedTuple):
+    """Who crosses where; arrays ``(ped, *batch)``."""
+
+    done: Array
+    """A crossing lies behind."""
+    decided: Array
+    """A crossing is decided now."""
+    seeks: Array
+    """It is on its way to where its jaywalk begins."""
+    crossing: Array
+    side: Array
+    begin: Array
+    zone: Zone
+    """The zone at that side."""
+
+
+def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
+    """Decide about crossings (equation 1).
+
+    That is done when a pedestrian begins the last edge before a crossing, or the line of its zone toward it; or at the
+    crossing's landing, if it turns there.
+    """
+    begins, landed = leg.kind == LegKind.TO_ZONE, leg.kind == LegKind.ACROSS
+    done = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
+    crossing = jnp.where(done, NO_CROSSING, leg.crossing)
+    offered = jnp.where(landed & ~hop.to_midpoint, -1, hop.side)
+    decided = (offered >= 0) & (crossing == NO_CROSSING)
+    side = jnp.where(decided, offered, leg.side)
+    zone = zone_of(world, scenario, leg, side)
+    jaywalk = decided & zone.exists & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
+    return _Choice(
+        done=done,
+        decided=decided,
+        seeks=jaywalk | ((crossing == JAYWALK) & ~begins),
         crossing=jnp.where(decided, jnp.where(jaywalk, JAYWALK, CROSSWALK), crossing),
-        decisions=leg.decisions + decided,
-        goal=goal,
-        arrivals=arrivals,
+        side=side,
+        begin=jnp.where(decided, zone.choose(_take(scenario.zone_draw, leg.decisions)), leg.begin),
+        zone=zone,
     )
 
 
