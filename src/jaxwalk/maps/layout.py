@@ -35,7 +35,8 @@ def lay_out(network: Network, *, goal_spacing: float, start_clearance: float) ->
         **_crossings(network, roadway),
         **driving(_routes(network), graph, start_clearance),
     }
-    return RoadMap(**{name: compact(value) for name, value in arrays.items()})
+    compacted: dict[str, Any] = {name: compact(value) for name, value in arrays.items()}
+    return RoadMap(**compacted)
 
 
 def _walking(graph: Graph, goal_spacing: float) -> dict[str, Any]:

@@ -40,7 +40,8 @@ def build(file: MapFile, *, goal_spacing: float, start_clearance: float) -> Road
         **driving(_routes(file), build_graph(file), start_clearance),
         "route_places": file.car.pairs(),
     }
-    return replace(laid_out, **{name: compact(value) for name, value in own.items()})
+    compacted: dict[str, Any] = {name: compact(value) for name, value in own.items()}
+    return replace(laid_out, **compacted)
 
 
 def _routes(file: MapFile) -> list[SampledRoute]:
