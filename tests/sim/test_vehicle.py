@@ -79,14 +79,12 @@ def test_off_the_road_is_put_back_half_a_metre_inside_and_slowed(driven, roads):
     off = ~inside(roads, x, y, margin=-1e-3)
     assert off.sum() > 1000
     (back_x, back_y), (nearest, second) = nearest_place_inside(roads, x[off], y[off])
-    straight = (np.abs(back_x - x[off]) < 1e-6) | (np.abs(back_y - y[off]) < 1e-6)
-    clear = straight & (second - nearest > 0.5)  # elsewhere, distances are interpolated round a corner of the kerb
-    assert clear.mean() > 0.8
+    mouth = (x[off] > 59) & (x[off] < 61) & (np.abs(y[off] - 86) < 6)  # of the branch, which is a piece of road now
+    clear = (second - nearest > 1e-2) & ~mouth  # where two roads are as near, either will do
+    assert clear.mean() > 0.9
     np.testing.assert_allclose(played["car_x"][1:][off][clear], back_x[clear], atol=1e-3)
     np.testing.assert_allclose(played["car_y"][1:][off][clear], back_y[clear], atol=1e-3)
     np.testing.assert_allclose(played["car_speed"][1:][off], 0.3 * speed[off], atol=1e-4)
-    there = np.hypot(played["car_x"][1:][off] - back_x, played["car_y"][1:][off] - back_y)
-    assert there[second - nearest > 0.5].max() < 0.3
     assert inside(roads, played["car_x"], played["car_y"], margin=-1e-4).all()
 
 

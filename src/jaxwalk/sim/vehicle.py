@@ -14,6 +14,9 @@ from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Course, VehicleState
 from jaxwalk.sim.world import World
 
+PUSHES = 3
+"""A car off the road is pushed away from the nearest kerb this often: where kerbs meet, another one may be too near."""
+
 
 def place(world: World, scenario: Scenario) -> VehicleState:
     """Return the car at the start of its route, standing, facing along it."""
@@ -54,21 +57,20 @@ def onto_road(
 
     Far off the road, or in a corner too narrow for it, the car stays where it was.
     """
-    margin = world.rules.offroad_margin
-    inside, east, north = room(world, scenario, x, y)
-    off = inside <= 0
-    push = jnp.where(off, margin - inside, 0)
-    x, y = x + push * east, y + push * north
-    inside, east, north = room(world, scenario, x, y)  # where two kerbs meet, the other one may be too near now
-    lost, push = off & (inside <= 0), jnp.where(off, jnp.maximum(margin - inside, 0), 0)
-    return jnp.where(lost, vehicle.x, x + push * east), jnp.where(lost, vehicle.y, y + push * north), off
+    off = room(world, scenario, x, y)[0] <= 0
+    for _ in range(PUSHES):
+        inside, east, north = room(world, scenario, x, y)
+        push = jnp.where(off, jnp.maximum(world.rules.offroad_margin - inside, 0), 0)
+        x, y = x + push * east, y + push * north
+    lost = off & (room(world, scenario, x, y)[0] <= 0)
+    return jnp.where(lost, vehicle.x, x), jnp.where(lost, vehicle.y, y), off
 
 
 def room(world: World, scenario: Scenario, x: Array, y: Array) -> tuple[Array, Array, Array]:
     """Return the distance to the roadway's edge [m], negative off the roadway, and the direction in which it grows.
 
-    It is interpolated between the corners of a cell; more than 3.175 m are cut off. The direction is a unit vector, and
-    0 far from every edge.
+    A cell is cut along the diagonal on which the distance changes more, and each half is a plane: so the corners of
+    blocks are exact too. More than 3.175 m are cut off. The direction is a unit vector, and 0 far from every edge.
     """
     field = world.maps.field
     rows, columns = field.shape[1:]
@@ -77,10 +79,12 @@ def room(world: World, scenario: Scenario, x: Array, y: Array) -> tuple[Array, A
     packed = look_up(field, scenario.map, row, column)
     sw, se, nw, ne = (UNIT * ((packed << shift) >> 24).astype(jnp.float32) for shift in (24, 16, 8, 0))
     u, v = east - column, north - row
-    below, above = sw + u * (se - sw), nw + u * (ne - nw)
-    dx, dy = (1 - v) * (se - sw) + v * (ne - nw), above - below
+    rising = jnp.abs(ne - sw) >= jnp.abs(se - nw)
+    dx = jnp.where(jnp.where(rising, u >= v, u + v <= 1), se - sw, ne - nw)
+    dy = jnp.where(jnp.where(rising, u >= v, u + v > 1), ne - se, nw - sw)
+    inside = u * dx + v * dy + jnp.where(rising | (u + v <= 1), sw, ne - dx - dy)
     steepness = jnp.maximum(jnp.sqrt(dx * dx + dy * dy), UNIT / 10)
-    return below + v * (above - below), dx / steepness, dy / steepness
+    return inside, dx / steepness, dy / steepness
 
 
 def course(world: World, scenario: Scenario, along: Float[Array, "*batch"]) -> Course:
