@@ -93,7 +93,7 @@ def co_training(
 def cells(base: Experiment) -> dict[str, Experiment]:
     """Return the five trainings by name. In each the car learns from as many environments as in the others.
 
-    Pure: everybody whom the car meets learns. Mixed: in some environments people always go, as many as in ``base``.
+    Pure: everybody that the car meets learns. Mixed: in some environments people always go, as many as in ``base``.
     Stand-ins: in further environments people meet careless cars and earlier versions of the car, as in ``base``.
     """
     train, own = base.train, own_environments(base.train, "driver")
@@ -156,7 +156,7 @@ def _others(work: CoTrainingWork) -> list[str]:
 
 
 def _rounds(work: CoTrainingWork, street: Street) -> list[Round]:
-    """Return who plays whom: a car meets the people of the next training seed, the last seed's car those of the first.
+    """Return the rounds: a car meets the people of the next training seed, the last seed's car those of the first.
 
     So no car meets anybody who learned beside it.
     """

@@ -112,7 +112,7 @@ def _why(results: Results) -> list[str]:
     return [
         f"What could be gained among {ALWAYS_GO}: the car alone touches somebody in {alone} % of scenarios, the "
         f"clearance rule in {rule} %.",
-        f"What is there to learn from: of people whom the car alone puts in danger at the kerb, {' and '.join(waits)} "
+        f"What is there to learn from: of people that the car alone puts in danger at the kerb, {' and '.join(waits)} "
         "wait. To the car, people who do not wait are people who always go.",
     ]
 
