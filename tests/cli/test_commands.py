@@ -14,7 +14,18 @@ import time
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.cli.options import Bench, CoTraining, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
+from jaxwalk.cli.options import (
+    Bench,
+    CoTraining,
+    Evaluate,
+    Export,
+    HiddenIntent,
+    Observations,
+    Play,
+    Reproduce,
+    Streets,
+    Train,
+)
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
 from report.material import material
@@ -29,7 +40,9 @@ def test_version(capsys):
     assert capsys.readouterr().out == f"jaxwalk {version('jaxwalk')}\n"
 
 
-@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, HiddenIntent, CoTraining, Observations, Bench])
+@pytest.mark.parametrize(
+    "command", [Train, Evaluate, Play, Reproduce, HiddenIntent, CoTraining, Observations, Streets, Bench]
+)
 def test_help_says_every_default(command, capsys):
     name = {HiddenIntent: "hidden-intent", CoTraining: "co-training"}.get(command, command.__name__.lower())
     assert main([name, "--help"]) == 0

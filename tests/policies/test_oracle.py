@@ -16,8 +16,9 @@ from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
+from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, part, size
-from jaxwalk.sim.prediction import ABSENT, FAR
+from jaxwalk.sim.prediction import ABSENT
 from sim.play import AS_SHIPPED
 
 SIZE = size("driver", PRIVILEGED)

@@ -12,7 +12,7 @@ import pytest
 
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import arrives, closes_in, closing_speed, touches
-from jaxwalk.sim.prediction import HOLD
+from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, actions, columns, everything, reset, with_car

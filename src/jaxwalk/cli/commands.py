@@ -41,6 +41,7 @@ COMMANDS = (
     Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
     Command("measure", options.Measure, "jaxwalk.cli.measure"),
     Command("scenario", options.Scenario, "jaxwalk.cli.scenario"),
+    Command("streets", options.Streets, "jaxwalk.cli.streets"),
     Command("export", options.Export, "jaxwalk.cli.export"),
     Command("observations", options.Observations, "jaxwalk.cli.observations"),
     Command("bench", options.Bench, "jaxwalk.cli.bench", processes=True),

@@ -156,7 +156,7 @@ def _others(work: CoTrainingWork) -> list[str]:
 
 
 def _rounds(work: CoTrainingWork, street: Street) -> list[Round]:
-    """Return the rounds: a car meets the people of the next training seed, the last seed's car those of the first.
+    """Return who meets which people: a car those of the next training seed, the last seed's car those of the first.
 
     So no car meets anybody who learned beside it.
     """

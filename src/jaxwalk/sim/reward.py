@@ -8,8 +8,9 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.sim import pedestrian, prediction, vehicle
+from jaxwalk.sim import pedestrian, vehicle
 from jaxwalk.sim.events import Events, distance
+from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
 from jaxwalk.sim.world import World
@@ -71,7 +72,7 @@ def _misaligned(t: Transition) -> Array:
 def _closeness(t: Transition) -> Array:
     """Return how far the clearance predicted at held speed falls short, in [0, 1], times the share of top speed."""
     comfortable = COMFORTABLE[t.world.rules.contact]
-    shortfall = jnp.maximum(1 - t.after.foresight.clearance[prediction.HOLD] / comfortable, 0)
+    shortfall = jnp.maximum(1 - t.after.foresight.clearance[HOLD] / comfortable, 0)
     return shortfall * t.after.vehicle.speed / t.world.rules.max_speed
 
 

@@ -9,6 +9,7 @@ import shapely
 
 from jaxwalk.maps.check import SMALLEST_TURN
 from jaxwalk.maps.check_network import network_faults
+from jaxwalk.maps.generated.lane_paths import smallest_radius
 from jaxwalk.maps.generated.refusal import Refusal
 from jaxwalk.maps.network import Lane, Network, along
 
@@ -21,8 +22,6 @@ MARGIN = 0.1
 TIGHTEST = SMALLEST_TURN / float(np.cos(np.arctan(0.5 * np.tan(0.52))))
 """Smallest radius that the car's centre can drive [m]: the bicycle steers at most 0.52 rad and slips by
 atan(0.5 tan 0.52)."""
-CHORD = 1.0
-"""A bend is measured between pieces of about this length [m], so that single points of a line don't matter."""
 STEP = 1.0
 """Distance between the places where the car's rectangle is laid [m]."""
 DISTANCES = {"goal_spacing": 20.0, "start_clearance": 10.0}
@@ -58,15 +57,6 @@ def loose_begins(network: Network) -> list[int]:
         for number, lane in enumerate(network.lanes)
         if number not in followed and edge.distance(shapely.Point(lane.line[0])) > 0.05
     ]
-
-
-def smallest_radius(line: np.ndarray) -> float:
-    """Return the radius of the tightest bend of a line (point, 2) [m], huge if it is straight."""
-    metres = along(line)
-    at = np.linspace(0, metres[-1], max(int(metres[-1] / CHORD), 1) + 1)
-    steps = np.diff(np.stack([np.interp(at, metres, line[:, k]) for k in (0, 1)], axis=1), axis=0)
-    turns = np.abs(np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))))
-    return float(at[1] / max(turns.max(initial=0.0), 1e-9))
 
 
 def swept_on_road(network: Network) -> bool:

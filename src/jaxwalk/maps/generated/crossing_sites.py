@@ -149,7 +149,7 @@ def _between(
 ) -> Iterator[Site]:  # fmt: skip
     """Yield crosswalks of a road away from junctions; a street without junction has at least one."""
     (low, high), sites = where
-    count = int(dice.between(town.middle_crosswalks) * (high - low) / 100 + dice.between((0, 1)))
+    count = int(dice.between(town.middle_crosswalks) * (high - low) / 100 + dice.between((0.0, 1.0)))
     alone = road.junctions == (None, None)
     count = max(count, 1) if alone else count
     taken = [site.at for site in sites]

@@ -15,9 +15,10 @@ from jaxwalk.maps.generated.town_plan import BEYOND, Profile, TownPlan, TownRoad
 
 ROUNDING = 24
 """Points of a quarter of a circle."""
-PROBE, PROBED = 0.05, 45.0
-"""A kerb runs along its road where the ground so far beside the road is no roadway [m]; it is looked for within this
-distance of a junction [m]."""
+PROBE = 0.02
+"""A kerb runs along its road where the ground at this distance beside the road is no roadway [m]."""
+FINEST = 0.005
+"""Curves are simplified by at most this [m]."""
 FROM_EDGE = 1.0
 """People walk up to this distance from the street's edge [m]."""
 FAR = 400.0
@@ -38,18 +39,18 @@ class Ground(NamedTuple):
 
 def lay_ground(plan: TownPlan) -> Ground:
     """Return the surfaces of a street. Raise Refusal if its roads meet where they shouldn't."""
-    whole = _rounded(shapely.union_all(list(_bands(plan))), plan.kerb_radius)
+    whole = _rounded(shapely.union_all(list(_bands(plan))), plan.kerb_radius).simplify(FINEST)
     edges = shapely.union_all([_edge_box(road, plan.sidewalk) for road in plan.roads if road.junctions[1] is None]
                               + [_edge_box(plan.roads[0], plan.sidewalk, at_begin=True)])  # fmt: skip
     roadway = whole.difference(edges)
     if not isinstance(whole, shapely.Polygon) or not isinstance(roadway, shapely.Polygon) or whole.interiors:
         raise Refusal("roads meet beyond their junctions")
-    sidewalk = whole.buffer(plan.sidewalk, ROUNDING).difference(whole).difference(edges)
+    sidewalk = whole.buffer(plan.sidewalk, ROUNDING).simplify(FINEST).difference(whole).difference(edges)
     return Ground(whole, roadway, sidewalk, _walks(plan, whole))
 
 
 def mouth(plan: TownPlan, ground: Ground, road: TownRoad, end: int) -> float:
-    """Return the place on a road from which its kerbs run along it. Raise Refusal if there is none.
+    """Return the place on a road from which its kerbs run along it.
 
     Args:
         plan: the street.
@@ -57,18 +58,17 @@ def mouth(plan: TownPlan, ground: Ground, road: TownRoad, end: int) -> float:
         road: one of its roads.
         end: 0 for the junction or edge at its begin, 1 for that at its end.
     """
-    if road.junctions[end] is None:
+    junction = road.junctions[end]
+    if junction is None:
         return (road.begin, road.end)[end]
-    away = np.arange(0, min(PROBED, road.length), 0.25)
+    away = np.arange(0, min(plan.bent[junction], road.length), 0.25)
     places = road.end - away if end else road.begin + away
     profile = road.profile
     probes = np.concatenate(
         [road.curve.beside(places, profile.left + PROBE), road.curve.beside(places, -profile.right - PROBE)]
     )
     widened = shapely.contains_xy(ground.whole, probes).reshape(2, -1).any(axis=0)
-    if widened.all():
-        raise Refusal("junctions are too close together for their kerbs")
-    last = away[widened.argmin()] + 0.25
+    last = away[widened].max(initial=0.0) + 0.5
     return float(road.end - last if end else road.begin + last)
 
 
@@ -79,7 +79,7 @@ def _bands(plan: TownPlan) -> Iterator[BaseGeometry]:
     for road in plan.roads[len(plan.junctions) + 1 :]:
         assert road.junctions[0] is not None
         place = plan.junctions[road.junctions[0]]
-        side = float(np.sign(np.sin(road.curve.heading(0) - main.heading(place))))
+        side = float(np.sign(np.sin(road.curve.heading(0.0) - main.heading(place))))
         along = main.heading(place)
         ahead = np.array([np.cos(along), np.sin(along)])
         beside = side * np.array([-ahead[1], ahead[0]])

@@ -15,14 +15,17 @@ from jaxwalk.maps.generated.town_plan import TownPlan, TownRoad
 from jaxwalk.maps.network import Lane, LaneRoute, along, without_repeats
 
 AHEAD, ASIDE = 0.6, 0.3
-"""A way that turns by less than ``AHEAD`` leads straight on [rad]; one that turns by less than ``ASIDE`` is a smooth
-curve, others are an arc between straight pieces."""
+"""A way that turns by less than ``AHEAD`` leads straight on [rad]; one that turns by less than ``ASIDE`` has no arc."""
+GENTLE = 6.0
+"""The first way with a larger radius than this is taken; if there is none, the one with the largest radius [m]."""
+CHORD = 1.0
+"""A bend is measured between pieces of about this length [m], so that single points of a line don't matter."""
 ARC_SPACING = 0.25
 """Distance between the points of a way through a junction [m]."""
 FROM_KERB = 1.25
 """The middle of a way through a junction stays at least this far from the kerb, if it can [m]."""
 SHARES = (1.0, 0.75, 0.5, 0.35)
-"""Parts of a way through a junction in which it may move aside; the first one that stays clear of kerbs is taken."""
+"""Parts of a way through a junction in which it may bend; the first one that stays clear of kerbs is taken."""
 FROM_END = 8.0
 """Routes begin and end at this distance from the street's edge, or in the middle of a shorter lane [m]."""
 MOST_ROUTES = 32
@@ -185,27 +188,34 @@ def _connect(
     side = int(turn > 0)
     radius = room[0] + min(gate_in.to_kerb[i][side], gate_out.to_kerb[j][side])
     ends = built.lines[one][-1], built.lines[other][0]
-    lines = [way_through(ends, gate_in.heading, turn, radius, share) for share in SHARES]
-    line = next((line for line in lines if room[1].covers(shapely.LineString(line))), lines[-1])
+    line = _gentle_way(ends, (gate_in.heading, turn), radius, room[1])
     way = built.add(line, min(built.widths[one], built.widths[other]), min(built.limits[one], built.limits[other]))
     built.next[one].append(way)
     built.next[way].append(other)
 
 
-def way_through(
-    ends: tuple[np.ndarray, np.ndarray], heading: float, turn: float, radius: float, share: float = 1.0
+def _gentle_way(
+    ends: tuple[np.ndarray, np.ndarray], turn: tuple[float, float], radius: float, clear: BaseGeometry
 ) -> np.ndarray:
-    """Return a line (point, 2) from one place, with a heading, to another, where it has turned by ``turn`` [rad].
+    """Return a line (point, 2) from one place to another: one that isn't tight and stays clear of kerbs, if it can.
 
-    It is an arc of at most ``radius`` between straight pieces; a smooth curve if it turns little, or the places don't
-    allow the other. The smooth curve takes a share of the way, in its middle.
+    Args:
+        ends: the places.
+        turn: the heading at the first one, and the angle by which it turns, positive to the left [rad].
+        radius: the largest radius of an arc [m].
+        clear: where the line should stay.
     """
+    lines = [smooth_way(ends, *turn, share) for share in SHARES]
+    arc = arc_way(ends, *turn, radius) if abs(turn[1]) >= ASIDE else None
+    lines = lines if arc is None else [arc, *lines]
+    inside = [line for line in lines if clear.covers(shapely.LineString(line))] or lines[:1]
+    return next((line for line in inside if smallest_radius(line) >= GENTLE), max(inside, key=smallest_radius))
+
+
+def smooth_way(ends: tuple[np.ndarray, np.ndarray], heading: float, turn: float, share: float = 1.0) -> np.ndarray:
+    """Return a line (point, 2) that bends over a share of the way, in its middle, and is straight before and after."""
     begin, end = ends
     ahead, after = (np.array([np.cos(angle), np.sin(angle)]) for angle in (heading, heading + turn))
-    if abs(turn) >= ASIDE:
-        first, second = np.linalg.solve(np.stack([ahead, after], axis=1), end - begin)
-        if min(first, second) > 0:
-            return _arc_between(begin, end, (ahead, after), radius, (float(first), float(second)))
     straight = (1 - share) / 2 * np.linalg.norm(end - begin)
     one, other = begin + straight * ahead, end - straight * after
     handle = 0.4 * np.linalg.norm(other - one)
@@ -213,21 +223,30 @@ def way_through(
     return without_repeats(np.concatenate([begin[None], curve, end[None]]), 1e-3)
 
 
-def _arc_between(
-    begin: np.ndarray, end: np.ndarray, directions: tuple[np.ndarray, np.ndarray], radius: float,
-    legs: tuple[float, float],
-) -> np.ndarray:  # fmt: skip
-    """Return a straight piece, an arc and a straight piece; ``legs`` are the distances from where the lines meet."""
-    ahead, after = directions
-    turn = float(np.arctan2(ahead[0] * after[1] - ahead[1] * after[0], ahead @ after))
-    radius = min(radius, min(legs) / np.tan(abs(turn) / 2))
-    tangent = radius * np.tan(abs(turn) / 2)
-    start = begin + (legs[0] - tangent) * ahead
+def arc_way(ends: tuple[np.ndarray, np.ndarray], heading: float, turn: float, radius: float) -> np.ndarray | None:
+    """Return an arc of at most a radius between straight pieces, (point, 2); None if their lines don't meet between."""
+    begin, end = ends
+    ahead, after = (np.array([np.cos(angle), np.sin(angle)]) for angle in (heading, heading + turn))
+    legs = np.linalg.solve(np.stack([ahead, after], axis=1), end - begin)
+    if legs.min() <= 0:
+        return None
+    bend = np.tan(abs(turn) / 2)
+    radius = min(radius, legs.min() / bend)
+    start = begin + (legs[0] - radius * bend) * ahead
     to_left = np.array([-ahead[1], ahead[0]])
     angle = np.linspace(0, turn, int(np.ceil(abs(turn) * radius / ARC_SPACING)) + 1)
     sideways = np.sign(turn) * (1 - np.cos(angle))
     arc = start + radius * (np.sin(np.abs(angle))[:, None] * ahead + sideways[:, None] * to_left)
     return without_repeats(np.concatenate([begin[None], arc, end[None]]), 1e-3)
+
+
+def smallest_radius(line: np.ndarray) -> float:
+    """Return the radius of the tightest bend of a line (point, 2) [m], huge if it is straight."""
+    metres = along(line)
+    at = np.linspace(0, metres[-1], max(int(metres[-1] / CHORD), 1) + 1)
+    steps = np.diff(np.stack([np.interp(at, metres, line[:, k]) for k in (0, 1)], axis=1), axis=0)
+    turns = np.abs(np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))))
+    return float(at[1] / max(turns.max(initial=0.0), 1e-9))
 
 
 def _bezier(points: np.ndarray) -> np.ndarray:

@@ -26,11 +26,12 @@ class Split:
             refused: counts the refused numbers by reason; None: they aren't counted.
         """
         for number in self.numbers:
-            street = self._street(number, refused)
+            street = self.street(number, refused)
             if street is not None:
                 yield street
 
-    def _street(self, number: int, refused: Counter[str] | None) -> TownStreet | None:
+    def street(self, number: int, refused: Counter[str] | None = None) -> TownStreet | None:
+        """Return the street of a number, or None, with its reason counted, if the number is refused."""
         try:
             return make_street(self.family, number)
         except Refusal as refusal:

@@ -6,12 +6,10 @@ import hashlib
 import json
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
-from typing import Literal, get_args
 
-Layout = Literal["straight", "tee", "cross", "skewed", "staggered", "block"]
+LAYOUTS = ("straight", "tee", "cross", "skewed", "staggered", "block")
 """A street without junction; one junction with one arm, two arms, or two arms in one skewed line; two junctions with an
 arm each, on opposite sides; two junctions with two arms and one."""
-LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 Range = tuple[float, float]
 """Smallest and largest value; each between is equally likely."""
 
@@ -30,7 +28,7 @@ class Town:
     Each street draws a value from every range; what differs between its roads is drawn for each road.
     """
 
-    layouts: tuple[Layout, ...] = LAYOUTS
+    layouts: tuple[str, ...] = LAYOUTS
     """Which layouts there are, each equally likely."""
     main_length: Range = (130.0, 170.0)
     """Length of the main street [m]."""

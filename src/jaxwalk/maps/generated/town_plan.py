@@ -12,7 +12,7 @@ import numpy as np
 
 from jaxwalk.maps.generated.curve import Curve
 from jaxwalk.maps.generated.refusal import Refusal
-from jaxwalk.maps.generated.town import Layout, Range, Town
+from jaxwalk.maps.generated.town import Range, Town
 
 BEYOND = 15.0
 """Roads go on straight beyond the street's edges, where they are cut [m]."""
@@ -127,12 +127,14 @@ class SideArm(NamedTuple):
 class TownPlan:
     """The roads of a street. The first ones make up the main street, the others are its arms."""
 
-    layout: Layout
+    layout: str
     main: Curve
     main_length: float
     roads: tuple[TownRoad, ...]
     junctions: tuple[float, ...]
     """Places of the junctions on the main street."""
+    bent: tuple[float, ...]
+    """How far from each junction's middle kerbs may bend [m]."""
     kerb_radius: float
     sidewalk: float
     """Width of the sidewalks [m]."""
@@ -146,7 +148,7 @@ def draw_plan(town: Town, dice: Dice) -> TownPlan:
     arms = _draw_arms(town, dice, layout)
     straight = [max(_bent(profile, arm, radius) for arm in around) for around in arms]
     places = _place_junctions(town, dice, length, straight)
-    main = Curve.of(np.zeros(2), dice.between((0, 2 * np.pi)), _main_pieces(town, dice, places, straight, length),
+    main = Curve.of(np.zeros(2), dice.between((0.0, 2 * np.pi)), _main_pieces(town, dice, places, straight, length),
                     first=-BEYOND)  # fmt: skip
     ends = [(0.0, None), *((place, n) for n, place in enumerate(places)), (length, None)]
     roads = [TownRoad(main, a, b, profile, limit, (one, other)) for (a, one), (b, other) in pairwise(ends)]
@@ -155,10 +157,10 @@ def draw_plan(town: Town, dice: Dice) -> TownPlan:
             curve, end = _draw_side_street(town, dice, arm, (main, places[number]), straight[number])
             slower = [x for x in town.speed_limits if x <= limit]
             roads.append(TownRoad(curve, 0.0, end, arm.profile, dice.one_of(slower), (number, None)))
-    return TownPlan(layout, main, length, tuple(roads), tuple(places), radius, sidewalk)
+    return TownPlan(layout, main, length, tuple(roads), tuple(places), tuple(straight), radius, sidewalk)
 
 
-def _draw_arms(town: Town, dice: Dice, layout: Layout) -> list[list[SideArm]]:
+def _draw_arms(town: Town, dice: Dice, layout: str) -> list[list[SideArm]]:
     """Return the arms of each junction, in the order of the main street."""
 
     def arm(side: int, angle: float) -> SideArm:
@@ -172,7 +174,7 @@ def _draw_arms(town: Town, dice: Dice, layout: Layout) -> list[list[SideArm]]:
     if layout == "block":
         both = [[arm(1, angle), arm(-1, angle)], [arm(side, other)]]
         return both if dice.chance(0.5) else both[::-1]
-    arms: dict[Layout, list[list[SideArm]]] = {
+    arms: dict[str, list[list[SideArm]]] = {
         "straight": [],
         "tee": [[arm(side, angle)]],
         "cross": [[arm(side, angle), arm(-side, other)]],

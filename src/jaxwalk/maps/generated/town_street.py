@@ -14,15 +14,13 @@ from jaxwalk.maps.generated.crossing_sites import ISLAND_BEYOND, Site, choose_si
 from jaxwalk.maps.generated.ground_shapes import ROUNDING, Ground, lay_ground, mouth
 from jaxwalk.maps.generated.kerbside import buildings, parking_strips
 from jaxwalk.maps.generated.lane_paths import make_lanes, make_routes
-from jaxwalk.maps.generated.town import Layout, Town
+from jaxwalk.maps.generated.town import Town
 from jaxwalk.maps.generated.town_plan import Dice, TownPlan, draw_plan
 from jaxwalk.maps.generated.town_walks import island_width, make_walks
 from jaxwalk.maps.network import Area, AreaKind, Lane, Network, WalkGraph
 
 AROUND = 2.0
 """Empty ground around everything [m]."""
-FINEST = 0.002
-"""Outlines are simplified by at most this [m]."""
 DIGITS = 4
 """Digits after the point of all positions [m]."""
 
@@ -31,7 +29,7 @@ class TownStreet(NamedTuple):
     """A street of a family."""
 
     number: int
-    layout: Layout
+    layout: str
     network: Network
 
 
@@ -65,9 +63,9 @@ def _area(kind: AreaKind, shape: shapely.Polygon) -> Area:
 def _areas(plan: TownPlan, ground: Ground, sites: list[Site]) -> tuple[list[Area], list[tuple[int, ...]]]:
     """Return roadway, sidewalks, islands and crosswalks; and for each site the numbers of its crosswalks."""
     islands = {number: _island(plan, site) for number, site in enumerate(sites) if site.island}
-    roadway = ground.roadway.simplify(FINEST).difference(shapely.union_all(list(islands.values())))
+    roadway = ground.roadway.difference(shapely.union_all(list(islands.values())))
     areas = [_area("roadway", part) for part in _parts(roadway)]
-    areas += [_area("sidewalk", part) for part in _parts(ground.sidewalk.simplify(FINEST))]
+    areas += [_area("sidewalk", part) for part in _parts(ground.sidewalk)]
     areas += [_area("island", shape) for shape in islands.values()]
     crosswalks = []
     for number, site in enumerate(sites):
