@@ -216,3 +216,44 @@ def test_a_family_that_makes_no_street_is_refused(values, message):
 def test_numbers_have_63_bits(number):
     with pytest.raises(ValueError, match=re.escape("must lie in [0, 2^63)")):
         make_street(TOWN, number)
+
+
+def areas_changed(network, kind, change):
+    return replace(
+        network, areas=tuple(replace(x, outline=change(x.outline)) if x.kind == kind else x for x in network.areas)
+    )
+
+
+def walk_changed(network, change):
+    return replace(network, walk=replace(network.walk, nodes=change(network.walk.nodes)))
+
+
+def backwards(network):
+    """The same lanes the other way round: left-hand traffic."""
+    lanes = network.lanes
+    before = [tuple(n for n, lane in enumerate(lanes) if here in lane.successors) for here in range(len(lanes))]
+    turned = (replace(x, line=x.line[::-1], successors=after) for x, after in zip(lanes, before, strict=True))
+    return replace(network, lanes=tuple(turned), routes=())
+
+
+WRONG = {
+    "off the map": lambda n: replace(n, size=(n.size[0] - 20, n.size[1])),
+    "a gap at the kerb": lambda n: areas_changed(n, "sidewalk", lambda outline: outline + 0.2),
+    "crosswalks moved along": lambda n: areas_changed(n, "crosswalk", lambda outline: outline + 4.0),
+    "people moved aside": lambda n: walk_changed(n, lambda nodes: nodes + 2.5),
+    "left-hand traffic": backwards,
+    "a lane that ends": lambda n: lane_changed(
+        n, next(k for k, x in enumerate(n.lanes) if x.successors), successors=()
+    ),
+    "too fast": lambda n: lane_changed(n, 0, speed_limit=14.0),
+    "a zone over the crosswalk": lambda n: replace(
+        n, crossings=tuple(x if x.zone is None else replace(x, zone=replace(x.zone, begin=0.0)) for x in n.crossings)
+    ),
+}
+
+
+@pytest.mark.parametrize("change", WRONG.values(), ids=WRONG)
+def test_invariants_notice_what_is_wrong(cross, change):
+    check_street(cross)
+    with pytest.raises(AssertionError):
+        check_street(change(cross))

@@ -45,7 +45,7 @@ def refuse_faults(network: Network) -> None:
 def without_numbers(fault: str) -> str:
     """Return a fault without what differs between streets: places and lengths, and the advice."""
     what = re.sub(r"\[\d+\]|\([^a-z]*\)", "", fault.partition(";")[0])
-    return re.sub(r"-?\d+(\.\d+)?", "#", what)
+    return re.sub(r" (at|from) *$", "", re.sub(r"-?\d+(\.\d+)?", "#", what))
 
 
 def loose_begins(network: Network) -> list[int]:
