@@ -92,6 +92,7 @@ def test_pictures_show_the_episode_as_it_goes(env):
     assert make().render() is None
 
 
+@pytest.mark.long
 def test_scenarios_are_those_of_an_evaluation(three):
     """With the same chances for people who decide at random: outcomes and their times are the same."""
     street, count = Street.create(config=RULES), 24
@@ -115,6 +116,7 @@ def test_scenarios_are_those_of_an_evaluation(three):
     assert steps.tolist() == native.length.tolist()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 def test_many_streets_are_as_gymnasium_would_step_single_ones(mode):
     many = make_many(autoreset_mode=mode)
@@ -151,6 +153,7 @@ def test_a_step_is_compiled_once_also_for_an_equal_environment(three):
     assert seat._step._cache_size() == before
 
 
+@pytest.mark.long
 def test_a_long_loop_leaves_nothing_behind(env):
     live = []
     env.reset(seed=0)

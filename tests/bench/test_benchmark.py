@@ -222,6 +222,7 @@ def test_a_part_that_fails_is_named():
         measure_apart("nothing", Settings())
 
 
+@pytest.mark.long
 def test_a_training_is_measured(tiny):
     row = training_speed.measure(tiny, 0.0)
     assert (row["environments"], row["steps"], row["updates"]) == (8, 8, 5)
@@ -258,6 +259,7 @@ def test_a_start_that_fails_says_why(tmp_path):
         watch([sys.executable, "-c", "print('no street'); exit(3)"], tmp_path / "m", tmp_path / "said", {})
 
 
+@pytest.mark.long
 def test_parts_of_the_environments_play_what_all_of_them_would(street):
     def play(stream):
         return rollout(street, look_and_act(street), stream, 16, keep=lambda step: keep(step)[2:])

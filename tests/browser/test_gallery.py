@@ -11,6 +11,8 @@ from jaxwalk.report import write_report
 from jaxwalk.report.figures import FIGURES
 from report.material import material
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):

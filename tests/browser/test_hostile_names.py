@@ -7,12 +7,16 @@ import re
 from dataclasses import asdict
 from pathlib import Path
 
+import pytest
+
 from browser.pages import gallery_document, replay_document, watched
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.report import Material, write_report
 from jaxwalk.viewer import replay_page
 from report.material import material
+
+pytestmark = pytest.mark.long
 
 CODE = (
     "</script><script>document.title = 'owned'</script><img src=x onerror=\"document.title = 'owned'\">{{ 7 * 7 }}'$x^{"

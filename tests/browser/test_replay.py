@@ -7,6 +7,8 @@ import pytest
 from browser.pages import replay_document
 from jaxwalk.viewer import replay_page
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):

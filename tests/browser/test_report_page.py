@@ -7,6 +7,8 @@ import pytest
 from jaxwalk.report import write_report
 from report.material import material
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):

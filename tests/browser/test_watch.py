@@ -12,6 +12,8 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.progress import Pace
 from jaxwalk.runs.watch import WatchPage
 
+pytestmark = pytest.mark.long
+
 
 def _line(update):
     """Goals rise from 0 to 1; nothing has ended in the first update."""

@@ -19,6 +19,8 @@ from jaxwalk.maps import MapError
 from jaxwalk.policies import save_policy
 from jaxwalk.sim.observation import size
 
+pytestmark = pytest.mark.long
+
 PAPER = resources.files("jaxwalk.maps").joinpath("paper.toml").read_text(encoding="utf-8")
 COMMAND = (
     "evaluate --compare mine.safetensors rule-based --episodes 3 --seed 7 --jaywalk-multiplier 0 1 --map town.toml "

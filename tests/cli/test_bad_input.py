@@ -162,6 +162,11 @@ BAD = {
     "intent without seeds": ("hidden-intent --out r --seeds 0", "seeds must lie in [1, 1,000], not 0"),
     "intent seed": ("hidden-intent --out r --seed -1", "seed must lie in [0, 2^31), not -1"),
     "intent half a seed": ("hidden-intent --out r --seed 0.5", "0.5"),
+    "co-training of one seed": (
+        "co-training --out r --seeds 1",
+        "seeds must be at least 2: cars meet people of another training seed",
+    ),
+    "co-training elsewhere": ("co-training --out foreign", "no `jaxwalk co-training` made it"),
     "intent elsewhere": ("hidden-intent --out foreign", "no `jaxwalk hidden-intent` made it"),
     "intent below a file": ("hidden-intent --out file/out", "is a file, so nothing can be put into it"),
     "bench nothing": ("bench --environments 64 0", "environments must lie in [1, 1,048,576], not [0]"),

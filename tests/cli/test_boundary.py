@@ -142,6 +142,7 @@ def test_a_command_that_has_ended_is_not_ended_again_while_python_leaves(sent, p
 INT, TERM, HUP = (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP"))
 
 
+@pytest.mark.long
 @pytest.mark.skipif(HUP is None, reason="POSIX")
 @pytest.mark.parametrize(
     ("driver", "sent", "code", "seconds"),

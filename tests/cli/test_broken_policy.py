@@ -77,7 +77,11 @@ def test_what_is_shared_is_played_first(broken, place, capsys):
     assert not list(place.rglob("mine.*"))
 
 
-@pytest.mark.parametrize(("command", "first"), [("reproduce", "single-agent"), ("hidden-intent", "blind")])
+STUDIES = {"reproduce": "single-agent", "hidden-intent": "blind", "co-training": "pure"}
+"""Every study, and the training that it plays first."""
+
+
+@pytest.mark.parametrize(("command", "first"), STUDIES.items())
 def test_a_study_names_which_of_its_trainings_broke(broken, place, command, first, monkeypatch, capsys):
     def train(run, **_):
         shutil.copy(place / "broken.safetensors", run.path / POLICY)
@@ -85,6 +89,6 @@ def test_a_study_names_which_of_its_trainings_broke(broken, place, command, firs
 
     monkeypatch.setattr(study, "train", train)
     monkeypatch.setattr(tournament, "COMPARED", [])
-    assert main([command, *["--updates", "1", "--episodes", "8", "--seeds", "1", "--out", "made"]]) == 2
+    assert main([command, *["--updates", "1", "--episodes", "8", "--seeds", "2", "--out", "made"]]) == 2
     assert f"jaxwalk: {first}: {NOTHING_MADE}" in " ".join(capsys.readouterr().err.split())
     assert sorted(path.name for path in (place / "made").glob("*.*")) == [".lock", "minutes.json", "plan.json"]

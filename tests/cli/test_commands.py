@@ -14,7 +14,18 @@ import time
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.cli.options import Bench, Evaluate, Export, HiddenIntent, Observations, Play, Reproduce, Train
+from jaxwalk.cli.options import (
+    Bench,
+    CoTraining,
+    Evaluate,
+    Export,
+    HiddenIntent,
+    Observations,
+    Play,
+    Reproduce,
+    Streets,
+    Train,
+)
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
 from report.material import material
@@ -29,9 +40,11 @@ def test_version(capsys):
     assert capsys.readouterr().out == f"jaxwalk {version('jaxwalk')}\n"
 
 
-@pytest.mark.parametrize("command", [Train, Evaluate, Play, Reproduce, HiddenIntent, Observations, Bench])
+@pytest.mark.parametrize(
+    "command", [Train, Evaluate, Play, Reproduce, HiddenIntent, CoTraining, Observations, Streets, Bench]
+)
 def test_help_says_every_default(command, capsys):
-    name = "hidden-intent" if command is HiddenIntent else command.__name__.lower()
+    name = {HiddenIntent: "hidden-intent", CoTraining: "co-training"}.get(command, command.__name__.lower())
     assert main([name, "--help"]) == 0
     text = capsys.readouterr().out
     assert text.count("(default:") == len(dataclasses.fields(command))
@@ -174,6 +187,7 @@ def test_play_draws(place, capsys):
     assert "scenario 2 of seed 0" in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_play_makes_a_page_of_several_drivers_and_scenarios(place, capsys):
     command = "play --driver route-follower rule-based --scenario 2 5 2 --out there/replay.html"
     assert main(command.split()) == 0
@@ -186,6 +200,7 @@ def test_play_makes_a_page_of_several_drivers_and_scenarios(place, capsys):
     assert not re.search(r'(src|href)="(https?:)?//', text)
 
 
+@pytest.mark.long
 def test_a_report_on_a_driver(place, capsys):
     command = "report route-follower --pedestrians always-go --episodes 40 --incidents 3 --out mine"
     assert main(command.split()) == 0
@@ -208,6 +223,7 @@ def test_a_report_on_a_driver(place, capsys):
         assert one["t"] == pytest.approx(episode["steps"] * 0.1)
 
 
+@pytest.mark.long
 def test_bench_prints_one_document_and_keeps_it(place, capfd):
     command = "bench --only env --environments 8 --seconds 0.05 --json --out bench"
     assert main(command.split()) == 0
@@ -230,6 +246,7 @@ def test_bench_prints_a_table(capfd, monkeypatch):
     assert "0.25 s" in out
 
 
+@pytest.mark.long
 def test_ctrl_c_leaves_a_run_that_resumes(place):
     command = [sys.executable, "-m", "jaxwalk", "train", "--run", "run", "--updates", "100000", *SMALL]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=place) as process:

@@ -15,6 +15,7 @@ def _run(command):
     return main(command.split())
 
 
+@pytest.mark.long
 def test_what_tracks_writes_measure_measures_as_evaluate_does(place, capsys):
     assert _run("tracks --driver route-follower --episodes 40 --seed 3 --out tracks.parquet") == 0
     assert "40 episodes, scenarios 0 to 39 of seed 3" in capsys.readouterr().out

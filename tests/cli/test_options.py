@@ -20,6 +20,7 @@ COUNTS = {
     "reproduce minutes": "reproduce --out r --minutes",
     "intent": "hidden-intent --out r --episodes",
     "intent seeds": "hidden-intent --out r --seeds",
+    "co-training": "co-training --out r --seeds",
     "train": "train --run r --updates",
     "train minutes": "train --run r --minutes",
     "train environments": "train --run r --environments",

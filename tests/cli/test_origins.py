@@ -29,6 +29,7 @@ PAPER = resources.files("jaxwalk.maps").joinpath("paper.toml").read_text(encodin
 OTHER = PAPER + "\n# a street of one's own\n"
 
 
+@pytest.mark.long
 def test_results_on_two_maps_name_them_everywhere_with_the_rates_on_each(place, capsys):
     (place / "there").mkdir()
     (place / "there" / "town.toml").write_text(OTHER, encoding="utf-8")

@@ -220,6 +220,7 @@ def assert_same_rows(a, b, order=slice(None)):
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name)[order], err_msg=name)
 
 
+@pytest.mark.long
 def test_how_many_are_replayed_changes_no_row(often, hits, table):
     told = []
     some = find_hits(hits).first(5)
@@ -237,6 +238,7 @@ def test_how_many_are_replayed_changes_no_row(often, hits, table):
         counterfactuals(often, BLIND_ONE, Drawn(often, 7), some, batch=0)
 
 
+@pytest.mark.long
 def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
     order = np.random.default_rng(0).permutation(hits.episodes)
     columns = {name: x[order] for name, x in vars(hits[OUTCOMES]).items()}
@@ -260,6 +262,7 @@ def test_a_driver_that_breaks_only_after_the_avoided_collision_is_said(often, hi
         counterfactuals(often, cast, Drawn(often, 7), one, batch=BATCH)
 
 
+@pytest.mark.long
 def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
     rows = evaluate(often, {"driver": BLIND, "pedestrian": LURKERS}, Drawn(often, 7, 32), batch=BATCH)
     cast = {"driver": BLIND, "pedestrian": LURKERS}
@@ -270,6 +273,7 @@ def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
     assert set(found.label) <= {"pedestrian", "unavoidable"}
 
 
+@pytest.mark.long
 def test_a_standing_car_cannot_brake(often):
     rows = evaluate(often, {"driver": STANDING, "pedestrian": WALKERS}, Drawn(often, 7, 128), batch=BATCH)
     cast = {"driver": STANDING, "pedestrian": WALKERS}

@@ -55,6 +55,7 @@ def test_it_plays_as_the_same_driver_in_jax_does(street, driver, undecided):
         np.testing.assert_allclose(getattr(asked, name), getattr(native, name), atol=1e-3, err_msg=name)
 
 
+@pytest.mark.long
 def test_every_batch_is_its_own_although_two_are_under_way(street, rows, undecided):
     """A memory that mixed batches would count on, or wrongly."""
     steps = []

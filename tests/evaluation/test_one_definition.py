@@ -47,6 +47,7 @@ def _ended(stream):
     return jax.vmap(jax.random.fold_in)(keys, number)
 
 
+@pytest.mark.long
 def test_the_rates_of_training_are_those_of_evaluation(trained):
     street, driver, stream, metrics = trained
     keys = _ended(stream)

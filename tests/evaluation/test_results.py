@@ -59,6 +59,7 @@ print(evaluate_grid(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7,
 """
 
 
+@pytest.mark.long
 def test_the_same_call_gives_the_same_document_here_and_in_another_process(street, compared):
     drivers = {"route-follower": RouteFollower(), "random": Random()}
     again, _ = evaluate_grid(street, drivers, {"always-go": AlwaysGo()}, Drawn(street, 7, 24), batch=16)

@@ -162,6 +162,7 @@ def test_a_training_without_a_metric_is_refused():
     assert "metrics.jsonl: damaged (update 1 has no goal_rate)" in said
 
 
+@pytest.mark.long
 def test_a_bad_folder_is_refused_in_words():
     messages = []
 

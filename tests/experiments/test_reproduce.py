@@ -12,7 +12,7 @@ from rich.console import Console
 from jaxwalk.evaluation import evaluate, evaluate_grid, replay
 from jaxwalk.evaluation.reading import DocumentError
 from jaxwalk.experiments import reproduce as module
-from jaxwalk.experiments import tournament
+from jaxwalk.experiments import tournament, two_outcomes
 from jaxwalk.experiments.reproduce import Plan, report, reproduce
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, read_metadata
 from jaxwalk.runs import study
@@ -48,7 +48,8 @@ def _play_little(patch):
     patch.setattr(tournament, "COMPARED", RULES)
     patch.setattr(tournament, "MULTIPLIERS", MULTIPLIERS)
     patch.setattr(tournament, "evaluate_grid", partial(evaluate_grid, batch=PLAN.episodes))
-    patch.setattr(module, "evaluate", partial(evaluate, batch=PLAN.episodes))
+    for place in (module, two_outcomes):
+        patch.setattr(place, "evaluate", partial(evaluate, batch=PLAN.episodes))
     patch.setattr("jaxwalk.exports.replays.BATCH", PLAN.episodes)
     for place in ("drawn_episode", "gallery", "replays"):
         patch.setattr(f"jaxwalk.exports.{place}.replay", partial(replay, batch=PLAN.episodes))

@@ -54,6 +54,7 @@ def test_what_is_shipped_loads_and_has_its_card(street, role, name):
     assert about["recipe"] == file.stem.split("-")[0]
 
 
+@pytest.mark.long
 def test_the_command_and_what_it_refuses(whole, tmp_path, capsys):
     from jaxwalk.cli import main
 

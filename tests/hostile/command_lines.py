@@ -25,6 +25,7 @@ WORKERS = (
     "jaxwalk.cli.play._page", "jaxwalk.cli.play._drawing", "jaxwalk.experiments.driver_report.play_rounds",
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
+    "jaxwalk.maps.generated.splits.make_street",
 )  # fmt: skip
 """Where the work begins that a good command line asks for: a case ends there."""
 PEOPLE = ["always-go", "learned", "mine.safetensors", "run", "nobody", "bad.safetensors"]

@@ -45,11 +45,14 @@ def test_events_that_come_together_are_fewer():
 
 
 def test_the_car_has_its_speed_where_it_was_nearest():
-    # passes at x = 2.5 in frame 5, 2.5 m aside, at 3 m/s; the other is 4 m aside
+    # its front comes abreast at x = 2.3 in frame 5, at 3 m/s and 2.5 - 0.9 - 0.25 m aside; the other's gap is 2.85 m
     speed = [5.0, 5, 5, 5, 5, 3, 5, 5, 5]
-    near, far = (Walk(2.3, y, crossings=[(1, 8, CROSSWALK)]) for y in (2.5, 4.0))
-    rows = measure(trajectory(Scene(8, [near], speed=speed), Scene(8, [far]), Scene(8, [near], touched=[0])))
-    assert rows[PASSING].speed.tolist() == pytest.approx([3, 5, 5])
+    near, far = (Walk(4.5, y, crossings=[(1, 8, CROSSWALK)]) for y in (2.5, 4.0))
+    below = Walk(4.5, 1.1, crossings=[(1, 8, CROSSWALK)])  # touched by the footprint, in a world of the disc
+    rows = measure(
+        trajectory(Scene(8, [near], speed=speed), Scene(8, [far]), Scene(8, [near], touched=[0]), Scene(8, [below]))
+    )
+    assert rows[PASSING].speed[:3].tolist() == pytest.approx([3, 5, 5])
     found = summarise(rows, resamples=20)[PASSING]
-    assert [(one.near, one.far, one.speed.count) for one in found] == [(0, 2, 0), (2, 3, 1), (3, 5, 1), (5, 10, 0)]
-    assert [one.speed.value for one in found] == [None, pytest.approx(3), pytest.approx(5), None]
+    assert [(one.near, one.far, one.speed.count) for one in found] == [(0, 0.5, 0), (0.5, 1, 0), (1, 2, 1), (2, 5, 1)]
+    assert [one.speed.value for one in found] == [None, None, pytest.approx(3), pytest.approx(5)]

@@ -63,6 +63,7 @@ def test_nobody_changes_what_was_measured(module):
     assert [x for x in own if not x.__dataclass_params__.frozen] == []
 
 
+@pytest.mark.long
 @few
 @given(trajectories, st.randoms(use_true_random=False))
 def test_the_order_of_pedestrians_does_not_matter(recorded, random):

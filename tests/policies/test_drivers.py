@@ -12,8 +12,9 @@ from jaxwalk.policies.drivers import Careless
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.features import SPEED
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.observation import OBSERVATIONS, part, size
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, POINT_SPACING, POINTS
+from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 
 KEYS = jax.random.split(jax.random.key(3), 7)
 SIZES = {name: size("driver", name) for name in OBSERVATIONS["driver"]}

@@ -16,8 +16,9 @@ from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
+from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, part, size
-from jaxwalk.sim.prediction import ABSENT, FAR
+from jaxwalk.sim.prediction import ABSENT
 from sim.play import AS_SHIPPED
 
 SIZE = size("driver", PRIVILEGED)
@@ -124,6 +125,7 @@ def test_among_always_go_it_always_arrives(street, played):
     assert played.steps[both].mean() < 1.15 * blind.steps[both].mean()
 
 
+@pytest.mark.long
 def test_the_command_line_says_that_it_is_privileged(tmp_path, capsys):
     assert main(["evaluate", "--driver", "oracle", "--episodes", "4", "--out", str(tmp_path)]) == 0
     assert "oracle (privileged)" in capsys.readouterr().out

@@ -9,9 +9,9 @@ import pytest
 
 from jaxwalk.policies.clearance_rule import SET, ClearanceRule
 from jaxwalk.policies.gap_acceptance import INTERCEPT, PER_SECOND, GapAccepting
+from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import part, size
 from jaxwalk.sim.pedestrian_features import KERB_CAR_DISTANCE
-from jaxwalk.sim.prediction import FAR
 
 KEYS = jax.random.split(jax.random.key(0), 2)
 

@@ -10,6 +10,7 @@ an interval may miss.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ import numpy as np
 from scipy import stats
 
 from jaxwalk.metrics import clustered_share, crossed_mean, over_seeds, paired_difference, proportion, rate, rate_ratio
+from jaxwalk.metrics.near_misses import THRESHOLDS, extrapolate
 from jaxwalk.metrics.statistics import episode_sums, ratio
 
 EXPECTED = (1, 2, 10, 100)
@@ -30,6 +32,8 @@ SPREAD = 0.3
 SCENARIOS = 2000
 SHARED = (0.0, 1.0)
 """Standard deviation of the scenarios' own difficulty, common to all seeds, as a share of the mean."""
+NEAR_MISS = 0.25
+"""Share of the scenarios with a near miss."""
 EXACT, NEAR = (0.95, 1.0), (0.93, 0.97)
 """Shares of simulations in which an interval must contain the truth."""
 NOISE = 3.0
@@ -54,6 +58,7 @@ def regimes() -> Iterator[Regime]:
     yield from _of_counts()
     yield from _of_clusters()
     yield from _of_seeds()
+    yield from _of_near_misses()
 
 
 def _of_counts() -> Iterator[Regime]:
@@ -193,6 +198,28 @@ def _tested(seeds: int, expected: float, shared: float) -> Callable[[np.random.G
     def covers(rng: np.random.Generator) -> bool:
         found = _difference(rng, seeds, expected, shared)
         return found.error == 0 or found.p() >= 0.05
+
+    return covers
+
+
+def _of_near_misses() -> Iterator[Regime]:
+    for shape in (-0.3, 0.0, 0.2):
+        for beyond in (0.002, 0.02):
+            data = f"{SCENARIOS * NEAR_MISS * beyond:g} of {SCENARIOS}, shape {shape:g}"
+            yield Regime("contacts extrapolated from near misses", data, _near_misses(shape, beyond), (NEAR[0], 1.0))
+
+
+def _near_misses(shape: float, beyond: float) -> Callable[[np.random.Generator], bool]:
+    """Excesses over the highest threshold have a Pareto tail; the share ``beyond`` of them reaches a contact."""
+    threshold = max(THRESHOLDS)
+    scale = threshold * (shape / (beyond**-shape - 1) if shape else -1 / math.log(beyond))
+
+    def covers(rng: np.random.Generator) -> bool:
+        excesses = stats.genpareto.rvs(shape, scale=scale, size=rng.binomial(SCENARIOS, NEAR_MISS), random_state=rng)
+        gaps = np.full(SCENARIOS, np.nan)
+        gaps[: len(excesses)] = np.maximum(threshold - excesses, 0)
+        found = extrapolate(gaps).extrapolated
+        return found.low is None or found.high is None or found.low <= NEAR_MISS * beyond <= found.high
 
     return covers
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 OUT = "kept"
 """Where every command writes."""
 SMALL = "--environments 8 --steps 8 --minibatches 2 --updates 2"
-LONG = ("reproduce", "hidden-intent")
+LONG = ("reproduce", "hidden-intent", "co-training")
 """Commands that take minutes: they meet the faults that end them."""
 COMMANDS = {
     "observations": "observations",
@@ -24,6 +24,7 @@ COMMANDS = {
     "bench": f"bench --only env --environments 8 --seconds 0.05 --out {OUT}",
     "reproduce": "reproduce --updates 1 --episodes 2 --out new",
     "hidden-intent": "hidden-intent --updates 1 --episodes 2 --seeds 1 --out new",
+    "co-training": "co-training --updates 1 --episodes 2 --seeds 2 --out new",
 }
 """Every command, with little work."""
 WRITES = {
@@ -59,7 +60,7 @@ class Fault:
         return bool(self.send) or 0 not in self.codes
 
 
-NO_OUTPUT = ("train", "reproduce", "hidden-intent")
+NO_OUTPUT = ("train", "reproduce", "hidden-intent", "co-training")
 """Commands that print nothing on standard output, or only in the end."""
 NO_FILES = ("observations", "measure")
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP

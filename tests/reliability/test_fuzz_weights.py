@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 
+import pytest
+
 from reliability.fuzz_weights import FAST, check, end
+
+pytestmark = pytest.mark.long
 
 CASES = 24
 

@@ -46,6 +46,8 @@ def material(seeds):
         trainings=Trainings("fast", tuple(rows)),
         minutes={"evaluate": 1.5},
         episode=DrawnEpisode(scenario=2, seed=5, training_seed=5),
+        collision=DrawnEpisode(1, 5, 5, 50, "route-follower", "always-go"),
+        collision_svg='<?xml version="1.0"?><svg width="9pt" height="9pt"></svg>',
         episode_svg='<?xml version="1.0"?><svg width="9pt" height="9pt"><path id="p" clip-path="url(#p)"/></svg>',
     )
 

@@ -64,7 +64,10 @@ def test_every_section_table_and_figure_is_in_the_page(page, several):
     assert sorted(shown) == sorted(TABLES)
     assert page.count("<table>") == len(TABLES) - len(OF_SEVERAL)
     assert page.count("<svg") == len(FIGURES)
-    assert page.count('<img class="drawing" src="data:image/svg+xml;base64,') == 1
+    assert page.count('<img class="drawing" src="data:image/svg+xml;base64,') == 2
+    assert page.index("Collision with a jaywalker. Scenario 1 of seed 5: the route-follower car") < page.index(
+        "Successful avoidance. Scenario 2 of seed 5: the co-trained car"
+    )
 
 
 def test_files_of_every_table_and_figure(folder):
@@ -170,6 +173,7 @@ def test_two_seeds_give_no_interval(tmp_path, undrawn):
     assert _table(tmp_path, "matrix")[-1]["goal %"] == "50.0"
 
 
+@pytest.mark.long
 def test_the_same_results_make_the_same_report(documents, folder, tmp_path):
     write_report(tmp_path, documents)
     for name in ("report.html", "figures/baselines.svg", "tables/matrix.csv", "tables/matrix.tex"):

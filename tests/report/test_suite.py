@@ -87,15 +87,18 @@ def page():
 def test_every_table_is_there_and_has_as_many_cells_as_columns(page):
     for heading in (
         "Outcomes",
+        "At the kerb",
+        "How it drives",
         "Contacts",
         "Encounters",
+        "Contacts foretold by near misses",
         "Whose collisions",
         "Could it have been avoided?",
         "In words",
     ):
         assert f"\n## {heading}\n" in page
     tables = [part.splitlines() for part in page.split("\n\n") if part.startswith("| ")]
-    assert len(tables) == 8
+    assert len(tables) == 11
     for lines in tables:
         assert len({line.count(" | ") for line in lines}) == 1, lines[0]
         assert len(lines) >= 3
@@ -113,5 +116,8 @@ def test_what_stands_in_it(page):
         "| mine among always-go | jaywalk | 1 | 0.00 [0.00, 97.50] | 0.00 [0.00, 97.50] | 100.00 [2.50, 100.00]"
     )
     assert by_pedestrian in page
+    assert (
+        "| mine among always-go | 0 | – | 50.00 [1.26, 98.74] | – | cannot be extrapolated: few near misses |" in page
+    )
     assert "| 14 and 16 | 5,006 |" in page
     assert "- **mine among always-go**: " in page

@@ -6,6 +6,7 @@ import re
 
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from safetensors.numpy import load_file
 
 from jaxwalk.cli import main
@@ -43,6 +44,7 @@ class Broken(ConstantSpeed):
         return jnp.full_like(action, jnp.nan), memory
 
 
+@pytest.mark.long
 def test_a_broken_fixed_policy_ends_a_training(tiny, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(

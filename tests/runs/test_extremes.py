@@ -21,6 +21,8 @@ from jaxwalk.runs.training import train
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
 
+pytestmark = pytest.mark.long
+
 LONELY = SimConfig(pedestrians=1, dt=0.02, horizon=600)
 CROWDED = SimConfig(pedestrians=200, horizon=120)
 

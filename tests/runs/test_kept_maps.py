@@ -34,6 +34,7 @@ def town(whole, tmp_path):
     return run
 
 
+@pytest.mark.long
 def test_a_copied_run_folder_evaluates_to_the_same_document_without_its_map_file(town, tmp_path, capsys, monkeypatch):
     command = "evaluate --driver run --pedestrians run --episodes 3"
 

@@ -43,6 +43,7 @@ def test_recent_endings_are_those_of_the_last_ten_updates():
     assert curves(lines)["recent_updates"] == 10
 
 
+@pytest.mark.long
 def test_a_watched_training_writes_its_page_and_resuming_goes_on_with_it(tiny, tmp_path, quiet, monkeypatch):
     run = Run.create(tmp_path / "run", tiny)
     with monkeypatch.context() as interrupted:

@@ -16,7 +16,7 @@ from jaxwalk.metrics import measure
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS, RULES
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.scenarios import Drawn
-from jaxwalk.sim import events, prediction
+from jaxwalk.sim import events, manoeuvres, prediction
 from jaxwalk.sim.sim_config import WORLDS, SimConfig, rules_of
 
 EPISODES = 64
@@ -61,7 +61,7 @@ def test_clearances_of_a_standing_car_by_hand(played, rule):
         Moment(street.world, scenarios, state), rule
     )
     seen, config = state.foresight.people, street.config
-    time = prediction.MOMENT * np.arange(1, prediction.MOMENTS + 1)[:, None, None]
+    time = np.array(manoeuvres.MOMENTS[rule])[:, None, None]
     ahead, left = seen.ahead + seen.ahead_speed * time, seen.left + seen.left_speed * time
     if rule == "disc":
         away = np.hypot(ahead, left)
@@ -69,10 +69,11 @@ def test_clearances_of_a_standing_car_by_hand(played, rule):
         away = np.maximum(events.to_rectangle(ahead, left, config.car_length, config.car_width) - config.body_radius, 0)
     near = away.min(axis=1)  # of the nearest person, in each moment
     body = 0 if rule == "disc" else config.body_radius
-    np.testing.assert_allclose(clearance[prediction.HOLD], np.minimum(near.min(axis=0), 10 - body), atol=1e-4)
-    np.testing.assert_array_equal(clearance[prediction.BRAKE], clearance[prediction.HOLD])
-    first = np.where(near < prediction.CONFLICT[rule], time[:, 0], 3.0).min(axis=0)
-    np.testing.assert_allclose(conflict, first, atol=1e-6)
+    np.testing.assert_allclose(clearance[manoeuvres.HOLD], np.minimum(near.min(axis=0), 10 - body), atol=1e-4)
+    np.testing.assert_array_equal(clearance[manoeuvres.BRAKE], clearance[manoeuvres.HOLD])
+    first = np.where(near < manoeuvres.CONFLICT[rule], time[:, 0], 3.0).min(axis=0)
+    np.testing.assert_allclose(conflict[manoeuvres.HOLD], first, atol=1e-6)
+    np.testing.assert_array_equal(conflict[manoeuvres.BRAKE], conflict[manoeuvres.HOLD])
 
 
 def test_a_car_in_motion_comes_nearer_with_its_front_than_with_its_centre(played):

@@ -8,8 +8,8 @@ import pytest
 
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
+from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, part
-from jaxwalk.sim.prediction import FAR
 from sim.play import ENVIRONMENTS, actions, everything, with_car
 
 

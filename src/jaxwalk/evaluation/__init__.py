@@ -19,7 +19,7 @@ from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.results import Cell, Results, Stopped, evaluate_grid
 from jaxwalk.evaluation.settings import SAMPLES, acts_by, jaywalk_multiplier, with_jaywalk_multiplier, with_mode
-from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_over_seeds
+from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_delay, paired_over_seeds
 
 __all__ = [
     "BATCH",
@@ -50,6 +50,7 @@ __all__ = [
     "named",
     "over_training_seeds",
     "paired",
+    "paired_delay",
     "paired_over_seeds",
     "play",
     "replay",

@@ -48,15 +48,20 @@ def paired(rows_a: Rows, rows_b: Rows) -> PairedEndings:
     Raises:
         ValueError: the scenarios differ, or are in another order.
     """
+    check_same_scenarios(rows_a, rows_b)
     a, b = rows_a[OUTCOMES], rows_b[OUTCOMES]
-    if not np.array_equal(a.scenario, b.scenario):
-        raise ValueError("only evaluations of the same scenarios can be paired: use the same seed and episodes")
     return PairedEndings(
         scenarios=len(a.scenario),
         goal=_ending_counts(a.goal, b.goal),
         collision=_ending_counts(a.collision, b.collision),
         timeout=_ending_counts(~a.goal & ~a.collision, ~b.goal & ~b.collision),
     )
+
+
+def check_same_scenarios(rows_a: Rows, rows_b: Rows) -> None:
+    """Raise ValueError unless both are of the same scenarios in the same order."""
+    if not np.array_equal(rows_a[OUTCOMES].scenario, rows_b[OUTCOMES].scenario):
+        raise ValueError("only evaluations of the same scenarios can be paired: use the same seed and episodes")
 
 
 def _ending_counts(a: np.ndarray, b: np.ndarray) -> EndingCounts:

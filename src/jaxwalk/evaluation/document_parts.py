@@ -103,6 +103,24 @@ class PairedSeeds:
 
 
 @dataclass(frozen=True)
+class PairedDelay:
+    """How much later B arrives than A, where both do; a pair is the same scenario with the same training seed."""
+
+    a: str
+    """Name of driver A."""
+    b: str
+    pedestrians: str
+    training_seeds: int
+    """Number of training seeds."""
+    pairs: int
+    """Number of pairs in which both arrive."""
+    difference: Interval
+    """Mean of B's delay minus A's [s], with the interval for other seeds and scenarios."""
+    p: float | None
+    """Two-sided p-value of the t-test over seeds; None if there are too few to judge."""
+
+
+@dataclass(frozen=True)
 class SeedNumbers:
     """Numbers over the training seeds of one driver among one population."""
 
@@ -114,6 +132,8 @@ class SeedNumbers:
     goal_rate: OverSeeds
     collision_rate: OverSeeds
     timeout_rate: OverSeeds
+    moving_contact_rate: OverSeeds
+    """Share of the episodes in which the moving car touched somebody, by its footprint."""
     collisions_per_km: OverSeeds
     mean_time_to_goal: OverSeeds
     """Mean time to goal [s]."""
@@ -121,6 +141,8 @@ class SeedNumbers:
     """Mean of the seconds beyond untouchable full throttle [s]."""
     jaywalk_share: OverSeeds
     """Jaywalking's share of the crossings."""
+    waited_share: OverSeeds
+    """Share of the approaches with a dangerous moment in which the person waits through the first one."""
 
 
 @dataclass(frozen=True)

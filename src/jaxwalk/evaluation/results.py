@@ -18,6 +18,7 @@ from jaxwalk.evaluation.document_parts import (
     ComparedEnding,
     EvaluationOptions,
     Interval,
+    PairedDelay,
     PairedSeeds,
     PolicyOrigin,
     Provenance,
@@ -132,6 +133,8 @@ class Results:
     """Numbers over training seeds, for each driver, population and jaywalk multiplier; in reports only."""
     paired: tuple[PairedSeeds, ...] = ()
     """Pairs of the same scenarios, over training seeds; in reports only."""
+    paired_delays: tuple[PairedDelay, ...] = ()
+    """The same of delays; in studies only."""
     street: StreetOrigin | None = None
     """Where it was; None in documents of older versions, as for all that follow."""
     drivers: tuple[PolicyOrigin, ...] = ()
@@ -155,7 +158,7 @@ class Results:
         cells = [cell.as_dict() for cell in self.cells]
         if not self.over_seeds:
             cells = [{name: value for name, value in cell.items() if name != "training_seed"} for cell in cells]
-        lists = ("drivers", "populations", "over_seeds", "paired", "compared")
+        lists = ("drivers", "populations", "over_seeds", "paired", "paired_delays", "compared")
         parts = {name: [asdict(one) for one in getattr(self, name)] for name in lists}
         return {
             "schema": SCHEMA,

@@ -9,10 +9,11 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool
 
-from jaxwalk.evaluation.comparison import paired
-from jaxwalk.evaluation.document_parts import Interval, PairedSeeds, PairedSide, SeedNumbers
+from jaxwalk.evaluation.comparison import check_same_scenarios
+from jaxwalk.evaluation.document_parts import Interval, PairedDelay, PairedSeeds, PairedSide, SeedNumbers
 from jaxwalk.evaluation.results import Cell
 from jaxwalk.metrics import (
+    APPROACHES,
     ATTRIBUTION,
     DELAY,
     FEWEST_SEEDS,
@@ -27,8 +28,10 @@ from jaxwalk.metrics import (
     over_seeds,
     paired_difference,
 )
+from jaxwalk.metrics.approaches import approach_columns
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS, touched_while_moving
 from jaxwalk.metrics.delay import delays
-from jaxwalk.metrics.over_seeds import Kind
+from jaxwalk.metrics.over_seeds import Kind, crossed_ratio
 
 
 @dataclass(frozen=True)
@@ -64,10 +67,17 @@ def _known(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.nan_to_num(values), ~np.isnan(values)
 
 
+def _approaches(rows: Rows) -> tuple[np.ndarray, np.ndarray]:
+    """Return each episode's approaches in which somebody waited, and all."""
+    found = approach_columns(rows)
+    return found["waited"], found["approaches"]
+
+
 SEED_RATIOS: dict[str, SeedRatio] = {
     "goal_rate": _rate(lambda s: s[OUTCOMES].goal, lambda rows: rows[OUTCOMES].goal),
     "collision_rate": _rate(lambda s: s[OUTCOMES].collision, lambda rows: rows[OUTCOMES].collision),
     "timeout_rate": _rate(lambda s: s[OUTCOMES].timeout, lambda rows: ~rows[OUTCOMES].goal & ~rows[OUTCOMES].collision),
+    "moving_contact_rate": _rate(lambda s: s[MEASURED_CONTACTS].footprint.moving, touched_while_moving),
     "collisions_per_km": SeedRatio(
         lambda s: s[OUTCOMES].all.per_km, lambda rows: (rows[OUTCOMES].collision, rows[OUTCOMES].driven / 1000), "rate"
     ),
@@ -82,6 +92,7 @@ SEED_RATIOS: dict[str, SeedRatio] = {
         lambda rows: (rows[ATTRIBUTION].crossings[:, 1], rows[ATTRIBUTION].crossings.sum(axis=1)),
         kind="share",
     ),
+    "waited_share": SeedRatio(lambda s: s[APPROACHES].waited, _approaches, kind="share"),
 }
 """Numbers over training seeds, by their names in `SeedNumbers`."""
 
@@ -112,9 +123,10 @@ def _over_seeds(ratio: SeedRatio, group: list[Match]) -> OverSeeds:
     return over_seeds(np.stack(over), np.stack(under), kind=ratio.kind)
 
 
-Ending = Literal["collision", "goal"]
+Ending = Literal["collision", "goal", "moving contact"]
+"""What is compared: how episodes end, and in which the moving car touches somebody by its footprint."""
 ENDINGS: tuple[Ending, ...] = ("collision", "goal")
-"""The endings of episodes that are compared."""
+"""The endings of episodes that reports compare."""
 
 
 def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) -> PairedSeeds:
@@ -130,25 +142,57 @@ def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) ->
         ValueError: A and B have different training seeds, or the same ones in another order, or they did not play the
             same scenarios.
     """
-    seeds = max(len(a), len(b))
-    _check_seeds_agree(a, b)
-    a, b = (list(side) * (seeds // len(side)) for side in (a, b))
-    pairs = paired(*(Rows.join([match.rows for match in side]) for side in (a, b)))
-    found = pairs.goal if ending == "goal" else pairs.collision
+    a, b = _matched(a, b)
     ends_a, ends_b = (np.stack([_ended(match.rows, ending) for match in side]) for side in (a, b))
     difference, p = _difference(ends_a, ends_b)
     return PairedSeeds(
         ending=ending,
         a=PairedSide(*a[0].names, rate=float(ends_a.mean())),
         b=PairedSide(*b[0].names, rate=float(ends_b.mean())),
-        training_seeds=seeds,
+        training_seeds=len(a),
         pairs=ends_a.size,
-        both=found.both,
-        only_a=found.only_a,
-        only_b=found.only_b,
+        both=int((ends_a & ends_b).sum()),
+        only_a=int((ends_a & ~ends_b).sum()),
+        only_b=int((ends_b & ~ends_a).sum()),
         difference=difference,
         p=p,
     )
+
+
+def paired_delay(a: Sequence[Match], b: Sequence[Match]) -> PairedDelay:
+    """Compare the delays of A and B on the scenarios in which both arrive.
+
+    Neither interval nor p-value with fewer training seeds than `FEWEST_SEEDS`. Raises ValueError as
+    `paired_over_seeds` does.
+    """
+    a, b = _matched(a, b)
+    later = np.stack([delays(of_b.rows) - delays(of_a.rows) for of_a, of_b in zip(a, b, strict=True)])
+    over, under = _known(later)
+    found = over_seeds(over, under)
+    judged = found.mean.low is not None
+    return PairedDelay(
+        a=a[0].cell.driver,
+        b=b[0].cell.driver,
+        pedestrians=a[0].cell.pedestrians,
+        training_seeds=len(a),
+        pairs=int(under.sum()),
+        difference=Interval.of(found.mean),
+        p=crossed_ratio(over, under).p() if judged else None,
+    )
+
+
+def _matched(a: Sequence[Match], b: Sequence[Match]) -> tuple[list[Match], list[Match]]:
+    """Return both sides with equally many matches: the only one of a side stands for every training seed.
+
+    Raises:
+        ValueError: the sides have different training seeds, or did not play the same scenarios.
+    """
+    _check_seeds_agree(a, b)
+    seeds = max(len(a), len(b))
+    a, b = (list(side) * (seeds // len(side)) for side in (a, b))
+    for of_a, of_b in zip(a, b, strict=True):
+        check_same_scenarios(of_a.rows, of_b.rows)
+    return a, b
 
 
 def _difference(
@@ -177,4 +221,6 @@ def _check_seeds_agree(a: Sequence[Match], b: Sequence[Match]) -> None:
 
 def _ended(rows: Rows, ending: Ending) -> Bool[np.ndarray, "scenario"]:
     """Return which episodes have this ending."""
+    if ending == "moving contact":
+        return touched_while_moving(rows)
     return rows[OUTCOMES].goal if ending == "goal" else rows[OUTCOMES].collision

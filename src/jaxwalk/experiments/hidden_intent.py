@@ -89,8 +89,7 @@ def _train(work: IntentWork) -> None:
 
 
 def _evaluate(work: IntentWork) -> None:
-    if work.json(RESULT) is not None:
-        work.say("    there already")
+    if work.done(RESULT):
         return
     street, scenarios = work.street(), Scenarios(work.plan.episodes, work.plan.seed)
     people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}

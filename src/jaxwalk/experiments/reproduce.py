@@ -6,7 +6,8 @@ plan.json                        what was requested
 results.json, episodes.csv       every driver among every population (`jaxwalk.experiments.tournament`)
 ablation.json                    the co-trained drivers with less and more jaywalking
 gallery.json                     the worst collisions and the nearest misses, to watch
-episode.png, episode.svg, .json   one episode
+episode.png, episode.svg, .json  a jaywalker avoided (the paper's figure 1b)
+collision.png, .svg, .json       a jaywalker hit (figure 1a); none if nobody was
 provenance.json, minutes.json    commit, hardware, versions; how long each part took
 report.html, figures/, tables/   `jaxwalk.report`
 """
@@ -25,10 +26,9 @@ from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.experiments.curves import learning_curve
 from jaxwalk.experiments.tournament import Scenarios, TrainedPolicies, ablation, load_trained, tournament
+from jaxwalk.experiments.two_outcomes import two_outcomes
 from jaxwalk.exports.drawn_episode import draw_episode
 from jaxwalk.exports.gallery import Cast, gallery
-from jaxwalk.interfaces import Policy
-from jaxwalk.metrics import ENCOUNTERS, OUTCOMES
 from jaxwalk.recipes import LONGEST, RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import (
     ALWAYS_GO,
@@ -49,7 +49,6 @@ from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.study import Work, read_json, run_folder
 from jaxwalk.scenarios import Drawn
-from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import together
 
@@ -57,8 +56,6 @@ ABLATED = 2000
 """Most scenarios of the ablation, which has ten cells for each training seed."""
 WATCHED, INCIDENTS = 500, 20
 """The gallery searches this many scenarios, and has this many incidents of each kind per driver and population."""
-INTERESTING = 200
-"""Number of scenarios from which the episode to draw is chosen."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +97,7 @@ def reproduce(folder: Path, plan: Plan, *, console: Console | None = None, base:
             ("every driver among every population", _evaluate),
             ("less and more jaywalking", _ablate),
             ("collecting collisions and near misses", _collect),
-            ("drawing an episode", _draw),
+            ("drawing a collision and an avoidance", _draw),
             ("report", _report),
         ]
     )
@@ -132,8 +129,7 @@ def _trained(work: Reproduction, street: Street, seed: int) -> TrainedPolicies:
 
 
 def _evaluate(work: Reproduction) -> None:
-    if work.json("results.json") is not None:
-        work.say("    there already")
+    if work.done("results.json"):
         return
     street, scenarios = work.street(), Scenarios(work.plan.episodes, work.plan.seed)
     trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
@@ -144,8 +140,7 @@ def _evaluate(work: Reproduction) -> None:
 
 
 def _ablate(work: Reproduction) -> None:
-    if work.json("ablation.json") is not None:
-        work.say("    there already")
+    if work.done("ablation.json"):
         return
     street, scenarios = work.street(), Scenarios(min(ABLATED, work.plan.episodes), work.plan.seed)
     trained = [_trained(work, street, seed) for seed in work.plan.training_seeds]
@@ -154,14 +149,10 @@ def _ablate(work: Reproduction) -> None:
 
 def _collect(work: Reproduction) -> None:
     """Collect the worst failures of the first training seed's drivers, and of the driver that ignores people."""
-    if work.json("gallery.json") is not None:
-        work.say("    there already")
+    if work.done("gallery.json"):
         return
     street, seed = work.street(), work.plan.seed
-    trained = _trained(work, street, seed)
-    blind = {ROUTE_FOLLOWER: contestant(street, "driver", ROUTE_FOLLOWER)}
-    people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO), LEARNED: trained.learned}
-    cast = Cast(street, {**trained.drivers, **blind}, people, seed)
+    cast = _cast(work, street)
     source = Drawn(street, seed, min(WATCHED, work.plan.episodes))
     played = {
         (driver, crowd): evaluate(street, {"driver": policy, "pedestrian": among}, source)
@@ -171,33 +162,28 @@ def _collect(work: Reproduction) -> None:
     work.keep("gallery.json", gallery(cast, played, most=INCIDENTS, say=work.say).as_dict())
 
 
+def _cast(work: Reproduction, street: Street) -> Cast:
+    """Return the first training seed's drivers and the one that ignores people, and both populations."""
+    seed = work.plan.seed
+    trained = _trained(work, street, seed)
+    blind = {ROUTE_FOLLOWER: contestant(street, "driver", ROUTE_FOLLOWER)}
+    people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO), LEARNED: trained.learned}
+    return Cast(street, {**trained.drivers, **blind}, people, seed)
+
+
 def _draw(work: Reproduction) -> None:
-    """Draw the scenario in which the first training seed's car came nearest to a jaywalker and still arrived."""
+    """Draw a collision with a jaywalker, if there was one, and an avoidance (`jaxwalk.experiments.two_outcomes`)."""
     if (work.folder / "episode.json").is_file():
         return
-    street, seed = work.street(), work.plan.seed
-    trained = _trained(work, street, seed)
-    driver = trained.drivers[CO_TRAINED]
-    scenario, frame = _interesting(work, street, driver, trained.learned)
-    for kind in ("png", "svg"):
-        file = work.folder / f"episode.{kind}"
-        policies = {"driver": driver, "pedestrian": trained.learned}
-        time = frame * street.world.rules.dt
-        draw_episode(street, policies, Drawn(street, seed), scenario, file, time=time)
-    drawn = DrawnEpisode(scenario=scenario, seed=seed, training_seed=seed, frame=frame)
-    work.keep("episode.json", asdict(drawn))
-
-
-def _interesting(work: Reproduction, street: Street, driver: Policy, people: Policy) -> tuple[int, int]:
-    """Return the scenario with the nearest encounter with a jaywalker without a touch, and the frame of its start."""
-    source = Drawn(street, work.plan.seed, min(INTERESTING, work.plan.episodes))
-    rows = evaluate(street, {"driver": driver, "pedestrian": people}, source)
-    found, reached = rows[ENCOUNTERS], rows[OUTCOMES].goal
-    fit = [i for i in range(len(found.type)) if found.type[i] == JAYWALK and reached[found.episode[i]]]
-    if not fit:
-        return 0, 0
-    best = min(fit, key=lambda i: (found.min_gap[i] == 0, found.min_gap[i]))
-    return int(found.scenario[best]), int(found.start[best])
+    cast, plan = _cast(work, work.street()), work.plan
+    watched = as_document(Gallery, work.json("gallery.json"), _origin(work.folder / "gallery.json"))
+    chosen = two_outcomes(cast, watched, episodes=plan.episodes, training_seed=plan.seed)
+    for name, drawn in chosen.items():
+        policies = {"driver": cast.drivers[drawn.driver], "pedestrian": cast.populations[drawn.pedestrians]}
+        for kind in ("png", "svg"):
+            time, file = drawn.frame * cast.street.world.rules.dt, work.folder / f"{name}.{kind}"
+            draw_episode(cast.street, policies, Drawn(cast.street, drawn.seed), drawn.scenario, file, time=time)
+        work.keep(f"{name}.json", asdict(drawn))
 
 
 def _report(work: Reproduction) -> None:
@@ -225,7 +211,7 @@ def report(folder: Path) -> Path:
 def _material(folder: Path, contents: Mapping[str, Any], plan: Plan) -> Material:
     """Return the typed material of a report from the contents of the folder's files."""
     origins = {name: _origin(folder / f"{name}.json") for name in _PARTS}
-    drawing = folder / "episode.svg"
+    collision = read_json(folder / "collision.json", Reproduction.command)
     return Material(
         results=as_results(contents["results"], origins["results"]),
         ablation=as_results(contents["ablation"], origins["ablation"]),
@@ -233,10 +219,16 @@ def _material(folder: Path, contents: Mapping[str, Any], plan: Plan) -> Material
         minutes=as_document(dict[str, float], contents["minutes"], origins["minutes"]),
         gallery=as_document(Gallery, contents["gallery"], origins["gallery"]),
         episode=as_document(DrawnEpisode, contents["episode"], origins["episode"]),
-        episode_svg=drawing.read_text(encoding="utf-8", errors="replace") if drawing.is_file() else None,
+        episode_svg=_drawing(folder / "episode.svg"),
+        collision=collision and as_document(DrawnEpisode, collision, _origin(folder / "collision.json")),
+        collision_svg=_drawing(folder / "collision.svg"),
         trainings=Trainings(plan.recipe, tuple(plan.training_seeds)),
         curves={name: _curves(folder, name, plan) for name in (CO_TRAINED, SINGLE_AGENT)},
     )
+
+
+def _drawing(file: Path) -> str | None:
+    return file.read_text(encoding="utf-8", errors="replace") if file.is_file() else None
 
 
 def _origin(file: Path) -> Origin:

@@ -141,30 +141,35 @@ def _zone_faults(
     if not 0 <= zone.begin < zone.end < lines.length:
         yield f"{field}: from {zone.begin:g} to {zone.end:g} m; must lie within the {lines.length:.2f} m of its sides"
         return
-    for chord in _chords(lines, zone.begin, zone.end):
-        if fault := _chord_fault(chord, crossing, network, scene):
-            (x, y), _ = chord.coords
-            yield f"{field}: a way across from ({x:.1f}, {y:.1f}) {fault}; shorten the zone"
-            return
+    chords = np.array(list(_chords(lines, zone.begin, zone.end)))
+    wrong = _chord_faults(chords, scene)
+    first = next((n for n, fault in enumerate(wrong) if fault), None)
+    if first is not None:
+        (x, y), _ = chords[first].coords
+        yield f"{field}: a way across from ({x:.1f}, {y:.1f}) {wrong[first]}; shorten the zone"
 
 
 def _chords(lines: ZoneLines, begin: float, end: float) -> Iterator[shapely.LineString]:
     """Yield ways across: straight ones, and those with the largest slant, from either side."""
-    for near, place, slant in product((0, 1), np.linspace(begin, end, TRIED).tolist(), (-1, 0, 1)):
+    for near, place, slant in product((0, 1), np.linspace(begin, end, TRIED), (-1, 0, 1)):
         start = lines.at(near, place)
-        reach = float(np.linalg.norm(lines.at(1 - near, place) - start))
-        yield shapely.LineString([start, lines.at(1 - near, float(np.clip(place + slant * reach, begin, end)))])
+        reach = slant * float(np.linalg.norm(lines.at(1 - near, place) - start))
+        yield shapely.LineString([start, lines.at(1 - near, float(np.clip(place + reach, begin, end)))])
 
 
-def _chord_fault(chord: shapely.LineString, crossing: Crossing, network: Network, scene: NetworkScene) -> str:
-    """Return what is wrong with a way across, or an empty text."""
-    on_roadway = chord.intersection(scene.wide_roadway)
-    if on_roadway.is_empty or on_roadway.geom_type != "LineString":
-        return "meets an island, or no roadway"
-    if chord.difference(scene.pavement.union(scene.wide_roadway)).length > SLACK:
-        return "leaves the roadway and the sidewalks"
-    met = [n for n, shape in scene.crosswalks if chord.intersection(shape).length > SLACK]
-    return f"meets the crosswalk areas[{met[0]}]" if met else ""
+def _chord_faults(chords: np.ndarray, scene: NetworkScene) -> list[str]:
+    """Return for each way across what is wrong with it, or an empty text."""
+    single = shapely.get_type_id(shapely.intersection(chords, scene.wide_roadway)) == shapely.GeometryType.LINESTRING
+    outside = shapely.length(shapely.difference(chords, scene.ground)) > SLACK
+    shapes = np.array([shape for _, shape in scene.crosswalks])
+    met = shapely.length(shapely.intersection(chords[:, None], shapes)) > SLACK
+    faults = []
+    for n in range(len(chords)):
+        numbers = [scene.crosswalks[k][0] for k in np.flatnonzero(met[n])]
+        fault = f"meets the crosswalk areas[{numbers[0]}]" if numbers else ""
+        fault = "leaves the roadway and the sidewalks" if outside[n] else fault
+        faults.append(fault if single[n] else "meets an island, or no roadway")
+    return faults
 
 
 def _reach_faults(network: Network, goal_spacing: float) -> list[str]:

@@ -19,7 +19,7 @@ from jaxwalk.maps.file import Index, Number, Point
 
 AreaKind = Literal["roadway", "sidewalk", "crosswalk", "island", "parking", "building"]
 """Crosswalks and parking strips lie on the roadway; sidewalks, islands and buildings lie off it."""
-CrossingType = Literal["zebra", "signals", "unmarked"]
+CrossingType = Literal["zebra", "raised", "signals", "unmarked"]
 
 
 def _points(value: Any) -> np.ndarray:

@@ -25,6 +25,8 @@ class NetworkScene(NamedTuple):
     """Widened by `SLACK`."""
     pavement: BaseGeometry
     """Sidewalks and islands, widened by `SLACK`."""
+    ground: BaseGeometry
+    """Both together."""
     islands: BaseGeometry
     crosswalks: list[tuple[int, shapely.Polygon]]
     """Number and shape of each crosswalk area."""
@@ -41,11 +43,13 @@ class NetworkScene(NamedTuple):
         wide, pavement = (
             shape.buffer(SLACK, join_style="mitre") for shape in (roadway, network.surface("sidewalk", "island"))
         )
-        shapely.prepare([roadway, wide, pavement])
+        ground = pavement.union(wide)
+        shapely.prepare([roadway, wide, pavement, ground])
         return cls(
             roadway=roadway,
             wide_roadway=wide,
             pavement=pavement,
+            ground=ground,
             islands=network.surface("island"),
             crosswalks=[(n, area.shape()) for n, area in enumerate(network.areas) if area.kind == "crosswalk"],
             others=[(name, shape) for kind, name, shape in shapes if kind in ("sidewalk", "island", "building")],

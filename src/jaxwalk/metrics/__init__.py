@@ -15,6 +15,7 @@ from jaxwalk.metrics.gaps import GAPS
 from jaxwalk.metrics.measurement import Summary, measure, summarise
 from jaxwalk.metrics.meetings import MEETINGS
 from jaxwalk.metrics.metric import Finding, Metric, MetricTable, NoRows, Recording, Rows, Sums
+from jaxwalk.metrics.near_misses import NEAR_MISSES
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.over_seeds import FEWEST_SEEDS, OverSeeds, crossed_mean, interquartile_mean, over_seeds
 from jaxwalk.metrics.paired_tests import holm, mcnemar, paired_difference
@@ -39,6 +40,7 @@ __all__ = [
     "JAYWALK_RATE",
     "MEETINGS",
     "METRICS",
+    "NEAR_MISSES",
     "OUTCOMES",
     "PASSING",
     "PLACEBO",

@@ -101,6 +101,14 @@ def _part(trajectory, frame, episode, ped, config: SimConfig) -> tuple[np.ndarra
     return touched_part(*after, ahead, left, config)
 
 
+def touched_while_moving(rows: Rows, rule: ContactRule = "footprint") -> Bool[np.ndarray, "episode"]:
+    """Return in which episodes the moving car touched somebody, by this rule."""
+    table = rows[MEASURED_CONTACTS]
+    found = np.zeros(rows.episodes, bool)
+    found[table.episode[table.moving & (table.rule == RULES.index(rule))]] = True
+    return found
+
+
 @dataclass(frozen=True)
 class ContactsByRule:
     """The contacts by one rule."""

@@ -11,7 +11,7 @@ from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN, bra
 from jaxwalk.metrics.counts import proportion
 from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, ByType, Crossings, RoadSteps, count_by_type
 from jaxwalk.metrics.footprint import in_car_frame
-from jaxwalk.metrics.metric import Metric, Rows, Sums
+from jaxwalk.metrics.metric import Finding, Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio
 from jaxwalk.sim.events import to_rectangle
 from jaxwalk.sim.sim_config import SimConfig
@@ -56,12 +56,13 @@ def encounter_starts(steps: RoadSteps) -> Int[np.ndarray, "crossing"]:
     return np.minimum.reduceat(np.where(steps.closing, steps.frame, never), steps.first)
 
 
-def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSteps, config: SimConfig) -> Encounters:
-    """Find all encounters of a trajectory."""
+def find_encounters(
+    trajectory: Trajectory, crossings: Crossings, steps: RoadSteps, gaps: Float[np.ndarray, "step"]
+) -> Encounters:
+    """Find all encounters of a trajectory; ``gaps`` are those of `gaps_on_road`."""
     start = encounter_starts(steps)
     meeting = steps.frame >= start[steps.crossing]
-    distances = steps.distance, _gaps(trajectory, steps, config)
-    nearest, gap = (np.minimum.reduceat(np.where(meeting, x, np.inf), steps.first) for x in distances)
+    nearest, gap = (np.minimum.reduceat(np.where(meeting, x, np.inf), steps.first) for x in (steps.distance, gaps))
     met = start <= crossings.last
     episode, ped, enter, end = (c[met] for c in (crossings.episode, crossings.ped, crossings.enter, crossings.last))
     hit = trajectory.collision[episode] & trajectory.touched[episode, ped] & (end == trajectory.length[episode])
@@ -84,7 +85,7 @@ def find_encounters(trajectory: Trajectory, crossings: Crossings, steps: RoadSte
     )
 
 
-def _gaps(trajectory: Trajectory, steps: RoadSteps, config: SimConfig) -> Float[np.ndarray, "step"]:
+def gaps_on_road(trajectory: Trajectory, steps: RoadSteps, config: SimConfig) -> Float[np.ndarray, "step"]:
     """Return the distance from the car's rectangle to the pedestrian's body [m]; 0 in contact."""
     place = in_car_frame(trajectory, steps.frame, steps.episode, steps.ped)
     away = to_rectangle(*place, config.car_length, config.car_width)
@@ -167,12 +168,17 @@ def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> Encounter
     )
 
 
+ROAD_GAPS = Finding(
+    name="road_gaps",
+    measure=lambda recording: gaps_on_road(recording.trajectory, recording[ROAD][1], recording.config),
+    needs=(ROAD,),
+)
 ENCOUNTERS = Metric(
     name="encounters",
     measure=lambda recording: find_encounters(
-        recording.trajectory, recording[CROSSINGS], recording[ROAD][1], recording.config
+        recording.trajectory, recording[CROSSINGS], recording[ROAD][1], recording[ROAD_GAPS]
     ),
-    needs=(ROAD, CROSSINGS),
+    needs=(ROAD, CROSSINGS, ROAD_GAPS),
     columns=encounter_columns,
     summarise=summarise_encounters,
 )

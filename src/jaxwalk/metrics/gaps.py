@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from jaxwalk.metrics.kerb import FAST, KERB, NEAR, Kerb
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, quantile
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
 
@@ -37,14 +38,15 @@ class GapAcceptance:
     """Median of the largest gap that each person let pass [s]."""
 
 
-def find_gaps(trajectory: Trajectory, kerb: Kerb) -> Gaps:
+def find_gaps(trajectory: Trajectory, kerb: Kerb, config: SimConfig) -> Gaps:
     """Return the accepted and the largest rejected gap of each stay.
 
-    The gap is the time that the car needs at its present speed to come abreast of the person. It exists if the person
-    is ahead of the car, nearer than 40 m, and the car faster than 2 m/s.
+    The gap is the time that the car's front needs at its present speed to come abreast of the person. It exists if the
+    person is ahead of the front, the centres nearer than 40 m, and the car faster than 2 m/s.
     """
-    coming = (kerb.ahead > 0) & (kerb.distance < NEAR) & (kerb.speed > FAST)
-    gap = np.divide(kerb.ahead, kerb.speed, out=np.full(len(coming), np.nan), where=coming)
+    ahead = kerb.ahead - config.car_length / 2
+    coming = (ahead > 0) & (kerb.distance < NEAR) & (kerb.speed > FAST)
+    gap = np.divide(ahead, kerb.speed, out=np.full(len(coming), np.nan), where=coming)
     last = kerb.last
     entered = trajectory.on_roadway[kerb.frame[last] + 1, kerb.episode[last], kerb.ped[last]]
     waited = np.where(kerb.waited, gap, np.nan)
@@ -64,7 +66,7 @@ def summarise_gaps(rows: Rows, sums: Sums) -> GapAcceptance:
 
 GAPS = Metric(
     name="gaps",
-    measure=lambda recording: find_gaps(recording.trajectory, recording[KERB]),
+    measure=lambda recording: find_gaps(recording.trajectory, recording[KERB], recording.config),
     needs=(KERB,),
     summarise=summarise_gaps,
 )

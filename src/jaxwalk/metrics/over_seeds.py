@@ -71,6 +71,12 @@ def crossed_mean(values: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:
     return CrossedMean(float(values.mean()), math.sqrt(both / values.size), freedom)
 
 
+def crossed_ratio(over: Shaped[np.ndarray, "seed scenario"], under: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:
+    """Return the mean over seeds of sum of numerators / sum of denominators, which varies as its linear part does."""
+    each = (over.sum(axis=1) / under.sum(axis=1))[:, None]
+    return crossed_mean(each + (over - each * under) / under.mean(axis=1, keepdims=True))
+
+
 def over_seeds(
     numerator: Shaped[np.ndarray, "seed scenario"],
     denominator: Shaped[np.ndarray, "seed scenario"],
@@ -99,8 +105,7 @@ def _ends(
     over: Float[np.ndarray, "seed scenario"], under: Float[np.ndarray, "seed scenario"], kind: Kind
 ) -> tuple[float | None, float | None]:
     """Return the interval of the mean of the seeds' ratios."""
-    each = (over.sum(axis=1) / under.sum(axis=1))[:, None]
-    found = crossed_mean(each + (over - each * under) / under.mean(axis=1, keepdims=True))
+    found = crossed_ratio(over, under)
     mean, (low, high) = found.value, found.ends()
     if kind == "mean":
         return (low, high) if found.error > 0 else (None, None)

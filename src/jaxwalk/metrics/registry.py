@@ -13,6 +13,7 @@ from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.gaps import GAPS
 from jaxwalk.metrics.metric import Metric
+from jaxwalk.metrics.near_misses import NEAR_MISSES
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.passing import PASSING
 from jaxwalk.metrics.severity import SURROGATE_DISTRIBUTIONS
@@ -35,6 +36,7 @@ METRICS: tuple[Metric[Any, Any], ...] = (
     PASSING,
     COMFORT,
     MEASURED_CONTACTS,
+    NEAR_MISSES,
 )
 """Add new metrics at the end: the last bit of a sum depends on the position of its column, and published numbers must
 not change."""

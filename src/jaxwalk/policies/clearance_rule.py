@@ -8,8 +8,8 @@ from jaxtyping import Array, Float, Key
 
 from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
+from jaxwalk.sim.manoeuvres import ACCELERATE, FAR, HOLD
 from jaxwalk.sim.observation import Observation, part
-from jaxwalk.sim.prediction import ACCELERATE, FAR, HOLD
 
 SET = "route-footprint"
 

@@ -19,8 +19,9 @@ from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
+from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, Observation, part
-from jaxwalk.sim.prediction import ABSENT, FAR
+from jaxwalk.sim.prediction import ABSENT
 from jaxwalk.sim.sim_config import SimConfig
 
 LEVELS = 6

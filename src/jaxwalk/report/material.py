@@ -49,7 +49,7 @@ class LearningCurve:
 
 @dataclass(frozen=True)
 class DrawnEpisode:
-    """The episode that the page shows as a drawing."""
+    """An episode that the page shows as a drawing."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
@@ -60,6 +60,8 @@ class DrawnEpisode:
     """Training seed of the driver."""
     frame: int = 0
     """The frame to draw."""
+    driver: str = CO_TRAINED
+    pedestrians: str = LEARNED
 
 
 @dataclass(frozen=True)
@@ -84,9 +86,12 @@ class Material:
     gallery: Gallery | None = None
     """Episodes and incidents to watch."""
     episode: DrawnEpisode | None = None
-    """The episode to draw."""
+    """The drawn episode in which a jaywalker was avoided."""
     episode_svg: str | None = None
     """The drawing of the episode."""
+    collision: DrawnEpisode | None = None
+    """The drawn collision with a jaywalker; None if there was none."""
+    collision_svg: str | None = None
 
     def __post_init__(self) -> None:
         """Raise ReportError unless everything that a section shows is there."""

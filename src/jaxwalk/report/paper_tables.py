@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import product
 
 from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.evaluation.results import Cell
 from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, JAYWALK_RATE, OUTCOMES, SPEED_DIFFERENTIAL, WAITING, OverSeeds
-from jaxwalk.report import published, surprise, verdicts
+from jaxwalk.report import driving_tables, published, surprise, verdicts
 from jaxwalk.report.figures.people import SHARES
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material
 from jaxwalk.report.seed_tables import pairs, training_seeds
@@ -250,6 +252,12 @@ def ablation(material: Material) -> Table:
     return Table(columns, tuple(rows), _verdict(material, against, verdicts.ABLATION))
 
 
+def _first_seed(material: Material) -> list[tuple[str, Cell]]:
+    """Return every driver among every population, with its name in a table; of trainings the first seed."""
+    pairs = product(material.drivers, material.populations)
+    return [(f"{driver} among {people}", material.cell(driver, people)) for driver, people in pairs]
+
+
 TABLES: dict[str, Callable[[Material], Table]] = {
     "baselines": baselines,
     "co_training": co_training,
@@ -261,6 +269,8 @@ TABLES: dict[str, Callable[[Material], Table]] = {
     "contacts": contacts,
     "quarters": quarters,
     "waiting": waiting,
+    "kerb": lambda material: driving_tables.kerb(_first_seed(material)),
+    "driving": lambda material: driving_tables.driving(_first_seed(material)),
     "approach": approach,
     "braking": braking,
     "ablation": ablation,

@@ -7,10 +7,18 @@ from collections.abc import Iterable, Sequence
 from jaxwalk.evaluation.counterfactual import Avoidable, CounterfactualSummary
 from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.results import Cell, Results
-from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, OUTCOMES, SPEED_DIFFERENTIAL, SURROGATES, scenarios_needed
+from jaxwalk.metrics import (
+    ATTRIBUTION,
+    ENCOUNTERS,
+    NEAR_MISSES,
+    OUTCOMES,
+    SPEED_DIFFERENTIAL,
+    SURROGATES,
+    scenarios_needed,
+)
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
-from jaxwalk.report import surprise
-from jaxwalk.report.table import Table, by_type, markdown_table, shown
+from jaxwalk.report import driving_tables, surprise
+from jaxwalk.report.table import NONE, Table, by_type, markdown_table, shown
 
 TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
 """Pairs of collision rates for the table of scenarios needed; the first are the paper's."""
@@ -54,8 +62,12 @@ def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "Outcomes", "", outcomes(cells)
     if any(cell.by_map for cell in cells):
         yield "On each map", "", on_each_map(cells)
+    named = [(_name(cell), cell) for cell in cells]
+    yield "At the kerb", driving_tables.KERB, driving_tables.kerb(named)
+    yield "How it drives", driving_tables.DRIVING, driving_tables.driving(named)
     yield "Contacts", CONTACTS_CAPTION, contacts(cells)
     yield "Encounters", ENCOUNTERS_CAPTION, surrogates(cells)
+    yield "Contacts foretold by near misses", NEAR_MISS_CAPTION, near_misses(cells)
     yield "Whose collisions", ATTRIBUTION_CAPTION, attribution(cells)
     if any(cell.counterfactuals for cell in cells):
         yield "Could it have been avoided?", COUNTERFACTUALS, avoidable(cells)
@@ -74,6 +86,13 @@ ENCOUNTERS_CAPTION = (
     "deceleration above 3.4 m/s²; the smallest distance; and of those who were hit by a moving car, the mean speed and "
     "the risk of a serious injury or death (Monfort and Mueller, 2025), whose interval is over those who were hit: how "
     "sure the curve itself is, it leaves out."
+)
+NEAR_MISS_CAPTION = (
+    "Episodes in which the moving car touches somebody on a roadway: as observed, and as near misses alone foretell. "
+    "Of the smallest gap of each episode, those below the threshold have a tail (generalised Pareto) that is "
+    "extrapolated to a contact. It cannot be extrapolated where the fit is poor, where a lower threshold finds "
+    "something else, or where nothing bounds it; and where the two intervals have nothing in common, the extrapolation "
+    "is wrong."
 )
 ATTRIBUTION_CAPTION = (
     "Collisions with people on a roadway: jaywalking's share of them, beside its share of the crossings; and how many "
@@ -175,6 +194,21 @@ def surrogates(cells: Sequence[Cell]) -> Table:
             nearest, impact = shown(met.minimum_gap, 1.0, 2), shown(hit, 1.0)
             risks = (shown(found.mais3), shown(found.fatal))
             rows.append((_name(cell), kind, f"{met.count:,}", *shares, nearest, f"{hit.count:,}", impact, *risks))
+    return Table(columns, tuple(rows))
+
+
+def near_misses(cells: Sequence[Cell]) -> Table:
+    """Return the rate of contacts as observed, and extrapolated from near misses."""
+    columns = ("driver", "near misses", "below [m]", "observed %", "extrapolated %", "check")
+    rows = []
+    for cell in cells:
+        found = cell.summary[NEAR_MISSES]
+        check = "the observed rate agrees" if found.agrees else "the observed rate contradicts it"
+        if found.threshold is None:
+            check = f"cannot be extrapolated: {found.problem}"
+        below = NONE if found.threshold is None else f"{found.threshold:g}"
+        rates = (shown(rate, digits=2) for rate in (found.observed, found.extrapolated))
+        rows.append((_name(cell), f"{found.extrapolated.count:,}", below, *rates, check))
     return Table(columns, tuple(rows))
 
 

@@ -32,12 +32,21 @@ def write_report(folder: Path, material: Material) -> Path:
     page = _page(
         sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,
         tables=tables, figures=figures, facts=_facts(material), summary=_summary(material),
-        drawing=as_picture(material.episode_svg) if material.episode_svg else None,
+        drawings=_drawings(material),
         gallery=_gallery(gallery) if gallery else None, cells=gallery.collisions if gallery else (),
     )  # fmt: skip
     path = folder / "report.html"
     write_whole(path, page)
     return path
+
+
+def _drawings(material: Material) -> list[dict[str, Any]]:
+    """Return the drawn episodes with their headings, in the order of the paper's figure 1."""
+    drawn = (
+        ("Collision with a jaywalker", material.collision, material.collision_svg),
+        ("Successful avoidance", material.episode, material.episode_svg),
+    )
+    return [{"what": what, "about": about, "picture": as_picture(svg)} for what, about, svg in drawn if about and svg]
 
 
 def _gallery(gallery: Gallery) -> dict[str, str]:

@@ -57,6 +57,13 @@ class Work(Generic[P]):
         """Return the document of a finished part; None if it isn't finished."""
         return read_json(self.folder / name, self.command)
 
+    def done(self, name: str) -> bool:
+        """Return whether the document of a part is there; say so if it is."""
+        there = self.json(name) is not None
+        if there:
+            self.say("    there already")
+        return there
+
     def keep(self, name: str, document: Any) -> None:
         """Write the document of a finished part."""
         write_whole(self.folder / name, json.dumps(document, indent=2, allow_nan=False) + "\n")

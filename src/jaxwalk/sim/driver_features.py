@@ -12,6 +12,7 @@ from jaxwalk.sim import belief, future, prediction, vehicle
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
 from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.manoeuvres import AHEAD, FAR, HOLD, MANOEUVRES
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 from jaxwalk.sim.sim_config import ContactRule
@@ -70,29 +71,38 @@ def _route(moment: Moment) -> Sequence[Array]:
     return (route.reshape(-1, *state.step.shape),)
 
 
-def _predictions(rule: ContactRule) -> tuple[Feature, ...]:
-    """Return the features of what is predicted, with clearances by this rule."""
+def _margins(clearance: Array, rule: ContactRule) -> Array:
+    """Return how far each predicted clearance reaches into each interval of `MARGINS`, in [0, 1].
+
+    Whether the car touches somebody depends on these metres. A network learns it sooner from a number for each of them
+    than from one number for the whole range.
+    """
+    return jnp.concatenate([jnp.clip((clearance - at) / MARGIN[rule], 0, 1) for at in MARGINS[rule]])
+
+
+def _predictions(rule: ContactRule, conflicts_of: slice) -> tuple[Feature, ...]:
+    """Return the features of what is predicted, with clearances by this rule and conflicts of these manoeuvres."""
 
     def clearance(moment: Moment) -> Sequence[Array]:
-        return (prediction.clearance_by(moment, rule)[0] / prediction.FAR,)
+        return (prediction.clearance_by(moment, rule)[0] / FAR,)
 
     def margin(moment: Moment) -> Sequence[Array]:
-        """Return how far each predicted clearance reaches into each interval of `MARGINS`, in [0, 1].
-
-        Whether the car touches somebody depends on these metres. A network learns it sooner from a number for each of
-        them than from one number for the whole range.
-        """
-        found = prediction.clearance_by(moment, rule)[0]
-        return (jnp.concatenate([jnp.clip((found - at) / MARGIN[rule], 0, 1) for at in MARGINS[rule]]),)
+        return (_margins(prediction.clearance_by(moment, rule)[0], rule),)
 
     def conflict(moment: Moment) -> Sequence[Array]:
-        return (prediction.clearance_by(moment, rule)[1] / (prediction.MOMENTS * prediction.MOMENT),)
+        return (prediction.clearance_by(moment, rule)[1][conflicts_of] / AHEAD,)
 
     return (
-        Feature("clearance", len(prediction.MANOEUVRES), share, clearance),
-        Feature("margin", len(prediction.MANOEUVRES) * len(MARGINS[rule]), share, margin),
-        Feature("conflict", 1, share, conflict),
+        Feature("clearance", len(MANOEUVRES), share, clearance),
+        Feature("margin", len(MANOEUVRES) * len(MARGINS[rule]), share, margin),
+        Feature("conflict", len(MANOEUVRES[conflicts_of]), share, conflict),
     )
+
+
+def _if_they_turn(moment: Moment) -> Sequence[Array]:
+    """Return clearances, margins and conflicts by footprint if people turned to the car's route now."""
+    clearance, conflict = prediction.clearance_if_they_turn(moment, "footprint")
+    return clearance / FAR, _margins(clearance, "footprint"), conflict / AHEAD
 
 
 def _of_nearest(moment: Moment, tendency: Float[Array, "ped *batch"]) -> Sequence[Array]:
@@ -107,7 +117,7 @@ def _expected_tendencies(moment: Moment) -> Sequence[Array]:
 
 def _future_clearances(moment: Moment) -> Sequence[Array]:
     """Return how near people will be to the places ahead if everybody goes."""
-    nearest = future.clearances(moment.world, moment.scenario, moment.state) / prediction.FAR
+    nearest = future.clearances(moment.world, moment.scenario, moment.state) / FAR
     return (nearest.reshape(-1, *moment.state.step.shape),)
 
 
@@ -143,11 +153,17 @@ ON_ROUTE = (
 )
 """The car in the frame of its route: lane keeping 6, route ahead 16."""
 
-ROUTE = (*ON_ROUTE, *_predictions("disc"), PEOPLE)
+ROUTE = (*ON_ROUTE, *_predictions("disc", slice(HOLD, HOLD + 1)), PEOPLE)
 """The car in the frame of its route 22, predicted clearances between centres 13, nearest people 24."""
 
-ROUTE_FOOTPRINT = (*ON_ROUTE, *_predictions("footprint"), PEOPLE)
-"""As `ROUTE`, but with 16 numbers for predicted clearances between the car's rectangle and people's bodies."""
+ROUTE_FOOTPRINT = (
+    *ON_ROUTE,
+    *_predictions("footprint", slice(None)),
+    Feature("if_they_turn", len(MANOEUVRES) * (2 + len(MARGINS["footprint"])), share, _if_they_turn),
+    PEOPLE,
+)
+"""As `ROUTE`, but with clearances between the car's rectangle and people's bodies: 18 numbers if people walk on as they
+do, and 18 if everybody beside the roadway turned to the car's route now."""
 
 TOLD_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency))
 """The jaywalking tendency of each of the nearest people."""

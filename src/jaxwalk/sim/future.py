@@ -10,7 +10,7 @@ from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.everybody import for_everybody
 from jaxwalk.sim.lookup import look_up_each
-from jaxwalk.sim.prediction import FAR
+from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import PedestrianState, State
 from jaxwalk.sim.world import World

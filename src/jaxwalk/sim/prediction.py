@@ -1,14 +1,13 @@
-"""Predict how close the car would come to people if it braked, held its speed or accelerated."""
+"""What the car sees of people, and how close it would come to them if it braked, held its speed or accelerated."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
 from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array
 
 from jaxwalk.interfaces import Moment
 from jaxwalk.sim import pedestrian
@@ -16,7 +15,7 @@ from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.everybody import for_everybody, with_index
 from jaxwalk.sim.geometry import to_frame
-from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
+from jaxwalk.sim.manoeuvres import clearance_and_conflict, far, squared_clearance
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.sim.state import Foresight, Motion, PedestrianState, State, VehicleState
@@ -24,20 +23,12 @@ from jaxwalk.sim.world import World
 
 T = TypeVar("T")
 
-MANOEUVRES = BRAKE, HOLD, ACCELERATE = 0, 1, 2
-"""The three manoeuvres that are predicted."""
 NEIGHBOURS = 6
 """The car sees this many people, the nearest ones."""
 ABSENT = 60.0
 """A neighbour that isn't there stands this far ahead [m]."""
-MOMENTS, MOMENT = 8, 0.375
-"""The prediction covers 8 moments, 0.375 s apart: 3 s ahead."""
-CONFLICT: dict[ContactRule, float] = {"disc": 2.5, "footprint": 1.0}
-"""A conflict is a predicted clearance below this [m]: a contact, or almost one."""
-SHORTEST = 1e-3
-"""The direction of a piece of the route is unknown where it is shorter than this share of its length."""
-FAR = 10.0
-"""Clearances are capped here [m]."""
+SETTING_OUT, WALKING = 1.3, 0.1
+"""People slower than `WALKING` stand; if they set out, it is at `SETTING_OUT` [m/s]."""
 CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
 """The car should be cautious with people on the roadway up to this far ahead of it, and to either side [m]."""
 
@@ -52,14 +43,13 @@ def relative_people(world: World, scenario: Scenario, car: VehicleState, people:
 def foresee(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Foresight:
     """Return people as the car sees them, the route ahead, and what is predicted from now on.
 
-    The predictions are the smallest clearance for each manoeuvre, at most 10 m, and the time until a conflict, at most
-    3 s; clearances are those of the world's contact. The car follows its route, straight from each shown point to the
-    next, and people keep their velocity. One pedestrian after the other is compared with all moments, so that no large
-    array is stored.
+    The predictions are the smallest clearance for each manoeuvre, at most 10 m, and the time until its first conflict,
+    at most 3 s (`jaxwalk.sim.manoeuvres`), by the world's contact; people keep their velocity. One pedestrian after
+    the other is compared with all moments, so that no large array is stored.
     """
     route = to_frame(car.course.ahead_x - car.x, car.course.ahead_y - car.y, car.cos, car.sin)
     contact = world.rules.contact
-    squared = _squared_clearance(world, car, route, contact)
+    squared = squared_clearance(world, car, route, contact)
     motion = relative_people(world, scenario, car, people)
     on_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
     jaywalking = people.on_roadway & (people.crossing == JAYWALK)
@@ -76,9 +66,9 @@ def foresee(world: World, scenario: Scenario, car: VehicleState, people: Pedestr
         )
 
     nobody = jnp.zeros((1, *car.x.shape), bool)
-    nothing = (_far(car), nobody, nobody)
+    nothing = (far(car, contact), nobody, nobody)
     closest, crosswalk_user, jaywalker = for_everybody((motion, on_crosswalk, jaywalking), compare, nothing)
-    clearance, conflict = _clearance(world, closest, contact)
+    clearance, conflict = clearance_and_conflict(world, closest, contact)
     return Foresight(
         people=motion,
         nearest=nearest_people(motion),
@@ -93,12 +83,53 @@ def foresee(world: World, scenario: Scenario, car: VehicleState, people: Pedestr
 
 def clearance_by(moment: Moment, contact: ContactRule) -> tuple[Array, Array]:
     """Return ``clearance`` and ``conflict`` of a `Foresight` by this kind of contact, whatever the world's is."""
-    world, car, seen = moment.world, moment.state.vehicle, moment.state.foresight
-    if contact == world.rules.contact:
+    seen = moment.state.foresight
+    if contact == moment.world.rules.contact:
         return seen.clearance, seen.conflict
-    squared = _squared_clearance(world, car, (seen.route_x, seen.route_y), contact)
-    closest = for_everybody(seen.people, lambda person, found: jnp.minimum(squared(person), found), _far(car))
-    return _clearance(world, closest, contact)
+    return _predict(moment, seen.people, contact)
+
+
+def clearance_if_they_turn(moment: Moment, contact: ContactRule) -> tuple[Array, Array]:
+    """Return ``clearance`` and ``conflict`` as if everybody off the roadway turned to the car's route now.
+
+    They walk straight to its nearest point, as fast as before; people who stand set out.
+    """
+    seen = moment.state.foresight
+    ahead, left = _to_route(seen)
+    away = jnp.maximum(distance(ahead, left), 1e-2)
+    speed = distance(seen.people.ahead_speed, seen.people.left_speed)
+    pace = jnp.where(speed > WALKING, speed, SETTING_OUT) / away
+    stays = moment.state.pedestrian.on_roadway
+    turning = Motion(
+        ahead=seen.people.ahead,
+        left=seen.people.left,
+        ahead_speed=jnp.where(stays, seen.people.ahead_speed, pace * ahead),
+        left_speed=jnp.where(stays, seen.people.left_speed, pace * left),
+    )
+    return _predict(moment, turning, contact)
+
+
+def _predict(moment: Moment, people: Motion, contact: ContactRule) -> tuple[Array, Array]:
+    """Return ``clearance`` and ``conflict`` of a `Foresight` if people move so."""
+    world, car, seen = moment.world, moment.state.vehicle, moment.state.foresight
+    squared = squared_clearance(world, car, (seen.route_x, seen.route_y), contact)
+    closest = for_everybody(people, lambda person, found: jnp.minimum(squared(person), found), far(car, contact))
+    return clearance_and_conflict(world, closest, contact)
+
+
+def _to_route(seen: Foresight) -> tuple[Array, Array]:
+    """Return the way from each pedestrian to the nearest point of the route ahead, in the car's frame [m]."""
+    people, zero = seen.people, jnp.zeros_like(seen.route_x[0])
+    nearest, ahead, left = jnp.full_like(people.ahead, jnp.inf), people.ahead, people.left
+    for (x, y), (to_x, to_y) in pairwise(zip((zero, *seen.route_x), (zero, *seen.route_y), strict=True)):
+        dx, dy = to_x - x, to_y - y
+        along = ((people.ahead - x) * dx + (people.left - y) * dy) / jnp.maximum(dx * dx + dy * dy, 1e-6)
+        along = jnp.clip(along, 0, 1)
+        to_ahead, to_left = x + along * dx - people.ahead, y + along * dy - people.left
+        squared = to_ahead * to_ahead + to_left * to_left
+        ahead, left = jnp.where(squared < nearest, to_ahead, ahead), jnp.where(squared < nearest, to_left, left)
+        nearest = jnp.minimum(squared, nearest)
+    return ahead, left
 
 
 def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:
@@ -146,80 +177,3 @@ def of_nearest(motion: Motion, of_all: T, absent: T) -> T:
         return jax.tree.map(lambda new, kept: jnp.where(rank == place, new, kept), person, found)
 
     return for_everybody((ranks, of_all), pick, absent)
-
-
-def _far(car: VehicleState) -> Array:
-    """Return the largest squared clearance, ``(moment, manoeuvre, *batch)``."""
-    return jnp.full((MOMENTS, len(MANOEUVRES), *car.speed.shape), FAR**2)
-
-
-def _squared_clearance(
-    world: World, car: VehicleState, route: tuple[Array, Array], contact: ContactRule
-) -> Callable[[Motion], Array]:
-    """Return a function that gives somebody's predicted distances, squared; ``(moment, manoeuvre, *batch)``.
-
-    They are distances from the person's centre to the car's centre, or to its rectangle.
-    """
-    time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, 1, *(1,) * car.x.ndim)
-    (car_x, cos), (car_y, sin) = _predicted_car(world, car, route)
-    half_length, half_width = world.rules.car_length / 2, world.rules.car_width / 2
-    norm = jax.lax.rsqrt(jnp.maximum(cos**2 + sin**2, SHORTEST**2))
-
-    def squared(person: Motion) -> Array:
-        x, y = person.ahead + person.ahead_speed * time, person.left + person.left_speed * time
-        dx, dy = x - car_x, y - car_y
-        if contact == "disc":
-            return dx**2 + dy**2
-        ahead, left = to_frame(dx, dy, cos * norm, sin * norm)
-        return jnp.maximum(jnp.abs(ahead) - half_length, 0) ** 2 + jnp.maximum(jnp.abs(left) - half_width, 0) ** 2
-
-    return squared
-
-
-def _clearance(world: World, closest: Array, contact: ContactRule) -> tuple[Array, Array]:
-    """Return the clearance of each manoeuvre [m] and the time until a conflict [s] from squared distances."""
-    body = 0 if contact == "disc" else world.rules.body_radius
-    time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, *(1,) * (closest.ndim - 2))
-    conflict = jnp.where(closest[:, HOLD] < (CONFLICT[contact] + body) ** 2, time, MOMENTS * MOMENT).min(axis=0)
-    return jnp.maximum(jnp.sqrt(closest.min(axis=0)) - body, 0), conflict
-
-
-def _predicted_car(
-    world: World, car: VehicleState, route: tuple[Array, Array]
-) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Return x and its slope, y and its slope, where each manoeuvre would bring the car, in its present frame [m].
-
-    Arrays are ``(moment, manoeuvre, *batch)``; the slopes are the direction of the route, almost a unit vector.
-    """
-    batch = (1,) * car.speed.ndim
-    time = (jnp.arange(1, MOMENTS + 1) * MOMENT).reshape(-1, *batch)
-    rules, acceleration = world.rules, world.rules.max_acceleration
-    braking = jnp.minimum(time, car.speed / acceleration)
-    accelerating = jnp.minimum(time, (rules.max_speed - car.speed) / acceleration)
-    travelled = jnp.stack(
-        [
-            car.speed * braking - 0.5 * acceleration * braking**2,
-            car.speed * time,
-            car.speed * accelerating + 0.5 * acceleration * accelerating**2 + rules.max_speed * (time - accelerating),
-        ],
-        axis=1,
-    )
-    beyond = [jnp.maximum(travelled - POINT_SPACING * point, 0) for point in POINTS[:-1]]
-    x, y = (_along(of_route, travelled, beyond) for of_route in route)
-    return x, y
-
-
-def _along(route: Float[Array, "point *batch"], travelled: Array, beyond: list[Array]) -> tuple[Array, Array]:
-    """Return a coordinate of the place ``travelled`` metres along the straight pieces between the route's points.
-
-    Also return its slope there. Each is a sum: the first piece, continued, and the change of slope at each point, from
-    there on. Beyond the last point the last piece continues. ``beyond`` holds how far the place is beyond each point
-    but the last [m].
-    """
-    points = jnp.unstack(route)
-    lengths = [POINT_SPACING * (to - at) for at, to in pairwise((0, *POINTS))]
-    slopes = [(to - at) / length for at, to, length in zip((0, *points[:-1]), points, lengths, strict=True)]
-    bends = [new - old for old, new in pairwise(slopes)]
-    turned = (bend * metres for bend, metres in zip(bends, beyond, strict=True))
-    steeper = (jnp.where(metres > 0, bend, 0) for bend, metres in zip(bends, beyond, strict=True))
-    return sum(turned, start=slopes[0] * travelled), sum(steeper, start=slopes[0])

@@ -157,8 +157,8 @@ class Foresight(eqx.Module):
     clearance: Float[Array, "manoeuvre *batch"]
     """Smallest predicted distance to anybody if the car brakes, holds its speed or accelerates [m]: between the
     centres, or from the car's rectangle to the body, as the world's contact is."""
-    conflict: Float[Array, "*batch"]
-    """Time until the first conflict at held speed [s]."""
+    conflict: Float[Array, "manoeuvre *batch"]
+    """Time until each manoeuvre's first conflict [s]."""
     crosswalk_user: Bool[Array, "*batch"]
     """Somebody is on a crosswalk close ahead of the car."""
     jaywalker: Bool[Array, "*batch"]

@@ -14,7 +14,7 @@ import numpy as np
 
 from jaxwalk.metrics.braking import ONSET
 from jaxwalk.metrics.crossings import Crossings, find_crossings
-from jaxwalk.metrics.encounters import Encounters, find_encounters
+from jaxwalk.metrics.encounters import Encounters, find_encounters, gaps_on_road
 from jaxwalk.sim.crossing_kind import JAYWALK, CrossingKind
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
@@ -39,7 +39,8 @@ def make_records(
         routes: the car's lane route in each episode, ``(point, 2)`` [m]; None shows no routes.
     """
     crossings, steps = find_crossings(trajectory)
-    encounters = find_encounters(trajectory, crossings, steps, SimConfig())  # no size of a body is shown
+    gaps = gaps_on_road(trajectory, steps, SimConfig())  # no size of a body is shown
+    encounters = find_encounters(trajectory, crossings, steps, gaps)
     packed = []
     for episode in range(len(trajectory.length)):
         record = _episode(trajectory, episode)

@@ -106,3 +106,26 @@ class HiddenIntent:
     """Scenarios for each driver and jaywalk multiplier."""
     seed: Annotated[int, option("0", "N")] = 0
     """Seed of the scenarios, and the first training seed."""
+
+
+@dataclass(frozen=True)
+class CoTraining:
+    """Does training a car together with people make a better car than training it alone?
+
+    Trains the car five times for each training seed: alone, and with people who learn too; with or without people who
+    always go among them, with or without careless cars to teach them. 50 trainings of 2 to 5 minutes on two CPU cores,
+    and half an hour of evaluation. Run it again to continue after an interruption: what is finished is kept.
+    """
+
+    out: Annotated[Path | None, option("runs/co-training; with --sweep runs/paper-weights", "DIR")] = None
+    """Folder for everything; read co-training.md, or paper-weights.md, in it."""
+    sweep: Flag = False
+    """Instead: vary the weights that the paper leaves open, in recipe paper. Exploratory: five times 80 minutes."""
+    seeds: Annotated[int | None, option("10; with --sweep 1", "N")] = None
+    """Number of training seeds: seed, seed + 1, and so on; fewer than 5 judge nothing."""
+    updates: Annotated[int | None, option("200; with --sweep 400", "N")] = None
+    """Updates of each training."""
+    episodes: Annotated[int, option("2000", "N")] = 2000
+    """Scenarios for each driver and population."""
+    seed: Annotated[int, option("40", "N")] = 40
+    """Seed of the scenarios, and the first training seed; nothing was tuned on 40."""

@@ -1,0 +1,155 @@
+"""Write the results of `jaxwalk co-training` as a Markdown page, which begins with an answer in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from jaxwalk.evaluation.document_parts import PairedSeeds, SeedNumbers
+from jaxwalk.evaluation.results import Results
+from jaxwalk.evaluation.training_seeds import Ending
+from jaxwalk.metrics import FEWEST_SEEDS, holm
+from jaxwalk.report.material import ALWAYS_GO
+from jaxwalk.report.seed_tables import paired_table
+from jaxwalk.report.table import Table, markdown_table, p_value, shown
+from jaxwalk.wording import counted
+
+ALONE, PURE, MIXED, STAND_INS = "alone", "pure", "mixed", "-stand-ins"
+"""The trainings: a co-trained one is named pure or mixed, and with ``STAND_INS`` if people met careless cars."""
+CLEARANCE = "clearance"
+"""The rule that stands beside the trained cars."""
+PEOPLE = {f"people of {name}": name for name in (PURE, PURE + STAND_INS)}
+"""The learned populations, and the training from which they come."""
+FACTORS = (
+    (PURE, MIXED), (PURE + STAND_INS, MIXED + STAND_INS), (PURE, PURE + STAND_INS), (MIXED, MIXED + STAND_INS),
+)  # fmt: skip
+"""Pairs of trainings that differ in one treatment."""
+TOUCHED: Ending = "moving contact"
+"""What the answer is about."""
+SURE = 0.05
+"""Differences with a smaller p-value, adjusted for all tests of the answer, are called differences."""
+
+ABOUT = (
+    "`alone`: the car learns among people who always go. In the other four trainings people learn too. `pure`: "
+    "everybody that the car meets learns; `mixed`: in some of the car's environments people always go. `-stand-ins`: "
+    "in further environments people also meet careless cars and earlier versions of the car. The car learns from "
+    "equally many environments in all five. Everybody is judged where a contact with the car's footprint is a "
+    "collision. A car of one training seed meets learned people of the next one, never those who learned beside it. "
+    "`clearance` is a rule."
+)
+TABLES = (
+    "Touched: episodes in which the moving car touched somebody by its footprint. Delay: seconds beyond untouchable "
+    "full throttle on the same scenario, where the car arrives. People wait: approaches to the kerb with a dangerous "
+    "moment in which the person waits through the first one."
+)
+
+
+def page(results: Results, *, updates: int) -> str:
+    """Return the answer and all tables; ``updates`` are those of each training."""
+    chosen, made = results.scenarios, results.made
+    seeds = _seeds(results)
+    origin = "" if made is None else f"; commit {made.commit or 'unknown'}, {made.hardware}"
+    parts = [
+        "# Does training together make a better car?",
+        answer(results),
+        ABOUT,
+        f"Training seeds: {', '.join(map(str, seeds))}; {counted(updates, 'update')} each. {chosen.name}, hash "
+        f"{chosen.hash}{origin}. Brackets are 95 % intervals over training seeds and scenarios.",
+        TABLES,
+    ]
+    for people in _populations(results):
+        parts += [f"## Among {people}", _markdown(_drivers(results, people))]
+    against, factors = ([x for x in results.paired if (x.a.driver == ALONE) == alone] for alone in (True, False))
+    parts += ["## Against the car alone", _markdown(paired_table(against)), _markdown(_delays(results))]
+    parts += ["## One treatment at a time", _markdown(paired_table(factors))]
+    return "\n\n".join(parts) + "\n"
+
+
+def answer(results: Results) -> str:
+    """Return whether co-training helps, when, and why not, as far as the numbers tell."""
+    tests = [x for x in results.paired if (x.a.driver, x.ending) == (ALONE, TOUCHED)]
+    if any(found.p is None for found in tests):
+        seeds = counted(len(_seeds(results)), "training seed")
+        return (
+            f"**Whether co-training makes a better car cannot be judged**: there are {seeds}, and a sentence about "
+            f"training takes {FEWEST_SEEDS}."
+        )
+    adjusted = holm([found.p for found in tests if found.p is not None])
+    sure = [found for found, p in zip(tests, adjusted, strict=True) if p < SURE]
+    better, worse = ([x for x in sure if (x.b.rate < x.a.rate) == less] for less in (True, False))
+    when = [_among(people, tests, sure) for people in _populations(results)]
+    return " ".join([_verdict(better, worse), *when, *_why(results)])
+
+
+def _verdict(better: Sequence[PairedSeeds], worse: Sequence[PairedSeeds]) -> str:
+    if better and worse:
+        return "**Co-training makes the car better among some people and worse among others**, by moving contacts."
+    if better:
+        return "**Co-training makes a better car**, by moving contacts, though not everywhere that is shown."
+    if worse:
+        return "**Co-training makes a worse car**, by moving contacts."
+    return "**No effect of co-training on moving contacts is shown**: no difference is beyond chance."
+
+
+def _among(people: str, tests: Sequence[PairedSeeds], sure: Sequence[PairedSeeds]) -> str:
+    """Return what is known among one population, against the car alone."""
+    here = [found for found in tests if found.a.pedestrians == people]
+    known = [f"`{x.b.driver}` {'fewer' if x.b.rate < x.a.rate else 'more'}" for x in here if x in sure]
+    rest = [found for found in here if found not in sure]
+    lows = [found.difference.low for found in rest if found.difference.low is not None]
+    highs = [found.difference.high for found in rest if found.difference.high is not None]
+    said = [f"{', '.join(known)} than the car alone"] if known else []
+    if rest:
+        names = ", ".join(f"`{found.b.driver}`" for found in rest)
+        said.append(f"{names} cannot be told from it ({100 * min(lows):.2f} to {100 * max(highs):.2f} points)")
+    return f"Among {people}: {'; '.join(said)}."
+
+
+def _why(results: Results) -> list[str]:
+    """Return what was left to gain, and whether there was anybody to learn from."""
+    touched = (_numbers(results, name, ALWAYS_GO).moving_contact_rate.mean for name in (ALONE, CLEARANCE))
+    alone, rule = (shown(share, digits=2) for share in touched)
+    waits = [f"{shown(_numbers(results, ALONE, people).waited_share.mean)} % ({people})" for people in PEOPLE]
+    return [
+        f"What could be gained among {ALWAYS_GO}: the car alone touches somebody in {alone} % of scenarios, the "
+        f"clearance rule in {rule} %.",
+        f"What is there to learn from: of people that the car alone puts in danger at the kerb, {' and '.join(waits)} "
+        "wait. To the car, people who do not wait are people who always go.",
+    ]
+
+
+def _drivers(results: Results, people: str) -> Table:
+    columns = ("driver", "touched %", "of each seed", "goal %", "delay [s]", "people wait %")
+    rows = []
+    for found in (x for x in results.over_seeds if x.pedestrians == people):
+        touched = found.moving_contact_rate
+        each = ", ".join(f"{100 * value:.2f}" for value in touched.each if value is not None)
+        rates = shown(touched.mean, digits=2), each, shown(found.goal_rate.mean, digits=2)
+        rows.append((found.driver, *rates, shown(found.mean_delay.mean, 1.0, 2), shown(found.waited_share.mean)))
+    return Table(columns, tuple(rows))
+
+
+def _delays(results: Results) -> Table:
+    columns = ("of", "A", "B", "people", "B minus A [s]", "p", "p, Holm")
+    adjusted = iter(holm([x.p for x in results.paired_delays if x.p is not None]))
+    rows = []
+    for found in results.paired_delays:
+        tested = p_value(found.p), p_value(None if found.p is None else next(adjusted))
+        rows.append(("delay", found.a, found.b, found.pedestrians, shown(found.difference, 1.0, 2), *tested))
+    return Table(columns, tuple(rows))
+
+
+def _numbers(results: Results, driver: str, people: str) -> SeedNumbers:
+    return next(x for x in results.over_seeds if (x.driver, x.pedestrians) == (driver, people))
+
+
+def _populations(results: Results) -> list[str]:
+    return list(dict.fromkeys(found.pedestrians for found in results.over_seeds))
+
+
+def _seeds(results: Results) -> tuple[int | None, ...]:
+    """Return the training seeds."""
+    return _numbers(results, ALONE, ALWAYS_GO).training_seeds
+
+
+def _markdown(table: Table) -> str:
+    return markdown_table(table.columns, table.rows)

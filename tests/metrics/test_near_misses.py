@@ -1,0 +1,84 @@
+"""Contacts extrapolated from near misses: tails whose truth is known, and what cannot be extrapolated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from jaxwalk.metrics import NEAR_MISSES, Estimate, measure
+from jaxwalk.metrics.near_misses import FEWEST, THRESHOLDS, Tail, _checked, extrapolate
+from jaxwalk.metrics.pareto_tail import fit
+from jaxwalk.sim.crossing_kind import CROSSWALK
+from metrics.scenes import Scene, Walk, trajectory
+
+
+def _excesses(shape, beyond, count, seed=0):
+    """Evenly spread excesses over 1, of which this share would be 1 or more; those are left out."""
+    scale = shape / (beyond**-shape - 1) if shape else -1 / np.log(beyond)
+    quantiles = (np.arange(count) + 0.5) / count * (1 - beyond)
+    return stats.genpareto.ppf(quantiles, shape, scale=scale)
+
+
+@pytest.mark.parametrize(("shape", "beyond"), [(-0.3, 0.02), (0.0, 0.01), (0.2, 0.01)])
+def test_a_tail_is_found_again(shape, beyond):
+    found = fit(_excesses(shape, beyond, 20_000), 1.0)
+    assert found.shape == pytest.approx(shape, abs=0.02)
+    assert found.ratio == pytest.approx(beyond / (1 - beyond), rel=0.06)
+    assert found.low < found.ratio < found.high < 3 * found.low
+    assert found.p > 0.99
+
+
+def test_the_unit_of_length_does_not_matter():
+    excesses = _excesses(-0.1, 0.05, 300)
+    assert fit(3 * excesses, 3.0).ratio == pytest.approx(fit(excesses, 1.0).ratio, rel=1e-3)
+
+
+def test_a_tail_that_ends_before_a_contact_may_have_none():
+    found = fit(stats.genpareto.ppf((np.arange(300) + 0.5) / 300, -0.5, scale=0.3), 1.0)  # it ends at 0.6
+    assert (found.low, found.high) == (0.0, pytest.approx(0, abs=0.002))
+
+
+def test_what_is_as_frequent_near_a_contact_as_farther_away_bounds_nothing():
+    found = extrapolate(np.linspace(0.001, 1.999, 2000))
+    assert (found.extrapolated.value, found.threshold, found.agrees) == (None, None, None)
+    assert {tail.problem for tail in found.tails} == {"no upper bound"}
+
+
+def _gaps(count, contacts, episodes=10_000):
+    """Episodes with near misses that have an exponential tail, 2 % of which would reach a contact; and contacts."""
+    gaps = np.full(episodes, np.nan)
+    gaps[:count] = max(THRESHOLDS) * (1 - _excesses(0.0, 0.02, count))
+    gaps[count : count + contacts] = 0
+    return gaps
+
+
+def test_observed_contacts_check_what_is_extrapolated_and_have_no_part_in_it():
+    right, wrong = (extrapolate(_gaps(1000, contacts)) for contacts in (20, 400))
+    assert right.threshold == max(THRESHOLDS)
+    assert right.extrapolated.value == pytest.approx(0.1 * 0.02 / 0.98, rel=0.05)
+    assert right.extrapolated == wrong.extrapolated
+    assert (right.observed.value, right.agrees, wrong.agrees) == (0.002, True, False)
+
+
+def test_few_near_misses_are_not_extrapolated():
+    found = extrapolate(_gaps(FEWEST - 1, 3))
+    assert (found.problem, found.extrapolated.count) == ("few near misses", FEWEST - 1)
+    assert {tail.fit for tail in found.tails} == {None}
+
+
+def test_a_threshold_is_unstable_if_a_lower_one_finds_something_else():
+    def tail(threshold, low, high, problem="none"):
+        return Tail(threshold, 0.1, 0.5, Estimate((low + high) / 2, low, high, 200), problem)
+
+    high, poor = tail(2.0, 0.001, 0.002), tail(1.5, 0.1, 0.2, "poor fit")
+    assert [x.problem for x in _checked([high, tail(1.0, 0.0015, 0.01)])] == ["none", "none"]
+    assert [x.problem for x in _checked([high, poor, tail(1.0, 0.01, 0.02)])] == ["unstable", "poor fit", "none"]
+
+
+def test_the_gap_is_the_smallest_while_the_car_moves():
+    touched, near, far = (Walk(4.5, y, crossings=[(1, 8, CROSSWALK)]) for y in (1.0, 2.5, 4.0))
+    slow = [5.0] + [0.3] * 8  # below 0.5 m/s, closing in
+    scenes = Scene(8, [near, far]), Scene(8, [touched, far]), Scene(8, [near, far], speed=slow), Scene(8, [far, far])
+    gap = measure(trajectory(*scenes))[NEAR_MISSES].gap
+    assert gap == pytest.approx([2.5 - 0.9 - 0.25, 0, np.nan, 4.0 - 0.9 - 0.25], nan_ok=True)

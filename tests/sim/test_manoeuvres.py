@@ -1,0 +1,90 @@
+"""How near braking, holding the speed and accelerating are predicted to come to people, worked out by hand."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk import Street
+from jaxwalk.interfaces import Moment
+from jaxwalk.scenarios import Drawn
+from jaxwalk.sim import events, prediction
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.manoeuvres import BRAKE, HOLD, MOMENTS, clearance_and_conflict, squared_clearance
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
+from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.state import Course, Motion, VehicleState
+
+AWAY = np.array(POINTS) * POINT_SPACING
+RULES = SimConfig(contact="footprint")
+
+
+@pytest.fixture(scope="module")
+def world():
+    return Street.create(config=RULES).world
+
+
+def car(x, y, ahead_x, ahead_y, *, heading=0.0, speed=5.0):
+    """A car beside a route that begins at (0, 0) to the east; one environment."""
+    one = jnp.ones(1)
+    course = Course(0 * one, 0 * one, one, 0 * one, jnp.array(ahead_x)[:, None], jnp.array(ahead_y)[:, None])
+    cos, sin = np.cos(heading) * one, np.sin(heading) * one
+    return VehicleState(x * one, y * one, cos, sin, speed * one, 0 * one, 0 * one, 0 * one, course)
+
+
+def standing(ahead, left):
+    return Motion(*(jnp.full((1, 1), value) for value in (ahead, left, 0.0, 0.0)))
+
+
+def test_a_car_beside_its_route_comes_back_to_it_at_the_last_point(world):
+    driven = car(0, 1, AWAY, 0 * AWAY)
+    squared = squared_clearance(world, driven, (AWAY[:, None] + jnp.zeros(1), -jnp.ones((8, 1))), "footprint")
+    clearance, conflict = clearance_and_conflict(world, squared(standing(10.0, 1.3)), "footprint")
+    # Held speed: 9.25 m ahead after 1.85 s, 0.37 m farther right; its front, 11.5 m ahead, is 0.09 m right of that.
+    np.testing.assert_allclose(clearance[HOLD, 0], 1.3 + 0.37 - 0.9 - 0.25 + 0.03, atol=0.02)
+    np.testing.assert_allclose(clearance[BRAKE, 0], 10 - 25 / 6 - 2.25 - 0.25, atol=0.1)  # it stops 4.17 m ahead
+    np.testing.assert_allclose(conflict[:, 0], 3.0)
+    _, conflict = clearance_and_conflict(world, squared(standing(10.0, 0.0)), "footprint")
+    np.testing.assert_allclose(conflict[:, 0], [3.0, 1.45, 1.15])
+
+
+def test_in_a_bend_it_is_where_a_driven_car_would_be(world):
+    """The rectangle's corners too: a car in a bend points out of it by the angle to its rear axle's way."""
+    radius, speed = 8.0, 5.0
+    slip = np.arcsin(RULES.wheelbase / 2 / radius)
+    ahead_x, ahead_y = radius * np.sin(AWAY / radius), radius * (1 - np.cos(AWAY / radius))
+    begins = car(0, 0, ahead_x, ahead_y, heading=-slip, speed=speed)
+    seen = [jnp.array(x)[:, None] for x in to_frame(ahead_x, ahead_y, np.cos(slip), -np.sin(slip))]
+    squared = squared_clearance(world, begins, (seen[0], seen[1]), "footprint")
+    for number, moment in enumerate(MOMENTS["footprint"][:9]):
+        angle = speed * moment / radius
+        for corner in [(2.6, 1.2), (2.6, -1.2), (-2.6, 1.2), (-2.6, -1.2), (3.0, 0.0)]:
+            place = to_frame(*corner, np.cos(angle - slip), -np.sin(angle - slip))
+            x, y = place[0] + radius * np.sin(angle), place[1] + radius * (1 - np.cos(angle))
+            person = standing(*to_frame(x, y, np.cos(slip), -np.sin(slip)))
+            found = np.sqrt(squared(person)[number, HOLD, 0])
+            true = events.to_rectangle(*corner, RULES.car_length, RULES.car_width)
+            assert found == pytest.approx(true, abs=0.3)
+
+
+def test_people_beside_the_roadway_may_turn_to_the_route():
+    """They stand when an episode begins, as the car does."""
+    street = Street.create(config=RULES)
+    scenarios, _ = Drawn(street, 5, 32).take(np.arange(32))
+    state = street.reset(scenarios)
+    moment = Moment(street.world, scenarios, state)
+    clearance, _ = jax.jit(prediction.clearance_if_they_turn, static_argnums=1)(moment, "footprint")
+    seen, people = state.foresight, np.stack([state.foresight.people.ahead, state.foresight.people.left])
+    corners = np.stack([np.concatenate([0 * of[:1], of]) for of in (seen.route_x, seen.route_y)])
+    share = np.linspace(0, 1, 500).reshape(-1, 1, 1, 1)
+    way = np.concatenate(corners[:, :-1] + share * (corners[:, 1:] - corners[:, :-1]), axis=1)
+    steps = way[:, :, None] - people[:, None]
+    nearest = np.hypot(*steps).argmin(axis=0)
+    step = np.take_along_axis(steps, nearest[None, None], axis=1)[:, 0]
+    time = np.array(MOMENTS["footprint"]).reshape(-1, 1, 1)
+    at = people[:, None] + step[:, None] / np.hypot(*step) * prediction.SETTING_OUT * time
+    away = events.to_rectangle(at[0], at[1], RULES.car_length, RULES.car_width).min(axis=(0, 1)) - RULES.body_radius
+    assert not state.pedestrian.on_roadway.any() and (away < 9).sum() > 3
+    np.testing.assert_allclose(clearance[HOLD], np.clip(away, 0, 9.75), atol=0.05)
