@@ -8,10 +8,12 @@ import json
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation import Match, over_training_seeds, paired, paired_over_seeds
+from jaxwalk.evaluation import Match, over_training_seeds, paired, paired_delay, paired_over_seeds
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.evaluation.training_seeds import SEED_RATIOS
 from jaxwalk.metrics import OUTCOMES, Estimate, OverSeeds, crossed_mean, mcnemar, over_seeds, paired_difference
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.metrics.delay import delays
 
 
 @pytest.fixture(scope="module")
@@ -100,6 +102,30 @@ def test_several_seeds_are_compared_over_seeds(matches):
     assert found.p == expected.p() > 0.05
     # as if every pair were independent: three times the evidence of one
     assert mcnemar(np.tile(goals[0] > 0, 5), goals.reshape(-1) > 0) < 1e-6
+
+
+def test_delays_are_compared_where_both_arrive(matches):
+    follower = matches[0]
+    found = paired_delay([follower], matches)
+    late = [delays(match.rows) - delays(follower.rows) for match in matches]
+    both = [~np.isnan(each) for each in late]
+    assert (found.training_seeds, found.pairs) == (5, sum(each.sum() for each in both))
+    assert found.difference.value == pytest.approx(np.mean([np.nanmean(each) for each in late]))
+    assert found.difference.low < found.difference.value < found.difference.high
+    excludes = not found.difference.low <= 0 <= found.difference.high
+    assert (found.p < 0.05) == excludes
+    few = paired_delay([follower], matches[:4])
+    assert (few.difference.low, few.p) == (None, None)
+
+
+def test_contacts_of_the_moving_car_are_compared(matches):
+    """They are those by footprint, whatever ends the episodes."""
+    follower, random = matches[:2]
+    found = paired_over_seeds("moving contact", [follower], [random])
+    sides = [match.cell.summary[MEASURED_CONTACTS].footprint.moving for match in (follower, random)]
+    assert (found.a.rate, found.b.rate) == (sides[0].value, sides[1].value)
+    assert found.both + found.only_a == sides[0].successes
+    assert 0 < sides[0].successes < 24
 
 
 def test_few_seeds_are_not_judged(matches):

@@ -111,7 +111,7 @@ def test_places_tell_who_crosses_how(episodes, recorded, areas, street):
     document = found.as_dict()
     assert document.keys() == {
         "episodes", "kilometres", "hours", "speed_differential", "encounters", "surrogates", "surrogate_distributions",
-        "contacts", "comfort", "left_out",
+        "contacts", "comfort", "near_misses", "left_out",
     }  # fmt: skip
     assert "ending" in document["left_out"]["outcomes, attribution, passing, yielded, those who were hit"]
     assert "fatal" not in document["surrogates"]["jaywalk"]

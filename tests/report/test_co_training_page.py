@@ -48,19 +48,26 @@ def _results(touching, seeds):
 @pytest.mark.parametrize(
     ("touching", "verdict", "among"),
     [
-        ([ALONE], "**Co-training makes a better car**", "`pure` fewer, `pure-stand-ins` fewer, `mixed` fewer"),
-        (CARS, "**Co-training makes a worse car**", "`pure` more, `pure-stand-ins` more, `mixed` more"),
-        ([], "**No effect of co-training on moving contacts is shown**", "cannot be told from it ("),
+        ([ALONE], "makes the car better in 16** of 16 comparisons", "`pure-stand-ins` fewer, `mixed` fewer"),
+        (CARS, "makes the car worse in 16** of 16 comparisons", "`pure-stand-ins` more, `mixed` more"),
+        ([ALONE, "mixed"], "makes the car better in 12** of 16 comparisons", "; `mixed` cannot be told from it"),
+        (["pure"], "makes the car worse in 4** of 16 comparisons", "`mixed`, `mixed-stand-ins` cannot be told"),
     ],
 )
 def test_the_answer_follows_from_the_numbers(touching, verdict, among):
     said = answer(_results(touching, 5))
-    assert said.startswith(verdict)
+    assert said.startswith(f"**Co-training {verdict}")
     for people in POPULATIONS:
         assert f"Among {people}: `pure`" in said
     assert among in said
     share = "100.00" if ALONE in touching else "0.00"
     assert f"the car alone touches somebody in {share} [" in said
+
+
+def test_no_difference_is_no_effect_shown():
+    said = answer(_results([], 5))
+    assert said.startswith("**No effect of co-training is shown** in any of 16 comparisons")
+    assert said.count("`mixed-stand-ins` cannot be told from it (intervals within ") == 4
 
 
 def test_four_seeds_judge_nothing():

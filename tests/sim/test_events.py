@@ -270,6 +270,8 @@ def test_waiting_is_paid_at_the_kerb_only(paid_street, scenarios, midway):
         near, closing = np.hypot(dx, dy) < 8, -(dx * np.cos(angle) + dy * np.sin(angle)) > 0
         needed = np.array([near, closing, np.broadcast_to(speed > 2, near.shape), kerb, go == 0])
         np.testing.assert_array_equal(outcome.rewards["pedestrian"]["waiting"] > 0, needed.all(axis=0))
+        anywhere = np.delete(needed, 3, axis=0).all(axis=0)
+        np.testing.assert_array_equal(outcome.rewards["pedestrian"]["waiting_anywhere"] > 0, anywhere)
         counted += [np.delete(needed, i, axis=0).all(axis=0)[~one].sum() for i, one in enumerate(needed)]
         assert not np.asarray(outcome.rewards["pedestrian"]["waiting"])[np.asarray(people.on_roadway)].any()
         np.testing.assert_array_equal(outcome.rewards["pedestrian"]["waited"], go == 0)

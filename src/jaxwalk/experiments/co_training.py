@@ -25,7 +25,7 @@ from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.co_training_page import ALONE, CLEARANCE, FACTORS, MIXED, PEOPLE, PURE, STAND_INS, TOUCHED, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
-from jaxwalk.runs.study import Work
+from jaxwalk.runs.study import P, Work
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import rules_of
 from jaxwalk.wording import counted
@@ -36,8 +36,8 @@ WORLD = "paper-footprint"
 RULES = (ALWAYS_GO, "gap-acceptance")
 """The populations that nobody trained."""
 RESULT, PAGE = "co-training.json", "co-training.md"
-STEPS_PER_SECOND, EPISODES_PER_SECOND = 40_000, 400
-"""What two CPU cores manage, for the time that is said in advance."""
+STEPS_PER_SECOND, EPISODES_PER_SECOND = 40_000.0, 400.0
+"""What two CPU cores manage of recipe ``fast`` and of evaluation, for the time that is said in advance."""
 
 
 @dataclass(frozen=True)
@@ -56,15 +56,19 @@ class CoTrainingEffort(Effort):
             raise ValueError("seeds must be at least 2: cars meet people of another training seed")
 
 
-class CoTrainingWork(Work[CoTrainingEffort]):
-    """The study in a folder."""
-
-    command = "co-training"
+class FootprintWork(Work[P]):
+    """A study that is judged by contacts of the car's footprint."""
 
     def street(self) -> Street:
         """Return the street to evaluate on: that of the trainings, where a contact of the footprint is a collision."""
         base, rules = self.base, rules_of(WORLD, self.base.maps, self.base.sim)
         return Street.create(base.maps, rules, jaywalk_multiplier=base.jaywalk_multiplier)
+
+
+class CoTrainingWork(FootprintWork[CoTrainingEffort]):
+    """The study in a folder."""
+
+    command = "co-training"
 
 
 def co_training(
@@ -108,15 +112,23 @@ def cells(base: Experiment) -> dict[str, Experiment]:
 
 def _cost(work: CoTrainingWork) -> str:
     """Return what there is to do, and about how long it takes."""
-    plan, experiments = work.plan, cells(work.base).values()
-    trainings = plan.seeds * len(experiments)
-    steps = plan.seeds * plan.updates * sum(one.steps_per_update for one in experiments)
+    plan, experiments = work.plan, list(cells(work.base).values())
     played = len(RULES) + plan.seeds * (len(PEOPLE) + len(experiments) * (len(RULES) + len(PEOPLE)))
-    episodes = plan.episodes * played
-    hours = (steps / STEPS_PER_SECOND + episodes / EPISODES_PER_SECOND) / 3600
+    trained = [with_training(one, updates=plan.updates) for one in experiments * plan.seeds]
+    return cost(trained, plan.episodes * played, speed=STEPS_PER_SECOND)
+
+
+def cost(trained: Sequence[Experiment], episodes: int, *, speed: float) -> str:
+    """Return how much there is to train and to evaluate, in words.
+
+    And about how long it takes; ``speed`` is that of the trainings on two CPU cores [steps/s].
+    """
+    steps = sum(one.train.updates * one.steps_per_update for one in trained)
+    hours = (steps / speed + episodes / EPISODES_PER_SECOND) / 3600
+    updates = counted(trained[0].train.updates, "update")
     return (
-        f"{counted(trainings, 'training')} of {counted(plan.updates, 'update')} ({steps:,} steps) and "
-        f"{counted(episodes, 'episode')} of evaluation: about {hours:.1f} hours on two CPU cores"
+        f"{counted(len(trained), 'training')} of {updates} ({steps:,} steps) and {counted(episodes, 'episode')} of "
+        f"evaluation: about {hours:.1f} hours on two CPU cores"
     )
 
 

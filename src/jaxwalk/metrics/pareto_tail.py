@@ -65,7 +65,7 @@ def fit(excesses: Excesses, threshold: float) -> ParetoFit:
 
 
 def _profile(y: Excesses, log_ratio: float) -> tuple[float, float]:
-    """Return the largest log likelihood with so many contacts per near miss, and its shape; ``y`` lies in (0, 1)."""
+    """Return the largest log likelihood at this number of contacts per near miss, and its shape; ``y`` is in (0, 1)."""
     shape, top = _largest(lambda shape: _log_likelihood(y, log_ratio, shape), SHAPES)
     return top, shape
 

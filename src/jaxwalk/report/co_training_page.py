@@ -75,19 +75,20 @@ def answer(results: Results) -> str:
         )
     adjusted = holm([found.p for found in tests if found.p is not None])
     sure = [found for found, p in zip(tests, adjusted, strict=True) if p < SURE]
-    better, worse = ([x for x in sure if (x.b.rate < x.a.rate) == less] for less in (True, False))
+    better = sum(found.b.rate < found.a.rate for found in sure)
     when = [_among(people, tests, sure) for people in _populations(results)]
-    return " ".join([_verdict(better, worse), *when, *_why(results)])
+    return " ".join([_verdict(better, len(sure) - better, len(tests)), *when, _price(results), *_why(results)])
 
 
-def _verdict(better: Sequence[PairedSeeds], worse: Sequence[PairedSeeds]) -> str:
+def _verdict(better: int, worse: int, tests: int) -> str:
+    """Return the answer in a sentence, from the number of comparisons with fewer and with more contacts."""
+    of = f"of {tests} comparisons, by contacts of the moving car"
     if better and worse:
-        return "**Co-training makes the car better among some people and worse among others**, by moving contacts."
-    if better:
-        return "**Co-training makes a better car**, by moving contacts, though not everywhere that is shown."
-    if worse:
-        return "**Co-training makes a worse car**, by moving contacts."
-    return "**No effect of co-training on moving contacts is shown**: no difference is beyond chance."
+        return f"**Co-training makes the car better in {better} and worse in {worse}** {of}."
+    if better or worse:
+        side = "better" if better else "worse"
+        return f"**Co-training makes the car {side} in {better or worse}** {of}; in no other is a difference shown."
+    return f"**No effect of co-training is shown** in any {of}."
 
 
 def _among(people: str, tests: Sequence[PairedSeeds], sure: Sequence[PairedSeeds]) -> str:
@@ -100,8 +101,23 @@ def _among(people: str, tests: Sequence[PairedSeeds], sure: Sequence[PairedSeeds
     said = [f"{', '.join(known)} than the car alone"] if known else []
     if rest:
         names = ", ".join(f"`{found.b.driver}`" for found in rest)
-        said.append(f"{names} cannot be told from it ({100 * min(lows):.2f} to {100 * max(highs):.2f} points)")
+        said.append(
+            f"{names} cannot be told from it (intervals within {100 * min(lows):.2f} to {100 * max(highs):.2f} points)"
+        )
     return f"Among {people}: {'; '.join(said)}."
+
+
+def _price(results: Results) -> str:
+    """Return the delays of the co-trained cars beside that of the car alone."""
+    found = {x.driver: x.mean_delay.mean for x in results.over_seeds if x.pedestrians == ALWAYS_GO}
+    values = [delay.value for name, delay in found.items() if name not in (ALONE, CLEARANCE)]
+    known = [value for value in values if value is not None]
+    between = f"{min(known):.2f} to {max(known):.2f} s" if known else "unknown"
+    alone, rule = (shown(found[name], 1.0, 2) for name in (ALONE, CLEARANCE))
+    return (
+        f"Their mean delay among {ALWAYS_GO} is {between}, that of the car alone {alone} s, of the clearance rule "
+        f"{rule} s."
+    )
 
 
 def _why(results: Results) -> list[str]:

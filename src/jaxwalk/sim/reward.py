@@ -76,11 +76,11 @@ def _closeness(t: Transition) -> Array:
     return shortfall * t.after.vehicle.speed / t.world.rules.max_speed
 
 
-def _waiting(t: Transition) -> Array:
-    """Return which pedestrians wait at the kerb while the car, within 8 m and faster than 2 m/s, has them ahead."""
+def _waiting_anywhere(t: Transition) -> Array:
+    """Return which pedestrians wait while the car, within 8 m and faster than 2 m/s, has them ahead."""
     car, seen = t.before.vehicle, t.before.foresight.people
     near = (seen.ahead**2 + seen.left**2 < NEAR_WAIT**2) & (seen.ahead > 0) & (car.speed > FAST_CAR)
-    return near & pedestrian.at_kerb(t.world, t.before.pedestrian) & ~t.after.pedestrian.going
+    return near & ~t.after.pedestrian.going
 
 
 def _walked(t: Transition) -> Array:
@@ -106,10 +106,12 @@ PEDESTRIAN_TERMS: dict[str, Callable[[Transition], Array]] = {
     "collision": lambda t: t.events.touched,
     "walked": _walked,
     "arrival": lambda t: t.after.pedestrian.arrivals > t.before.pedestrian.arrivals,
-    "waiting": _waiting,
+    "waiting": lambda t: _waiting_anywhere(t) & pedestrian.at_kerb(t.world, t.before.pedestrian),
+    "waiting_anywhere": _waiting_anywhere,
     "waited": lambda t: ~t.after.pedestrian.going,
 }
-"""The terms of a pedestrian's reward, for each step; ``waited`` is 1 for a step not walked."""
+"""The terms of a pedestrian's reward, for each step; ``waited`` is 1 for a step not walked, ``waiting`` one at the kerb
+before a near, fast car."""
 
 
 def check_weights(driver: Mapping[str, float], people: Mapping[str, float]) -> None:

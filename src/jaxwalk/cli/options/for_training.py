@@ -117,11 +117,13 @@ class CoTraining:
     and half an hour of evaluation. Run it again to continue after an interruption: what is finished is kept.
     """
 
-    out: Annotated[Path, option("runs/co-training", "DIR")] = Path("runs/co-training")
-    """Folder for everything; read co-training.md in it."""
-    seeds: Annotated[int, option("10", "N")] = 10
+    out: Annotated[Path | None, option("runs/co-training; with --sweep runs/paper-weights", "DIR")] = None
+    """Folder for everything; read co-training.md, or paper-weights.md, in it."""
+    sweep: Flag = False
+    """Instead: vary the weights that the paper leaves open, in recipe paper. Exploratory: five times 80 minutes."""
+    seeds: Annotated[int | None, option("10; with --sweep 1", "N")] = None
     """Number of training seeds: seed, seed + 1, and so on; fewer than 5 judge nothing."""
-    updates: Annotated[int, option("200", "N")] = 200
+    updates: Annotated[int | None, option("200; with --sweep 400", "N")] = None
     """Updates of each training."""
     episodes: Annotated[int, option("2000", "N")] = 2000
     """Scenarios for each driver and population."""
