@@ -23,8 +23,6 @@ SMALLEST = 40.0
 """A smaller building is left out [m2]."""
 NEAREST = 0.02
 """Smallest distance of a building from the sidewalk, whose outline is simplified by less [m]."""
-GRID = 0.001
-"""Corners of buildings are rounded to this [m]: shapely fails on edges that nearly coincide, but not on a grid."""
 AROUND = 12.0
 """Ground beyond the sidewalks on which buildings may stand [m]."""
 
@@ -55,13 +53,15 @@ def buildings(town: Town, dice: Dice, plan: TownPlan, ground: Ground) -> Iterato
     bounds = shapely.union_all([ground.roadway, ground.sidewalk]).bounds
     within = shapely.box(bounds[0] - AROUND, bounds[1] - AROUND, bounds[2] + AROUND, bounds[3] + AROUND)
     distance = max(dice.between(town.building_distance), NEAREST)
-    taken = ground.whole.buffer(plan.sidewalk + distance, join_style="mitre")
     beyond = plan.sidewalk + distance
+    free = within.difference(ground.whole.buffer(beyond, join_style="mitre"))
+    standing: list[shapely.Polygon] = []
     plots = [_plots(town, dice, road, side * beyond) for road in plan.roads for side in (1, -1)]
     for plot in chain.from_iterable(plots):
-        shape = shapely.intersection(shapely.difference(plot, taken, grid_size=GRID), within, grid_size=GRID)
-        if dice.chance(town.building) and isinstance(shape, shapely.Polygon) and shape.area > SMALLEST:
-            taken = shapely.union(taken, shape.buffer(GAP[0], join_style="mitre"), grid_size=GRID)
+        shape = plot.intersection(free)
+        sound = isinstance(shape, shapely.Polygon) and shape.area > SMALLEST
+        if dice.chance(town.building) and sound and not shapely.dwithin(standing, shape, GAP[0]).any():
+            standing.append(shape)
             yield shape
 
 
