@@ -213,7 +213,7 @@ def test_a_family_that_makes_no_street_is_refused(values, message):
 
 
 def test_buildings_whose_edges_nearly_coincide():
-    """Seen: shapely could not unite the plots of this street. Now buildings are left out where they would touch others."""
+    """Seen: shapely could not unite the plots of this street."""
     check_street(make_street(UNSEEN, 3_000_000_738).network)
 
 
