@@ -19,7 +19,6 @@ from jaxwalk.sim import observation
 from jaxwalk.sim.driver_features import ON_ROUTE
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.features import SPEED, Feature, share
-from jaxwalk.sim.geometry import inside
 
 EPISODES = 2048
 SLOW = 3.0
@@ -32,8 +31,9 @@ def crosswalk_ahead(moment):
     """Whether a crosswalk is within 10 m ahead."""
     car, maps = moment.state.vehicle, moment.world.maps
     ahead = jnp.arange(0.0, 10.1, 2.0).reshape(-1, *(1,) * car.x.ndim)
-    at_crosswalk = inside(maps.crosswalks, moment.scenario.map, car.x + ahead * car.cos, car.y + ahead * car.sin)
-    return (at_crosswalk.any(axis=0),)
+    x, y = car.x + ahead * car.cos, car.y + ahead * car.sin
+    at_crosswalk = [(x > x0) & (x < x1) & (y > y0) & (y < y1) for x0, y0, x1, y1 in maps.crosswalks[0]]
+    return (jnp.stack(at_crosswalk).any(axis=(0, 1)),)
 
 
 KNOWN = (

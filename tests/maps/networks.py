@@ -1,4 +1,4 @@
-"""Networks for tests: a street along an arc, and any street turned."""
+"""Networks for tests: a street along an arc, one with an island, and any street turned."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxwalk.maps.network import Area, Crossing, JaywalkZone, Lane, LaneRoute, Network, WalkGraph
+from jaxwalk.maps.network import Area, Crossing, JaywalkZone, Lane, LaneRoute, Network, WalkGraph, corners
 
 CENTRE, RADIUS, SIZE = np.array([-30.0, 45.0]), 50.0, (30.0, 90.0)
 """The street's middle is an arc of 50 m about this point, from 45 degrees right of east to 45 degrees left."""
-FIRST, LAST, CROSSWALK, PIECES = -np.pi / 4, np.pi / 4, -0.5, 8
+FIRST, LAST, CROSSWALK, PIECES = -np.pi / 4, np.pi / 4, -0.5, 16
 """Angles where the street begins and ends and of its crosswalk's middle [rad]; pieces of its jaywalk zone."""
 
 
@@ -88,3 +88,32 @@ def turned(network, angle):
         return (np.asarray(points) - middle) @ turn.T + size / 2
 
     return moved(network, change, tuple(size)), change
+
+
+def island():
+    """A straight street of 12 m with an island in its middle, and a crossing over it without a jaywalk zone."""
+    x, ends = (1, 30, 59), (3.0, 21.0)
+    nodes = [(at, y) for y in ends for at in x]
+    middles = [(30, 7.5), (30, 12), (30, 16.5)]
+    return Network(
+        size=(60, 24),
+        lanes=(
+            Lane([[0, 7], [60, 7]], 4, 8.33),
+            Lane([[60, 17], [0, 17]], 4, 8.33),
+        ),
+        areas=(
+            Area("roadway", corners((0.0, 5.0, 60.0, 19.0)), (corners((26.0, 10.0, 34.0, 14.0)),)),
+            Area("island", corners((26.0, 10.0, 34.0, 14.0))),
+            Area("sidewalk", corners((0.0, 1.0, 60.0, 5.0))),
+            Area("sidewalk", corners((0.0, 19.0, 60.0, 23.0))),
+            Area("crosswalk", corners((28.0, 5.0, 32.0, 10.0))),
+            Area("crosswalk", corners((28.0, 14.0, 32.0, 19.0))),
+        ),
+        walk=WalkGraph(
+            np.array([*nodes, *middles], float),
+            np.array([(0, 1), (1, 2), (3, 4), (4, 5), (1, 6), (6, 7), (7, 8), (8, 4)]),
+            6,
+        ),
+        crossings=(Crossing("zebra", (4, 5), (1, 6, 7, 8, 4)),),
+        routes=(LaneRoute((0,), 5.0, 50.0), LaneRoute((1,), 5.0, 50.0)),
+    )

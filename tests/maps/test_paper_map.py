@@ -128,21 +128,22 @@ def test_at_the_goal_the_next_hop_is_the_goal(world):
 def test_zones_lie_beside_their_crosswalk_within_one_edge(world):
     edges = {tuple(edge) for edge in world.edges}
     far = dict.fromkeys(range(12), 27.0) | {6: 15.0, 7: 15.0, 10: 24.0, 11: 24.0}
-    for side in range(12):
-        landing, outer = world.side_landing[side], world.side_outer[side]
+    assert world.zone_node.shape == (12, 2)
+    for side, (landing, outer) in enumerate(world.zone_node):
+        assert landing == world.side_landing[side]
         assert tuple(sorted((landing, outer))) in edges
         assert world.node_side[landing] == side
         assert (world.zone_near[side], world.zone_far[side]) == (3.0, far[side])
-        reach = world.distance[landing, outer]
-        assert world.zone_far[side] < reach
-        ahead = (
-            world.node_x[landing] + reach * world.side_ux[side],
-            world.node_y[landing] + reach * world.side_uy[side],
-        )
-        assert ahead == (world.node_x[outer], world.node_y[outer])
-    assert np.array_equal(world.side_ux[::2], world.side_ux[1::2])
-    assert np.array_equal(world.side_uy[::2], world.side_uy[1::2])
+        assert world.zone_far[side] < world.zone_piece[side] == world.distance[landing, outer]
+    ahead = [np.diff(at[world.zone_node])[:, 0] / world.zone_piece for at in (world.node_x, world.node_y)]
+    assert all(np.array_equal(x[::2], x[1::2]) for x in ahead)  # both sides lead the same way
+    assert (world.zone_kerb == 1).all()
     assert (world.node_side >= 0).sum() == 12
+
+
+def test_landings_are_a_metre_from_the_roadway(world):
+    assert (world.node_clear[world.side_landing] == 1).all()
+    assert np.count_nonzero(world.node_clear) == 12
 
 
 def test_the_two_landings_of_a_crosswalk_face_each_other(world):

@@ -37,7 +37,7 @@ def test_padding_is_empty(maps):
     assert np.array_equal(stacked.next_hop[0, nodes:], np.tile(np.arange(nodes, 40)[:, None], 40))
     assert (stacked.edges[0, len(maps[0].edges) :] == -1).all()
     assert (stacked.side_landing[0, 2:] == -1).all()
-    assert (stacked.side_outer[0, 2:] == -1).all()
+    assert (stacked.zone_node[0, 2:] == -1).all()
     assert (stacked.node_side[0, nodes:] == -1).all()
     assert not stacked.goal_count[0, nodes:].any()
     assert not stacked.start_count[0, routes:].any()

@@ -166,8 +166,8 @@ def test_a_jaywalk_is_a_number_below_tendency_times_multiplier(request, name, mu
 def jaywalks(street, played):
     """For each jaywalk: the side where it begins (-1: none), where along the kerb it begins and ends, its slant."""
     m = {name: np.asarray(getattr(street.world.maps, name)[0], float) for name in
-         ("node_x", "node_y", "side_ux", "side_uy", "zone_near", "zone_far")}  # fmt: skip
-    landing = np.asarray(street.world.maps.side_landing[0])
+         ("node_x", "node_y", "zone_near", "zone_far")}  # fmt: skip
+    landing, outer = np.asarray(street.world.maps.zone_node[0]).T
     t, p, e = entries(played)
     jaywalk = (played["crossing"][t + 1, p, e] == JAYWALK) & (t + 2 < len(played["x"]))
     t, p, e = (index[jaywalk] for index in (t, p, e))
@@ -180,7 +180,8 @@ def jaywalks(street, played):
     for s in range(len(landing)):
         origin = np.array([[m["node_x"][landing[s]]], [m["node_y"][landing[s]]]])
         other = np.array([[m["node_x"][landing[s ^ 1]]], [m["node_y"][landing[s ^ 1]]]])
-        along = np.array([[m["side_ux"][s]], [m["side_uy"][s]]])
+        along = np.array([[m["node_x"][outer[s]]], [m["node_y"][outer[s]]]]) - origin
+        along /= np.hypot(*along)
         width = np.hypot(*(other - origin))[0]
         across = (other - origin) / width
         deep = ((here - origin) * across).sum(axis=0)

@@ -79,7 +79,9 @@ def test_off_the_road_is_put_back_half_a_metre_inside_and_slowed(driven, roads):
     off = ~inside(roads, x, y, margin=-1e-3)
     assert off.sum() > 1000
     (back_x, back_y), (nearest, second) = nearest_place_inside(roads, x[off], y[off])
-    clear = second - nearest > 1e-3  # where two roads are as near, either will do
+    mouth = (x[off] > 59) & (x[off] < 61) & (np.abs(y[off] - 86) < 6)  # of the branch, which is a piece of road now
+    clear = (second - nearest > 1e-2) & ~mouth  # where two roads are as near, either will do
+    assert clear.mean() > 0.9
     np.testing.assert_allclose(played["car_x"][1:][off][clear], back_x[clear], atol=1e-3)
     np.testing.assert_allclose(played["car_y"][1:][off][clear], back_y[clear], atol=1e-3)
     np.testing.assert_allclose(played["car_speed"][1:][off], 0.3 * speed[off], atol=1e-4)

@@ -41,7 +41,7 @@ def recording(
 def maps_of(street: Street) -> list[RoadMap]:
     """Return the maps of a street, each on its own."""
     maps = jax.device_get(street.world.maps)
-    return [jax.tree.map(lambda x, i=i: x[i], maps) for i in range(len(maps.roads))]
+    return [jax.tree.map(lambda x, i=i: x[i], maps) for i in range(len(street.maps))]
 
 
 def _entries(

@@ -42,7 +42,7 @@ def record_tracks(
     Raises:
         SeveralMapsError: the street has several maps.
     """
-    if street.world.maps.width.shape[0] != 1:
+    if len(street.maps) != 1:
         raise SeveralMapsError("the trajectories of a file need one map; choose it with --map")
     ground = areas_of(jax.device_get(jax.tree.map(lambda x: x[0], street.world.maps)))
     recordings = _recorded(street, policies, source, progress)

@@ -166,7 +166,7 @@ def _route_faults(
                f"({first:.2f} and {last:.2f} m long), the goal ahead of the start")  # fmt: skip
         return
     driven = sampled_route(network, route)
-    points, tangents = driven.points[driven.driven], driven.tangents[driven.driven]
+    points, tangents = driven.points, driven.tangents
     room = scene.room_on_road(points)
     if room.min() < CAR_MARGIN - SLACK:
         x, y = points[room.argmin()]

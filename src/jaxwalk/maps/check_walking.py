@@ -135,9 +135,9 @@ def _zone_faults(
         yield f"{field}.sides: not joined one after the other; name the nodes along the kerb"
         return
     lines = ZoneLines.of(network, zone)
-    pieces = np.diff(lines.middle_metres)
-    if pieces.max() > UNEVEN * pieces.min():
-        yield f"{field}.sides: pieces of {pieces.min():.2f} to {pieces.max():.2f} m; make them equally long"
+    shortest, longest = lines.pieces.min(), lines.pieces.max()
+    if longest > UNEVEN * shortest:
+        yield f"{field}.sides: pieces of {shortest:.2f} to {longest:.2f} m; make them equally long"
     if not 0 <= zone.begin < zone.end < lines.length:
         yield f"{field}: from {zone.begin:g} to {zone.end:g} m; must lie within the {lines.length:.2f} m of its sides"
         return

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from jaxwalk.maps.layout import lay_out
 from jaxwalk.maps.map_reading import checked, map_content
+from jaxwalk.maps.network import Network
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.tables import build
 
 
 def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clearance: float = 10.0) -> RoadMap:
-    """Load a bundled map by name, or a file by a path that ends in ``.toml``, as numpy arrays (float32, int32, bool).
+    """Load a bundled map by name, or a ``.toml`` or ``.json`` file by its path, as numpy arrays (float32, int32, bool).
 
     ``goal_spacing`` and ``start_clearance`` [m] are those of SimConfig. Raises MapError, with a line for every fault,
     if the map can't be read or is wrong.
@@ -20,6 +22,8 @@ def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clea
 
 
 def build_map(text: str, source: str, *, goal_spacing: float, start_clearance: float) -> RoadMap:
-    """Return the arrays of a map file's text, as `load_map` does. ``source`` names the map in a MapError."""
-    file = checked(text, source, goal_spacing=goal_spacing, start_clearance=start_clearance)
-    return build(file, goal_spacing=goal_spacing, start_clearance=start_clearance)
+    """Return the arrays of a file's text, as `load_map` does. ``source`` names the map in a MapError."""
+    found = checked(text, source, goal_spacing=goal_spacing, start_clearance=start_clearance)
+    if isinstance(found, Network):
+        return lay_out(found, goal_spacing=goal_spacing, start_clearance=start_clearance)
+    return build(found, goal_spacing=goal_spacing, start_clearance=start_clearance)

@@ -7,9 +7,12 @@ from importlib import resources
 from pathlib import Path
 
 from jaxwalk.maps.check import find_faults
+from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.check_size import size_faults
 from jaxwalk.maps.file import MapError, MapFile, parse
 from jaxwalk.maps.map_text import MapText, text_hash
+from jaxwalk.maps.network import Network
+from jaxwalk.maps.network_file import MOST_NETWORK_BYTES, parse_network, shortened
 
 MOST_BYTES = 1_000_000
 """Largest size of a map file [bytes]."""
@@ -21,8 +24,16 @@ def bundled_maps() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
 
 
-def checked(text: str, source: str, *, goal_spacing: float, start_clearance: float) -> MapFile:
-    """Return what a map file's text says. ``source`` names the map in a MapError, which has a line for every fault."""
+def checked(text: str, source: str, *, goal_spacing: float, start_clearance: float) -> MapFile | Network:
+    """Return what the text of a map file, or of a network's file, says.
+
+    ``source`` names the map in a MapError, which has a line for every fault.
+    """
+    if text.lstrip().startswith("{"):  # TOML never does
+        network = parse_network(text, source)
+        if faults := network_faults(network, goal_spacing=goal_spacing, start_clearance=start_clearance):
+            raise MapError(source, shortened(faults))
+        return network
     file = parse(text, source)
     if too_much := size_faults(file):
         raise MapError(source, too_much)
@@ -69,17 +80,18 @@ def map_content(name_or_path: str | Path) -> str:
     names = bundled_maps()
     if source in names:
         return resources.files("jaxwalk.maps").joinpath(f"{source}.toml").read_text(encoding="utf-8")
-    if not source.endswith(".toml"):
+    if not source.endswith((".toml", ".json")):
         known = ", ".join(names)
-        raise MapError(source, [f"no such map: use a bundled one ({known}) or the path of a file that ends in .toml"])
+        raise MapError(source, [f"no such map: use a bundled one ({known}), or the path of a .toml or .json file"])
+    most = MOST_BYTES if source.endswith(".toml") else MOST_NETWORK_BYTES
     path = Path(source)
     if path.exists() and not path.is_file():  # a folder, an endless device, a pipe without a writer
         raise MapError(source, ["not a regular file: check the path"])
     try:
         with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
-        if len(content) > MOST_BYTES:
-            raise MapError(source, [f"larger than {MOST_BYTES:,} bytes, which no map needs: check the path"])
+            content = file.read(most + 1)
+        if len(content) > most:
+            raise MapError(source, [f"larger than {most:,} bytes, which no map needs: check the path"])
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise MapError(source, ["not UTF-8 text: save the file as UTF-8"]) from None

@@ -111,8 +111,9 @@ class JaywalkZone:
     """
 
     sides: tuple[tuple[Index, ...], tuple[Index, ...]]
-    """For each kerb the nodes of its sidewalk from the landing outward, joined by edges; two on a straight kerb. Both
-    have equally many, those of one place face each other, and all pieces are about equally long (within 20 %)."""
+    """For each kerb the nodes of its sidewalk from the landing outward, joined by edges. Along straight kerbs two, of
+    which only the landings need to face each other. Else equally many on both, those of one number face each other,
+    and all pieces are about equally long: the longest at most 1.5 times as long as the shortest."""
     begin: Number
     """Where the zone begins [m]."""
     end: Number

@@ -19,21 +19,23 @@ class SampledRoute(NamedTuple):
     """Unit vectors of travel, float64 (point, 2)."""
     length: float
     """From start to goal [m]."""
-    driven: np.ndarray
-    """Which points lie before the goal."""
 
 
-def sampled_route(network: Network, route: LaneRoute, *, beyond: float = 0.0) -> SampledRoute:
-    """Return the points of a route, and of ``beyond`` metres or more straight on past its goal."""
-    line = network.route_line(route)
-    metres = along(line)
-    end = metres[-1] - network.lanes[route.lanes[-1]].length() + route.goal
-    length = float(end - route.start)
-    count = int(np.ceil((length + beyond) / ROUTE_SPACING)) + 1
+def route_length(network: Network, route: LaneRoute) -> float:
+    """Return the metres from a route's start to its goal."""
+    before = sum(network.lanes[lane].length() for lane in route.lanes[:-1])
+    return before + route.goal - route.start
+
+
+def sampled_route(network: Network, route: LaneRoute, points: int | None = None) -> SampledRoute:
+    """Return the first ``points`` points of a route, straight on past its goal (default: until its goal)."""
+    line, length = network.route_line(route), route_length(network, route)
+    metres, end = along(line), route.start + length
+    count = int(length / ROUTE_SPACING) + 1 if points is None else points
     at = route.start + np.arange(count) * ROUTE_SPACING
-    points, tangents = _at(line, metres, np.minimum(at, end))
+    places, tangents = _at(line, metres, np.minimum(at, end))
     past = np.maximum(at - end, 0)[:, None]
-    return SampledRoute(points + past * tangents, tangents, length, at <= end)
+    return SampledRoute(places + past * tangents, tangents, length)
 
 
 def _at(line: np.ndarray, metres: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

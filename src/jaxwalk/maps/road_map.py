@@ -27,18 +27,24 @@ class RoadMap(eqx.Module):
     height: Float[Array, "*map"]
     """Extent to the north [m]."""
     roads: Float[Array, "*map road 4"]
-    """Road rectangles x0, y0, x1, y1 [m]; padding is (inf, inf, -inf, -inf)."""
+    """Road rectangles x0, y0, x1, y1 of a map file, to draw [m]; padding is (inf, inf, -inf, -inf)."""
     sidewalks: Float[Array, "*map sidewalk 4"]
     """Sidewalk rectangles, in the same form."""
     crosswalks: Float[Array, "*map crosswalk 4"]
     """Crosswalk rectangles, in the same form."""
+    field: Int[Array, "*map row column"]
+    """How far it is to the roadway's edge (`jaxwalk.maps.road_field`); padding is far off the roadway."""
+    half_width: Float[Array, "*map"]
+    """Half the width of the narrowest road of a map file, or lane of a network [m]."""
 
     node_x: Float[Array, "*map node"]
     """x of the navigation graph's nodes [m]; padding is 0."""
     node_y: Float[Array, "*map node"]
     """y of the navigation graph's nodes [m]."""
     node_is_midpoint: Bool[Array, "*map node"]
-    """Whether the node is the middle of a crosswalk (the others are on sidewalks)."""
+    """Whether the node lies between the landings of a crossing: in the middle of a crosswalk, or on an island."""
+    node_clear: Float[Array, "*map node"]
+    """How far it is from the node along its crossing to the roadway [m]; 0 on the roadway and for other nodes."""
     edges: Int[Array, "*map edge 2"]
     """Node pairs joined by a straight walkway; padding is (-1, -1)."""
     next_hop: Int[Array, "*map node goal"]
@@ -48,15 +54,18 @@ class RoadMap(eqx.Module):
 
     side_landing: Int[Array, "*map side"]
     """The landing node of each side of each crosswalk; sides 2i and 2i + 1 belong to crosswalk i. Padding is -1."""
-    side_outer: Int[Array, "*map side"]
-    """The neighbour of the landing along the kerb, away from the junction: the zone lies between the two."""
-    side_ux: Float[Array, "*map side"]
-    """Unit vector along the kerb, from the landing toward ``side_outer``; the same for both sides of a crosswalk."""
-    side_uy: Float[Array, "*map side"]
+    zone_node: Int[Array, "*map side place"]
+    """The nodes along the kerb beside each side's jaywalk zone, from its landing on. The last one is repeated, padding
+    is -1."""
+    zone_piece: Float[Array, "*map side"]
+    """Distance between two of them, half-way between the two sides of a crossing [m]; of a straight zone, on this side.
+    Padding is 1."""
+    zone_kerb: Float[Array, "*map side piece"]
+    """Distance from the line between two of them to the roadway [m]."""
     zone_near: Float[Array, "*map side"]
-    """Where the jaywalk zone begins: distance from the landing along the unit vector [m]."""
+    """Where the jaywalk zone begins: distance from the landing, half-way between the two sides [m]."""
     zone_far: Float[Array, "*map side"]
-    """Where the jaywalk zone ends: distance from the landing along the unit vector [m]."""
+    """Where the jaywalk zone ends [m]; below ``zone_near`` without a zone."""
     node_side: Int[Array, "*map node"]
     """The side that has this node as its landing, or -1."""
 
@@ -67,7 +76,7 @@ class RoadMap(eqx.Module):
     route_count: Int[Array, "*map"]
     """Number of routes of the car."""
     route_places: Int[Array, "*map route 2"]
-    """Start and goal place of each route: indices into the map file's list of places."""
+    """Start and goal place of each route: indices into the map file's list of places; -1 for a network."""
     route_x: Float[Array, "*map route point"]
     """Points of the lane route, ``ROUTE_SPACING`` metres apart, from the start and straight on beyond the goal [m]."""
     route_y: Float[Array, "*map route point"]

@@ -3,132 +3,77 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
 from jaxwalk.maps.file import MapFile
-from jaxwalk.maps.navigation import Graph, build_graph, goal_choices, shortest_ways, start_choices
+from jaxwalk.maps.layout import compact, driving, lay_out, points_for
+from jaxwalk.maps.map_network import network_of
+from jaxwalk.maps.navigation import build_graph
+from jaxwalk.maps.network_routes import SampledRoute
+from jaxwalk.maps.road_field import MOST_UNITS
 from jaxwalk.maps.road_map import RoadMap
-from jaxwalk.maps.routes import ROUTE_SPACING, centre_lines, lane_route, sample
-from jaxwalk.maps.zones import zone_from_landing
-
-BEYOND_GOAL = 30.0
-"""Length by which every route continues past its goal, at least [m]."""
+from jaxwalk.maps.routes import ROUTE_SPACING, centre_lines, lane_route, make_road, sample
 
 _EMPTY = np.array([np.inf, np.inf, -np.inf, -np.inf], np.float32)
 _PADDING: dict[str, Any] = {
     "roads": _EMPTY, "sidewalks": _EMPTY, "crosswalks": _EMPTY, "edges": -1, "distance": np.inf,
-    "side_landing": -1, "side_outer": -1, "node_side": -1, "route_places": -1, "route_cos": 1.0,
+    "side_landing": -1, "zone_node": -1, "zone_piece": 1.0, "node_side": -1, "route_places": -1, "route_cos": 1.0,
+    "field": np.full(4, -MOST_UNITS, np.int8).view("<i4"),
 }  # fmt: skip
 """Padding values of the fields that aren't padded with 0."""
 
 
 def build(file: MapFile, *, goal_spacing: float, start_clearance: float) -> RoadMap:
-    """Return the arrays (numpy, float32, int32 and bool) of a map file that has passed the checks."""
-    graph = build_graph(file)
-    arrays: dict[str, Any] = {
-        "width": file.size[0],
-        "height": file.size[1],
+    """Return the arrays (numpy, float32, int32 and bool) of a map file that has passed the checks.
+
+    They are those of its network, but for its routes, whose arcs are exact.
+    """
+    laid_out = lay_out(network_of(file), goal_spacing=goal_spacing, start_clearance=start_clearance)
+    own = {
+        "half_width": min(make_road(name, area).width for name, area in file.roads.items()) / 2,
         "roads": list(file.roads.values()),
         "sidewalks": list(file.sidewalks.values()),
         "crosswalks": [crosswalk.area for crosswalk in file.crosswalks.values()],
-        **_walking(graph, goal_spacing),
-        **_crossing(file, graph),
-        **_driving(file, graph, start_clearance),
+        **driving(_routes(file), build_graph(file), start_clearance),
+        "route_places": file.car.pairs(),
     }
-    compact: dict[str, Any] = {name: _compact(value) for name, value in arrays.items()}
-    return RoadMap(**compact)
+    compacted: dict[str, Any] = {name: compact(value) for name, value in own.items()}
+    return replace(laid_out, **compacted)
 
 
-def stack_maps(maps: Sequence[RoadMap]) -> RoadMap:
-    """Pad maps (one or more) to a common size and stack them along a new leading axis. Raises ValueError if empty."""
+def _routes(file: MapFile) -> list[SampledRoute]:
+    """Return all routes, with equally many points."""
+    radii, lines = (file.car.right_turn_radius, file.car.left_turn_radius), centre_lines(file)
+    routes = [lane_route(lines, start, goal, radii) for start, goal in file.car.pairs()]
+    along = np.arange(points_for([length for _, length in routes])) * ROUTE_SPACING
+    return [SampledRoute(*sample(pieces, along), length) for pieces, length in routes]
+
+
+def stack_maps(maps: Sequence[RoadMap], *, rounded: bool = False) -> RoadMap:
+    """Pad maps (one or more) to a common size and stack them along a new leading axis. Raises ValueError if empty.
+
+    ``rounded``: all sizes are rounded up to few different ones, so that other maps often have the same shapes; the
+    first map is repeated to round up their number.
+    """
     if not maps:
         raise ValueError("stack_maps needs at least one map")
     arrays: dict[str, Any] = {}
+    size = rounded_up if rounded else int
     for field in fields(RoadMap):
         each = [np.asarray(getattr(road_map, field.name)) for road_map in maps]
-        shape = tuple(max(sizes) for sizes in zip(*(array.shape for array in each), strict=True))
+        each += each[:1] * (size(len(maps)) - len(maps))
+        shape = tuple(size(max(sizes)) for sizes in zip(*(array.shape for array in each), strict=True))
         arrays[field.name] = np.stack([_pad(field.name, array, shape) for array in each])
     return RoadMap(**arrays)
 
 
-def _walking(graph: Graph, goal_spacing: float) -> dict[str, Any]:
-    """Return nodes, edges, shortest ways and goals."""
-    distance, next_hop = shortest_ways(graph)
-    choices, count = _table(goal_choices(graph, distance, goal_spacing))
-    return {
-        "node_x": graph.points[:, 0],
-        "node_y": graph.points[:, 1],
-        "node_is_midpoint": np.arange(len(graph.points)) >= graph.waypoints,
-        "edges": graph.edges,
-        "next_hop": next_hop,
-        "distance": distance,
-        "goal_choices": choices,
-        "goal_count": count,
-    }
-
-
-def _crossing(file: MapFile, graph: Graph) -> dict[str, Any]:
-    """Return the two sides of each crosswalk, with their jaywalk zones."""
-    index = {name: number for number, name in enumerate(file.waypoints)}
-    sides = [(crosswalk, side) for crosswalk in file.crosswalks.values() for side in crosswalk.sides]
-    landings = [index[side.landing] for _, side in sides]
-    zones = [zone_from_landing(crosswalk, side, file.waypoints) for crosswalk, side in sides]
-    node_side = np.full(len(graph.points), -1)
-    node_side[landings] = np.arange(len(sides))
-    return {
-        "side_landing": landings,
-        "side_outer": [index[side.outer] for _, side in sides],
-        "side_ux": [unit[0] for unit, _, _ in zones],
-        "side_uy": [unit[1] for unit, _, _ in zones],
-        "zone_near": [near for _, near, _ in zones],
-        "zone_far": [far for _, _, far in zones],
-        "node_side": node_side,
-    }
-
-
-def _driving(file: MapFile, graph: Graph, start_clearance: float) -> dict[str, Any]:
-    """Return the car's routes, and the waypoints where pedestrians may start on each."""
-    radii = (file.car.right_turn_radius, file.car.left_turn_radius)
-    lines = centre_lines(file)
-    pairs = file.car.pairs()
-    routes = [lane_route(lines, start, goal, radii) for start, goal in pairs]
-    lengths = [length for _, length in routes]
-    points = int(np.ceil((max(lengths) + BEYOND_GOAL) / ROUTE_SPACING)) + 1
-    along = np.arange(points) * ROUTE_SPACING
-    sampled = [sample(pieces, along) for pieces, _ in routes]
-    places, tangents = (np.stack(each) for each in zip(*sampled, strict=True))
-    choices, count = _table([start_choices(graph, tuple(place[0]), start_clearance) for place in places])
-    return {
-        "route_count": len(pairs),
-        "route_places": pairs,
-        "route_x": places[..., 0],
-        "route_y": places[..., 1],
-        "route_cos": tangents[..., 0],
-        "route_sin": tangents[..., 1],
-        "route_length": lengths,
-        "start_choices": choices,
-        "start_count": count,
-    }
-
-
-def _table(rows: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return rows of different lengths as one int table, padded with 0, and their lengths."""
-    count = np.array([len(row) for row in rows], int)
-    table = np.zeros((len(rows), count.max(initial=0)), int)
-    for line, row in zip(table, rows, strict=True):
-        line[: len(row)] = row
-    return table, count
-
-
-def _compact(value: Any) -> np.ndarray:
-    """Return a value as an array of bool, int32 or float32."""
-    array = np.asarray(value)
-    if array.dtype == bool:
-        return array
-    return array.astype(np.int32 if np.issubdtype(array.dtype, np.integer) else np.float32)
+def rounded_up(size: int) -> int:
+    """Return the next number of the row 1, 2, 3, 4, 6, 8, 12, 16, 24, 32 ...; 0 remains."""
+    power = 1 << max(size - 1, 0).bit_length()
+    return size if size < 2 else power * 3 // 4 if size <= power * 3 // 4 else power
 
 
 def _pad(name: str, array: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:

@@ -58,7 +58,7 @@ class Street(eqx.Module):
     @property
     def maps(self) -> tuple[MapText, ...]:
         """Name, hash and text of each map, in the order of `Scenario.map`."""
-        return self.world.map_texts
+        return tuple(self.world.map_texts)
 
     @property
     def roles(self) -> Roles[RoleSpec]:

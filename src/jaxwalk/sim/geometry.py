@@ -1,21 +1,8 @@
-"""Points, vectors and rectangles on the ground."""
+"""Points and vectors on the ground."""
 
 from __future__ import annotations
 
-import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
-
-from jaxwalk.sim.lookup import of_map
-
-
-def inside(
-    rectangles: Float[Array, "map rectangle 4"], map_index: Int[Array, "*batch"], x: Array, y: Array
-) -> Bool[Array, "..."]:
-    """Return whether points ``(*agents, *batch)`` lie in any rectangle of their map; its edge is outside."""
-    boxes = of_map(rectangles, map_index)
-    boxes = boxes.reshape(*boxes.shape[:2], *(1,) * (x.ndim + 2 - boxes.ndim), *boxes.shape[2:])
-    x0, y0, x1, y1 = jnp.unstack(boxes, axis=1)
-    return ((x > x0) & (x < x1) & (y > y0) & (y < y1)).any(axis=0)
+from jaxtyping import Array
 
 
 def to_frame(x, y, cos, sin):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -26,25 +27,31 @@ class Tables(eqx.Module):
     """What a step needs to know about the maps, with one look-up for people at the end of a leg and one for the car."""
 
     hop: Int[Array, "map node goal"]
-    """Bits: next node; whether that node, and whether the node itself, is a crosswalk's midpoint; the side of the
-    crosswalk that a pedestrian decides about when it leaves the node (NO_SIDE: none)."""
+    """Bits: next node; whether that node, and whether the node itself, lies between the landings of a crossing; the
+    side of the crossing that a pedestrian decides about when it leaves the node (NO_SIDE: none)."""
     side: dict[str, Float[Array, "map side"]]
-    """The columns `SIDE_COLUMNS` of each side of a crosswalk."""
-    turn: Float[Array, "map side goal"]
-    """If a jaywalk ends this close to a side's landing or closer [m], the shortest way to a goal leads past that
-    landing, else past the zone's outer node."""
+    """The columns `SIDE_COLUMNS` of each side of a crossing."""
+    zone: dict[str, Float[Array, "map side piece"]]
+    """The columns `ZONE_COLUMNS` of each piece of the line along which a side's jaywalk zone lies. A place in a zone is
+    a number of pieces from the landing."""
+    place: Float[Array, "map side node"]
+    """The place of each node on a side's line; -1 off it."""
+    walk: Float[Array, "map side node"]
+    """From each of these nodes along the line to the landing [m]; 0 off it."""
+    turn: Float[Array, "map side piece goal"]
+    """If a jaywalk ends at this place of a piece or before, the shortest way to a goal leads past the piece's first
+    node, else past its second one."""
     course: Float[Array, "map route point column"]
     """At each point of a route: position [m], direction, then x and then y of the `POINTS` ahead [m]."""
     finish: Float[Array, "map route 3"]
     """Each route's x and y of the goal, in its lane, and its metres from start to goal."""
 
 
-SIDE_COLUMNS = (
-    "x", "y", "ux", "uy", "near", "far", "across_x", "across_y", "landing_to_kerb", "far_near", "far_far",
-    "far_landing", "far_outer",
-)  # fmt: skip
-"""A side's landing [m], unit vector and zone along the kerb [m], vector to the opposite landing [m], distance from the
-landing to the kerb [m], zone of the opposite side [m], and that side's landing and outer node."""
+SIDE_COLUMNS = ("near", "far", "piece", "clear")
+"""A side's zone, as places (without a zone, far is below near); the length of a piece, half-way between the two sides
+[m]; the distance from the landing along the crossing to the roadway [m]."""
+ZONE_COLUMNS = ("x", "y", "dx", "dy", "kerb")
+"""The first point of a piece [m], the vector to its last point [m], the distance from the piece to the roadway [m]."""
 
 
 class Hop(eqx.Module):
@@ -70,18 +77,22 @@ def unpack_hop(entry: Array) -> Hop:
 
 def pack_tables(maps: RoadMap) -> dict[str, Any]:
     """Return the fields of `Tables` for stacked maps, as NumPy arrays."""
-    count = np.asarray(maps.roads).shape[0]
-    each = [_pack_map(_entry(maps, i)) for i in range(count)]
-    hop, side, turn = (np.stack(tables) for tables in zip(*each, strict=True))
+    each = [_pack_map(_entry(maps, i)) for i in range(len(maps.width))]
     course, finish = _pack_routes(maps)
-    sides = {name: side[..., i] for i, name in enumerate(SIDE_COLUMNS)}
-    return {"hop": hop, "side": sides, "turn": turn, "course": course, "finish": finish}
+    return jax.tree.map(lambda *tables: np.stack(tables), *each) | {"course": course, "finish": finish}
 
 
-def shortest_crossing(side: Mapping[str, np.ndarray]) -> float:
-    """Return the shortest distance between the two landings of a crosswalk [m], from ``Tables.side``."""
-    widths = np.hypot(side["across_x"], side["across_y"])
-    return float(widths[side["landing_to_kerb"] > 0].min())
+def shortest_crossing(maps: RoadMap) -> float:
+    """Return the shortest way from a landing or a zone's node straight to the opposite one [m]."""
+    shortest = np.inf
+    for i in range(len(maps.width)):
+        m = _entry(maps, i)
+        one, other = (m["zone_node"][side::2] for side in (0, 1))
+        if one.shape[1] == 2:  # straight zones are as wide as their crossings; their last nodes needn't face each other
+            one, other = one[:, :1], other[:, :1]
+        widths = np.hypot(m["node_x"][one] - m["node_x"][other], m["node_y"][one] - m["node_y"][other])
+        shortest = min(shortest, widths[one >= 0].min())
+    return float(shortest)
 
 
 def _pack_routes(maps: RoadMap) -> tuple[np.ndarray, np.ndarray]:
@@ -104,35 +115,58 @@ def _entry(maps: RoadMap, i: int):
     return {name: np.asarray(value)[i] for name, value in vars(maps).items()}
 
 
-def _pack_map(m: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return ``hop``, the columns of ``side`` and ``turn`` of one map."""
+def _pack_map(m: dict) -> dict[str, Any]:
+    """Return the fields of `Tables` of one map, but for its routes."""
+    lines = np.clip(m["zone_node"], 0, None)
+    x, y = m["node_x"][lines], m["node_y"][lines]
+    zone = {"x": x[:, :-1], "y": y[:, :-1], "dx": np.diff(x), "dy": np.diff(y), "kerb": m["zone_kerb"]}
+    side = {
+        "near": m["zone_near"] / m["zone_piece"],
+        "far": m["zone_far"] / m["zone_piece"],
+        "piece": m["zone_piece"],
+        "clear": m["node_clear"][np.clip(m["side_landing"], 0, None)],
+    }
+    lengths = np.hypot(zone["dx"], zone["dy"])
+    places, walk = _on_lines(m, lengths)
+    single = {"place": places, "walk": walk, "turn": _turns(m, lines, lengths)}
+    rows = jax.tree.map(lambda table: np.asarray(table, np.float32), {"side": side, "zone": zone} | single)
+    return {"hop": _hops(m).astype(np.int32)} | rows
+
+
+def _hops(m: dict) -> np.ndarray:
+    """Return the table ``hop``.
+
+    A crossing is decided about where the last edge before its landing begins; and, on the line along which people may
+    jaywalk beside it, wherever the way follows that line to the landing.
+    """
     nodes = np.arange(len(m["node_x"]))
     midpoint, following = m["node_is_midpoint"], np.clip(m["next_hop"], 0, None)
-    goals = nodes[None, :]
-    after = following[following, goals]
+    after = following[following, nodes[None, :]]
     here, ahead = m["node_side"][:, None], m["node_side"][following]
     side = np.where(midpoint[following], here, np.where(midpoint[after], ahead, -1))
+    for number, line in enumerate(m["zone_node"]):
+        leads = midpoint[following[line[0]]] & (line[0] >= 0)
+        for before, node in pairwise(dict.fromkeys(line.tolist())):
+            leads = leads & (following[node] == before)
+            side[node] = np.where(leads, number, side[node])
     side = np.where(midpoint[:, None] | (side < 0), NO_SIDE, side)
-    hop = following | midpoint[following] << NODE_BITS | midpoint[:, None] << (NODE_BITS + 1) | side << (NODE_BITS + 2)
+    return following | midpoint[following] << NODE_BITS | midpoint[:, None] << (NODE_BITS + 1) | side << (NODE_BITS + 2)
 
-    real = m["side_landing"] >= 0
-    other = np.arange(len(real)) ^ 1
-    landing, outer = np.clip(m["side_landing"], 0, None), np.clip(m["side_outer"], 0, None)
-    x, y = m["node_x"][landing], m["node_y"][landing]
-    to_kerb = np.where(real, _landing_to_kerb(m, landing, other), 0)
-    columns = (x, y, m["side_ux"], m["side_uy"], m["zone_near"], m["zone_far"], x[other] - x, y[other] - y, to_kerb,
-               m["zone_near"][other], m["zone_far"][other], landing[other], outer[other])  # fmt: skip
-    edge = np.hypot(m["node_x"][outer] - x, m["node_y"][outer] - y)
+
+def _on_lines(m: dict, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the tables ``place`` and ``walk`` from the lengths of all pieces (side, piece) [m]."""
+    places = np.full((len(m["zone_node"]), len(m["node_x"])), -1.0)
+    walk = np.zeros(places.shape)
+    for side, line in enumerate(m["zone_node"]):
+        metres = np.concatenate([[0], lengths[side].cumsum()])
+        on = np.array([*dict.fromkeys(line[line >= 0].tolist())], int)
+        places[side, on], walk[side, on] = np.arange(len(on)), metres[: len(on)]
+    return places, walk
+
+
+def _turns(m: dict, lines: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Return the table ``turn`` from the nodes of the lines (side, point) and their lengths (side, piece) [m]."""
     distance = np.where(np.isfinite(m["distance"]), m["distance"], 0)  # infinite only where there is padding
-    turn = (edge[:, None] + distance[outer] - distance[landing]) / 2
-    return hop.astype(np.int32), np.stack(columns, 1).astype(np.float32), turn.astype(np.float32)
-
-
-def _landing_to_kerb(m: dict, landing: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return the distance from each landing straight to the roadway that its crosswalk crosses half-way [m]."""
-    x, y = m["node_x"][landing][:, None], m["node_y"][landing][:, None]
-    middle_x, middle_y = (x + x[other]) / 2, (y + y[other]) / 2
-    x0, y0, x1, y1 = m["roads"].T
-    crossed = (x0 < middle_x) & (middle_x < x1) & (y0 < middle_y) & (middle_y < y1)
-    away = np.hypot(np.maximum(np.maximum(x0 - x, x - x1), 0), np.maximum(np.maximum(y0 - y, y - y1), 0))
-    return np.where(crossed, away, np.inf).min(axis=1)
+    further = distance[lines[:, 1:]] - distance[lines[:, :-1]]
+    share = (1 + further / np.maximum(lengths, 1e-6)[..., None]) / 2
+    return np.arange(lengths.shape[1])[:, None] + share

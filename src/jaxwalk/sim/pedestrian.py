@@ -7,12 +7,12 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Int, Shaped
+from jaxtyping import Array, Bool, Shaped
 
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING, LegKind
-from jaxwalk.sim.geometry import inside
+from jaxwalk.sim.jaywalk import Zone, jaywalk_from, zone_of
 from jaxwalk.sim.lookup import look_up, look_up_each
-from jaxwalk.sim.map_tables import unpack_hop
+from jaxwalk.sim.map_tables import Hop, unpack_hop
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Leg, PedestrianState
 from jaxwalk.sim.world import World
@@ -23,14 +23,13 @@ def place(world: World, scenario: Scenario) -> PedestrianState:
     x, y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, scenario.start)
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
-        end_x=x, end_y=y, cos=zero, sin=zero, length=zero, kind=none, node=scenario.start, landing_x=zero,
-        landing_y=zero, kerb_past_end=jnp.full_like(x, jnp.inf), crossing=none, decisions=none, goal=scenario.goals[0],
+        end_x=x, end_y=y, cos=zero, sin=zero, length=zero, kind=none, node=scenario.start, side=none, begin=zero,
+        road_end=zero, kerb_past_end=jnp.full_like(x, jnp.inf), crossing=none, decisions=none, goal=scenario.goals[0],
         arrivals=none,
     )  # fmt: skip
-    people = PedestrianState(
+    return PedestrianState(
         leg=leg, following=leg, planned=no, remaining=zero, going=~no, on_roadway=no, on_crosswalk=no
     )
-    return _on_surface(world, scenario, people)
 
 
 def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Array, "ped *batch"]) -> PedestrianState:
@@ -54,16 +53,9 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
         on_roadway=people.on_roadway,
         on_crosswalk=people.on_crosswalk,
     )
-    return _on_surface(world, scenario, people)
-
-
-def _on_surface(world: World, scenario: Scenario, people: PedestrianState) -> PedestrianState:
-    """Return the people with what they stand on, from the geometry of the map."""
-    surfaces = (
-        inside(world.maps.roads, scenario.map, people.x, people.y),
-        inside(world.maps.crosswalks, scenario.map, people.x, people.y),
-    )
-    return eqx.tree_at(lambda p: (p.on_roadway, p.on_crosswalk), people, surfaces)
+    on_roadway = (people.to_kerb < 0) & (people.remaining > people.leg.road_end)
+    on_crosswalk = on_roadway & (people.leg.kind == LegKind.CROSSWALK)
+    return eqx.tree_at(lambda p: (p.on_roadway, p.on_crosswalk), people, (on_roadway, on_crosswalk))
 
 
 def velocity(world: World, scenario: Scenario, people: PedestrianState) -> tuple[Array, Array]:
@@ -85,101 +77,85 @@ def enters_roadway(people: PedestrianState) -> Bool[Array, "ped *batch"]:
 def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     """Return the leg that follows.
 
-    A pedestrian at the point where its jaywalk begins goes across. All others continue along the graph: to the next
-    node, or after a jaywalk to the node of the first edge. A crossing is decided (equation 1) when a pedestrian begins
-    the last edge before a crosswalk; or at the crosswalk's landing, if it turns there.
+    A pedestrian at the point where its jaywalk begins goes across. One that is on its way there follows the line of its
+    zone. All others continue along the graph: to the next node, or after a jaywalk to the node of the first edge.
     """
     begins, landed = leg.kind == LegKind.TO_ZONE, leg.kind == LegKind.ACROSS
     arrived = (leg.kind <= LegKind.CROSSWALK) & (leg.node == leg.goal)
     arrivals = leg.arrivals + arrived
     goal = jnp.where(arrived, _take(scenario.goals, arrivals), leg.goal)
-
     hop = unpack_hop(look_up(world.tables.hop, scenario.map, leg.node, goal))
-    node = jnp.where(begins | landed, leg.node, hop.node)
-    node_x, node_y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, node)
-    to_crosswalk = hop.to_midpoint & ~landed
-    on_crosswalk = to_crosswalk | (hop.from_midpoint & ~landed)
+    choice = _choose(world, scenario, leg, hop)
+    zone, seeks = choice.zone, choice.seeks
+    way = jaywalk_from(world, scenario, choice.side, choice.begin, goal)
 
-    done = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
-    crossing = jnp.where(done, NO_CROSSING, leg.crossing)
-    side = jnp.where(landed & ~hop.to_midpoint, -1, hop.side)
-    decided = (side >= 0) & (crossing == NO_CROSSING)
-    jaywalk = decided & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
-    way = _jaywalk(world, scenario, leg, goal, jnp.maximum(side, 0))
-
-    end_x = jnp.where(begins, leg.landing_x, jnp.where(jaywalk, way.x, node_x))
-    end_y = jnp.where(begins, leg.landing_y, jnp.where(jaywalk, way.y, node_y))
+    place, begin_first = zone.next_node(choice.begin)
+    at_begin = seeks & begin_first
+    along = look_up(world.maps.zone_node, scenario.map, choice.side, place)
+    onward = jnp.where(landed, leg.node, hop.node)
+    node = jnp.where(begins, way.node, jnp.where(seeks, along, onward))
+    nodes = (world.maps.node_x, world.maps.node_y, world.maps.node_clear)
+    node_x, node_y, clear = look_up_each(nodes, scenario.map, node)
+    end_x = jnp.where(begins, way.landing_x, jnp.where(at_begin, way.x, node_x))
+    end_y = jnp.where(begins, way.landing_y, jnp.where(at_begin, way.y, node_y))
     dx, dy = end_x - leg.end_x, end_y - leg.end_y
     length = jnp.sqrt(dx * dx + dy * dy)
-    by_crosswalk = way.landing_to_kerb + jnp.where(to_crosswalk, 0, length)
-    no_longer = jnp.where(done, jnp.inf, leg.kerb_past_end)
-    to_kerb = jnp.where(decided, jnp.where(jaywalk, way.to_kerb, by_crosswalk), no_longer)
-    walks = jnp.where(jaywalk, LegKind.TO_ZONE, jnp.where(on_crosswalk, LegKind.CROSSWALK, LegKind.SIDEWALK))
+
+    on_crosswalk = (hop.to_midpoint | hop.from_midpoint) & ~landed & ~seeks
+    clear_here = look_up(world.maps.node_clear, scenario.map, leg.node)
+    no_longer = jnp.where(choice.done, jnp.inf, leg.kerb_past_end)
+    to_kerb = jnp.where(choice.decided, zone.clear + zone.to_landing(length), no_longer)
+    to_kerb = jnp.where(on_crosswalk & (clear_here > 0), clear_here, to_kerb)  # from a landing, or from an island
+    to_begin = jnp.where(begins, 0, zone.to_place(choice.begin, way.piece, length))
+    to_kerb = jnp.where(begins | seeks, to_begin + way.enter, to_kerb)
+    walks = jnp.where(at_begin, LegKind.TO_ZONE, jnp.where(on_crosswalk, LegKind.CROSSWALK, LegKind.SIDEWALK))
+    divisor = jnp.maximum(length, 1e-6)
     return Leg(
-        end_x=end_x,
-        end_y=end_y,
-        cos=dx / jnp.maximum(length, 1e-6),
-        sin=dy / jnp.maximum(length, 1e-6),
-        length=length,
-        kind=jnp.where(begins, LegKind.ACROSS, walks),
-        node=jnp.where(jaywalk, way.node, node),
-        landing_x=jnp.where(jaywalk, way.landing_x, leg.landing_x),
-        landing_y=jnp.where(jaywalk, way.landing_y, leg.landing_y),
-        kerb_past_end=to_kerb - length,
-        crossing=jnp.where(decided, jnp.where(jaywalk, JAYWALK, CROSSWALK), crossing),
-        decisions=leg.decisions + decided,
-        goal=goal,
-        arrivals=arrivals,
-    )
+        end_x=end_x, end_y=end_y, cos=dx / divisor, sin=dy / divisor, length=length,
+        kind=jnp.where(begins, LegKind.ACROSS, walks), node=node, side=choice.side, begin=choice.begin,
+        road_end=jnp.where(begins, way.leave, jnp.where(clear > 0, clear, -1)), kerb_past_end=to_kerb - length,
+        crossing=choice.crossing, decisions=leg.decisions + choice.decided, goal=goal, arrivals=arrivals,
+    )  # fmt: skip
 
 
-class Jaywalk(NamedTuple):
-    """A jaywalk from one side of a crosswalk; arrays ``(ped, *batch)``."""
+class _Choice(NamedTuple):
+    """Who crosses where; arrays ``(ped, *batch)``."""
 
-    x: Array
-    """Where it leaves the kerb line [m]."""
-    y: Array
-    landing_x: Array
-    """Where it reaches the opposite kerb line [m]."""
-    landing_y: Array
-    to_kerb: Array
-    """Path from here to the roadway [m]."""
-    node: Array
-    """First node after it."""
-    landing_to_kerb: Array
-    """From the crosswalk's landing to the roadway [m]."""
+    done: Array
+    """A crossing lies behind."""
+    decided: Array
+    """A crossing is decided now."""
+    seeks: Array
+    """It is on its way to where its jaywalk begins."""
+    crossing: Array
+    side: Array
+    begin: Array
+    zone: Zone
+    """The zone at that side."""
 
 
-def _jaywalk(
-    world: World, scenario: Scenario, leg: Leg, goal: Int[Array, "ped *batch"], side: Int[Array, "ped *batch"]
-) -> Jaywalk:
-    """Return the jaywalk that each pedestrian would make at a side, from the end of its leg.
+def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
+    """Decide about crossings (equation 1).
 
-    It begins uniformly in the part of the zone not yet passed (else in the whole zone), and is slanted toward the goal
-    by at most 45 degrees within the opposite zone, so it is clear of crosswalks and junctions.
+    That is done when a pedestrian begins the last edge before a crossing, or the line of its zone toward it; or at the
+    crossing's landing, if it turns there.
     """
-    columns = world.tables.side
-    of = dict(zip(columns, look_up_each(list(columns.values()), scenario.map, side), strict=True))
-    here = (leg.end_x - of["x"]) * of["ux"] + (leg.end_y - of["y"]) * of["uy"]
-    farthest = jnp.where(here > of["near"], jnp.minimum(here, of["far"]), of["far"])
-    begin = of["near"] + (farthest - of["near"]) * _take(scenario.zone_draw, leg.decisions)
-
-    opposite_x, opposite_y = of["x"] + of["across_x"], of["y"] + of["across_y"]
-    goal_x, goal_y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, goal)
-    toward = (goal_x - opposite_x) * of["ux"] + (goal_y - opposite_y) * of["uy"]
-    width = jnp.sqrt(of["across_x"] ** 2 + of["across_y"] ** 2)
-    end = jnp.clip(jnp.clip(toward, begin - width, begin + width), of["far_near"], of["far_far"])
-    slant = jnp.sqrt((end - begin) ** 2 + width * width) / jnp.maximum(width, 1e-6)
-
-    near_landing = end <= look_up(world.tables.turn, scenario.map, side ^ 1, goal)
-    return Jaywalk(
-        x=of["x"] + begin * of["ux"],
-        y=of["y"] + begin * of["uy"],
-        landing_x=opposite_x + end * of["ux"],
-        landing_y=opposite_y + end * of["uy"],
-        to_kerb=jnp.abs(begin - here) + of["landing_to_kerb"] * slant,
-        node=jnp.where(near_landing, of["far_landing"], of["far_outer"]).astype(jnp.int32),
-        landing_to_kerb=of["landing_to_kerb"],
+    begins, landed = leg.kind == LegKind.TO_ZONE, leg.kind == LegKind.ACROSS
+    done = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)
+    crossing = jnp.where(done, NO_CROSSING, leg.crossing)
+    offered = jnp.where(landed & ~hop.to_midpoint, -1, hop.side)
+    decided = (offered >= 0) & (crossing == NO_CROSSING)
+    side = jnp.where(decided, offered, leg.side)
+    zone = zone_of(world, scenario, leg, side)
+    jaywalk = decided & zone.exists & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
+    return _Choice(
+        done=done,
+        decided=decided,
+        seeks=jaywalk | ((crossing == JAYWALK) & ~begins),
+        crossing=jnp.where(decided, jnp.where(jaywalk, JAYWALK, CROSSWALK), crossing),
+        side=side,
+        begin=jnp.where(decided, zone.choose(_take(scenario.zone_draw, leg.decisions)), leg.begin),
+        zone=zone,
     )
 
 

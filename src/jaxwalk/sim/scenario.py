@@ -83,7 +83,7 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
     start_draw, goal_draws, traits, jaywalk_draw, zone_draw = jnp.split(
         numbers[2:].reshape(_rows(world), world.rules.pedestrians), _boundaries(world)
     )
-    map_index = jnp.floor(numbers[0] * maps.roads.shape[0]).astype(jnp.int32)
+    map_index = jnp.floor(numbers[0] * world.map_count).astype(jnp.int32)
     routes = look_up(maps.route_count, map_index)
     route = jnp.minimum((numbers[1] * routes).astype(jnp.int32), routes - 1)
     if like is not None:

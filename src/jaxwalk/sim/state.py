@@ -56,10 +56,13 @@ class Leg(eqx.Module):
     kind: Int[Array, "ped *batch"]
     """A `jaxwalk.sim.crossing_kind.LegKind`."""
     node: Int[Array, "ped *batch"]
-    """The waypoint where it ends; for a jaywalk, the first one after it."""
-    landing_x: Float[Array, "ped *batch"]
-    """Where a committed jaywalk will reach the opposite sidewalk [m]."""
-    landing_y: Float[Array, "ped *batch"]
+    """The node where it ends; for the way over the roadway of a jaywalk, the first one after it."""
+    side: Int[Array, "ped *batch"]
+    """The side of a crossing about which was decided last."""
+    begin: Float[Array, "ped *batch"]
+    """Where in that side's zone a jaywalk begins, in pieces of the zone's line."""
+    road_end: Float[Array, "ped *batch"]
+    """Metres before its end at which a leg over a roadway leaves it; negative if it ends on the roadway."""
     kerb_past_end: Float[Array, "ped *batch"]
     """Metres from its end to where the committed path enters a roadway: negative if before the end, inf if nowhere."""
     crossing: Int[Array, "ped *batch"]
@@ -88,7 +91,7 @@ class PedestrianState(eqx.Module):
     on_roadway: Bool[Array, "ped *batch"]
     """Whether it is between the kerbs."""
     on_crosswalk: Bool[Array, "ped *batch"]
-    """Whether it is inside a crosswalk's rectangle."""
+    """Whether it is between the kerbs on a crosswalk."""
 
     @property
     def x(self) -> Float[Array, "ped *batch"]:

@@ -11,7 +11,7 @@ from typing import Any
 import equinox as eqx
 import jax
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from jaxwalk.maps import MapText, RoadMap, build_map, read_map, stack_maps
 from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
@@ -19,6 +19,8 @@ from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
 STATIC = ("dt", "horizon", "pedestrians", "contact")
 """The rules that a compiled step contains as constants, because loops, shapes or its code depend on them."""
+CROSSINGS = (1.25, 2.5, 5.0, 10.0, 20.0)
+"""With several maps, tables are sized for the next of these below their shortest crossing [m]."""
 
 
 class Rules(eqx.Module):
@@ -57,6 +59,27 @@ class Rules(eqx.Module):
         return SimConfig(**{name: getattr(self, name) for name in STATIC}, **numbers)
 
 
+class MapTexts(tuple[MapText, ...]):
+    """The texts of a world's maps. All are equal, so that what is compiled for some maps serves others of their sizes.
+
+    So a compiled function mustn't return a world: its texts would be those of the world it was compiled for.
+    """
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether the other is a `MapTexts` too."""
+        return isinstance(other, MapTexts)
+
+    def __ne__(self, other: object) -> bool:
+        """Return whether the other isn't a `MapTexts`."""
+        return not isinstance(other, MapTexts)
+
+    def __hash__(self) -> int:
+        """Return the same for all."""
+        return hash(MapTexts)
+
+
 class World(eqx.Module):
     """Everything that is the same in all episodes. Functions of the simulator take it whole."""
 
@@ -71,7 +94,9 @@ class World(eqx.Module):
     """How many goals a scenario holds for each pedestrian."""
     crossings: int = eqx.field(static=True)
     """How many crossings a scenario holds draws for, for each pedestrian."""
-    map_texts: tuple[MapText, ...] = eqx.field(static=True)
+    map_count: Int[Array, ""]
+    """How many of the stacked maps are drawn from; further ones only round up their number."""
+    map_texts: MapTexts = eqx.field(static=True)
     """Name, hash and text of each map."""
 
     @classmethod
@@ -85,16 +110,20 @@ class World(eqx.Module):
         spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
         texts = tuple(x if isinstance(x, MapText) else read_map(x) for x in maps)
         named = zip(texts, map(str, maps), strict=True)  # an error names a file as the caller did
-        stacked = stack_maps([build_map(x.text or "", name, **spacing) for x, name in named])
+        several = len(texts) > 1
+        stacked = stack_maps([build_map(x.text or "", name, **spacing) for x, name in named], rounded=several)
         _check_margin(stacked, config.offroad_margin)
-        packed = pack_tables(stacked)
-        goals, crossings = table_sizes(config, shortest_crossing=shortest_crossing(packed["side"]))
+        packed, shortest = pack_tables(stacked), shortest_crossing(stacked)
+        if several:  # so that another set of maps has tables of the same sizes
+            shortest = max(x for x in CROSSINGS if x <= max(shortest, CROSSINGS[0]))
+        goals, crossings = table_sizes(config, shortest_crossing=shortest)
         numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
-        on_host = (stacked, packed, numbers, np.float32(jaywalk_multiplier))
-        road_map, tables, arrays, multiplier = jax.device_put(on_host)  # `jnp.asarray` compiles one program per shape
+        on_host = (stacked, packed, numbers, np.float32(jaywalk_multiplier), np.int32(len(texts)))
+        # `jnp.asarray` compiles one program per shape
+        road_map, tables, arrays, multiplier, count = jax.device_put(on_host)
         static: dict[str, Any] = {name: getattr(config, name) for name in STATIC}
         rules = Rules(**static, **arrays)
-        return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings, texts)
+        return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings, count, MapTexts(texts))
 
 
 def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:
@@ -116,9 +145,7 @@ def check_multiplier(multiplier: float) -> None:
 
 def _check_margin(maps: RoadMap, margin: float) -> None:
     """Raise ValueError if no place of some road is ``margin`` [m] inside it."""
-    boxes = np.asarray(maps.roads).reshape(-1, 4)
-    sizes = (boxes[:, 2:] - boxes[:, :2])[np.isfinite(boxes).all(axis=1)]
-    most = float(sizes.min()) / 2
+    most = float(np.min(maps.half_width))
     if margin > most:
         raise ValueError(f"offroad_margin must be at most half the narrowest road's width, {most:g} m, not {margin:g}")
 
