@@ -59,8 +59,9 @@ def buildings(town: Town, dice: Dice, plan: TownPlan, ground: Ground) -> Iterato
     plots = [_plots(town, dice, road, side * beyond) for road in plan.roads for side in (1, -1)]
     for plot in chain.from_iterable(plots):
         shape = plot.intersection(free)
-        sound = isinstance(shape, shapely.Polygon) and shape.area > SMALLEST
-        if dice.chance(town.building) and sound and not shapely.dwithin(standing, shape, GAP[0]).any():
+        if not dice.chance(town.building) or not isinstance(shape, shapely.Polygon):
+            continue
+        if shape.area > SMALLEST and not shapely.dwithin(standing, shape, GAP[0]).any():
             standing.append(shape)
             yield shape
 
