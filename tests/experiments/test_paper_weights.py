@@ -43,4 +43,4 @@ def test_each_car_meets_always_go_and_its_own_people(tiny, tmp_path):
     text = page.read_text(encoding="utf-8")
     assert "**Exploratory**: 1 training seed (3) and 2 of 6 updates." in text
     assert "nan" not in text
-    assert said.getvalue().startswith("5 trainings of 2 updates (")
+    assert "\n    5 trainings of 2 updates (" in said.getvalue()

@@ -30,7 +30,7 @@ SIMPLE = {
 }  # fmt: skip
 """A street of two lanes of 3 m, 100 m long, with sidewalks of 2 m and one crosswalk of 4 m."""
 
-RECORDED = ("skewed", 26, 34, 3, (162.5962, 137.245))
+RECORDED = ("skewed", 26, 34, 3, (162.597, 137.245))
 """Layout, lanes, areas, crossings and size [m] of street 12 of `TOWN`."""
 
 
@@ -210,6 +210,11 @@ def test_what_cannot_be_driven_is_refused(cross):
 def test_a_family_that_makes_no_street_is_refused(values, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         Town(**values)
+
+
+def test_buildings_whose_edges_nearly_coincide():
+    """Seen: shapely could not unite the plots of this street."""
+    check_street(make_street(UNSEEN, 3_000_000_738).network)
 
 
 @pytest.mark.parametrize("number", [-1, 2**63])

@@ -79,7 +79,6 @@ def co_training(
     ``base``: what to train instead of recipe ``fast``: its drivers' and its people's stand-ins are the treatments.
     """
     work = CoTrainingWork(folder, plan, console or Console(stderr=True), base or RECIPES["fast"])
-    work.say(_cost(work))
     work.do(
         [
             ("training the car with people and alone", _train),
@@ -133,6 +132,7 @@ def cost(trained: Sequence[Experiment], episodes: int, *, speed: float) -> str:
 
 
 def _train(work: CoTrainingWork) -> None:
+    work.say(f"    {_cost(work)}")
     for seed in work.plan.training_seeds:
         for name, experiment in cells(work.base).items():
             work.train(name, with_training(experiment, updates=work.plan.updates), seed)

@@ -57,8 +57,6 @@ def paper_weights(
     ``base``: what to train instead of recipe ``paper``.
     """
     work = SweepWork(folder, plan, console or Console(stderr=True), base or RECIPES["paper"])
-    trained = [with_training(one, updates=plan.updates) for one in weights(work.base).values()] * plan.seeds
-    work.say(cost(trained, 2 * len(trained) * plan.episodes, speed=STEPS_PER_SECOND))
     work.do([("training with other weights", _train), ("each among its own people", _evaluate), ("table", _write)])
     return folder / PAGE
 
@@ -77,9 +75,12 @@ def weights(base: Experiment) -> dict[str, Experiment]:
 
 
 def _train(work: SweepWork) -> None:
-    for seed in work.plan.training_seeds:
+    plan = work.plan
+    trained = [with_training(one, updates=plan.updates) for one in weights(work.base).values()] * plan.seeds
+    work.say(f"    {cost(trained, 2 * len(trained) * plan.episodes, speed=STEPS_PER_SECOND)}")
+    for seed in plan.training_seeds:
         for name, experiment in weights(work.base).items():
-            work.train(name, with_training(experiment, updates=work.plan.updates), seed)
+            work.train(name, with_training(experiment, updates=plan.updates), seed)
 
 
 def _evaluate(work: SweepWork) -> None:

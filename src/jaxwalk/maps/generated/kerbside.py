@@ -21,6 +21,10 @@ GAP, DEPTH = (1.0, 8.0), (8.0, 14.0)
 """Distance between two plots, and depth of a building [m]."""
 SMALLEST = 40.0
 """A smaller building is left out [m2]."""
+NEAREST = 0.02
+"""Smallest distance of a building from the sidewalk, whose outline is simplified by less [m]."""
+GRID = 0.001
+"""Corners of buildings are rounded to this [m]: shapely fails on edges that nearly coincide, but not on a grid."""
 AROUND = 12.0
 """Ground beyond the sidewalks on which buildings may stand [m]."""
 
@@ -50,14 +54,14 @@ def buildings(town: Town, dice: Dice, plan: TownPlan, ground: Ground) -> Iterato
     """Yield buildings: on plots along all roads, off the sidewalks, and apart."""
     bounds = shapely.union_all([ground.roadway, ground.sidewalk]).bounds
     within = shapely.box(bounds[0] - AROUND, bounds[1] - AROUND, bounds[2] + AROUND, bounds[3] + AROUND)
-    distance = dice.between(town.building_distance)
+    distance = max(dice.between(town.building_distance), NEAREST)
     taken = ground.whole.buffer(plan.sidewalk + distance, join_style="mitre")
     beyond = plan.sidewalk + distance
     plots = [_plots(town, dice, road, side * beyond) for road in plan.roads for side in (1, -1)]
     for plot in chain.from_iterable(plots):
-        shape = plot.difference(taken).intersection(within)
+        shape = shapely.intersection(shapely.difference(plot, taken, grid_size=GRID), within, grid_size=GRID)
         if dice.chance(town.building) and isinstance(shape, shapely.Polygon) and shape.area > SMALLEST:
-            taken = taken.union(shape.buffer(GAP[0], join_style="mitre"))
+            taken = shapely.union(taken, shape.buffer(GAP[0], join_style="mitre"), grid_size=GRID)
             yield shape
 
 
