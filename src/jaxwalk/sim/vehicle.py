@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -58,12 +59,17 @@ def onto_road(
     Far off the road, or in a corner too narrow for it, the car stays where it was.
     """
     off = room(world, scenario, x, y)[0] <= 0
-    for _ in range(PUSHES):
-        inside, east, north = room(world, scenario, x, y)
-        push = jnp.where(off, jnp.maximum(world.rules.offroad_margin - inside, 0), 0)
-        x, y = x + push * east, y + push * north
-    lost = off & (room(world, scenario, x, y)[0] <= 0)
-    return jnp.where(lost, vehicle.x, x), jnp.where(lost, vehicle.y, y), off
+
+    def back() -> tuple[Array, Array]:
+        new_x, new_y = x, y
+        for _ in range(PUSHES):
+            inside, east, north = room(world, scenario, new_x, new_y)
+            push = jnp.where(off, jnp.maximum(world.rules.offroad_margin - inside, 0), 0)
+            new_x, new_y = new_x + push * east, new_y + push * north
+        lost = off & (room(world, scenario, new_x, new_y)[0] <= 0)
+        return jnp.where(lost, vehicle.x, new_x), jnp.where(lost, vehicle.y, new_y)
+
+    return *jax.lax.cond(off.any(), back, lambda: (x, y)), off
 
 
 def room(world: World, scenario: Scenario, x: Array, y: Array) -> tuple[Array, Array, Array]:
