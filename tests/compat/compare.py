@@ -140,9 +140,10 @@ def compare_trained(*, folder: Path) -> Iterator[Compared]:
 
 
 def refused(error: CommandError) -> bool:
-    """Whether a command failed with one line that names the checkpoint."""
+    """Whether a command failed with one line that names the checkpoint, after warnings that the folder is old."""
     text = str(error)
-    return "Traceback" not in text and "\n" not in text and "checkpoint" in text.split("jaxwalk: ", 1)[-1]
+    (said, *more) = [line for line in text.splitlines() if line.startswith("jaxwalk: ")] or [""]
+    return "Traceback" not in text and not more and "checkpoint" in said
 
 
 def differences(before, now, tolerance: float, *, floor: float = 1.0) -> list[str]:

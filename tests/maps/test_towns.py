@@ -56,8 +56,8 @@ def of_random_numbers(count):
     return refused
 
 
-def test_200_streets_of_random_parameters_are_sound():
-    assert sum(of_random_numbers(200).values()) <= 20
+def test_40_streets_of_random_parameters_are_sound():
+    assert sum(of_random_numbers(40).values()) <= 4
 
 
 @pytest.mark.long

@@ -159,7 +159,7 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
 
 def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tuple[int, ...]]) -> None:
     """Raise CheckpointError unless the checkpoint has exactly the wanted arrays."""
-    advice = "train with the configuration that it was made with, or start again in another folder"
+    advice = "resume it with the version and configuration that made it, or start again in another folder"
     for name in sorted(wanted.keys() ^ stored.keys()):
         lack = "lacks" if name in wanted else "has an unexpected"
         raise CheckpointError(f"{path}: the checkpoint {lack} {name}; {advice}")
