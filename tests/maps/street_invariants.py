@@ -161,4 +161,5 @@ def _check_zone(network, crossing, ground):
             nearest = np.hypot(*(sides[0] - here).T).argmin()
             across = sides[1][nearest] - sides[0][nearest]
             assert abs(heading_at(lane, here) @ across) / np.linalg.norm(across) < 0.2
-    assert abs(along(np.mean(sides, axis=0))[-1] - (zone.end - zone.begin)) < 0.1
+    length = zone.end - zone.begin  # pieces of a bent zone count as equally long, which they are not quite
+    assert abs(along(np.mean(sides, axis=0))[-1] - length) < 0.05 * length

@@ -25,13 +25,14 @@ COMMANDS = {
     "reproduce": "reproduce --updates 1 --episodes 2 --out new",
     "hidden-intent": "hidden-intent --updates 1 --episodes 2 --seeds 1 --out new",
     "co-training": "co-training --updates 1 --episodes 2 --seeds 2 --out new",
+    "streets": f"streets --count 1 --out {OUT}",
 }
 """Every command, with little work."""
 WRITES = {
     "evaluate": ("results.json", "suite.md", "episodes.csv"), "play": ("a.html",), "export": ("a.onnx",),
     "tracks": ("a.parquet",), "scenario": ("episode.xosc", "map.xodr", "commonroad.xml"),
     "share": ("a.safetensors", "a.md"), "report": ("report.html", "results.json", "episodes.csv"),
-    "bench": ("bench.json", "bench.md"),
+    "bench": ("bench.json", "bench.md"), "streets": ("streets.png",),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""
 
