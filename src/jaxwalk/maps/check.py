@@ -6,11 +6,11 @@ from itertools import combinations, pairwise, product
 
 import numpy as np
 import shapely
-from scipy.sparse.csgraph import connected_components
 
 from jaxwalk.maps.check_crossings import crossing_faults
+from jaxwalk.maps.check_reach import reach_faults
 from jaxwalk.maps.file import MapFile
-from jaxwalk.maps.navigation import NEARLY, Graph, build_graph, goal_choices, shortest_ways, start_choices
+from jaxwalk.maps.navigation import NEARLY, Graph, build_graph, start_choices
 from jaxwalk.maps.routes import ROUTE_SPACING, RouteFault, centre_lines, lane_route, make_road, meet, road_of, sample
 from jaxwalk.maps.scene import Scene
 
@@ -141,21 +141,8 @@ def _reach_faults(graph: Graph, goal_spacing: float) -> list[str]:
     """Check that every waypoint is connected to every other, and has a goal to walk to."""
     if not graph.waypoints:
         return ["waypoints: none; add them along the sidewalks"]
-    distance, _ = shortest_ways(graph)
-    groups, group = connected_components(np.isfinite(distance), directed=False)
-    # The largest connected part counts as the map; the other parts are the mistake.
-    main = np.bincount(group, minlength=groups).argmax()
-    faults = [
-        f"waypoints.{graph.names[node]}: cut off from the others; join it by a walkway"
-        for node in np.flatnonzero(group[: graph.waypoints] != main)
-    ]
-    choices = goal_choices(graph, distance, goal_spacing)
-    faults += [
-        f"waypoints.{graph.names[node]}: no waypoint is {goal_spacing:g} m of walking away; add one farther away"
-        for node in np.flatnonzero(group[: graph.waypoints] == main)
-        if not len(choices[node])
-    ]
-    return faults
+    names = [f"waypoints.{name}" for name in graph.names[: graph.waypoints]]
+    return reach_faults(graph, names, goal_spacing, join="a walkway")
 
 
 def _place_faults(file: MapFile) -> list[str]:

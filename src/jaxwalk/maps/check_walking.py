@@ -8,9 +8,9 @@ from itertools import pairwise, product
 
 import numpy as np
 import shapely
-from scipy.sparse.csgraph import connected_components
 
-from jaxwalk.maps.navigation import NEARLY, Graph, goal_choices, shortest_ways
+from jaxwalk.maps.check_reach import reach_faults
+from jaxwalk.maps.navigation import NEARLY, Graph
 from jaxwalk.maps.network import Crossing, Network, WalkGraph
 from jaxwalk.maps.network_scene import SLACK, NetworkScene
 from jaxwalk.maps.network_zones import ZoneLines
@@ -174,16 +174,5 @@ def _chord_faults(chords: np.ndarray, scene: NetworkScene) -> list[str]:
 
 def _reach_faults(network: Network, goal_spacing: float) -> list[str]:
     """Check that every waypoint is connected to every other, and has a goal to walk to."""
-    graph = graph_of(network.walk)
-    distance, _ = shortest_ways(graph)
-    groups, group = connected_components(np.isfinite(distance), directed=False)
-    main = np.bincount(group, minlength=groups).argmax()
-    where = [f"walk.nodes[{n}] at ({x:.1f}, {y:.1f})" for n, (x, y) in enumerate(network.walk.nodes.tolist())]
-    faults = [f"{where[n]}: cut off from the others; join it by an edge" for n in np.flatnonzero(group != main)]
-    choices = goal_choices(graph, distance, goal_spacing)
-    faults += [
-        f"{where[n]}: no waypoint is {goal_spacing:g} m of walking away; add one farther away"
-        for n in np.flatnonzero(group[: graph.waypoints] == main)
-        if not len(choices[n])
-    ]
-    return faults
+    names = [f"walk.nodes[{n}] at ({x:.1f}, {y:.1f})" for n, (x, y) in enumerate(network.walk.nodes.tolist())]
+    return reach_faults(graph_of(network.walk), names, goal_spacing, join="an edge")
