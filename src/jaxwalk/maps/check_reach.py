@@ -23,10 +23,10 @@ def reach_faults(graph: Graph, names: Sequence[str], goal_spacing: float, *, joi
     groups, group = connected_components(np.isfinite(distance), directed=False)
     # The largest connected part counts as the map; the other parts are the mistake.
     connected = group == np.bincount(group, minlength=groups).argmax()
-    cut = [f"{names[n]}: cut off from the others; join it by {join}" for n in np.flatnonzero(~connected[: len(names)])]
+    cut = np.flatnonzero(~connected[: len(names)]).tolist()
     choices = goal_choices(graph, distance, goal_spacing)
-    return cut + [
+    return [f"{names[n]}: cut off from the others; join it by {join}" for n in cut] + [
         f"{names[n]}: no waypoint is {goal_spacing:g} m of walking away; add one farther away"
-        for n in np.flatnonzero(connected[: graph.waypoints])
+        for n in np.flatnonzero(connected[: graph.waypoints]).tolist()
         if not len(choices[n])
     ]
