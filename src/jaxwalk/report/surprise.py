@@ -61,7 +61,7 @@ def in_words(bins: Sequence[SpeedBin]) -> str:
     )
     sentences = [f"Near jaywalkers the car is {raw}." if raw else nowhere]
     if beyond:
-        sentences.append(f"Beyond what is so near ghosts, which it cannot see, it is {beyond}.")
+        sentences.append(f"Beyond the difference near ghosts, which it cannot see, it is {beyond}.")
     elif raw:
         sentences.append("No interval shows more than near ghosts, which it cannot see: the place may explain it.")
     else:
