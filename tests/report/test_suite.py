@@ -41,7 +41,7 @@ def _bin(near: float, raw: Estimate, beyond: Estimate, matched: Estimate) -> Spe
     [
         (NONE, NONE, NONE, "jaywalkers and crosswalk users free of 0. Nor is there more than near ghosts"),
         (FASTER, NONE, NONE, "the car is faster at 0 to 3 m. No interval shows more than near ghosts"),
-        (FASTER, FASTER, FASTER, "0 to 3 m. Beyond what is so near ghosts, which it cannot see, it is faster"),
+        (FASTER, FASTER, FASTER, "0 to 3 m. Beyond the difference near ghosts, which it cannot see, it is faster"),
         (FASTER, SLOWER, SLOWER, "is slower at 0 to 3 m. At nearly the same place and initial speed it is slower"),
         (NONE, FASTER, NONE, "At nearly the same place and initial speed no interval shows a difference."),
     ],
