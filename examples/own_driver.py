@@ -30,7 +30,7 @@ decide = eqx.filter_jit(lambda policy, observation: policy.act(None, None, obser
 class NumpyDriver:
     """Implements the whole protocol: the observation set, and an action for each row of a batch of observations."""
 
-    observes = "route"
+    observes = native.view.name
 
     def __init__(self):
         network = native.actor.network
