@@ -29,6 +29,8 @@ def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
     assert about["results"]["scenarios"] == {"seed": 3, "count": 6, "hash": found.scenarios.hash}
     lines = card.read_text().splitlines()
     assert lines[0] == "# mine"
+    assert about["results"]["where"].endswith("collisions by footprint")
+    assert f"on {about['results']['where']}; 95 %" in card.read_text()
     assert any(
         line.startswith(f"| learned (fast, training seed 0) | {100 * told['goal_rate']['value']:.1f} [")
         for line in lines

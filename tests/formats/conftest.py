@@ -6,21 +6,22 @@ import numpy as np
 import pytest
 
 from jaxwalk.formats.areas import areas_of, parse_areas
+from jaxwalk.formats.road_network import road_network
 from jaxwalk.formats.tracks import tracks_of
-from jaxwalk.maps import load_map
+from jaxwalk.maps import load_network
 from jaxwalk.scenarios import Drawn
 
 EPISODES = 48
 
 
 @pytest.fixture(scope="session")
-def road_map():
-    return load_map("paper")
+def network():
+    return load_network("paper")
 
 
 @pytest.fixture(scope="session")
-def areas(road_map):
-    return parse_areas(areas_of(road_map), "the map")
+def areas(network):
+    return parse_areas(areas_of(network), "the map")
 
 
 @pytest.fixture(scope="session")
@@ -39,3 +40,12 @@ def recorded(street):
 def episodes(recorded):
     """Its tables."""
     return list(tracks_of(recorded))
+
+
+TOWN = "test-2000000003"
+"""Two junctions, bent roads of one to four lanes, an island, parking strips, buildings."""
+
+
+@pytest.fixture(scope="module", params=["paper", TOWN])
+def road_plan(request):
+    return road_network(load_network(request.param))

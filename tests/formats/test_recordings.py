@@ -179,7 +179,7 @@ WRONG = {
     "no list": ('{"type": "FeatureCollection", "features": 3}', "its features must be a list"),
     "a kind that is a list": (
         json.dumps(STREET).replace('"crosswalk"', '["crosswalk"]'),
-        "feature 1: kind must be one of roadway, crosswalk, sidewalk, not .'crosswalk'",
+        "feature 1: kind must be one of roadway, sidewalk, crosswalk, island, parking, building, not .'crosswalk'",
     ),
     "no collection": ("[]", "must be a GeoJSON FeatureCollection"),
     "no roadway": ('{"type": "FeatureCollection", "features": []}', "no feature with"),

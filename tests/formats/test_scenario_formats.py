@@ -3,39 +3,20 @@
 from __future__ import annotations
 
 import math
-import sys
-import tomllib
 import xml.etree.ElementTree as ET
 from dataclasses import replace
-from importlib import resources
-from importlib.metadata import files
 
 import numpy as np
 import pytest
-import xmlschema
 
+from formats.schemas import valid
 from jaxwalk.formats.commonroad import commonroad, read_commonroad
-from jaxwalk.formats.opendrive import opendrive
 from jaxwalk.formats.openscenario import openscenario, read_openscenario
 from jaxwalk.formats.paths import Path, largest_error, paths
-from jaxwalk.formats.road_network import EAST, NORTH, Arm, road_network
-from jaxwalk.formats.tracks import TracksError
-from jaxwalk.maps import load_map
 from jaxwalk.sim.sim_config import SimConfig
-from sim.maps import turned, write
 
 CONFIG = SimConfig()
 CENTIMETRE = 0.01
-
-
-@pytest.fixture(scope="module")
-def network(road_map):
-    return road_network(road_map)
-
-
-@pytest.fixture(scope="module")
-def drive(network):
-    return opendrive(network, "paper")
 
 
 @pytest.fixture(scope="module")
@@ -50,110 +31,12 @@ def osc(scenario):
 
 
 @pytest.fixture(scope="module")
-def common(scenario, network):
-    return commonroad(scenario, network, name="a collision", config=CONFIG)
-
-
-def _valid(document, schema):
-    """What is wrong with a document by a schema that comes with scenariogeneration."""
-    (path,) = (file.locate() for file in files("scenariogeneration") or () if file.name == schema)
-    return [error.reason for error in xmlschema.XMLSchema(str(path)).iter_errors(ET.fromstring(document))]
-
-
-def test_lanes_of_the_papers_map(network):
-    assert [(one.x, one.y, one.reach) for one in network.junctions] == [(56, 56, 6), (56, 86, 6)], "up to crosswalks"
-    arms = [(arm.x, arm.y, arm.heading, arm.length, arm.width, arm.ends) for arm in network.arms]
-    assert sorted(arms, key=repr) == sorted(
-        [
-            (0, 56, EAST, 50, 8, (None, 0)),
-            (62, 56, EAST, 58, 8, (0, None)),
-            (56, 0, NORTH, 50, 8, (None, 0)),
-            (56, 62, NORTH, 18, 8, (0, 1)),
-            (56, 92, NORTH, 28, 8, (1, None)),
-            (62, 86, EAST, 58, 8, (1, None)),
-        ],
-        key=lambda arm: repr((*map(float, arm[:5]), arm[5])),
-    )
-    assert len(network.connections) == 4 * 3 + 3 * 2
-    assert network.bounds() == (0, 0, 120, 120)
-    turns = sorted(round(one.curvature, 3) for one in network.connections if one.junction == 1)
-    assert turns == [-0.167, -0.167, 0, 0, 0.167, 0.167]
-
-
-def test_a_turned_map_has_turned_lanes(network, tmp_path):
-    table = tomllib.loads(resources.files("jaxwalk.maps").joinpath("paper.toml").read_text())
-    other = road_network(load_map(write(tmp_path / "turned.toml", turned(table))))
-    assert {(one.x, one.y, one.reach) for one in other.junctions} == {(64, 56, 6), (34, 56, 6)}
-    assert sorted(arm.length for arm in other.arms) == sorted(arm.length for arm in network.arms)
-    lengths = sorted((one.length, one.curvature) for one in network.connections)
-    assert sorted((one.length, one.curvature) for one in other.connections) == lengths
-    assert _valid(opendrive(other, "turned"), "opendrive_17_core.xsd") == []
-
-
-def test_a_road_that_meets_no_other(road_map):
-    alone = road_network(replace(road_map, roads=road_map.roads[:1]))
-    assert alone.arms == (Arm(0.0, 56.0, EAST, 120.0, 8.0, (None, None)),)
-    assert (alone.junctions, alone.connections) == ((), ())
-    assert opendrive(alone, "one road").count(b"<road ") == 1
-
-
-def test_no_room_for_a_junction(road_map):
-    crosswalks = np.array([[58, 52, 60, 60]], np.float32)
-    with pytest.raises(TracksError, match=r"the junction at \(56, 56\) has no room"):
-        road_network(replace(road_map, crosswalks=crosswalks))
-
-
-def test_opendrive_is_valid(drive):
-    assert _valid(drive, "opendrive_17_core.xsd") == []
-    header = ET.fromstring(drive).find("header")
-    assert [float(header.get(side)) for side in ("north", "south", "east", "west")] == [120, 0, 120, 0]
-    assert _valid(drive.replace(b'type="driving"', b'type="flying"', 1), "opendrive_17_core.xsd"), "it can fail"
-
-
-def _ends(road):
-    """Where an OpenDRIVE road of one line or arc begins and ends: x, y, heading."""
-    geometry = road.find("planView/geometry")
-    x, y, heading, length = (float(geometry.get(name)) for name in ("x", "y", "hdg", "length"))
-    arc = geometry.find("arc")
-    if arc is None:
-        return (x, y, heading), (x + length * math.cos(heading), y + length * math.sin(heading), heading)
-    curvature = float(arc.get("curvature"))
-    end = heading + curvature * length
-    dx, dy = math.sin(end) - math.sin(heading), math.cos(heading) - math.cos(end)
-    return (x, y, heading), (x + dx / curvature, y + dy / curvature, end)
-
-
-def test_roads_through_junctions_meet_their_arms(drive):
-    roads = {road.get("id"): road for road in ET.fromstring(drive).iter("road")}
-    through = [road for road in roads.values() if road.get("junction") != "-1"]
-    assert len(through) == 18
-    for road in through:
-        for end, link in zip(_ends(road), ("predecessor", "successor"), strict=True):
-            arm = road.find(f"link/{link}")
-            at_end = arm.get("contactPoint") == "end"
-            x, y, heading = _ends(roads[arm.get("elementId")])[at_end]
-            against = at_end == (link == "successor")
-            assert math.hypot(x - end[0], y - end[1]) < CENTIMETRE
-            assert abs(math.remainder(heading + math.pi * against - end[2], 2 * math.pi)) < 1e-6
-            lane = int(road.find(f"lanes/laneSection/right/lane/link/{link}").get("id"))
-            assert lane == (1 if against else -1), "right-hand traffic"
-
-
-def test_crosswalks_are_where_the_map_has_them(drive, road_map):
-    found = []
-    for road in ET.fromstring(drive).iter("road"):
-        (x, y, heading), _ = _ends(road)
-        for one in road.iter("object"):
-            s, t = float(one.get("s")), float(one.get("t"))
-            corners = [(s + float(c.get("u")), t + float(c.get("v"))) for c in one.iter("cornerLocal")]
-            cos, sin = math.cos(heading), math.sin(heading)
-            points = np.array([(x + a * cos - b * sin, y + a * sin + b * cos) for a, b in corners])
-            found.append([*points.min(axis=0), *points.max(axis=0)])
-    assert np.allclose(sorted(found), sorted(road_map.crosswalks.tolist()), atol=CENTIMETRE)
+def common(scenario, road_plan):
+    return commonroad(scenario, road_plan, name="a collision", config=CONFIG)
 
 
 def test_openscenario_is_valid_and_says_where_everybody_was(osc, scenario):
-    assert _valid(osc, "OpenSCENARIO_1_2.xsd") == []
+    assert valid(osc, "OpenSCENARIO_1_2.xsd") == []
     assert largest_error(paths(scenario), read_openscenario(osc)) < 1e-6
     root = ET.fromstring(osc)
     assert root.find("RoadNetwork/LogicFile").get("filepath") == "map.xodr"
@@ -175,9 +58,12 @@ def test_commonroad_says_where_everybody_was(common, scenario):
     assert (float(centre.findtext("x")), float(centre.findtext("y"))) == pytest.approx(goal, abs=1e-5)
 
 
-def test_lanelets_hang_together(common, network):
+def test_lanelets_hang_together(common, road_plan):
     lanelets = {one.get("id"): one for one in ET.fromstring(common).iter("lanelet")}
-    assert len(lanelets) == 2 * 6 + 18 + len(network.crosswalks) + len(network.sidewalks)
+    street = road_plan.network
+    crosswalks = sum(area.kind == "crosswalk" for area in street.areas)
+    crossed = sum(len(crossing.nodes) - 1 for crossing in street.crossings)
+    assert len(lanelets) == len(street.lanes) + crosswalks + len(street.walk.edges) - crossed
 
     def bound(one, side, end):
         point = one.findall(f"{side}/point")[end]
@@ -196,7 +82,25 @@ def test_lanelets_hang_together(common, network):
             bound(one, "leftBound", 1),
         )
         assert (ax - lx) * (ry - ly) - (ay - ly) * (rx - lx) < 0, "the right bound lies to the right"
-    assert links == 4 * 18
+    assert links == 2 * sum(len(lane.successors) for lane in street.lanes)
+
+
+def test_lanelets_beside_each_other_share_a_bound(common, road_plan):
+    lanelets = {one.get("id"): one for one in ET.fromstring(common).iter("lanelet")}
+
+    def ends(one, side):
+        points = one.findall(f"{side}/point")
+        return [(float(x.findtext("x")), float(x.findtext("y"))) for x in (points[0], points[-1])]
+
+    tags = ("adjacentLeft", "adjacentRight")
+    beside = [(one, x) for one in lanelets.values() for tag in tags for x in one.findall(tag)]
+    assert len(beside) > 6
+    for one, link in beside:
+        side = "leftBound" if link.tag == "adjacentLeft" else "rightBound"
+        opposite = link.get("drivingDir") == "opposite"
+        there = side if opposite else {"leftBound": "rightBound", "rightBound": "leftBound"}[side]
+        other = ends(lanelets[link.get("ref")], there)[:: -1 if opposite else 1]
+        assert np.allclose(ends(one, side), other, atol=0.1)
 
 
 def test_states_count_on_from_the_initial_one(common, scenario):
@@ -218,9 +122,3 @@ def test_errors_are_found(scenario):
     )
     cut = replace(corner, t=corner.t[::2], x=corner.x[::2], y=corner.y[::2], heading=corner.heading[::2])
     assert largest_error({0: corner}, {0: cut}) == pytest.approx(2.5), "half way between (0, 0) and (4, 3)"
-
-
-def test_without_the_library_the_message_names_the_extra(network, monkeypatch):
-    monkeypatch.setitem(sys.modules, "scenariogeneration", None)
-    with pytest.raises(TracksError, match=r"jaxwalk\[scenarios\]"):
-        opendrive(network, "paper")

@@ -20,9 +20,9 @@ from metrics.scenes import JAYWALK, Scene, Walk, trajectory
 
 
 @pytest.fixture(scope="module")
-def file(episodes, recorded, road_map, tmp_path_factory):
+def file(episodes, recorded, network, tmp_path_factory):
     path = tmp_path_factory.mktemp("tracks") / "tracks.parquet"
-    write_tracks(path, iter(episodes), about={"dt": recorded.dt, "map": "paper"}, areas=areas_of(road_map))
+    write_tracks(path, iter(episodes), about={"dt": recorded.dt, "map": "paper"}, areas=areas_of(network))
     return path
 
 

@@ -83,7 +83,7 @@ def test_a_route_by_hand():
     """Down 10 m, then left along a quarter of a circle of 6 m: 3 pi metres."""
     angle = np.linspace(np.pi, 1.5 * np.pi, 91)
     quarter = np.stack([16 + 6 * np.cos(angle), 10 + 6 * np.sin(angle)], axis=1)
-    lanes = (Lane([[10, 20], [10, 10]], 4, 10.0, (1,)), Lane(quarter, 4, 10.0))
+    lanes = (Lane([[10, 20], [10, 10]], 4, 13.9, (1,)), Lane(quarter, 4, 8.3))
     network = replace(bend(), lanes=lanes)
     found = sampled_route(network, LaneRoute((0, 1), 2.0, 3 * np.pi), 37)
     assert found.length == pytest.approx(8 + 3 * np.pi, abs=1e-3)
@@ -92,6 +92,7 @@ def test_a_route_by_hand():
     turn = (20 * 0.5 - 8) / 6  # after 10 m
     np.testing.assert_allclose(found.points[20], (16 - 6 * np.cos(turn), 10 - 6 * np.sin(turn)), atol=1e-3)
     np.testing.assert_allclose(found.tangents[20], (np.sin(turn), -np.cos(turn)), atol=1e-3)
+    np.testing.assert_allclose(found.limits, [13.9] * 16 + [8.3] * 21)  # 8 m on the first lane
     past = 36 * 0.5 - found.length
     np.testing.assert_allclose(found.points[-1], (16 + past, 4), atol=0.01)  # the last piece leads half a degree down
     assert len(sampled_route(network, LaneRoute((0, 1), 2.0, 3 * np.pi)).points) == 35  # 0, 0.5, ... 17 m of 17.42 m

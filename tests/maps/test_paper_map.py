@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.maps import ROUTE_SPACING, bundled_maps, load_map
+from sim.maps import rectangles
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +51,8 @@ def test_it_is_bundled_and_of_the_agreed_types(world):
     for name, value in vars(world).items():
         assert isinstance(value, np.ndarray), name
         assert value.dtype in (np.float32, np.int32, np.bool_), name
-        assert np.isfinite(value).all(), name
+        assert np.isfinite(value).all() or name == "route_limit", name
+    assert np.isinf(world.route_limit).all(), "map files have no speed limits"
 
 
 def test_of_equally_long_ways_people_take_the_same_with_every_scipy(world):
@@ -62,13 +64,13 @@ def test_of_equally_long_ways_people_take_the_same_with_every_scipy(world):
 
 def test_it_has_the_specified_counts(world):
     assert (world.width, world.height) == (120, 120)
-    assert (len(world.roads), len(world.sidewalks), len(world.crosswalks)) == (3, 20, 6)
+    assert (len(rectangles("roads")), len(rectangles("sidewalks")), len(rectangles("crosswalks"))) == (3, 20, 6)
     assert (len(world.node_x), (~world.node_is_midpoint).sum()) == (40, 34)
     assert world.route_count == 90
     assert len({tuple(pair) for pair in world.route_places}) == 90
 
 
-def test_its_crosswalks_lie_over_the_arms(world):
+def test_its_crosswalks_lie_over_the_arms():
     expected = {
         (46, 52, 50, 60),
         (62, 52, 66, 60),
@@ -77,22 +79,22 @@ def test_its_crosswalks_lie_over_the_arms(world):
         (62, 82, 66, 90),
         (52, 92, 60, 96),
     }
-    assert {tuple(area) for area in world.crosswalks} == expected
+    assert {tuple(area) for area in rectangles("crosswalks")} == expected
 
 
-def test_its_sidewalks_line_every_kerb_once(world):
+def test_its_sidewalks_line_every_kerb_once():
     grid = np.stack(np.meshgrid(np.arange(0.5, 120), np.arange(0.5, 120)), axis=-1).reshape(-1, 2)
-    times = sum(contains(area[None], grid).astype(int) for area in world.sidewalks)
-    on_road = contains(world.roads, grid)
-    grown = world.roads + np.array([-2, -2, 2, 2])
+    times = sum(contains(area[None], grid).astype(int) for area in rectangles("sidewalks"))
+    on_road = contains(rectangles("roads"), grid)
+    grown = rectangles("roads") + np.array([-2, -2, 2, 2])
     assert np.array_equal(times, contains(grown, grid) & ~on_road)
 
 
 def test_its_edges_enter_a_roadway_only_on_crosswalks(world):
     for points in along_edges(world):
-        assert (contains(world.sidewalks, points) | contains(world.crosswalks, points)).all()
-        on_road = contains(world.roads, points, margin=1e-3)
-        assert contains(world.crosswalks, points[on_road]).all()
+        assert (contains(rectangles("sidewalks"), points) | contains(rectangles("crosswalks"), points)).all()
+        on_road = contains(rectangles("roads"), points, margin=1e-3)
+        assert contains(rectangles("crosswalks"), points[on_road]).all()
 
 
 @pytest.mark.parametrize(
@@ -228,7 +230,7 @@ def test_routes_are_evenly_sampled_smooth_and_on_the_road(world):
     assert (step / chord * between / np.hypot(*between)).sum(axis=0).min() > 0.9999
     for route in range(90):
         driven = np.arange(x.shape[1]) * ROUTE_SPACING <= world.route_length[route]
-        assert contains(world.roads, np.stack([x[route], y[route]], axis=1)[driven]).all()
+        assert contains(rectangles("roads"), np.stack([x[route], y[route]], axis=1)[driven]).all()
 
 
 def test_routes_continue_straight_at_least_30_m_past_the_goal(world):

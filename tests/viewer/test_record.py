@@ -10,7 +10,7 @@ import zlib
 import numpy as np
 import pytest
 
-from jaxwalk.maps import load_map
+from jaxwalk.maps import load_network
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.walking_paths import Paths
 from jaxwalk.viewer.record import GOING, JAYWALKS, ON_ROADWAY, make_records
@@ -95,7 +95,7 @@ def test_plans_end_at_the_goal_that_is_walked_to(recorded):
 def test_no_name_can_end_the_script(recorded, tmp_path):
     name = "</script><script>alert(1)</script>"
     found = entries(recorded, make_records(recorded), [0, 0, 0], driver=name, pedestrians="x", multiplier=0.25)
-    made = document(found, [load_map("paper")], dt=0.1)
+    made = document(found, [load_network("paper")], dt=0.1)
     assert json.loads(as_script(made)) == made
     replay_page(made, tmp_path / "page.html", title=name)
     text = (tmp_path / "page.html").read_text()

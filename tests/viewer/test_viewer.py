@@ -1,13 +1,13 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 
-import equinox as eqx
 import numpy as np
 import pytest
 from PIL import Image
 
-from jaxwalk.maps import load_map, stack_maps
+from jaxwalk.maps import load_network
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
@@ -16,8 +16,8 @@ FRAMES, EPISODES, PEOPLE = 21, 2, 2
 
 
 @pytest.fixture(scope="module")
-def road_map():
-    return load_map("paper")
+def network():
+    return load_network("paper")
 
 
 @pytest.fixture
@@ -50,9 +50,9 @@ def has(image, colour, tolerance=6):
     return bool((np.abs(image - colour).max(axis=-1) <= tolerance).any())
 
 
-def test_a_picture_shows_everything(trajectory, road_map, tmp_path):
+def test_a_picture_shows_everything(trajectory, network, tmp_path):
     path = tmp_path / "end.png"
-    picture(EpisodeFigure(trajectory, 1, road_map, width=500), path)
+    picture(EpisodeFigure(trajectory, 1, network, width=500), path)
     image = colours(path)
     assert image.shape == (490, 500, 3)
     for colour in ((0x9A, 0x9E, 0xA5), (0xB5, 0xD3, 0xA2), (0x1F, 0x5F, 0xD0), (0xD8, 0x1E, 0x2C), (0xFF, 0xD4, 0x00)):
@@ -60,17 +60,17 @@ def test_a_picture_shows_everything(trajectory, road_map, tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["end.png"]
 
 
-def test_frames_differ_and_the_last_one_is_the_default(trajectory, road_map, tmp_path):
+def test_frames_differ_and_the_last_one_is_the_default(trajectory, network, tmp_path):
     names = {None: "default.png", 18: "18.png", 3: "3.png"}
     for frame, name in names.items():
-        picture(EpisodeFigure(trajectory, 1, road_map, width=240), tmp_path / name, frame=frame)
+        picture(EpisodeFigure(trajectory, 1, network, width=240), tmp_path / name, frame=frame)
     default, last, early = (colours(tmp_path / name) for name in names.values())
     assert (default == last).all()
     assert (default != early).any()
 
 
-def test_texts_and_jaywalks(trajectory, road_map):
-    drawn = EpisodeFigure(trajectory, 1, road_map, width=240)
+def test_texts_and_jaywalks(trajectory, network):
+    drawn = EpisodeFigure(trajectory, 1, network, width=240)
     assert drawn.jaywalks == [(0, 6, 18)]
     drawn.show(5)
     assert drawn.title.get_text().split() == ["0.5", "s", "8.0", "m/s"]
@@ -84,9 +84,9 @@ def test_texts_and_jaywalks(trajectory, road_map):
 
 
 @pytest.mark.parametrize(("width", "height"), [(120, 120), (300, 60), (60, 300)])
-def test_a_legend_has_a_place_of_its_own(trajectory, road_map, width, height):
+def test_a_legend_has_a_place_of_its_own(trajectory, network, width, height):
     """That of a wide map lay over the numbers of its axis."""
-    drawn = EpisodeFigure(trajectory, 1, eqx.tree_at(lambda m: (m.width, m.height), road_map, (width, height)))
+    drawn = EpisodeFigure(trajectory, 1, replace(network, size=(width, height)))
     (legend,) = (place.get_window_extent() for place in drawn.figure.legends)
     axes = drawn.axes.get_tightbbox()
     assert 0 <= legend.y0 < legend.y1 <= axes.y0
@@ -95,8 +95,8 @@ def test_a_legend_has_a_place_of_its_own(trajectory, road_map, width, height):
 
 
 @pytest.mark.parametrize("name", ["film.gif", "FILM.GIF"])
-def test_an_animation_has_a_frame_for_every_fifth_step(trajectory, road_map, tmp_path, name):
-    animation(EpisodeFigure(trajectory, 0, road_map, width=150), tmp_path / name, every=5, speed=2.0)
+def test_an_animation_has_a_frame_for_every_fifth_step(trajectory, network, tmp_path, name):
+    animation(EpisodeFigure(trajectory, 0, network, width=150), tmp_path / name, every=5, speed=2.0)
     with Image.open(tmp_path / name) as film:
         assert film.format == "GIF"
         assert film.n_frames >= 5  # 0, 5, 10, 15 and the end, which stays for 1.5 s (equal frames may be merged)
@@ -105,7 +105,7 @@ def test_an_animation_has_a_frame_for_every_fifth_step(trajectory, road_map, tmp
 
 
 @pytest.mark.parametrize(("write", "name"), [(picture, "a.png"), (animation, "a.gif")])
-def test_a_failed_drawing_leaves_the_old_file_alone(trajectory, road_map, tmp_path, monkeypatch, write, name):
+def test_a_failed_drawing_leaves_the_old_file_alone(trajectory, network, tmp_path, monkeypatch, write, name):
     path = tmp_path / name
     path.write_text("old")
 
@@ -115,7 +115,7 @@ def test_a_failed_drawing_leaves_the_old_file_alone(trajectory, road_map, tmp_pa
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", fail)
     monkeypatch.setattr("PIL.Image.Image.save", fail)
     with pytest.raises(OSError, match="disk full"):
-        write(EpisodeFigure(trajectory, 0, road_map), path)
+        write(EpisodeFigure(trajectory, 0, network), path)
     assert path.read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 1
 
@@ -132,26 +132,21 @@ def test_a_failed_drawing_leaves_the_old_file_alone(trajectory, road_map, tmp_pa
         (animation, 0, "a.gif", {"every": 0}, "every at least 1"),
     ],
 )
-def test_what_cannot_be_drawn_is_refused(trajectory, road_map, tmp_path, write, episode, name, options, complaint):
+def test_what_cannot_be_drawn_is_refused(trajectory, network, tmp_path, write, episode, name, options, complaint):
     with pytest.raises(ViewerError, match=complaint):
-        write(EpisodeFigure(trajectory, episode, road_map), tmp_path / name, **options)
+        write(EpisodeFigure(trajectory, episode, network), tmp_path / name, **options)
     assert not list(tmp_path.iterdir())
 
 
-def test_a_stack_of_maps_is_refused(trajectory, road_map, tmp_path):
-    with pytest.raises(ViewerError, match="stack"):
-        EpisodeFigure(trajectory, 0, stack_maps([road_map]))
-
-
-def test_a_film_is_made_of_sizes_that_the_encoder_takes(trajectory, road_map, tmp_path):
+def test_a_film_is_made_of_sizes_that_the_encoder_takes(trajectory, network, tmp_path):
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    animation(EpisodeFigure(trajectory, 0, road_map, width=151), tmp_path / "a.mp4", every=5, speed=2.0)  # odd: refused
+    animation(EpisodeFigure(trajectory, 0, network, width=151), tmp_path / "a.mp4", every=5, speed=2.0)  # odd: refused
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))
     assert frames >= 5 and seconds > 1
 
 
-def test_mp4_without_its_encoder_says_what_to_install(trajectory, road_map, tmp_path, monkeypatch):
+def test_mp4_without_its_encoder_says_what_to_install(trajectory, network, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(ViewerError, match="pip install"):
-        animation(EpisodeFigure(trajectory, 0, road_map), tmp_path / "a.mp4")
+        animation(EpisodeFigure(trajectory, 0, network), tmp_path / "a.mp4")
     assert not list(tmp_path.iterdir())

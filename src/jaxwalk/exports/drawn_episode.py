@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from jaxwalk.evaluation import replay
 from jaxwalk.interfaces import Policy, Roles
-from jaxwalk.maps import RoadMap
+from jaxwalk.maps import as_network
+from jaxwalk.maps.network import Network
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory
@@ -24,7 +27,7 @@ def draw_episode(
     ``time`` is the moment that a picture shows [s]; by default the end. Raises ViewerError if it is after the end.
     """
     trajectory = replay(street, policies, source, [number])
-    ground = map_of(street, source, number)
+    ground = network_of_scenario(street, source, number)
     if path.suffix.lower() in MOVING:
         animation(EpisodeFigure(trajectory, 0, ground, width=640), path)
     else:
@@ -36,11 +39,7 @@ def draw_episode(
     return trajectory
 
 
-def map_of(street: Street, source: Source, number: int) -> RoadMap:
-    """Return the map of a scenario, on its own (not in a stack)."""
-    import jax
-    import numpy as np
-
+def network_of_scenario(street: Street, source: Source, number: int) -> Network:
+    """Return the street on which a scenario takes place."""
     scenarios, _ = source.take(np.array([number]))
-    index = int(scenarios.map[0])
-    return jax.device_get(jax.tree.map(lambda x: x[index], street.world.maps))
+    return as_network(street.maps[int(scenarios.map[0])])

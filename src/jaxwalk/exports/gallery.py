@@ -25,6 +25,7 @@ from jaxwalk.metrics import OUTCOMES, Rows
 from jaxwalk.report.watched import Gallery, WatchedEpisode, WatchedIncident
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
+from jaxwalk.viewer.drawn_map import DrawnMap
 
 LEAD = 3.0
 """Time before an incident at which its replay starts [s]."""
@@ -72,7 +73,7 @@ def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, sa
     scenarios = max(rows.episodes for rows in played.values())
     return Gallery(
         dt=document["dt"],
-        maps=document["maps"],
+        maps=tuple(DrawnMap(**drawn) for drawn in document["maps"]),
         episodes=episodes,
         lead=LEAD,
         most=most,

@@ -10,7 +10,7 @@ import numpy as np
 
 from jaxwalk.evaluation import BATCH, jaywalk_multiplier, named, replay
 from jaxwalk.interfaces import Policy
-from jaxwalk.maps import RoadMap
+from jaxwalk.maps import as_network
 from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
@@ -35,13 +35,14 @@ def recording(
         for first in range(0, len(numbers[people]), BATCH)
         for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + BATCH], seed)
     ]
-    return document(found, maps_of(street), dt=street.world.rules.dt)
+    return _document(street, found)
 
 
-def maps_of(street: Street) -> list[RoadMap]:
-    """Return the maps of a street, each on its own."""
-    maps = jax.device_get(street.world.maps)
-    return [jax.tree.map(lambda x, i=i: x[i], maps) for i in range(len(street.maps))]
+def _document(street: Street, entries: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return a page's document of entries, with the maps that they need."""
+    used = sorted({entry["map"] for entry in entries})
+    numbered = [{**entry, "map": used.index(entry["map"])} for entry in entries]
+    return document(numbered, [as_network(street.maps[n]) for n in used], dt=street.world.rules.dt)
 
 
 def _entries(

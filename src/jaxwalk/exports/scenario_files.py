@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from jaxwalk.evaluation import replay
-from jaxwalk.exports.drawn_episode import map_of
+from jaxwalk.exports.drawn_episode import network_of_scenario
 from jaxwalk.formats.commonroad import commonroad, read_commonroad
 from jaxwalk.formats.opendrive import opendrive
 from jaxwalk.formats.openscenario import openscenario, read_openscenario
@@ -38,10 +38,10 @@ def export_scenario(
         The largest distance between anybody and its copy in either file, as read back, over all frames [m].
 
     Raises:
-        TracksError: scenariogeneration is missing, or the map has no room for its junctions.
+        TracksError: scenariogeneration is missing, or roads can't be made of the street's lanes.
     """
     tracks = next(tracks_of(replay(street, policies, source, [number])))
-    network = road_network(map_of(street, source, number))
+    network = road_network(network_of_scenario(street, source, number))
     documents = {
         EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config),
         MAP: opendrive(network, name),

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from jaxwalk.evaluation import evaluate_grid
-from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.evaluation.document_parts import Interval, StreetOrigin
 from jaxwalk.evaluation.results import HEADLINE
 from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
 from jaxwalk.report.table import shown
@@ -37,6 +37,7 @@ def share(
     found, _ = evaluate_grid(street, driver, people, Drawn(street, seed, episodes), progress=progress)
     about["results"] = {
         "scenarios": found.scenarios.as_dict(),
+        "where": StreetOrigin.of(street).in_words(),
         "jaywalk_multiplier": found.cells[0].jaywalk_multiplier,
         "among": {cell.pedestrians: cell.headline() for cell in found.cells},
     }
@@ -90,9 +91,10 @@ def _role_row(role: str, network: dict[str, Any]) -> str:
 def _result_lines(results: Results) -> list[str]:
     chosen = results["scenarios"]
     played = f"{counted(chosen['count'], 'scenario')} of seed {chosen['seed']}"
-    head = f"The driver by its mode, pedestrians sampling; {played}, hash "
+    where = f", on {results['where']}" if "where" in results else ""  # files of 0.1 don't say
+    head = f"The driver by its mode, pedestrians sampling; {played}, hash {chosen['hash']}{where}"
     return [
-        f"{head}{chosen['hash']}; 95 % intervals over scenarios:",
+        f"{head}; 95 % intervals over scenarios:",
         "",
         "| among | goal % | collision % | timeout % | time to goal [s] | delay [s] |",
         "| --- | --- | --- | --- | --- | --- |",

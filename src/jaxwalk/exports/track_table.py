@@ -7,7 +7,6 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
 
 from jaxwalk.evaluation import BATCH, play
@@ -17,6 +16,7 @@ from jaxwalk.formats.layouts import RULES
 from jaxwalk.formats.track_file import write_tracks
 from jaxwalk.formats.tracks import Tracks, tracks_of
 from jaxwalk.interfaces import Policy, Roles
+from jaxwalk.maps import as_network
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 
@@ -44,7 +44,7 @@ def record_tracks(
     """
     if len(street.maps) != 1:
         raise SeveralMapsError("the trajectories of a file need one map; choose it with --map")
-    ground = areas_of(jax.device_get(jax.tree.map(lambda x: x[0], street.world.maps)))
+    ground = areas_of(as_network(street.maps[0]))
     recordings = _recorded(street, policies, source, progress)
     rules = {name: getattr(street.config, name) for name in RULES}
     write_tracks(path, recordings, about={**rules, **about}, areas=ground)

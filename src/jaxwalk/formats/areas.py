@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import shapely
@@ -14,10 +14,10 @@ from jaxtyping import Bool, Float
 from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.formats.tracks import TracksError
-from jaxwalk.maps import RoadMap
+from jaxwalk.maps.network import AreaKind, Network
 
-KINDS = {"roadway": "roads", "crosswalk": "crosswalks", "sidewalk": "sidewalks"}
-"""Values of a feature's ``kind``, and the rectangles of a `RoadMap` that each one means."""
+KINDS = get_args(AreaKind)
+"""Values of a feature's ``kind``. Only the roadway and crosswalks are measured with."""
 
 
 @dataclass(frozen=True)
@@ -36,17 +36,12 @@ class Areas:
         return shapely.contains_xy(self.roadway, x, y), shapely.contains_xy(self.crosswalk, x, y)
 
 
-def areas_of(road_map: RoadMap) -> dict[str, Any]:
-    """Return the areas of a map (not a stack of maps) as GeoJSON: a polygon for every rectangle [m]."""
-    features = []
-    for kind, name in KINDS.items():
-        rectangles = np.asarray(getattr(road_map, name), float)
-        real = rectangles[rectangles[:, 0] <= rectangles[:, 2]]
-        shapes = shapely.box(*real.T)
-        features += [
-            {"type": "Feature", "properties": {"kind": kind}, "geometry": json.loads(text)}
-            for text in shapely.to_geojson(shapes)
-        ]
+def areas_of(network: Network) -> dict[str, Any]:
+    """Return the areas of a street as GeoJSON: a polygon for each [m]."""
+    features = [
+        {"type": "Feature", "properties": {"kind": area.kind}, "geometry": json.loads(shapely.to_geojson(area.shape()))}
+        for area in network.areas
+    ]
     return {"type": "FeatureCollection", "features": features}
 
 

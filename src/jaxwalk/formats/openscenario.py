@@ -73,7 +73,7 @@ def _body(xosc: ModuleType, path: Path, config: SimConfig):
         return xosc.Pedestrian("pedestrian", MASS, xosc.PedestrianCategory.pedestrian, box)
     front = xosc.Axle(config.max_steering, WHEEL, TRACK, config.wheelbase, WHEEL / 2)
     rear = xosc.Axle(0.0, WHEEL, TRACK, 0.0, WHEEL / 2)
-    limits = config.max_speed, config.max_acceleration, config.max_acceleration
+    limits = config.max_speed, config.max_acceleration, config.max_braking
     return xosc.Vehicle("car", xosc.VehicleCategory.car, box, front, rear, *limits)
 
 

@@ -1,195 +1,158 @@
-"""Lanes for formats that need them: a map's rectangles as straight roads that meet in junctions.
-
-Every junction cuts its roads' rectangles. The remaining pieces are arms, with a lane in each direction. Connections
-lead from arm to arm through a junction, straight on or along a quarter of a circle. Right-hand traffic.
-"""
+"""Roads for formats that need them: lanes side by side, and the ways through junctions between them."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import permutations, product
 
 import numpy as np
 
+from jaxwalk.formats.lane_edges import LaneEdges, LaneJoints
 from jaxwalk.formats.tracks import TracksError
-from jaxwalk.maps import RoadMap
+from jaxwalk.maps.junctions import LanePlaces, junction_of
+from jaxwalk.maps.network import Network
 
-Rectangle = tuple[float, float, float, float]
-"""x0, y0, x1, y1 [m]."""
-ROOM = 5.0
-"""Length by which a junction reaches beyond the wider road's edge, unless a crosswalk or junction is nearer [m]."""
-EAST, NORTH = 0.0, math.pi / 2
+MET = 0.1
+"""Ends of edges that are this close are one place [m]."""
 
 
 @dataclass(frozen=True)
-class Junction:
-    """A place where roads meet."""
+class LaneGroup:
+    """A road: lanes side by side. Its line is the left edge of its first lane that leads along it."""
 
-    x: float
-    """Point where the centre lines meet [m]."""
-    y: float
-    reach: float
-    """Distance from that point to the junction's arms [m]."""
+    along: tuple[int, ...]
+    """The lanes that lead along it, from the left."""
+    against: tuple[int, ...]
+    """The lanes that lead in the opposite direction, from the line outward."""
 
+    def number(self, lane: int) -> int:
+        """Return a lane's number in OpenDRIVE: -1, -2, ... along the road, and 1, 2, ... against it."""
+        return -1 - self.along.index(lane) if lane in self.along else 1 + self.against.index(lane)
 
-@dataclass(frozen=True)
-class Arm:
-    """A straight piece of road, with a lane in each direction."""
-
-    x: float
-    """First point of the centre line [m]."""
-    y: float
-    heading: float
-    """EAST or NORTH [rad]."""
-    length: float
-    """Length of the centre line [m]."""
-    width: float
-    """Width of both lanes together [m]."""
-    ends: tuple[int | None, int | None]
-    """The junctions where it begins and ends; None at the end of a road."""
+    def end_of(self, lane: int) -> int:
+        """Return at which end of the road a lane ends: 0, where the road's line begins, or 1."""
+        return int(lane in self.along)
 
 
 @dataclass(frozen=True)
 class Connection:
-    """A lane through a junction. It lies to the right of a line from arm to arm."""
+    """A way through a junction, from a lane of a road to one of another."""
 
     junction: int
-    """Number of the junction."""
     incoming: int
-    """Number of the arm from which it leads."""
+    """The lane from which it leads."""
     outgoing: int
-    """Number of the arm to which it leads."""
-    x: float
-    """First point of its line [m]."""
-    y: float
-    heading: float
-    """Heading at the first point [rad]."""
-    length: float
-    """Length of the line [m]."""
-    curvature: float
-    """Curvature, positive to the left [1/m]; 0 if it is straight."""
-    widths: tuple[float, float]
-    """Width of the lane at its beginning and end [m]."""
+    """The lane to which it leads."""
+    lanes: tuple[int, ...]
+    """The lanes in the junction."""
 
 
 @dataclass(frozen=True)
 class RoadNetwork:
-    """The lanes of a map."""
+    """The roads of a street; lanes have the numbers that they have in the network."""
 
-    junctions: tuple[Junction, ...]
-    arms: tuple[Arm, ...]
+    network: Network
+    joints: LaneJoints
+    junction: np.ndarray
+    """The junction of each lane; -1 outside (`jaxwalk.maps.junctions`)."""
+    roads: tuple[LaneGroup, ...]
     connections: tuple[Connection, ...]
-    crosswalks: tuple[Rectangle, ...]
-    sidewalks: tuple[Rectangle, ...]
 
-    def bounds(self) -> Rectangle:
-        """Return the bounding rectangle of all arms [m]."""
-        boxes = []
-        for arm in self.arms:
-            along, half = (arm.length, 0.0) if arm.heading == EAST else (0.0, arm.length), arm.width / 2
-            wide = (0.0, half) if arm.heading == EAST else (half, 0.0)
-            boxes.append((arm.x - wide[0], arm.y - wide[1], arm.x + along[0] + wide[0], arm.y + along[1] + wide[1]))
-        x0, y0, x1, y1 = zip(*boxes, strict=True)
-        return min(x0), min(y0), max(x1), max(y1)
+    def road_of(self, lane: int) -> int:
+        """Return the number of the road that a lane outside junctions belongs to."""
+        return next(n for n, road in enumerate(self.roads) if lane in road.along or lane in road.against)
 
-    def arms_at(self, junction: int) -> Iterator[tuple[int, Arm, bool]]:
-        """Yield the arms at a junction: number, arm, and whether the arm ends there (else it begins there)."""
-        for (number, arm), at_end in product(enumerate(self.arms), (False, True)):
-            if arm.ends[at_end] == junction:
-                yield number, arm, at_end
+    def beyond(self, lane: int, *, end: bool) -> tuple[int, int] | None:
+        """Return what lies beyond the end, or the begin, of a lane outside junctions.
+
+        That is (junction, -1), or (-1, lane) for a lane that follows directly; None at the end of the street.
+        """
+        lanes = self.network.lanes
+        found = lanes[lane].successors if end else [n for n, other in enumerate(lanes) if lane in other.successors]
+        if not found:
+            return None
+        first = found[0]
+        return (-1, first) if self.junction[first] < 0 else (int(self.junction[first]), -1)
 
 
-def road_network(road_map: RoadMap) -> RoadNetwork:
-    """Return the lanes of a map (not a stack of maps).
+def road_network(network: Network) -> RoadNetwork:
+    """Return the roads of a street.
 
-    Raises TracksError if two junctions, or a junction and a crosswalk, are too close.
+    Raises TracksError if a lane forks into one, or merges from one, that isn't a way from lane to lane.
     """
-    roads, crosswalks, sidewalks = (_real(getattr(road_map, name)) for name in ("roads", "crosswalks", "sidewalks"))
-    junctions = _junctions(roads, crosswalks)
-    arms = tuple(arm for road in roads for arm in _arms(road, junctions))
-    bare = RoadNetwork(junctions, arms, (), crosswalks, sidewalks)
-    connections = tuple(one for number in range(len(junctions)) for one in _connections(bare, number))
-    return RoadNetwork(junctions, arms, connections, crosswalks, sidewalks)
+    places = LanePlaces.of(network.lanes)
+    joints, junction = LaneJoints(network.lanes, places), junction_of(network.lanes, places)
+    outside = np.flatnonzero(junction < 0).tolist()
+    edges = {lane: joints.edges((lane,)) for lane in outside}
+    bare = RoadNetwork(network, joints, junction, tuple(LaneGroup((lane,), ()) for lane in outside), ())
+    grouped = _side_by_side(bare, edges)
+    ways = tuple(way for lane in outside for way in _ways(network, junction, lane))
+    return RoadNetwork(network, joints, junction, tuple(grouped), ways)
 
 
-def _real(rectangles: np.ndarray) -> tuple[Rectangle, ...]:
-    """Return the rectangles that aren't padding."""
-    x0, y0, x1, y1 = np.asarray(rectangles, float).T
-    return tuple(zip(*(side[x0 <= x1].tolist() for side in (x0, y0, x1, y1)), strict=True))
+def _ways(network: Network, junction: np.ndarray, first: int) -> Iterator[Connection]:
+    """Yield all ways through the junction at the end of a lane."""
+    after = network.lanes[first].successors
+    if any(junction[lane] < 0 for lane in after) and len(after) > 1:
+        raise TracksError(f"lanes[{first}] forks into a lane that ends the street: add lanes[] between the two")
+    for chain, last in _through(network, junction, (first,)):
+        if len(chain) > 1:
+            yield Connection(int(junction[chain[1]]), first, last, chain[1:])
 
 
-def _leads_east(road: Rectangle) -> bool:
-    return road[2] - road[0] >= road[3] - road[1]
+def _through(
+    network: Network, junction: np.ndarray, chain: tuple[int, ...]
+) -> Iterator[tuple[tuple[int, ...], int]]:  # fmt: skip
+    """Yield the ways on from the last of some lanes: all lanes up to the junction's end, and the one after it."""
+    for lane in network.lanes[chain[-1]].successors:
+        if junction[lane] < 0:
+            yield chain, lane
+        elif lane not in chain:
+            yield from _through(network, junction, (*chain, lane))
 
 
-def _junctions(roads: tuple[Rectangle, ...], crosswalks: tuple[Rectangle, ...]) -> tuple[Junction, ...]:
-    """Return the junctions: places where perpendicular roads overlap or share a piece of edge."""
-    half: dict[tuple[float, float], float] = {}
-    for east, north in product(filter(_leads_east, roads), (road for road in roads if not _leads_east(road))):
-        if east[0] <= north[2] and north[0] <= east[2] and east[1] <= north[3] and north[1] <= east[3]:
-            place = (north[0] + north[2]) / 2, (east[1] + east[3]) / 2
-            wider = max(north[2] - north[0], east[3] - east[1]) / 2
-            half[place] = max(wider, half.get(place, 0.0))
-    return tuple(Junction(*place, _reach(place, half, crosswalks)) for place in half)
+def _side_by_side(bare: RoadNetwork, edges: dict[int, LaneEdges]) -> list[LaneGroup]:
+    """Return roads of lanes whose edges are common and that lead from the same to the same."""
+    free, found = list(edges), []
+    while free:
+        lane = free.pop(0)
+        alike = [other for other in free if _same_ends(bare, lane, other)]
+        rightward, leftward = (_neighbours(lane, alike, edges, left=left) for left in (False, True))
+        along = (*leftward[::-1], lane, *rightward)
+        against = _opposite(along[0], alike, edges)
+        found.append(LaneGroup(along, against))
+        free = [other for other in free if other not in along + against]
+    return found
 
 
-def _reach(
-    place: tuple[float, float], half: dict[tuple[float, float], float], crosswalks: tuple[Rectangle, ...]
-) -> float:
-    """Return how far a junction reaches [m]: to the next crosswalk, or halfway to the next junction, at most.
-
-    Raises TracksError if that is less than half the road's width.
-    """
-    x, y = place
-    free = [half[place] + ROOM]
-    free += [max(abs(x - a), abs(y - b)) / 2 for a, b in half if (a, b) != place and (a == x or b == y)]
-    for x0, y0, x1, y1 in crosswalks:
-        if y0 < y < y1:
-            free.append(min(abs(x0 - x), abs(x1 - x)))
-        if x0 < x < x1:
-            free.append(min(abs(y0 - y), abs(y1 - y)))
-    if min(free) < half[place]:
-        raise TracksError(f"the junction at ({x:g}, {y:g}) has no room for lanes: move crosswalks or junctions away")
-    return min(free)
+def _neighbours(lane: int, others: list[int], edges: dict[int, LaneEdges], *, left: bool) -> tuple[int, ...]:
+    """Return the lanes beside a lane that lead in its direction, outward."""
+    here = edges[lane].left if left else edges[lane].right
+    for other in others:
+        there = edges[other].right if left else edges[other].left
+        if meets(here, there):
+            return (other, *_neighbours(other, [n for n in others if n != other], edges, left=left))
+    return ()
 
 
-def _arms(road: Rectangle, junctions: tuple[Junction, ...]) -> Iterator[Arm]:
-    """Yield the pieces of a road that its junctions leave."""
-    x0, y0, x1, y1 = road
-    east = _leads_east(road)
-    begin, end, centre, width = (x0, x1, (y0 + y1) / 2, y1 - y0) if east else (y0, y1, (x0 + x1) / 2, x1 - x0)
-    along = sorted(
-        (place, number, one.reach)
-        for number, one in enumerate(junctions)
-        for place, across in [(one.x, one.y) if east else (one.y, one.x)]
-        if across == centre and begin - one.reach < place < end + one.reach
-    )
-    starts = [(begin, None), *((place + reach, number) for place, number, reach in along)]
-    stops = [*((place - reach, number) for place, number, reach in along), (end, None)]
-    for (start, before), (stop, after) in zip(starts, stops, strict=True):
-        if stop - start > 0:
-            x, y = (start, centre) if east else (centre, start)
-            yield Arm(x, y, EAST if east else NORTH, stop - start, width, (before, after))
+def _opposite(lane: int, others: list[int], edges: dict[int, LaneEdges]) -> tuple[int, ...]:
+    """Return the lanes to the left of a lane that lead in the opposite direction, outward."""
+    for other in others:
+        if meets(edges[lane].left, edges[other].left[::-1]):
+            return (other, *_neighbours(other, [n for n in others if n != other], edges, left=False))
+    return ()
 
 
-def _connections(network: RoadNetwork, junction: int) -> Iterator[Connection]:
-    """Yield a lane from every arm of a junction to every other one."""
-    reach = network.junctions[junction].reach
-    for (number, arm, at_end), (target, other, other_end) in permutations(network.arms_at(junction), 2):
-        heading = arm.heading + (0 if at_end else math.pi)
-        turn = math.remainder(other.heading + (math.pi if other_end else 0) - heading, 2 * math.pi)
-        straight = abs(turn) < 0.1
-        begin = arm.length if at_end else 0.0
-        yield Connection(
-            junction=junction,
-            incoming=number,
-            outgoing=target,
-            x=arm.x + begin * math.cos(arm.heading),
-            y=arm.y + begin * math.sin(arm.heading),
-            heading=heading,
-            length=2 * reach if straight else reach * math.pi / 2,
-            curvature=0.0 if straight else math.copysign(1 / reach, turn),
-            widths=(arm.width / 2, other.width / 2),
-        )
+def meets(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether two edges (point, 2) begin and end at the same places."""
+    return bool(np.linalg.norm(one[[0, -1]] - other[[0, -1]], axis=1).max() < MET)
+
+
+def _same_ends(bare: RoadNetwork, lane: int, other: int) -> bool:
+    """Return whether two lanes lead from the same to the same, or the other way round, so that one road can."""
+
+    def kinds(of: int) -> list[int | None]:
+        found = [bare.beyond(of, end=end) for end in (False, True)]
+        return [None if x is None else x[0] for x in found]  # -1 for every lane that follows
+
+    return kinds(lane) in (kinds(other), kinds(other)[::-1])

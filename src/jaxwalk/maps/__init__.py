@@ -13,8 +13,11 @@ if TYPE_CHECKING:
     from jaxwalk.maps.file import MapError as MapError
     from jaxwalk.maps.load import build_map as build_map
     from jaxwalk.maps.load import load_map as load_map
+    from jaxwalk.maps.map_reading import as_network as as_network
     from jaxwalk.maps.map_reading import bundled_maps as bundled_maps
     from jaxwalk.maps.map_reading import checked as checked
+    from jaxwalk.maps.map_reading import each_map as each_map
+    from jaxwalk.maps.map_reading import load_network as load_network
     from jaxwalk.maps.map_reading import map_content as map_content
     from jaxwalk.maps.map_reading import map_name as map_name
     from jaxwalk.maps.map_reading import read_map as read_map
@@ -32,10 +35,13 @@ _HOMES = {
     "MapError": "file",
     "MapText": "map_text",
     "RoadMap": "road_map",
+    "as_network": "map_reading",
     "build_map": "load",
     "bundled_maps": "map_reading",
     "checked": "map_reading",
+    "each_map": "map_reading",
     "load_map": "load",
+    "load_network": "map_reading",
     "map_content": "map_reading",
     "map_labels": "map_text",
     "map_name": "map_reading",

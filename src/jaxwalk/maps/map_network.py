@@ -22,7 +22,7 @@ from jaxwalk.maps.network import (
     along,
     corners,
 )  # fmt: skip
-from jaxwalk.maps.routes import Piece, Road, centre_lines, lane_route, make_road, sample
+from jaxwalk.maps.routes import Road, RoutePiece, centre_lines, lane_route, make_road, sample
 from jaxwalk.maps.zones import zone_from_landing
 
 ARC_SPACING = 0.1
@@ -82,13 +82,13 @@ def _crossings(file: MapFile, first_area: int) -> Iterator[Crossing]:
         )
 
 
-def _pieces(file: MapFile) -> list[tuple[list[Piece], float]]:
+def _pieces(file: MapFile) -> list[tuple[list[RoutePiece], float]]:
     """Return the pieces and the length [m] of each route."""
     lines, radii = centre_lines(file), (file.car.right_turn_radius, file.car.left_turn_radius)
     return [lane_route(lines, start, goal, radii) for start, goal in file.car.pairs()]
 
 
-def _lanes(file: MapFile, routes: list[tuple[list[Piece], float]]) -> list[Lane]:
+def _lanes(file: MapFile, routes: list[tuple[list[RoutePiece], float]]) -> list[Lane]:
     """Return the arcs of all routes, and both lanes of every road, cut where an arc begins or ends."""
     roads = [make_road(name, area) for name, area in file.roads.items()]
     narrowest = min(road.width for road in roads) / 2
@@ -101,7 +101,7 @@ def _lanes(file: MapFile, routes: list[tuple[list[Piece], float]]) -> list[Lane]
     return _joined(_without_stubs(stretches, roads))
 
 
-def _arc(piece: Piece) -> np.ndarray:
+def _arc(piece: RoutePiece) -> np.ndarray:
     """Return the points of a quarter of a circle, (point, 2)."""
     length = np.pi / 2 * piece.radius
     points, _ = sample([piece._replace(begin=0.0)], np.linspace(0, length, int(np.ceil(length / ARC_SPACING)) + 1))
@@ -153,7 +153,7 @@ def _direction(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return (b - a) / np.linalg.norm(b - a)
 
 
-def _route(pieces: list[Piece], length: float, lanes: list[Lane]) -> LaneRoute:
+def _route(pieces: list[RoutePiece], length: float, lanes: list[Lane]) -> LaneRoute:
     """Return the lanes that a route takes: from lane to lane, the one that the route is nearest to."""
     (begin,), (direction,) = sample(pieces, np.zeros(1))
     starting = [x for x in range(len(lanes)) if _holds(lanes[x].line, begin, direction)]
@@ -174,7 +174,7 @@ def _holds(line: np.ndarray, point: np.ndarray, direction: np.ndarray) -> bool:
     return bool(len(line) == 2 and ahead @ direction > 0.99 and aside < MET and -MET < here < end - MET)
 
 
-def _away(pieces: list[Piece], reached: float, lane: Lane) -> float:
+def _away(pieces: list[RoutePiece], reached: float, lane: Lane) -> float:
     """Return the distance from a lane's middle to the route, where the route has been driven for ``reached`` metres."""
     half = lane.length() / 2
     middle = [np.interp(half, along(lane.line), lane.line[:, k]) for k in (0, 1)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -10,6 +11,8 @@ from jaxwalk.maps.check import find_faults
 from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.check_size import size_faults
 from jaxwalk.maps.file import MapError, MapFile, parse
+from jaxwalk.maps.generated.named_streets import FORMS, each_name, generated_text, names_generated
+from jaxwalk.maps.map_network import network_of
 from jaxwalk.maps.map_text import MapText, text_hash
 from jaxwalk.maps.network import Network
 from jaxwalk.maps.network_file import MOST_NETWORK_BYTES, parse_network, shortened
@@ -29,7 +32,7 @@ def checked(text: str, source: str, *, goal_spacing: float, start_clearance: flo
 
     ``source`` names the map in a MapError, which has a line for every fault.
     """
-    if text.lstrip().startswith("{"):  # TOML never does
+    if _is_network(text):
         network = parse_network(text, source)
         if faults := network_faults(network, goal_spacing=goal_spacing, start_clearance=start_clearance):
             raise MapError(source, shortened(faults))
@@ -42,35 +45,68 @@ def checked(text: str, source: str, *, goal_spacing: float, start_clearance: flo
     return file
 
 
+def load_network(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clearance: float = 10.0) -> Network:
+    """Return a map as a network: lanes, areas and ways of people. Names, distances and errors are `load_map`'s."""
+    text, source = map_content(name_or_path), str(name_or_path)
+    found = checked(text, source, goal_spacing=goal_spacing, start_clearance=start_clearance)
+    return found if isinstance(found, Network) else network_of(found)
+
+
+def as_network(found: MapText) -> Network:
+    """Return the network of a map's text without faults."""
+    text = found.text or ""
+    return parse_network(text, found.name) if _is_network(text) else network_of(parse(text, found.name))
+
+
 def read_map(name_or_path: str | Path) -> MapText:
-    """Return the text of a bundled map or of a file. Raises MapError if it can't be read; its content isn't checked."""
+    """Return the text of a bundled map, a file or a generated street.
+
+    Raises MapError if it can't be read; the content of a file isn't checked.
+    """
     return MapText.of(map_name(name_or_path), map_content(name_or_path))
 
 
+def each_map(names: Iterable[str | Path]) -> tuple[str, ...]:
+    """Return names in which each is that of one map: ``test:2`` becomes ``test-2000000000``, ``test-2000000001``.
+
+    Raises MapError for an impossible number of streets.
+    """
+    return tuple(one for name in names for one in each_name(str(name)))
+
+
 def reference(found: MapText) -> MapText:
-    """Return a map as documents name it: without its text if it is one that ships with jaxwalk."""
-    return replace(found, text=None) if _is_bundled(found) else found
+    """Return a map as documents name it: without its text if jaxwalk ships it, or makes it from its number."""
+    return replace(found, text=None) if _is_known(found) else found
 
 
 def text_of(named: MapText) -> MapText:
     """Return a map of a document with its text, the inverse of `reference`.
 
-    Raises MapError if the text isn't that of the hash, or if no such map ships with this jaxwalk.
+    Raises MapError if the text isn't that of the hash, or if this jaxwalk neither ships nor makes such a map.
     """
-    if named.text is None and not _is_bundled(named):
-        raise MapError(named.name, [f"no map of hash {named.hash} ships with this jaxwalk: use another version"])
+    if named.text is None and not _is_known(named):
+        raise MapError(named.name, [f"this jaxwalk has no map of hash {named.hash}: use another version"])
     found = read_map(named.name) if named.text is None else named
     if text_hash(found.text or "") != found.hash:
         raise MapError(named.name, [f"its text was edited (the hash is not {named.hash}): copy it again"])
     return found
 
 
-def _is_bundled(found: MapText) -> bool:
-    return found.name in bundled_maps() and read_map(found.name).hash == found.hash
+def _is_network(text: str) -> bool:
+    return text.lstrip().startswith("{")  # TOML never does
+
+
+def _is_known(found: MapText) -> bool:
+    """Return whether a map ships with jaxwalk, or is the street that it makes from the number in its name."""
+    try:
+        known = found.name in bundled_maps() or names_generated(found.name)
+        return known and read_map(found.name).hash == found.hash
+    except MapError:  # a number that another version gave a street
+        return False
 
 
 def map_name(name_or_path: str | Path) -> str:
-    """Return a bundled map's name as it is, and a file's without its folder."""
+    """Return the name of a bundled map or a generated street as it is, and a file's without its folder."""
     return Path(name_or_path).name
 
 
@@ -80,9 +116,11 @@ def map_content(name_or_path: str | Path) -> str:
     names = bundled_maps()
     if source in names:
         return resources.files("jaxwalk.maps").joinpath(f"{source}.toml").read_text(encoding="utf-8")
+    if names_generated(source):
+        return generated_text(source)
     if not source.endswith((".toml", ".json")):
-        known = ", ".join(names)
-        raise MapError(source, [f"no such map: use a bundled one ({known}), or the path of a .toml or .json file"])
+        known = f"a bundled one ({', '.join(names)}), generated ones ({FORMS})"
+        raise MapError(source, [f"no such map: use {known}, or the path of a .toml or .json file"])
     most = MOST_BYTES if source.endswith(".toml") else MOST_NETWORK_BYTES
     path = Path(source)
     if path.exists() and not path.is_file():  # a folder, an endless device, a pipe without a writer

@@ -17,6 +17,8 @@ class SampledRoute(NamedTuple):
     """float64 (point, 2) [m]; straight on beyond the goal."""
     tangents: np.ndarray
     """Unit vectors of travel, float64 (point, 2)."""
+    limits: np.ndarray
+    """Speed limits, float64 (point,) [m/s]."""
     length: float
     """From start to goal [m]."""
 
@@ -35,7 +37,10 @@ def sampled_route(network: Network, route: LaneRoute, points: int | None = None)
     at = route.start + np.arange(count) * ROUTE_SPACING
     places, tangents = _at(line, metres, np.minimum(at, end))
     past = np.maximum(at - end, 0)[:, None]
-    return SampledRoute(places + past * tangents, tangents, length)
+    lengths = [network.lanes[lane].length() for lane in route.lanes]
+    lane = np.searchsorted(np.cumsum(lengths[:-1]), at, side="right")
+    limits = np.array([network.lanes[number].speed_limit for number in route.lanes])[lane]
+    return SampledRoute(places + past * tangents, tangents, limits, length)
 
 
 def _at(line: np.ndarray, metres: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -18,20 +18,13 @@ else:
 class RoadMap(eqx.Module):
     """One map, or several stacked along a leading axis (``*map``). Positions in metres, x to the east, y to the north.
 
-    Padding never changes a result: a padding rectangle is empty (x0 > x1), a padding node has no way to it, and the
-    choice tables count only what is real.
+    Padding never changes a result: a padding node has no way to it, and the choice tables count only what is real.
     """
 
     width: Float[Array, "*map"]
     """Extent to the east [m]."""
     height: Float[Array, "*map"]
     """Extent to the north [m]."""
-    roads: Float[Array, "*map road 4"]
-    """Road rectangles x0, y0, x1, y1 of a map file, to draw [m]; padding is (inf, inf, -inf, -inf)."""
-    sidewalks: Float[Array, "*map sidewalk 4"]
-    """Sidewalk rectangles, in the same form."""
-    crosswalks: Float[Array, "*map crosswalk 4"]
-    """Crosswalk rectangles, in the same form."""
     field: Int[Array, "*map row column"]
     """How far it is to the roadway's edge (`jaxwalk.maps.road_field`); padding is far off the roadway."""
     half_width: Float[Array, "*map"]
@@ -83,6 +76,8 @@ class RoadMap(eqx.Module):
     route_cos: Float[Array, "*map route point"]
     """Unit vector of travel at each point."""
     route_sin: Float[Array, "*map route point"]
+    route_limit: Float[Array, "*map route point"]
+    """Speed limit of the lane at each point [m/s]; inf on map files, which have none."""
     route_length: Float[Array, "*map route"]
     """Length from start to goal [m]."""
     start_choices: Int[Array, "*map route start"]

@@ -37,7 +37,7 @@ class Road(NamedTuple):
     """Width of both lanes together [m]."""
 
 
-class Piece(NamedTuple):
+class RoutePiece(NamedTuple):
     """A straight line or an arc of a route."""
 
     begin: float
@@ -118,7 +118,7 @@ def _shortest(points: np.ndarray, neighbours: dict[tuple[int, int], Road], place
     return before
 
 
-def lane_route(lines: CentreLines, start: int, goal: int, radii: tuple[float, float]) -> tuple[list[Piece], float]:
+def lane_route(lines: CentreLines, start: int, goal: int, radii: tuple[float, float]) -> tuple[list[RoutePiece], float]:
     """Return the pieces and the length [m] of the route between two places; ``radii`` are of right and left turns [m].
 
     Raises RouteFault if there is no way, or if a straight piece is too short for the turns at its ends.
@@ -126,7 +126,7 @@ def lane_route(lines: CentreLines, start: int, goal: int, radii: tuple[float, fl
     corners, directions = _lane_corners(lines, _way(lines, start, goal))
     turns = [float(a[0] * b[1] - a[1] * b[0]) for a, b in pairwise(directions)]
     cuts = [0.0, *(radii[0] if turn < 0 else radii[1] for turn in turns), 0.0]
-    pieces: list[Piece] = []
+    pieces: list[RoutePiece] = []
     begin = 0.0
     for number, direction in enumerate(directions):
         lane = float(direction @ (corners[number + 1] - corners[number]))
@@ -138,11 +138,11 @@ def lane_route(lines: CentreLines, start: int, goal: int, radii: tuple[float, fl
                 "move the place away from the junction, or make the turning radii smaller"
             )
         first = corners[number] + cuts[number] * direction
-        pieces.append(Piece(begin, first, direction, np.zeros(2), np.inf))
+        pieces.append(RoutePiece(begin, first, direction, np.zeros(2), np.inf))
         begin += straight
         if number < len(turns):
             radius = cuts[number + 1]
-            pieces.append(Piece(begin, first + straight * direction, direction, directions[number + 1], radius))
+            pieces.append(RoutePiece(begin, first + straight * direction, direction, directions[number + 1], radius))
             begin += np.pi / 2 * radius
     return pieces, begin
 
@@ -176,7 +176,7 @@ def _lane_corners(lines: CentreLines, way: list[int]) -> tuple[np.ndarray, list[
     return corners, directions
 
 
-def sample(pieces: list[Piece], along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def sample(pieces: list[RoutePiece], along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return points [m] and unit tangents, each float64 (point, 2), at ``along`` metres from the start.
 
     The route goes straight on beyond its last piece.

@@ -17,10 +17,10 @@ from jaxwalk.maps.road_field import MOST_UNITS
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.routes import ROUTE_SPACING, centre_lines, lane_route, make_road, sample
 
-_EMPTY = np.array([np.inf, np.inf, -np.inf, -np.inf], np.float32)
 _PADDING: dict[str, Any] = {
-    "roads": _EMPTY, "sidewalks": _EMPTY, "crosswalks": _EMPTY, "edges": -1, "distance": np.inf,
-    "side_landing": -1, "zone_node": -1, "zone_piece": 1.0, "node_side": -1, "route_places": -1, "route_cos": 1.0,
+    "edges": -1, "distance": np.inf,
+    "side_landing": -1, "zone_node": -1, "zone_piece": 1.0, "node_side": -1, "route_places": -1,
+    "route_cos": 1.0, "route_limit": np.inf,
     "field": np.full(4, -MOST_UNITS, np.int8).view("<i4"),
 }  # fmt: skip
 """Padding values of the fields that aren't padded with 0."""
@@ -34,9 +34,6 @@ def build(file: MapFile, *, goal_spacing: float, start_clearance: float) -> Road
     laid_out = lay_out(network_of(file), goal_spacing=goal_spacing, start_clearance=start_clearance)
     own = {
         "half_width": min(make_road(name, area).width for name, area in file.roads.items()) / 2,
-        "roads": list(file.roads.values()),
-        "sidewalks": list(file.sidewalks.values()),
-        "crosswalks": [crosswalk.area for crosswalk in file.crosswalks.values()],
         **driving(_routes(file), build_graph(file), start_clearance),
         "route_places": file.car.pairs(),
     }
@@ -49,7 +46,8 @@ def _routes(file: MapFile) -> list[SampledRoute]:
     radii, lines = (file.car.right_turn_radius, file.car.left_turn_radius), centre_lines(file)
     routes = [lane_route(lines, start, goal, radii) for start, goal in file.car.pairs()]
     along = np.arange(points_for([length for _, length in routes])) * ROUTE_SPACING
-    return [SampledRoute(*sample(pieces, along), length) for pieces, length in routes]
+    unlimited = np.full(len(along), np.inf)
+    return [SampledRoute(*sample(pieces, along), unlimited, length) for pieces, length in routes]
 
 
 def stack_maps(maps: Sequence[RoadMap], *, rounded: bool = False) -> RoadMap:
@@ -86,7 +84,7 @@ def _pad(name: str, array: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         points = array.shape[1]
         further = np.arange(1, shape[1] - points + 1, dtype=array.dtype)
         padded[: len(array), points:] = array[:, -1:] + further * (array[:, -1:] - array[:, -2:-1])
-    if name in ("route_cos", "route_sin"):
+    if name in ("route_cos", "route_sin", "route_limit"):
         padded[: len(array), array.shape[1] :] = array[:, -1:]
     padded[tuple(slice(0, size) for size in array.shape)] = array
     return padded

@@ -13,7 +13,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
-from jaxwalk.maps import RoadMap
+from jaxwalk.maps.network import Network
 from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
@@ -46,27 +46,26 @@ class EpisodeFigure:
     Args:
         trajectory: recorded episodes.
         episode: the episode to draw, from 0.
-        road_map: the map it was played on, as `load_map` returns it (not a stack of maps).
+        network: the street it was played on, as `load_network` returns it.
         width: width of the figure in pixels; the height is about the same, and less for a map wider than high.
 
     Raises:
-        ViewerError: there is no such episode, or the map is a stack.
+        ViewerError: there is no such episode.
     """
 
-    def __init__(self, trajectory: Trajectory, episode: int, road_map: RoadMap, *, width: int = 960) -> None:
+    def __init__(self, trajectory: Trajectory, episode: int, network: Network, *, width: int = 960) -> None:
         """Draw everything that doesn't move."""
         episodes = len(trajectory.length)
         if not 0 <= episode < episodes:
             raise ViewerError(f"there is no episode {episode}: the trajectory has {episodes}, from 0")
-        if np.ndim(road_map.width):
-            raise ViewerError("the map is a stack of maps: give one, as load_map does")
         self.trajectory, self.episode = trajectory, episode
         self.last = int(trajectory.length[episode])
-        height = INCHES * (AROUND + (0.98 - AROUND) * float(np.clip(road_map.height / road_map.width, FLATTEST, 1)))
+        width_to_east, height_to_north = network.size
+        height = INCHES * (AROUND + (0.98 - AROUND) * float(np.clip(height_to_north / width_to_east, FLATTEST, 1)))
         self.figure = Figure(figsize=(INCHES, height), dpi=width / INCHES, layout=ConstrainedLayoutEngine())
         self.canvas = FigureCanvasAgg(self.figure)
         self.axes = self.figure.add_subplot()
-        draw_ground(self.axes, road_map)
+        draw_ground(self.axes, network)
         self.axes.set_xlabel("m")
         self.axes.tick_params(labelsize=8)
         self.jaywalks = _jaywalks(trajectory, episode)

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jaxwalk.maps import RoadMap
+from jaxwalk.maps.network import Network
 from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.viewer.drawn_map import DrawnMap
 from jaxwalk.writing import write_whole
 
 SCRIPTS = ("record.js", "drawing.js", "strips.js", "touch.js", "player.js")
 """Scripts of the player; each one uses only those before it."""
 
 
-def document(episodes: Sequence[dict[str, Any]], road_maps: Sequence[RoadMap], *, dt: float) -> dict[str, Any]:
+def document(episodes: Sequence[dict[str, Any]], networks: Sequence[Network], *, dt: float) -> dict[str, Any]:
     """Return the data of a page: maps, and `entries` of episodes. ``dt`` is the length of a step [s]."""
-    return {"dt": dt, "maps": [_map(road_map) for road_map in road_maps], "episodes": list(episodes)}
+    return {"dt": dt, "maps": [asdict(DrawnMap.of(network)) for network in networks], "episodes": list(episodes)}
 
 
 def entries(trajectory: Trajectory, records: Sequence[str], maps: Sequence[int], **about: Any) -> list[dict[str, Any]]:
@@ -41,16 +43,6 @@ def entries(trajectory: Trajectory, records: Sequence[str], maps: Sequence[int],
         }
         for i in range(len(t.length))
     ]  # fmt: skip
-
-
-def _map(road_map: RoadMap) -> dict[str, Any]:
-    def boxes(rectangles: Any) -> list[list[float]]:
-        return [box for box in np.asarray(rectangles, float).round(3).tolist() if box[0] < box[2]]
-
-    return {
-        "width": float(road_map.width), "height": float(road_map.height), "roads": boxes(road_map.roads),
-        "sidewalks": boxes(road_map.sidewalks), "crosswalks": boxes(road_map.crosswalks),
-    }  # fmt: skip
 
 
 def as_script(document: Any) -> str:

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import shapely
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection, PatchCollection, PolyCollection
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path as Outline
 
-from jaxwalk.maps.network import Area, Crossing, Network, along
+from jaxwalk.maps.network import JaywalkZone, Network, along
 from jaxwalk.maps.network_zones import ZoneLines
-from jaxwalk.viewer.ground import BLOCK, PAINT, ROAD, SIDEWALK, STRIPE
+from jaxwalk.viewer.ground import draw_ground
 from jaxwalk.writing import whole
 
-BUILDING, PARKING, ISLAND, RAISED = "#d8cfc0", "#84888f", "#8fbb78", "#b98b73"
 LANE, WALK, ZONE = "#2f6fb0", "#3c7a3c", "#e08a2e"
-"""Colours of kinds of ground; of lanes' middles, walkways and jaywalk zones."""
-ORDER = {"building": 1, "sidewalk": 1, "roadway": 2, "parking": 3, "island": 4}
-COLOURS = {"building": BUILDING, "sidewalk": SIDEWALK, "roadway": ROAD, "parking": PARKING, "island": ISLAND}
+"""Colours of lanes' middles, walkways and jaywalk zones."""
 INCHES, DOTS = 7.0, 110
 """Longer side of a picture, and dots per inch."""
 ARROWS = 25.0
@@ -34,15 +28,10 @@ ACROSS = 12
 
 def draw_street(axes: Axes, network: Network) -> None:
     """Draw a street in metres, x to the east, y to the north."""
-    axes.set_facecolor(BLOCK)
-    axes.set_xlim(0, network.size[0])
-    axes.set_ylim(0, network.size[1])
-    axes.set_aspect("equal")
-    for kind, order in ORDER.items():
-        shapes = [area for area in network.areas if area.kind == kind]
-        _fill(axes, [_outline(area) for area in shapes], COLOURS[kind], order)
+    draw_ground(axes, network)
     for crossing in network.crossings:
-        _draw_crossing(axes, network, crossing)
+        if crossing.zone is not None:
+            _draw_zone(axes, network, crossing.zone)
     _draw_lanes(axes, network)
     edges = network.walk.nodes[network.walk.edges]
     axes.add_collection(LineCollection(list(edges), colors=WALK, linewidths=0.7, zorder=7))
@@ -84,59 +73,11 @@ def _write(figure: Figure, path: Path) -> None:
         figure.savefig(unfinished)
 
 
-def _outline(area: Area) -> PathPatch:
-    """Return an area with its holes as matplotlib draws it."""
-    rings = shapely.get_rings(shapely.orient_polygons(area.shape()))
-    return PathPatch(Outline.make_compound_path(*(Outline(shapely.get_coordinates(x), closed=True) for x in rings)))
-
-
-def _fill(axes: Axes, patches: list[PathPatch], colour: str, order: int) -> None:
-    axes.add_collection(PatchCollection(patches, facecolor=colour, edgecolor="none", zorder=order))
-
-
-def _draw_crossing(axes: Axes, network: Network, crossing: Crossing) -> None:
-    """Draw a crossing's stripes, or the dashed edges of one without markings, and its jaywalk zone."""
-    way = network.walk.nodes[list(crossing.nodes)]
-    for number in crossing.areas:
-        area = network.areas[number]
-        if crossing.kind == "raised":
-            _fill(axes, [_outline(area)], RAISED, 3)
-        if crossing.kind == "unmarked":
-            sides = list(_along_sides(area, way))
-            axes.add_collection(LineCollection(sides, linestyles="dotted", colors=PAINT, linewidths=0.8, zorder=4))
-        else:
-            axes.add_collection(PolyCollection(list(_stripes(area, way)), facecolors=PAINT, linewidths=0, zorder=4))
-    if crossing.zone is not None:
-        lines = ZoneLines.of(network, crossing.zone)
-        places = np.linspace(crossing.zone.begin, crossing.zone.end, ACROSS)
-        sides = [np.array([lines.at(side, place) for place in places]) for side in (0, 1)]
-        axes.fill(*np.concatenate([sides[0], sides[1][::-1]]).T, color=ZONE, alpha=0.3, linewidth=0, zorder=5)
-
-
-def _frame(way: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return where a crossing begins, and the unit vectors across the roadway and along it."""
-    across = (way[-1] - way[0]) / np.linalg.norm(way[-1] - way[0])
-    return way[0], across, np.array([-across[1], across[0]])
-
-
-def _stripes(area: Area, way: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the outlines of a crosswalk's stripes: along the road, side by side from kerb to kerb."""
-    origin, across, ahead = _frame(way)
-    over, beside = (area.outline - origin) @ across, (area.outline - origin) @ ahead
-    shape = area.shape()
-    for begin in np.arange(over.min() + STRIPE / 2, over.max() - STRIPE / 2, 2 * STRIPE):
-        ends = [(begin, beside.min()), (begin + STRIPE, beside.min()),
-                (begin + STRIPE, beside.max()), (begin, beside.max())]  # fmt: skip
-        stripe = shapely.Polygon([origin + a * across + b * ahead for a, b in ends]).intersection(shape)
-        yield from (shapely.get_coordinates(part) for part in shapely.get_parts(stripe) if part.area > 0)
-
-
-def _along_sides(area: Area, way: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the two sides of a crosswalk that lead over the roadway."""
-    origin, across, ahead = _frame(way)
-    over, beside = (area.outline - origin) @ across, (area.outline - origin) @ ahead
-    for place in (beside.min(), beside.max()):
-        yield np.array([origin + a * across + place * ahead for a in (over.min(), over.max())])
+def _draw_zone(axes: Axes, network: Network, zone: JaywalkZone) -> None:
+    lines = ZoneLines.of(network, zone)
+    places = np.linspace(zone.begin, zone.end, ACROSS)
+    sides = [np.array([lines.at(side, place) for place in places]) for side in (0, 1)]
+    axes.fill(*np.concatenate([sides[0], sides[1][::-1]]).T, color=ZONE, alpha=0.3, linewidth=0, zorder=5)
 
 
 def _draw_lanes(axes: Axes, network: Network) -> None:

@@ -1,9 +1,10 @@
 // Draws a map and everything that moves on it on a canvas. Units are metres, y to the north; a pixel is a CSS pixel.
 
 const CAR = [[-2.25, -0.9], [1.8, -0.9], [2.25, 0], [1.8, 0.9], [-2.25, 0.9]]; // a rectangle with a pointed front
-const STRIPE = 0.5, RINGS = [3, 6, 9, 12]; // [m]
+const RINGS = [3, 6, 9, 12]; // [m]
 const CLOSE = 44; // metres shown while following the car
-const SEAM = 0.6; // overlap of rectangles in pixels; without it, the ground shows between them
+const SEAM = 0.6; // overlap of surfaces in pixels; without it, the ground shows between them
+const SURFACES = ["building", "sidewalk", "roadway", "parking", "island", "raised"]; // each covers those before it
 const TRAIL = 3; // length of a pedestrian's trail [s]
 const NEAREST = 6; // pedestrians that the car observes individually
 // From pale to dark: the colours differ in lightness, which colour-blind people see too.
@@ -19,7 +20,9 @@ class Drawing {
   constructor(canvas, map) {
     this.canvas = canvas;
     this.map = map;
-    this.stripes = map.crosswalks.flatMap((crosswalk) => stripes(crosswalk, map.roads));
+    this.surfaces = SURFACES.map((kind) => [kind, outlines(map.surfaces[kind], true)]);
+    this.stripes = outlines(map.stripes, true);
+    this.lines = [[outlines(map.dashed), [1.5, 1.5]], [outlines(map.dotted), [0.3, 0.6]]];
     this.view = null; // { x, y, zoom }: moved by hand; null: all of the map
   }
 
@@ -63,18 +66,23 @@ class Drawing {
     return now;
   }
 
-  #fill(c, boxes, colour) {
-    c.fillStyle = colour;
-    for (const [x0, y0, x1, y1] of boxes) {
-      const [px, py] = this.toPixels(x0, y1);
-      c.fillRect(px, py, (x1 - x0) * this.scale + SEAM, (y1 - y0) * this.scale + SEAM);
-    }
-  }
-
   #ground(c) {
-    this.#fill(c, this.map.sidewalks, this.colour.sidewalk);
-    this.#fill(c, this.map.roads, this.colour.road);
-    this.#fill(c, this.stripes, this.colour.paint);
+    c.save();
+    c.transform(this.scale, 0, 0, -this.scale, this.left, this.top); // metres
+    c.lineWidth = SEAM / this.scale;
+    for (const [kind, shape] of this.surfaces) {
+      c.fillStyle = c.strokeStyle = this.colour[kind];
+      c.fill(shape);
+      c.stroke(shape);
+    }
+    c.fillStyle = c.strokeStyle = this.colour.paint;
+    c.fill(this.stripes);
+    c.lineWidth = 1 / this.scale;
+    for (const [shape, dash] of this.lines) {
+      c.setLineDash(dash);
+      c.stroke(shape);
+    }
+    c.restore();
   }
 
   #path(c, xs, ys, first = 0, last = xs.length - 1) {
@@ -211,20 +219,18 @@ class Drawing {
   }
 }
 
-// A crosswalk's stripes, along the traffic, side by side from kerb to kerb.
-function stripes([x0, y0, x1, y1], roads) {
-  const under = roads.filter((r) => r[0] < x1 && r[2] > x0 && r[1] < y1 && r[3] > y0);
-  const northward = under.some((r) => r[3] - r[1] > r[2] - r[0]);
-  const [low, high] = northward ? [x0, x1] : [y0, y1];
-  const found = [];
-  for (let begin = low + STRIPE / 2; begin < high - STRIPE / 2; begin += 2 * STRIPE) {
-    const end = Math.min(begin + STRIPE, high);
-    found.push(northward ? [begin, y0, end, y1] : [x0, begin, x1, end]);
+// One path in metres of outlines (x, y, x, y ...), or of lines.
+function outlines(each, closed = false) {
+  const path = new Path2D();
+  for (const points of each) {
+    path.moveTo(points[0], points[1]);
+    for (let k = 2; k < points.length; k += 2) path.lineTo(points[k], points[k + 1]);
+    if (closed) path.closePath();
   }
-  return found;
+  return path;
 }
 
-const NAMES = ["block", "road", "sidewalk", "paint", "car", "route", "goal", "brake", "person", "plan", "jaywalk", "ring", "edge", "halo", "ink", "grid"];
+const NAMES = ["block", ...SURFACES, "paint", "car", "route", "goal", "brake", "person", "plan", "jaywalk", "ring", "edge", "halo", "ink", "grid"];
 
 // The page's colours, which follow light and dark.
 function palette(element) {
