@@ -5,6 +5,11 @@ from __future__ import annotations
 import copy
 import json
 
+import numpy as np
+
+from jaxwalk.maps import read_map
+from jaxwalk.maps.file import parse
+
 
 def turned(table):
     """The map turned by 90 degrees to the left about its middle, (60, 60)."""
@@ -54,3 +59,12 @@ def _toml(value):
     if isinstance(value, list):
         return "[" + ", ".join(map(_toml, value)) + "]"
     return repr(value) if isinstance(value, float) else json.dumps(value)
+
+
+def rectangles(kind, found=None):
+    """The rectangles (rectangle, 4) of a map file's roads, sidewalks or crosswalks; of the paper's without a text."""
+    found = found or read_map("paper")
+    file = parse(found.text, found.name)
+    parts = {"roads": file.roads, "sidewalks": file.sidewalks}
+    parts["crosswalks"] = {name: crosswalk.area for name, crosswalk in file.crosswalks.items()}
+    return np.array(list(parts[kind].values()))

@@ -13,12 +13,12 @@ import numpy as np
 from compiling import FORGOTTEN
 from jaxwalk.rollout import draw_batch, environment_keys, seed_key
 from jaxwalk.sim import pedestrian, vehicle
-from jaxwalk.sim.observation import BELIEF, HIDDEN, OBSERVATIONS
+from jaxwalk.sim.observation import HIDDEN, INFERRED, OBSERVATIONS
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.state import State
 
 ENVIRONMENTS, STEPS, PEOPLE = 256, 500, 12
-SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in {*HIDDEN, BELIEF}]
+SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in HIDDEN | INFERRED]
 """But for those that show the future (`test_future.py`), tendencies or a belief about them (`test_belief.py`)."""
 TRACES = Counter()
 """How often Python ran through each compiled function, by the shapes it was called with."""
@@ -122,7 +122,7 @@ def _draw(street, keys):
 
 @partial(jax.jit, compiler_options=AS_SHIPPED)
 def _play(street, scenario, state, actions):
-    TRACES["play", len(FORGOTTEN), state.step.shape, street.world.maps.roads.shape] += 1
+    TRACES["play", len(FORGOTTEN), state.step.shape, street.world.maps.edges.shape] += 1
 
     def body(state, action):
         after, _ = street.step(scenario, state, action)
@@ -134,7 +134,7 @@ def _play(street, scenario, state, actions):
 
 
 def _everything(street, scenario, state, actions):
-    TRACES["everything", len(FORGOTTEN), state.step.shape, street.world.maps.roads.shape] += 1
+    TRACES["everything", len(FORGOTTEN), state.step.shape, street.world.maps.edges.shape] += 1
     state = refreshed(street, scenario, state)
     seen = {f"{role} {name}": street.observe(scenario, state, street.view(role, name)) for role, name in SETS}
     seen["global"] = street.global_state(scenario, state)

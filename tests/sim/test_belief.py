@@ -12,7 +12,7 @@ from scipy import integrate
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim import belief
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
-from jaxwalk.sim.observation import BELIEF, TOLD, part
+from jaxwalk.sim.observation import BELIEF, FOOTPRINT, TOLD, part
 from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, everything, people, play, refreshed, reset
 
 TYPES = (JAYWALK, CROSSWALK)
@@ -73,7 +73,7 @@ def _seen(street, scenario, state):
 
 @jax.jit
 def _look(street, scenario, state):
-    return [street.observe(scenario, state, street.view("driver", name)) for name in ("route", TOLD, BELIEF)]
+    return [street.observe(scenario, state, street.view("driver", name)) for name in (FOOTPRINT, TOLD, BELIEF)]
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from jaxwalk.sim.sim_config import WORLDS, SimConfig, rules_of
 EPISODES = 64
 
 
-@pytest.fixture(scope="module", params=WORLDS)
+@pytest.fixture(scope="module", params=("paper", "paper-footprint"))
 def played(request):
     """A world, and episodes of a driver who looks at nobody in it."""
     street = Street.create(config=WORLDS[request.param])

@@ -14,7 +14,7 @@ import pytest
 from jaxwalk import SimConfig, Street
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.interfaces import Environment
-from sim.maps import rearranged, turned, write
+from sim.maps import rearranged, rectangles, turned, write
 from sim.play import (
     ENVIRONMENTS,
     TRACES,
@@ -160,7 +160,7 @@ def test_the_scenario_names_its_map(three_maps, on_three_maps):
     numbers, played = on_three_maps
     for number in range(3):
         x, y = played["x"][..., numbers == number], played["y"][..., numbers == number]
-        ground = np.concatenate([three_maps.world.maps.sidewalks[number], three_maps.world.maps.roads[number]])
+        ground = np.concatenate([rectangles(kind, three_maps.maps[number]) for kind in ("sidewalks", "roads")])
         assert inside(ground, x, y, margin=-1e-3).all()
         assert (x.max() > 125) == (number == 1)
     drawn = np.asarray(draw(three_maps, 1, 0, 0).map)

@@ -15,6 +15,7 @@ from jaxwalk.sim.events import arrives, closes_in, closing_speed, touches
 from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 from jaxwalk.sim.vehicle import goal
+from sim.maps import rectangles
 from sim.play import ENVIRONMENTS, actions, columns, everything, reset, with_car
 
 BRAKE = (-1.0, 0.0)
@@ -62,7 +63,7 @@ def crossing_person(paid_street, scenarios, midway):
     people = midway.pedestrian
     x, y = np.asarray(people.x), np.asarray(people.y)
     goal_x, goal_y = goal(paid_street.world, scenarios)
-    roads = np.asarray(paid_street.world.maps.roads[0])
+    roads = rectangles("roads")
     for p, env in zip(*np.nonzero(np.asarray(people.on_roadway)), strict=True):
         far = np.hypot(goal_x[env] - x[p, env], goal_y[env] - y[p, env]) > 8
         room = min(abs(roads[:, 1] - y[p, env]).min(), abs(roads[:, 3] - y[p, env]).min()) > 2

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxwalk import Street
 from jaxwalk.evaluation import with_jaywalk_multiplier
-from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
+from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS, limits
 from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, part
+from jaxwalk.sim.sim_config import WORLDS
+from jaxwalk.sim.vehicle import course
 from sim.play import ENVIRONMENTS, actions, everything, with_car
 
 
@@ -63,3 +67,16 @@ def test_one_scenario_alone_sees_the_same(street, scenarios, midway):
     one, there = jax.tree.map(lambda x: x[..., 7], (scenarios, midway))
     alone = street.observe(one, there, street.view("driver", PRIVILEGED))
     np.testing.assert_allclose(alone, np.asarray(_observe(street, scenarios, midway))[:, 7], atol=1e-5)
+
+
+def test_it_knows_the_speed_limits_ahead(scenarios, midway):
+    """Bends of the paper's route are limits in the world of a town; beyond the route's end its last one holds."""
+    world = Street.create(config=WORLDS["town"]).world
+    along = np.random.default_rng(0).uniform(0, 60, ENVIRONMENTS).astype(np.float32)
+    state = with_car(midway, along=along)
+    seen = np.asarray(jax.jit(limits)(world, scenarios, state))
+    for place in (0, 7, 60, PLACES - 1):
+        expected = np.asarray(course(world, scenarios, jnp.asarray(along + SPACING * place)).limit)
+        np.testing.assert_allclose(seen[place], np.minimum(expected, 13.9), rtol=1e-6)
+    assert seen.min() < 6
+    assert seen.max() == pytest.approx(13.9)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,10 +12,11 @@ import pytest
 from jaxwalk import Street
 from jaxwalk.interfaces import Moment
 from jaxwalk.scenarios import Drawn
-from jaxwalk.sim import events, prediction
+from jaxwalk.sim import events, what_if
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.manoeuvres import BRAKE, HOLD, MOMENTS, clearance_and_conflict, squared_clearance
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
+from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.state import Course, Motion, VehicleState
 
@@ -29,7 +32,7 @@ def world():
 def car(x, y, ahead_x, ahead_y, *, heading=0.0, speed=5.0):
     """A car beside a route that begins at (0, 0) to the east; one environment."""
     one = jnp.ones(1)
-    course = Course(0 * one, 0 * one, one, 0 * one, jnp.array(ahead_x)[:, None], jnp.array(ahead_y)[:, None])
+    course = Course(0 * one, 0 * one, one, 0 * one, 99 * one, jnp.array(ahead_x)[:, None], jnp.array(ahead_y)[:, None])
     cos, sin = np.cos(heading) * one, np.sin(heading) * one
     return VehicleState(x * one, y * one, cos, sin, speed * one, 0 * one, 0 * one, 0 * one, course)
 
@@ -75,7 +78,7 @@ def test_people_beside_the_roadway_may_turn_to_the_route():
     scenarios, _ = Drawn(street, 5, 32).take(np.arange(32))
     state = street.reset(scenarios)
     moment = Moment(street.world, scenarios, state)
-    clearance, _ = jax.jit(prediction.clearance_if_they_turn, static_argnums=1)(moment, "footprint")
+    clearance, _ = jax.jit(what_if.clearance_if_they_turn, static_argnums=1)(moment, "footprint")
     seen, people = state.foresight, np.stack([state.foresight.people.ahead, state.foresight.people.left])
     corners = np.stack([np.concatenate([0 * of[:1], of]) for of in (seen.route_x, seen.route_y)])
     share = np.linspace(0, 1, 500).reshape(-1, 1, 1, 1)
@@ -84,7 +87,41 @@ def test_people_beside_the_roadway_may_turn_to_the_route():
     nearest = np.hypot(*steps).argmin(axis=0)
     step = np.take_along_axis(steps, nearest[None, None], axis=1)[:, 0]
     time = np.array(MOMENTS["footprint"]).reshape(-1, 1, 1)
-    at = people[:, None] + step[:, None] / np.hypot(*step) * prediction.SETTING_OUT * time
+    at = people[:, None] + step[:, None] / np.hypot(*step) * what_if.SETTING_OUT * time
     away = events.to_rectangle(at[0], at[1], RULES.car_length, RULES.car_width).min(axis=(0, 1)) - RULES.body_radius
     assert not state.pedestrian.on_roadway.any() and (away < 9).sum() > 3
     np.testing.assert_allclose(clearance[HOLD], np.clip(away, 0, 9.75), atol=0.05)
+
+
+def with_numbers(of, **numbers):
+    """``of`` with these numbers in some of its arrays."""
+    return replace(of, **{name: jnp.full_like(getattr(of, name), number) for name, number in numbers.items()})
+
+
+@pytest.mark.parametrize(("aside", "turns"), [(0.0, True), (0.9, True), (1.1, False)])
+def test_people_who_walk_to_a_crosswalk_may_take_it(aside, turns):
+    """The car stands half-way between the crosswalk's ends, beyond it by 6 m; one person is 2 m before an end."""
+    street = Street.create(config=replace(RULES, pedestrians=1))
+    scenario = street.draw(jax.random.key(1))
+    state, maps = street.reset(scenario), street.world.maps
+    ends = np.stack([maps.node_x[0], maps.node_y[0]], -1)[maps.side_landing[0, :2]]
+    across = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
+    along = np.array([across[1], -across[0]])  # the way beside the road
+    begin = ends[0] - 2 * along + aside * across
+    seat = ends.mean(axis=0) + 6 * along
+    end = begin + 9 * along
+    leg = with_numbers(state.pedestrian.leg, end_x=end[0], end_y=end[1], cos=along[0], sin=along[1])
+    people = with_numbers(replace(state.pedestrian, leg=leg), remaining=9.0)
+    ahead = [jnp.array(seat[i] + AWAY * along[i]) for i in (0, 1)]
+    course = replace(with_numbers(state.vehicle.course, x=seat[0], y=seat[1]), ahead_x=ahead[0], ahead_y=ahead[1])
+    driven = with_numbers(replace(state.vehicle, course=course), x=seat[0], y=seat[1], cos=along[0], sin=along[1])
+    seen = foresee(street.world, scenario, driven, people)
+    moment = Moment(street.world, scenario, replace(state, vehicle=driven, pedestrian=people, foresight=seen))
+    clearance, conflict = what_if.clearance_if_they_cross(moment, "footprint")
+
+    pace, time = float(scenario.walking_speed(street.world)[0]), np.array(MOMENTS["footprint"])
+    straight = begin + np.minimum(pace * time, 2.0 if turns else 99)[:, None] * along
+    at = straight + np.maximum(pace * time - 2, 0)[:, None] * across * turns
+    away = events.to_rectangle(*((at - seat) @ np.stack([along, across], -1)).T, RULES.car_length, RULES.car_width)
+    np.testing.assert_allclose(clearance[HOLD], away.min() - RULES.body_radius, atol=1e-3)
+    np.testing.assert_allclose(conflict[HOLD], 3.0)

@@ -9,6 +9,7 @@ from scipy.stats import binom
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
 from jaxwalk.sim.sim_config import SimConfig
+from sim.maps import rectangles
 from sim.play import inside, play, random_actions
 
 MAX_TURN = 2e-3
@@ -36,9 +37,8 @@ def speed(scenarios):
 
 
 @pytest.fixture(scope="module")
-def areas(street):
-    maps = street.world.maps
-    return {name: np.asarray(getattr(maps, name)[0]) for name in ("roads", "sidewalks", "crosswalks")}
+def areas():
+    return {name: rectangles(name) for name in ("roads", "sidewalks", "crosswalks")}
 
 
 def moved(played):

@@ -18,8 +18,8 @@ def test_the_course_is_the_route_and_the_points_ahead(street):
         np.testing.assert_array_equal(course[..., column], np.asarray(field)[0])
     for k, point in enumerate(POINTS):
         there = np.minimum(np.arange(last + 1) + round(point * POINT_SPACING / 0.5), last)
-        np.testing.assert_array_equal(course[..., 4 + k], np.asarray(maps.route_x)[0][:, there])
-        np.testing.assert_array_equal(course[..., 4 + len(POINTS) + k], np.asarray(maps.route_y)[0][:, there])
+        np.testing.assert_array_equal(course[..., 5 + k], np.asarray(maps.route_x)[0][:, there])
+        np.testing.assert_array_equal(course[..., 5 + len(POINTS) + k], np.asarray(maps.route_y)[0][:, there])
 
 
 def test_a_row_leads_in_the_result():

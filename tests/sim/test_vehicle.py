@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from jaxwalk import Street
-from jaxwalk.sim.sim_config import SimConfig
-from jaxwalk.sim.vehicle import course, drive, goal, place
+from jaxwalk.maps.network import Lane, LaneRoute
+from jaxwalk.maps.network_routes import sampled_route
+from jaxwalk.sim.map_tables import speed_limits
+from jaxwalk.sim.sim_config import WORLDS, SimConfig
+from jaxwalk.sim.vehicle import course, drive, goal, place, throttle
+from maps.networks import bend
+from sim.maps import rectangles
 from sim.play import ENVIRONMENTS, STEPS, actions, everything, inside, play, reset, with_car
 
 CONFIG = SimConfig()
@@ -35,8 +42,8 @@ def nearest_place_inside(roads, x, y):
 
 
 @pytest.fixture(scope="module")
-def roads(street):
-    return np.asarray(street.world.maps.roads[0], float)
+def roads():
+    return rectangles("roads")
 
 
 def test_each_step_is_the_bicycle_models(driven, roads):
@@ -112,7 +119,7 @@ def test_full_throttle_straight_ahead(street, scenarios):
     travelled = (0.1 * speed).cumsum(axis=0)
     assert 18 < travelled.max() < 21
     x, y, cos, sin = (played[name][:36] for name in ("car_x", "car_y", "car_cos", "car_sin"))
-    clear = inside(np.asarray(street.world.maps.roads[0]), x[0] + 21 * cos[0], y[0] + 21 * sin[0])
+    clear = inside(rectangles("roads"), x[0] + 21 * cos[0], y[0] + 21 * sin[0])
     assert clear.mean() > 0.5
     dx, dy = x - x[0], y - y[0]
     np.testing.assert_allclose((played["car_speed"][:36] - speed)[:, clear], 0, atol=1e-4)
@@ -175,7 +182,47 @@ def test_progress_keeps_up(scenarios, config, steps, travelled):
     ahead = course(world, scenarios, jnp.full(ENVIRONMENTS, 20.0))
     straight = np.hypot(ahead.x - car.x, ahead.y - car.y) > 20 - 1e-3
     assert straight.mean() > 0.3
-    throttle = actions((1.0, 0.0))["driver"]
+    full = actions((1.0, 0.0))["driver"]
     for _ in range(steps):
-        car = step(world, scenarios, car, throttle)
+        car = step(world, scenarios, car, full)
     np.testing.assert_allclose(np.asarray(car.along)[straight], travelled, atol=1e-3)
+
+
+def test_a_town_car_brakes_harder_than_it_accelerates(scenarios):
+    world = Street.create(config=WORLDS["town"]).world
+    car, step = place(world, scenarios), jax.jit(drive)
+    speeds = []
+    for pedal in (1.0, 1.0, 0.5, -0.25, -1.0):
+        car = step(world, scenarios, car, actions((pedal, 0.0))["driver"])
+        speeds.append(float(car.speed[0]))
+    np.testing.assert_allclose(speeds, [0.3, 0.6, 0.75, 0.56, 0.0], atol=1e-5)
+    assert float(car.acceleration[0]) == pytest.approx(-7.6)
+    np.testing.assert_allclose(throttle(world, car), -1.0, rtol=1e-6)
+
+
+def test_speed_limits_are_those_of_lanes_and_bends():
+    """Two lanes of 8 and 9.42 m with limits of 10 and 6 m/s; the second one bends with a radius of 6 m."""
+    angle = np.linspace(np.pi, 1.5 * np.pi, 91)
+    quarter = np.stack([16 + 6 * np.cos(angle), 10 + 6 * np.sin(angle)], axis=1)
+    lanes = (Lane([[10, 20], [10, 10]], 4, 10.0, (1,)), Lane(quarter, 4, 6.0))
+    route = sampled_route(replace(bend(), lanes=lanes), LaneRoute((0, 1), 2.0, 3 * np.pi), 37)
+    found = speed_limits(*route.tangents.T, route.limits, WORLDS["town"])
+    in_bend = np.sqrt(WORLDS["town"].max_lateral * 6)
+    np.testing.assert_allclose(found[18:34], in_bend, rtol=0.02)
+    before = np.arange(15, -1, -1) * 0.5 + 0.5  # metres to the first point of the bend
+    np.testing.assert_allclose(found[:16], np.minimum(np.sqrt(in_bend**2 + 2 * 3 * before), 10), rtol=0.1)
+    loose = speed_limits(*route.tangents.T, route.limits, SimConfig())
+    np.testing.assert_allclose(loose[16:], 6.0)
+    np.testing.assert_allclose(loose[15], np.sqrt(36 + 2 * 3 * 0.5))
+
+
+def test_no_speed_limit_binds_on_the_papers_street(street):
+    assert (np.asarray(street.world.tables.course[..., 4]) > street.config.max_speed).all()
+
+
+def test_a_car_above_the_limit_brakes(scenarios):
+    world = Street.create(config=replace(WORLDS["town"], max_lateral=0.01)).world  # it may hardly move in a bend
+    car = replace(place(world, scenarios), speed=jnp.full(ENVIRONMENTS, 10.0))
+    car = replace(car, course=replace(car.course, limit=jnp.full(ENVIRONMENTS, 5.0)))
+    after = drive(world, scenarios, car, actions((1.0, 0.0))["driver"])
+    np.testing.assert_allclose(after.speed, 10 - 0.76, rtol=1e-6)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
-from jaxwalk.sim import belief, future, prediction, vehicle
+from jaxwalk.sim import belief, future, prediction, vehicle, what_if
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
 from jaxwalk.sim.geometry import to_frame
@@ -99,10 +99,14 @@ def _predictions(rule: ContactRule, conflicts_of: slice) -> tuple[Feature, ...]:
     )
 
 
-def _if_they_turn(moment: Moment) -> Sequence[Array]:
-    """Return clearances, margins and conflicts by footprint if people turned to the car's route now."""
-    clearance, conflict = prediction.clearance_if_they_turn(moment, "footprint")
-    return clearance / FAR, _margins(clearance, "footprint"), conflict / AHEAD
+def _what_if(name: str, predict: Callable[[Moment, ContactRule], tuple[Array, Array]]) -> Feature:
+    """Return the feature of clearances, margins and conflicts by footprint if people did what is predicted."""
+
+    def predicted(moment: Moment) -> Sequence[Array]:
+        clearance, conflict = predict(moment, "footprint")
+        return clearance / FAR, _margins(clearance, "footprint"), conflict / AHEAD
+
+    return Feature(name, len(MANOEUVRES) * (2 + len(MARGINS["footprint"])), share, predicted)
 
 
 def _of_nearest(moment: Moment, tendency: Float[Array, "ped *batch"]) -> Sequence[Array]:
@@ -121,9 +125,16 @@ def _future_clearances(moment: Moment) -> Sequence[Array]:
     return (nearest.reshape(-1, *moment.state.step.shape),)
 
 
+def _limits(moment: Moment) -> Sequence[Array]:
+    """Return the car's top speed at the places ahead."""
+    return (future.limits(moment.world, moment.scenario, moment.state) / SPEED,)
+
+
 SPEED_OF_CAR = Feature(
     "speed", 1, lambda limits: [(0.0, limits.config.max_speed / SPEED)], lambda m: (m.state.vehicle.speed / SPEED,)
 )
+STEERING = Feature("steering", 1, signed, lambda m: (m.state.vehicle.steering / m.world.rules.max_steering,))
+TO_GO = Feature("to_go", 1, _to_go_bounds, _to_go)
 PEOPLE = Feature("people", 4 * NEIGHBOURS, _people_bounds, _people)
 
 PAPER = (
@@ -140,10 +151,10 @@ PAPER = (
 
 ON_ROUTE = (
     SPEED_OF_CAR,
-    Feature("steering", 1, signed, lambda m: (m.state.vehicle.steering / m.world.rules.max_steering,)),
+    STEERING,
     Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 2,)),
     Feature("heading", 2, signed, lambda m: vehicle.route_frame(m.state.vehicle)[1:]),
-    Feature("to_go", 1, _to_go_bounds, _to_go),
+    TO_GO,
     Feature(
         "route",
         2 * len(POINTS),
@@ -159,11 +170,12 @@ ROUTE = (*ON_ROUTE, *_predictions("disc", slice(HOLD, HOLD + 1)), PEOPLE)
 ROUTE_FOOTPRINT = (
     *ON_ROUTE,
     *_predictions("footprint", slice(None)),
-    Feature("if_they_turn", len(MANOEUVRES) * (2 + len(MARGINS["footprint"])), share, _if_they_turn),
+    _what_if("if_they_turn", what_if.clearance_if_they_turn),
+    _what_if("if_they_cross", what_if.clearance_if_they_cross),
     PEOPLE,
 )
 """As `ROUTE`, but with clearances between the car's rectangle and people's bodies: 18 numbers if people walk on as they
-do, and 18 if everybody beside the roadway turned to the car's route now."""
+do, 18 if everybody beside the roadway turned to the car's route now, 18 if all who walk to a crosswalk took it."""
 
 TOLD_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency))
 """The jaywalking tendency of each of the nearest people."""
@@ -173,3 +185,6 @@ EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendenc
 
 FUTURE_CLEARANCES = Feature("clearances", future.MOMENTS * future.PLACES, share, _future_clearances)
 """How near people will be to the places ahead, at each moment. Nobody can know this."""
+
+LIMITS = Feature("limits", future.PLACES, lambda limits: [(0.0, limits.config.max_speed / SPEED)], _limits)
+"""The car's top speed at these places."""

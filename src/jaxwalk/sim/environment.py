@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,9 @@ class Street(eqx.Module):
         driver_weights: Mapping[str, float] | None = None,
         pedestrian_weights: Mapping[str, float] | None = None,
     ) -> Street:
-        """Return a street on the maps (bundled names, files or texts) that pays the given reward terms (default: none).
+        """Return a street on the maps that pays the given reward terms (default: none).
+
+        Maps are bundled names, files, generated streets (``test:20``, ``test-2000000003``; docs/streets.md) or texts.
 
         Raise MapError for a wrong map, and ValueError for a reward term that doesn't exist, a negative multiplier, or
         roads that are too narrow for ``offroad_margin``.
@@ -68,6 +71,15 @@ class Street(eqx.Module):
     def view(self, role: str, name: str) -> View:
         """Return a flat view by its name (`jaxwalk.sim.observation.OBSERVATIONS`). Raise ValueError if unknown."""
         return observation.Observation(role, name)
+
+    def with_people(self, people: int) -> Street:
+        """Return the street with another number of people in an episode: the same tables, but another program.
+
+        Raise ValueError for an impossible number.
+        """
+        rules = self.world.rules
+        replace(rules.config, pedestrians=people)
+        return replace(self, world=replace(self.world, rules=replace(rules, pedestrians=people)))
 
     @eqx.filter_jit
     def draw(self, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:

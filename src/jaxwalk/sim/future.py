@@ -1,4 +1,7 @@
-"""The future, which no real car can know: how near people will be to each place of the route if all of them go."""
+"""The future, which no real car can know: how near people will be to each place of the route if all of them go.
+
+The speed limits at the same places stand beside it.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,9 @@ from jaxtyping import Array, Float
 from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.everybody import for_everybody
-from jaxwalk.sim.lookup import look_up_each
+from jaxwalk.sim.lookup import look_up, look_up_each
 from jaxwalk.sim.manoeuvres import FAR
+from jaxwalk.sim.map_tables import LIMIT
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import PedestrianState, State
 from jaxwalk.sim.world import World
@@ -40,11 +44,23 @@ def clearances(world: World, scenario: Scenario, state: State) -> Float[Array, "
     return jax.lax.scan(moment, state.pedestrian, None, length=MOMENTS)[1]
 
 
+def limits(world: World, scenario: Scenario, state: State) -> Float[Array, "place *batch"]:
+    """Return the car's top speed at each place ahead [m/s]: of the lane, of the bend, and its own."""
+    _, point = _ahead(world, state)
+    limit = look_up(world.tables.course, scenario.map, scenario.route, point, jnp.int32(LIMIT))
+    return jnp.minimum(limit, world.rules.max_speed)
+
+
+def _ahead(world: World, state: State) -> tuple[Array, Array]:
+    """Return the places ahead as metres along the route and as its nearest points, ``(place, *batch)``."""
+    along = state.vehicle.along + (jnp.arange(PLACES) * SPACING).reshape(-1, *(1,) * state.step.ndim)
+    last = world.maps.route_x.shape[-1] - 1
+    return along, jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, last)
+
+
 def _places(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:
     """Return places of the route ahead of the car [m], ``(place, *batch)``; beyond its last point, that point."""
-    maps = world.maps
-    along = state.vehicle.along + (jnp.arange(PLACES) * SPACING).reshape(-1, *(1,) * state.step.ndim)
-    point = jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, maps.route_x.shape[-1] - 1)
+    maps, (along, point) = world.maps, _ahead(world, state)
     columns = (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)
     x, y, cos, sin = look_up_each(columns, scenario.map, scenario.route, point)
     beyond = jnp.clip(along - point * ROUTE_SPACING, -ROUTE_SPACING, ROUTE_SPACING)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from jaxwalk.sim.lookup import look_up, look_up_each
-from jaxwalk.sim.map_tables import ZONE_COLUMNS
+from jaxwalk.sim.map_tables import SIDE_COLUMNS, ZONE_COLUMNS
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Leg
 from jaxwalk.sim.world import World
@@ -19,6 +20,43 @@ SAME = 1e-3
 """Places that differ by less are equal, in pieces of a zone's line."""
 OFF = -1000.0
 """The place of somebody who isn't on the line of the zone: the way there leads over the landing."""
+
+
+class LinePiece(NamedTuple):
+    """A piece of a zone's line (`jaxwalk.sim.map_tables.ZONE_COLUMNS`)."""
+
+    number: Array
+    x: Array
+    y: Array
+    dx: Array
+    dy: Array
+    kerb: Array
+
+    def at(self, place: Array) -> tuple[Array, Array]:
+        """Return the point at a place [m]."""
+        share = place - self.number
+        return self.x + share * self.dx, self.y + share * self.dy
+
+    def to_kerb(self, dx: Array, dy: Array) -> Array:
+        """Return how far a way across (dx, dy) is on this side's sidewalk [m]."""
+        across = jnp.abs(self.dx * dy - self.dy * dx) / jnp.sqrt(jnp.maximum(self.dx**2 + self.dy**2, 1e-6))
+        return self.kerb * jnp.sqrt(dx * dx + dy * dy) / jnp.maximum(across, 1e-6)
+
+
+def line_of(world: World, scenario: Scenario, side: Int[Array, "ped *batch"]) -> Callable[[Array], LinePiece]:
+    """Return a function that gives the piece of a side's line that holds a place; a single one is looked up once."""
+    columns = [world.tables.zone[name] for name in ZONE_COLUMNS]
+    pieces = columns[0].shape[-1]
+
+    def piece_at(place: Array) -> LinePiece:
+        number = jnp.clip(jnp.floor(place).astype(jnp.int32), 0, pieces - 1)
+        return LinePiece(number, *look_up_each(columns, scenario.map, side, number))
+
+    if pieces > 1:
+        return piece_at
+    number = jnp.zeros_like(side)
+    single = LinePiece(number, *look_up_each(columns, scenario.map, side, number))
+    return lambda _: single
 
 
 class Zone(NamedTuple):
@@ -34,6 +72,10 @@ class Zone(NamedTuple):
     """From that end along the line to the landing [m], where it is a node of the line."""
     clear: Float[Array, "ped *batch"]
     """From the landing along the crossing to the roadway [m]."""
+    piece: Float[Array, "ped *batch"]
+    """Length of a piece, half-way between the two sides [m]."""
+    line: Callable[[Array], LinePiece]
+    """Gives the piece that holds a place."""
 
     @property
     def exists(self) -> Bool[Array, "ped *batch"]:
@@ -66,10 +108,9 @@ class Zone(NamedTuple):
 
 def zone_of(world: World, scenario: Scenario, leg: Leg, side: Int[Array, "ped *batch"]) -> Zone:
     """Return the zone at a side, seen from the end of everybody's leg."""
-    tables = world.tables
-    near, far, clear = look_up_each([tables.side[name] for name in ("near", "far", "clear")], scenario.map, side)
-    first = jnp.zeros_like(side)
-    x, y, dx, dy = look_up_each([tables.zone[name] for name in ("x", "y", "dx", "dy")], scenario.map, side, first)
+    tables, line = world.tables, line_of(world, scenario, side)
+    near, far, piece, clear = look_up_each([tables.side[name] for name in SIDE_COLUMNS], scenario.map, side)
+    _, x, y, dx, dy, _ = line(jnp.zeros_like(leg.end_x))
     ahead_x, ahead_y = leg.end_x - x, leg.end_y - y
     squared = jnp.maximum(dx * dx + dy * dy, 1e-6)
     place = (ahead_x * dx + ahead_y * dy) / squared
@@ -80,7 +121,8 @@ def zone_of(world: World, scenario: Scenario, leg: Leg, side: Int[Array, "ped *b
     if tables.zone["x"].shape[-1] > 1:
         node_place, walk = look_up_each((tables.place, tables.walk), scenario.map, side, leg.node)
         elsewhere = jnp.where(node_place >= 0, node_place, OFF)
-    return Zone(jnp.where((aside < ON_LINE) & (place <= 1), place, elsewhere), near, far, walk, clear)
+    here = jnp.where((aside < ON_LINE) & (place <= 1), place, elsewhere)
+    return Zone(here, near, far, walk, clear, piece, line)
 
 
 class Jaywalk(NamedTuple):
@@ -106,19 +148,19 @@ def jaywalk_from(
     world: World,
     scenario: Scenario,
     side: Int[Array, "ped *batch"],
+    zone: Zone,
     begin: Float[Array, "ped *batch"],
     goal: Int[Array, "ped *batch"],
 ) -> Jaywalk:
-    """Return the jaywalk that each pedestrian would make from a place of a side.
+    """Return the jaywalk that each pedestrian would make from a place of the zone at a side.
 
     It is slanted toward the goal by at most 45 degrees within the opposite zone, so it is clear of crosswalks and
     junctions.
     """
     tables, opposite = world.tables, side ^ 1
-    own_piece = look_up(tables.side["piece"], scenario.map, side)
     near, far, piece = look_up_each([tables.side[name] for name in ("near", "far", "piece")], scenario.map, opposite)
-    straight = begin * (own_piece / piece)
-    one, other = _piece_at(world, scenario, side, begin), _piece_at(world, scenario, opposite, straight)
+    straight, line = begin * (zone.piece / piece), line_of(world, scenario, opposite)
+    one, other = zone.line(begin), line(straight)
     x, y = one.at(begin)
     straight_x, straight_y = other.at(straight)
     width = jnp.sqrt((straight_x - x) ** 2 + (straight_y - y) ** 2)
@@ -128,7 +170,7 @@ def jaywalk_from(
     reach = width / piece
     end = jnp.clip(jnp.clip(toward, straight - reach, straight + reach), near, far)
 
-    there = _piece_at(world, scenario, opposite, end)
+    there = line(end)
     landing_x, landing_y = there.at(end)
     dx, dy = landing_x - x, landing_y - y
     past_first = end > look_up(tables.turn, scenario.map, opposite, there.number, goal)
@@ -143,32 +185,3 @@ def jaywalk_from(
         node=node,
         piece=jnp.sqrt(one.dx**2 + one.dy**2),
     )
-
-
-class _Piece(NamedTuple):
-    """A piece of a zone's line (`jaxwalk.sim.map_tables.ZONE_COLUMNS`)."""
-
-    number: Array
-    x: Array
-    y: Array
-    dx: Array
-    dy: Array
-    kerb: Array
-
-    def at(self, place: Array) -> tuple[Array, Array]:
-        """Return the point at a place [m]."""
-        share = place - self.number
-        return self.x + share * self.dx, self.y + share * self.dy
-
-    def to_kerb(self, dx: Array, dy: Array) -> Array:
-        """Return how far a way across (dx, dy) is on this side's sidewalk [m]."""
-        across = jnp.abs(self.dx * dy - self.dy * dx) / jnp.sqrt(jnp.maximum(self.dx**2 + self.dy**2, 1e-6))
-        return self.kerb * jnp.sqrt(dx * dx + dy * dy) / jnp.maximum(across, 1e-6)
-
-
-def _piece_at(world: World, scenario: Scenario, side: Array, place: Array) -> _Piece:
-    """Return the piece of a side's line that holds a place."""
-    pieces = world.tables.zone["x"].shape[-1]
-    number = jnp.clip(jnp.floor(place).astype(jnp.int32), 0, pieces - 1) if pieces > 1 else jnp.zeros_like(side)
-    columns = [world.tables.zone[name] for name in ZONE_COLUMNS]
-    return _Piece(number, *look_up_each(columns, scenario.map, side, number))

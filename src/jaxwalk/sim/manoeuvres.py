@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
+from typing import Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
@@ -19,7 +20,7 @@ from jaxwalk.sim import vehicle
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.sim_config import ContactRule
-from jaxwalk.sim.state import Motion, VehicleState
+from jaxwalk.sim.state import VehicleState
 from jaxwalk.sim.world import World
 
 MANOEUVRES = BRAKE, HOLD, ACCELERATE = 0, 1, 2
@@ -39,6 +40,15 @@ FAR = 10.0
 """Clearances are capped here [m]."""
 
 
+@runtime_checkable
+class Walk(Protocol):
+    """How somebody is predicted to walk."""
+
+    def at(self, time: Array) -> tuple[Array, Array]:
+        """Return how far ahead and to the left of the car's present place they are after some time [s], in metres."""
+        ...
+
+
 def far(car: VehicleState, contact: ContactRule) -> Array:
     """Return the largest squared clearance, ``(moment, manoeuvre, *batch)``."""
     return jnp.full((len(MOMENTS[contact]), len(MANOEUVRES), *car.speed.shape), FAR**2)
@@ -46,7 +56,7 @@ def far(car: VehicleState, contact: ContactRule) -> Array:
 
 def squared_clearance(
     world: World, car: VehicleState, route: tuple[Array, Array], contact: ContactRule
-) -> Callable[[Motion], Array]:
+) -> Callable[[Walk], Array]:
     """Return a function that gives somebody's predicted distances, squared; ``(moment, manoeuvre, *batch)``.
 
     They are distances from the person's centre to the car's centre, or to its rectangle. ``route`` holds the points
@@ -59,8 +69,8 @@ def squared_clearance(
     half_length, half_width = world.rules.car_length / 2, world.rules.car_width / 2
     norm = jax.lax.rsqrt(jnp.maximum(beyond_x**2 + beyond_y**2, SHORTEST**2))
 
-    def squared(person: Motion) -> Array:
-        x, y = person.ahead + person.ahead_speed * time, person.left + person.left_speed * time
+    def squared(person: Walk) -> Array:
+        x, y = person.at(time)
         dx, dy = x - car_x, y - car_y
         if contact == "disc":
             return dx**2 + dy**2
@@ -101,13 +111,14 @@ def _predicted_car(
     Arrays are ``(moment, manoeuvre, *batch)``, in the car's present frame [m].
     """
     rules, acceleration, time = world.rules, world.rules.max_acceleration, time[:, 0]
-    braking = jnp.minimum(time, car.speed / acceleration)
-    accelerating = jnp.minimum(time, (rules.max_speed - car.speed) / acceleration)
+    braking = jnp.minimum(time, car.speed / rules.max_braking)
+    top = jnp.maximum(vehicle.top_speed(world, car), car.speed)
+    accelerating = jnp.minimum(time, (top - car.speed) / acceleration)
     travelled = jnp.stack(
         [
-            car.speed * braking - 0.5 * acceleration * braking**2,
+            car.speed * braking - 0.5 * rules.max_braking * braking**2,
             car.speed * time,
-            car.speed * accelerating + 0.5 * acceleration * accelerating**2 + rules.max_speed * (time - accelerating),
+            car.speed * accelerating + 0.5 * acceleration * accelerating**2 + top * (time - accelerating),
         ],
         axis=1,
     )

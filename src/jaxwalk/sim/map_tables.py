@@ -13,6 +13,7 @@ from jaxtyping import Array, Float, Int
 
 from jaxwalk.maps import RoadMap
 from jaxwalk.maps.routes import ROUTE_SPACING
+from jaxwalk.sim.sim_config import SimConfig
 
 SIDE_BITS, NODE_BITS = 12, 12
 NO_SIDE = (1 << SIDE_BITS) - 1
@@ -21,6 +22,9 @@ POINT_SPACING = 2.5
 """Distance that separates possible points of the route ahead [m]."""
 POINTS = (1, 2, 3, 4, 5, 6, 8, 10)
 """The points of the route ahead that are shown, as multiples of `POINT_SPACING`."""
+
+LIMIT = 4
+"""The column of `Tables.course` with the speed limit."""
 
 
 class Tables(eqx.Module):
@@ -42,7 +46,8 @@ class Tables(eqx.Module):
     """If a jaywalk ends at this place of a piece or before, the shortest way to a goal leads past the piece's first
     node, else past its second one."""
     course: Float[Array, "map route point column"]
-    """At each point of a route: position [m], direction, then x and then y of the `POINTS` ahead [m]."""
+    """At each point of a route: position [m], direction, speed limit [m/s], then x and then y of the `POINTS` ahead
+    [m]."""
     finish: Float[Array, "map route 3"]
     """Each route's x and y of the goal, in its lane, and its metres from start to goal."""
 
@@ -75,10 +80,10 @@ def unpack_hop(entry: Array) -> Hop:
     )
 
 
-def pack_tables(maps: RoadMap) -> dict[str, Any]:
+def pack_tables(maps: RoadMap, config: SimConfig) -> dict[str, Any]:
     """Return the fields of `Tables` for stacked maps, as NumPy arrays."""
     each = [_pack_map(_entry(maps, i)) for i in range(len(maps.width))]
-    course, finish = _pack_routes(maps)
+    course, finish = _pack_routes(maps, config)
     return jax.tree.map(lambda *tables: np.stack(tables), *each) | {"course": course, "finish": finish}
 
 
@@ -95,19 +100,44 @@ def shortest_crossing(maps: RoadMap) -> float:
     return float(shortest)
 
 
-def _pack_routes(maps: RoadMap) -> tuple[np.ndarray, np.ndarray]:
+def _pack_routes(maps: RoadMap, config: SimConfig) -> tuple[np.ndarray, np.ndarray]:
     """Return the tables ``course`` and ``finish``. A point ahead beyond the route's last point is the last one."""
     x, y, cos, sin, length = (
         np.asarray(field) for field in (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin, maps.route_length)
     )
     ahead = np.round(np.array(POINTS) * POINT_SPACING / ROUTE_SPACING).astype(int)
     seen = np.minimum(np.arange(x.shape[-1])[:, None] + ahead, x.shape[-1] - 1)
-    course = np.concatenate([np.stack([x, y, cos, sin], -1), x[..., seen], y[..., seen]], -1)
+    limits = speed_limits(cos, sin, np.asarray(maps.route_limit), config)
+    course = np.concatenate([np.stack([x, y, cos, sin, limits], -1), x[..., seen], y[..., seen]], -1)
     last = np.round(length / ROUTE_SPACING).astype(int)
     beyond = length - last * ROUTE_SPACING
     at = [np.take_along_axis(field, last[..., None], -1)[..., 0] for field in (x, y, cos, sin)]
     finish = np.stack([at[0] + at[2] * beyond, at[1] + at[3] * beyond, length], -1)
     return course.astype(np.float32), finish.astype(np.float32)
+
+
+def speed_limits(
+    cos: Float[np.ndarray, "*route point"],
+    sin: Float[np.ndarray, "*route point"],
+    of_lanes: Float[np.ndarray, "*route point"],
+    config: SimConfig,
+) -> Float[np.ndarray, "*route point"]:
+    """Return the speed limits at the points of routes [m/s]: the lanes', and what ``max_lateral`` allows in bends.
+
+    Before a lower limit they fall as slowly as a car that brakes by as much as ``max_acceleration``, so that a car at
+    full throttle keeps to them.
+    """
+    before, after = (np.pad(x, [(0, 0)] * (cos.ndim - 1) + [(1, 1)], mode="edge") for x in (cos, sin))
+    turned = np.abs(np.arctan2(
+        before[..., :-2] * after[..., 2:] - after[..., :-2] * before[..., 2:],
+        before[..., :-2] * before[..., 2:] + after[..., :-2] * after[..., 2:],
+    ))  # fmt: skip
+    bend = np.sqrt(config.max_lateral * 2 * ROUTE_SPACING / np.maximum(turned, 1e-9))
+    squared = np.minimum(bend, of_lanes) ** 2
+    gained = 2 * config.max_acceleration * ROUTE_SPACING
+    for point in reversed(range(squared.shape[-1] - 1)):
+        squared[..., point] = np.minimum(squared[..., point], squared[..., point + 1] + gained)
+    return np.sqrt(squared)
 
 
 def _entry(maps: RoadMap, i: int):

@@ -16,16 +16,21 @@ from jaxwalk.sim import driver_features, pedestrian, pedestrian_features, vehicl
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, joined, on_map
 from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.surroundings import SURROUNDINGS
 from jaxwalk.sim.world import World
 
 PRIVILEGED = "privileged"
 """The driver's set that shows where people will be."""
-TOLD = "route-told"
-"""The driver's set that shows the jaywalking tendencies of the nearest people."""
-BELIEF = "route-belief"
-"""The driver's set that shows what can be inferred about these tendencies (`jaxwalk.sim.belief`): nothing hidden."""
-HIDDEN = frozenset({PRIVILEGED, TOLD})
+FOOTPRINT = "route-footprint"
+"""The driver's set that recipe ``fast`` learns from."""
+TOLD = f"{FOOTPRINT}-told"
+"""The same, and the jaywalking tendencies of the nearest people."""
+BELIEF = f"{FOOTPRINT}-belief"
+"""The same, and what can be inferred about these tendencies (`jaxwalk.sim.belief`): nothing hidden."""
+HIDDEN = frozenset({PRIVILEGED, TOLD, "route-told"})
 """Sets that no real car could have."""
+INFERRED = frozenset({BELIEF, "route-belief"})
+"""Sets that show what only an observer of everybody could infer."""
 ROUNDING = 1e-3
 """Bounds are this much wider than derived: single precision rounds."""
 
@@ -33,10 +38,13 @@ OBSERVATIONS: dict[str, dict[str, tuple[Feature, ...]]] = {
     "driver": {
         "paper": driver_features.PAPER,
         "route": driver_features.ROUTE,
-        "route-footprint": driver_features.ROUTE_FOOTPRINT,
-        TOLD: (*driver_features.ROUTE, driver_features.TOLD_TENDENCIES),
-        BELIEF: (*driver_features.ROUTE, driver_features.EXPECTED_TENDENCIES),
-        PRIVILEGED: (*driver_features.ON_ROUTE, driver_features.FUTURE_CLEARANCES),
+        "route-told": (*driver_features.ROUTE, driver_features.TOLD_TENDENCIES),
+        "route-belief": (*driver_features.ROUTE, driver_features.EXPECTED_TENDENCIES),
+        FOOTPRINT: driver_features.ROUTE_FOOTPRINT,
+        TOLD: (*driver_features.ROUTE_FOOTPRINT, driver_features.TOLD_TENDENCIES),
+        BELIEF: (*driver_features.ROUTE_FOOTPRINT, driver_features.EXPECTED_TENDENCIES),
+        "surroundings": SURROUNDINGS,
+        PRIVILEGED: (*driver_features.ON_ROUTE, driver_features.FUTURE_CLEARANCES, driver_features.LIMITS),
     },
     "pedestrian": {"paper": pedestrian_features.PAPER, "kerb": pedestrian_features.KERB},
 }

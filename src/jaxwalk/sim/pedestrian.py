@@ -87,7 +87,7 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
     hop = unpack_hop(look_up(world.tables.hop, scenario.map, leg.node, goal))
     choice = _choose(world, scenario, leg, hop)
     zone, seeks = choice.zone, choice.seeks
-    way = jaywalk_from(world, scenario, choice.side, choice.begin, goal)
+    way = jaywalk_from(world, scenario, choice.side, zone, choice.begin, goal)
 
     place, begin_first = zone.next_node(choice.begin)
     at_begin = seeks & begin_first

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
-from jaxwalk.sim import pedestrian, prediction
+from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
 from jaxwalk.sim.everybody import for_everybody, index_of, with_index
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
@@ -16,7 +16,8 @@ from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.prediction import ABSENT
 
 KERB_CAR_DISTANCE = 40.0
-"""A pedestrian at the kerb decides whether to wait only while the car is within this distance [m]."""
+"""A pedestrian at the kerb decides whether to wait only while the car is within this distance [m]; for a car whose top
+speed is above 8.33 m/s the distance grows with it, to 67 m in the world ``town``."""
 PASSED = 2.5
 """It decides no longer once the car is this far past it [m]: a car does not come back."""
 LONG = 8.0
@@ -70,7 +71,8 @@ def _nearest_other(moment: Moment) -> Sequence[Array]:
 def _decides(moment: Moment) -> Sequence[Array]:
     """Return who has something to decide: at the kerb, on the leg into the roadway, the car near and not yet past."""
     seen, people = moment.state.foresight.people, moment.state.pedestrian
-    close = (seen.ahead * seen.ahead + seen.left * seen.left < KERB_CAR_DISTANCE**2) & (seen.ahead > -PASSED)
+    within = KERB_CAR_DISTANCE * jnp.maximum(moment.world.rules.max_speed / SPEED, 1)
+    close = (seen.ahead * seen.ahead + seen.left * seen.left < within**2) & (seen.ahead > -PASSED)
     return (pedestrian.at_kerb(moment.world, people) & pedestrian.enters_roadway(people) & close,)
 
 
@@ -82,9 +84,9 @@ def _place(moment: Moment) -> Sequence[Array]:
 
 def _car_motion(moment: Moment) -> Sequence[Array]:
     """Return the car's speed, acceleration and steering."""
-    car, rules = moment.state.vehicle, moment.world.rules
-    speed = _speed_for_everybody(moment)
-    return speed / SPEED, (car.acceleration / rules.max_acceleration)[None], (car.steering / rules.max_steering)[None]
+    car, world = moment.state.vehicle, moment.world
+    steering = car.steering / world.rules.max_steering
+    return _speed_for_everybody(moment) / SPEED, vehicle.throttle(world, car)[None], steering[None]
 
 
 def _car_motion_bounds(limits: Limits) -> Sequence[Bound]:

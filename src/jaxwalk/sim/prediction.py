@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TypeVar
 
 import jax
@@ -15,7 +14,7 @@ from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.everybody import for_everybody, with_index
 from jaxwalk.sim.geometry import to_frame
-from jaxwalk.sim.manoeuvres import clearance_and_conflict, far, squared_clearance
+from jaxwalk.sim.manoeuvres import Walk, clearance_and_conflict, far, squared_clearance
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.sim.state import Foresight, Motion, PedestrianState, State, VehicleState
@@ -27,8 +26,6 @@ NEIGHBOURS = 6
 """The car sees this many people, the nearest ones."""
 ABSENT = 60.0
 """A neighbour that isn't there stands this far ahead [m]."""
-SETTING_OUT, WALKING = 1.3, 0.1
-"""People slower than `WALKING` stand; if they set out, it is at `SETTING_OUT` [m/s]."""
 CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
 """The car should be cautious with people on the roadway up to this far ahead of it, and to either side [m]."""
 
@@ -86,50 +83,15 @@ def clearance_by(moment: Moment, contact: ContactRule) -> tuple[Array, Array]:
     seen = moment.state.foresight
     if contact == moment.world.rules.contact:
         return seen.clearance, seen.conflict
-    return _predict(moment, seen.people, contact)
+    return predict(moment, seen.people, contact)
 
 
-def clearance_if_they_turn(moment: Moment, contact: ContactRule) -> tuple[Array, Array]:
-    """Return ``clearance`` and ``conflict`` as if everybody off the roadway turned to the car's route now.
-
-    They walk straight to its nearest point, as fast as before; people who stand set out.
-    """
-    seen = moment.state.foresight
-    ahead, left = _to_route(seen)
-    away = jnp.maximum(distance(ahead, left), 1e-2)
-    speed = distance(seen.people.ahead_speed, seen.people.left_speed)
-    pace = jnp.where(speed > WALKING, speed, SETTING_OUT) / away
-    stays = moment.state.pedestrian.on_roadway
-    turning = Motion(
-        ahead=seen.people.ahead,
-        left=seen.people.left,
-        ahead_speed=jnp.where(stays, seen.people.ahead_speed, pace * ahead),
-        left_speed=jnp.where(stays, seen.people.left_speed, pace * left),
-    )
-    return _predict(moment, turning, contact)
-
-
-def _predict(moment: Moment, people: Motion, contact: ContactRule) -> tuple[Array, Array]:
-    """Return ``clearance`` and ``conflict`` of a `Foresight` if people move so."""
+def predict(moment: Moment, people: Walk, contact: ContactRule) -> tuple[Array, Array]:
+    """Return ``clearance`` and ``conflict`` of a `Foresight` if people, a pytree of ``(ped, *batch)``, walk so."""
     world, car, seen = moment.world, moment.state.vehicle, moment.state.foresight
     squared = squared_clearance(world, car, (seen.route_x, seen.route_y), contact)
     closest = for_everybody(people, lambda person, found: jnp.minimum(squared(person), found), far(car, contact))
     return clearance_and_conflict(world, closest, contact)
-
-
-def _to_route(seen: Foresight) -> tuple[Array, Array]:
-    """Return the way from each pedestrian to the nearest point of the route ahead, in the car's frame [m]."""
-    people, zero = seen.people, jnp.zeros_like(seen.route_x[0])
-    nearest, ahead, left = jnp.full_like(people.ahead, jnp.inf), people.ahead, people.left
-    for (x, y), (to_x, to_y) in pairwise(zip((zero, *seen.route_x), (zero, *seen.route_y), strict=True)):
-        dx, dy = to_x - x, to_y - y
-        along = ((people.ahead - x) * dx + (people.left - y) * dy) / jnp.maximum(dx * dx + dy * dy, 1e-6)
-        along = jnp.clip(along, 0, 1)
-        to_ahead, to_left = x + along * dx - people.ahead, y + along * dy - people.left
-        squared = to_ahead * to_ahead + to_left * to_left
-        ahead, left = jnp.where(squared < nearest, to_ahead, ahead), jnp.where(squared < nearest, to_left, left)
-        nearest = jnp.minimum(squared, nearest)
-    return ahead, left
 
 
 def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:

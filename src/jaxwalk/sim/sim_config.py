@@ -17,7 +17,8 @@ SMALLEST_STEP = 0.001
 """The shortest step [s]."""
 LARGEST = {
     "dt": 1.0, "horizon": 100_000, "pedestrians": 1000, "fastest_walk": 20.0, "wheelbase": 100.0, "max_speed": 100.0,
-    "max_acceleration": 100.0, "offroad_margin": 100.0, "collision_distance": 100.0, "car_length": 100.0,
+    "max_acceleration": 100.0, "max_braking": 100.0, "max_lateral": 100.0, "offroad_margin": 100.0,
+    "collision_distance": 100.0, "car_length": 100.0,
     "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
     "goal_spacing": 1000.0, "kerb_distance": 100.0,
 }  # fmt: skip
@@ -45,7 +46,12 @@ class SimConfig:
     max_steering: float = 0.52
     """Largest steering angle [rad]."""
     max_acceleration: float = 3.0
-    """Largest acceleration and braking of the car [m/s2]; the paper doesn't say."""
+    """Largest acceleration of the car [m/s2]; the paper doesn't say."""
+    max_braking: float = 3.0
+    """Largest braking of the car [m/s2]; the paper doesn't say."""
+    max_lateral: float = 100.0
+    """In the bends of its route the car is no faster than this lateral acceleration allows [m/s2]; the paper has no
+    such limit."""
     offroad_margin: float = 0.5
     """A car off the road is put back this far inside it [m]."""
     offroad_speed: float = 0.3
@@ -75,6 +81,7 @@ class SimConfig:
         """Refuse what can't be simulated."""
         positive = (
             "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
+            "max_braking", "max_lateral",
             "collision_distance", "car_length", "car_width", "body_radius", "goal_distance", "kerb_distance",
             "goal_spacing",
         )  # fmt: skip
@@ -99,12 +106,20 @@ class SimConfig:
             raise ValueError(f"max_steering must lie in (0, 1.5) rad, not {self.max_steering}")
 
 
-WORLDS = {"paper": SimConfig(), "paper-footprint": SimConfig(contact="footprint")}
-"""Worlds by name: they have the same rules, but in ``paper-footprint`` a contact of the footprint is a collision."""
+WORLDS = {
+    "paper": SimConfig(),
+    "paper-footprint": SimConfig(contact="footprint"),
+    "town": SimConfig(contact="footprint", horizon=600, max_speed=13.9, max_braking=7.6, max_lateral=3.0),
+}
+"""Worlds by name. ``paper-footprint``: as the paper's, but a contact of the footprint is a collision. ``town``: so too,
+and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as cars do on dry roads; its longest
+routes take 26 s without people, so an episode may last 60 s."""
+OF_WORLD = ("contact", "horizon", "max_speed", "max_braking", "max_lateral")
+"""What a world decides; everything else is as usual."""
 
 
 def rules_of(world: str | None, maps: Sequence[str], usual: SimConfig = WORLDS["paper"]) -> SimConfig:
-    """Return the usual rules with the contact of a named world; without a name, by footprint on other maps than paper.
+    """Return the usual rules in a named world; without a name, with contacts by footprint on other maps than paper.
 
     Raise ValueError for a name that doesn't exist.
     """
@@ -112,4 +127,4 @@ def rules_of(world: str | None, maps: Sequence[str], usual: SimConfig = WORLDS["
         return usual if tuple(maps) == ("paper",) else replace(usual, contact="footprint")
     if world not in WORLDS:
         raise ValueError(f"no world '{world}'; there are: {', '.join(WORLDS)}")
-    return replace(usual, contact=WORLDS[world].contact)
+    return replace(usual, **{name: getattr(WORLDS[world], name) for name in OF_WORLD})

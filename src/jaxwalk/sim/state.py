@@ -15,6 +15,8 @@ class Course(eqx.Module):
     cos: Float[Array, "*batch"]
     """Direction of travel there, a unit vector."""
     sin: Float[Array, "*batch"]
+    limit: Float[Array, "*batch"]
+    """The speed limit there [m/s]."""
     ahead_x: Float[Array, "point *batch"]
     """Points of the route ahead [m] (`jaxwalk.sim.map_tables.POINTS`)."""
     ahead_y: Float[Array, "point *batch"]
@@ -140,6 +142,10 @@ class Motion(eqx.Module):
     """Velocity over ground in the direction of the car's heading [m/s]."""
     left_speed: Float[Array, "_ *batch"]
     """Velocity over ground to the left of the car's heading [m/s]."""
+
+    def at(self, time: Array) -> tuple[Array, Array]:
+        """Return ``ahead`` and ``left`` of people who keep their velocity after some time [s]."""
+        return self.ahead + self.ahead_speed * time, self.left + self.left_speed * time
 
 
 class Foresight(eqx.Module):

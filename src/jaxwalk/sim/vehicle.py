@@ -15,8 +15,9 @@ from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Course, VehicleState
 from jaxwalk.sim.world import World
 
-PUSHES = 3
-"""A car off the road is pushed away from the nearest kerb this often: where kerbs meet, another one may be too near."""
+PUSHES, CLOSE = 3, 1e-4
+"""A car off the road is pushed away from the nearest kerb at most this often, since where kerbs meet another one may be
+too near; no more if everybody is within `CLOSE` metres of the place that they are pushed to."""
 
 
 def place(world: World, scenario: Scenario) -> VehicleState:
@@ -31,13 +32,16 @@ def place(world: World, scenario: Scenario) -> VehicleState:
 def drive(world: World, scenario: Scenario, vehicle: VehicleState, action: Float[Array, "2 *batch"]) -> VehicleState:
     """Move the car by one step of the bicycle model (Polack et al. 2017), then put it back onto the road.
 
-    ``action`` holds acceleration and steering as shares of their limits, clipped to [-1, 1]. The slip angle at the
-    centre is beta = atan(0.5 tan delta), so cos beta and sin beta need no arctangent.
+    ``action`` holds acceleration (below 0: braking) and steering as shares of their limits, clipped to [-1, 1]. A car
+    above its top speed here brakes. The slip angle at the centre is beta = atan(0.5 tan delta), so cos beta and sin
+    beta need no arctangent.
     """
     rules = world.rules
-    acceleration = rules.max_acceleration * jnp.clip(action[0], -1, 1)
+    pedal = jnp.clip(action[0], -1, 1)
+    acceleration = jnp.where(pedal < 0, rules.max_braking, rules.max_acceleration) * pedal
     steering = rules.max_steering * jnp.clip(action[1], -1, 1)
-    speed = jnp.clip(vehicle.speed + acceleration * rules.dt, 0, rules.max_speed)
+    top = jnp.maximum(top_speed(world, vehicle), vehicle.speed - rules.max_braking * rules.dt)
+    speed = jnp.clip(vehicle.speed + acceleration * rules.dt, 0, top)
     slip = 0.5 * jnp.tan(steering)
     cos_slip = 1 / jnp.sqrt(1 + slip * slip)
     sin_slip = slip * cos_slip
@@ -51,6 +55,17 @@ def drive(world: World, scenario: Scenario, vehicle: VehicleState, action: Float
     return VehicleState(x, y, cos, sin, speed, steering, acceleration, along, course(world, scenario, along))
 
 
+def top_speed(world: World, vehicle: VehicleState) -> Float[Array, "*batch"]:
+    """Return the smaller of the car's top speed and the speed limit where it is [m/s]."""
+    return jnp.minimum(world.rules.max_speed, vehicle.course.limit)
+
+
+def throttle(world: World, vehicle: VehicleState) -> Float[Array, "*batch"]:
+    """Return the car's acceleration as a share of the largest, or below 0 of the largest braking, in [-1, 1]."""
+    largest = jnp.where(vehicle.acceleration < 0, world.rules.max_braking, world.rules.max_acceleration)
+    return vehicle.acceleration / largest
+
+
 def onto_road(
     world: World, scenario: Scenario, vehicle: VehicleState, x: Array, y: Array
 ) -> tuple[Array, Array, Array]:
@@ -58,18 +73,24 @@ def onto_road(
 
     Far off the road, or in a corner too narrow for it, the car stays where it was.
     """
-    off = room(world, scenario, x, y)[0] <= 0
+    first = room(world, scenario, x, y)
+    off = first[0] <= 0
 
-    def back() -> tuple[Array, Array]:
-        new_x, new_y = x, y
-        for _ in range(PUSHES):
-            inside, east, north = room(world, scenario, new_x, new_y)
-            push = jnp.where(off, jnp.maximum(world.rules.offroad_margin - inside, 0), 0)
-            new_x, new_y = new_x + push * east, new_y + push * north
-        lost = off & (room(world, scenario, new_x, new_y)[0] <= 0)
-        return jnp.where(lost, vehicle.x, new_x), jnp.where(lost, vehicle.y, new_y)
+    def missing(inside: Array) -> Array:
+        return jnp.where(off, jnp.maximum(world.rules.offroad_margin - inside, 0), 0)
 
-    return *jax.lax.cond(off.any(), back, lambda: (x, y)), off
+    def goes_on(pushed: tuple) -> Array:
+        count, _, _, (inside, _, _) = pushed
+        return (count < PUSHES) & (missing(inside) > CLOSE).any()
+
+    def push(pushed: tuple) -> tuple:
+        count, x, y, (inside, east, north) = pushed
+        x, y = x + missing(inside) * east, y + missing(inside) * north
+        return count + 1, x, y, room(world, scenario, x, y)
+
+    _, new_x, new_y, (inside, _, _) = jax.lax.while_loop(goes_on, push, (0, x, y, first))
+    lost = off & (inside <= 0)
+    return jnp.where(lost, vehicle.x, new_x), jnp.where(lost, vehicle.y, new_y), off
 
 
 def room(world: World, scenario: Scenario, x: Array, y: Array) -> tuple[Array, Array, Array]:
@@ -99,7 +120,7 @@ def course(world: World, scenario: Scenario, along: Float[Array, "*batch"]) -> C
     last = table.shape[-2] - 1
     index = jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, last)
     columns = look_up_row(table, scenario.map, scenario.route, index)
-    return Course(*columns[:4], *jnp.split(columns[4:], (len(POINTS),)))
+    return Course(*columns[:5], *jnp.split(columns[5:], (len(POINTS),)))
 
 
 def goal(world: World, scenario: Scenario) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:

@@ -13,7 +13,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from jaxwalk.maps import MapText, RoadMap, build_map, read_map, stack_maps
+from jaxwalk.maps import MapText, RoadMap, build_map, each_map, read_map, stack_maps
 from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
@@ -40,6 +40,8 @@ class Rules(eqx.Module):
     max_speed: Float[Array, ""]
     max_steering: Float[Array, ""]
     max_acceleration: Float[Array, ""]
+    max_braking: Float[Array, ""]
+    max_lateral: Float[Array, ""]
     offroad_margin: Float[Array, ""]
     offroad_speed: Float[Array, ""]
     collision_distance: Float[Array, ""]
@@ -101,19 +103,20 @@ class World(eqx.Module):
 
     @classmethod
     def create(cls, maps: Sequence[str | Path | MapText], config: SimConfig, *, jaywalk_multiplier: float) -> World:
-        """Return the world of some maps (bundled names, files or their texts).
+        """Return the world of some maps (names as `read_map` and `each_map` take them, or texts).
 
         Raise MapError for a wrong map, and ValueError for a negative or infinite multiplier, or roads that are too
         narrow for ``offroad_margin``.
         """
         check_multiplier(jaywalk_multiplier)
         spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
-        texts = tuple(x if isinstance(x, MapText) else read_map(x) for x in maps)
-        named = zip(texts, map(str, maps), strict=True)  # an error names a file as the caller did
+        each = [one for x in maps for one in ([x] if isinstance(x, MapText) else each_map([x]))]
+        texts = tuple(x if isinstance(x, MapText) else read_map(x) for x in each)
+        named = zip(texts, map(str, each), strict=True)  # an error names a file as the caller did
         several = len(texts) > 1
         stacked = stack_maps([build_map(x.text or "", name, **spacing) for x, name in named], rounded=several)
         _check_margin(stacked, config.offroad_margin)
-        packed, shortest = pack_tables(stacked), shortest_crossing(stacked)
+        packed, shortest = pack_tables(stacked, config), shortest_crossing(stacked)
         if several:  # so that another set of maps has tables of the same sizes
             shortest = max(x for x in CROSSINGS if x <= max(shortest, CROSSINGS[0]))
         goals, crossings = table_sizes(config, shortest_crossing=shortest)
