@@ -19,6 +19,7 @@ from jaxwalk.sim import observation
 from jaxwalk.sim.driver_features import ON_ROUTE
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.features import SPEED, Feature, share
+from sim.maps import rectangles
 
 EPISODES = 2048
 SLOW = 3.0
@@ -29,10 +30,10 @@ NOTHING = 1e-3
 
 def crosswalk_ahead(moment):
     """Whether a crosswalk is within 10 m ahead."""
-    car, maps = moment.state.vehicle, moment.world.maps
+    car = moment.state.vehicle
     ahead = jnp.arange(0.0, 10.1, 2.0).reshape(-1, *(1,) * car.x.ndim)
     x, y = car.x + ahead * car.cos, car.y + ahead * car.sin
-    at_crosswalk = [(x > x0) & (x < x1) & (y > y0) & (y < y1) for x0, y0, x1, y1 in maps.crosswalks[0]]
+    at_crosswalk = [(x > x0) & (x < x1) & (y > y0) & (y < y1) for x0, y0, x1, y1 in rectangles("crosswalks")]
     return (jnp.stack(at_crosswalk).any(axis=(0, 1)),)
 
 

@@ -26,12 +26,13 @@ ENVIRONMENTS, STEPS = 64, 512
 def trained():
     """The street, the driver, and an update in which that driver, without noise, plays among people who always go."""
     fast = RECIPES["fast"]
+    driver = load_policy(shipped_policy("driver", "co-trained"), "driver")
     roles = {role: replace(config, epochs=1) for role, config in fast.train.roles.items()}
+    roles["driver"] = replace(roles["driver"], observes=driver.actor.observes)
     experiment = single_agent(with_training(fast, steps=STEPS, minibatches=1, roles=roles))
     experiment = with_training(experiment, environments=ENVIRONMENTS)
     street, others = make_street(experiment), fixed_policies(experiment)
     learner = mappo.init(street, experiment.train, seed_key(0, TRAINING), others=others)
-    driver = load_policy(shipped_policy("driver", "co-trained"), "driver")
     quiet = eqx.tree_at(lambda actor: actor.log_std, driver.actor, jnp.full_like(driver.actor.log_std, -100.0))
     learner = eqx.tree_at(lambda x: x.actors["driver"], learner, quiet)
     after, metrics = mappo.update(street, experiment.train, learner)

@@ -30,7 +30,7 @@ def test_the_car_learns_from_as_much_in_each_training():
     assert {own_environments(one.train, "driver") for one in found.values()} == {512}
     assert (found["mixed-stand-ins"], found["alone"]) == (fast, single_agent(fast))
     always_go = {name: one.train.roles["pedestrian"].fixed * one.train.environments for name, one in found.items()}
-    assert always_go == {"pure": 0, "pure-stand-ins": 0, "mixed": 256, "mixed-stand-ins": 256, "alone": 512}
+    assert always_go == {"pure": 0, "pure-stand-ins": 0, "mixed": 384, "mixed-stand-ins": 384, "alone": 512}
     careless = {name: (one.train.roles["driver"].fixed, one.train.roles["driver"].early) for name, one in found.items()}
     with_stand_ins = {"pure-stand-ins": (1 / 4, 1 / 12), "mixed-stand-ins": (1 / 4, 1 / 12)}
     assert careless == dict.fromkeys(CARS, (0, 0)) | with_stand_ins

@@ -89,14 +89,15 @@ def test_a_training_for_each_seed_and_driver(made):
 def test_every_cell_once_for_each_seed(made):
     folder, said = made
     rules, trained = RULES, ["single-agent", "co-trained"]
-    expected = [(d, p, s) for d in rules for p, s in (("always-go", None), ("learned", 3), ("learned", 4))]
-    expected += [(d, p, s) for d in trained for p in ("always-go", "learned") for s in (3, 4)]
+    among = (("always-go", None), ("learned", 3), ("learned", 4), ("gap-acceptance", None))
+    expected = [(d, p, s) for d in rules for p, s in among]
+    expected += [(d, p, s) for d in trained for p in ("always-go", "learned", "gap-acceptance") for s in (3, 4)]
     document = _json(folder, "results.json")
     assert [(c["driver"], c["pedestrians"], c["training_seed"]) for c in document["cells"]] == expected
     assert document["scenarios"]["seed"] == 3
     over = [(found["driver"], found["pedestrians"], found["training_seeds"]) for found in document["over_seeds"]]
     assert over[:2] == [("random", "always-go", [None]), ("random", "learned", [3, 4])]
-    assert over[-2:] == [("co-trained", "always-go", [3, 4]), ("co-trained", "learned", [3, 4])]
+    assert over[-3:] == [("co-trained", p, [3, 4]) for p in ("always-go", "learned", "gap-acceptance")]
     with (folder / "episodes.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     found = dict.fromkeys((row["driver"], row["pedestrians"], row["training_seed"]) for row in rows)
@@ -129,11 +130,11 @@ def test_everybody_meets_the_pedestrians_of_the_seed(street, monkeypatch):
         with pytest.raises(Interrupted):
             play_all(street, trained, tournament.Scenarios(8, 0), print)
     assert [(seed, list(drivers), list(among)) for seed, drivers, among in rounds] == [
-        (None, tournament.COMPARED, ["always-go"]),
+        (None, tournament.COMPARED, ["always-go", "gap-acceptance"]),
         (3, tournament.COMPARED, ["learned"]),
-        (3, ["single-agent", "co-trained"], ["always-go", "learned"]),
+        (3, ["single-agent", "co-trained"], ["always-go", "gap-acceptance", "learned"]),
         (4, tournament.COMPARED, ["learned"]),
-        (4, ["single-agent", "co-trained"], ["always-go", "learned"]),
+        (4, ["single-agent", "co-trained"], ["always-go", "gap-acceptance", "learned"]),
         (3, ["co-trained"], ["always-go", "learned"]),
         (4, ["co-trained"], ["always-go", "learned"]),
     ]

@@ -7,6 +7,9 @@ import pytest
 from jaxwalk.experiments.two_outcomes import jaywalker_hit
 from jaxwalk.report import DrawnEpisode, Gallery
 from jaxwalk.report.watched import WatchedEpisode, WatchedIncident
+from jaxwalk.viewer.drawn_map import DrawnMap
+
+EMPTY = DrawnMap(1.0, 1.0, {}, [], [], [])
 
 
 def _gallery(*incidents):
@@ -19,7 +22,7 @@ def _gallery(*incidents):
         WatchedIncident(n, kind, contact, moving, 0, 8.0, "", "", None, speed, None, None, None)
         for n, (_, kind, contact, moving, speed) in enumerate(incidents)
     )
-    return Gallery(0.1, ({},), episodes, 3.0, 20, 500, watched)
+    return Gallery(0.1, (EMPTY,), episodes, 3.0, 20, 500, watched)
 
 
 BLIND = ("route-follower", "collision", "jaywalk", True, 8.3)

@@ -40,7 +40,7 @@ class Shown:
 
 
 class Game(eqx.Module):
-    """One car and two pedestrians. A scenario is one number, -1 or 1."""
+    """One car and some pedestrians. A scenario is one number, -1 or 1."""
 
     pays: dict[str, Array]
     """How much of each rule in `RULES` the game pays."""
@@ -51,10 +51,11 @@ class Game(eqx.Module):
     shows: Array
     """1 if agents see anything, else 0."""
     driver: Box | Discrete
+    people: int = eqx.field(static=True, default=2)
 
     @property
     def roles(self) -> Roles[RoleSpec]:
-        return {"driver": RoleSpec((), self.driver), "pedestrian": RoleSpec((2,), Discrete(2))}
+        return {"driver": RoleSpec((), self.driver), "pedestrian": RoleSpec((self.people,), Discrete(2))}
 
     def draw(self, key: Array) -> Array:
         return jnp.where(jax.random.bernoulli(key), 1.0, -1.0)
@@ -73,14 +74,14 @@ class Game(eqx.Module):
 
     def step(self, scenario: Array, state: Any, actions: Roles[Array]) -> tuple[Any, Outcome]:
         chosen = actions["driver"].astype(jnp.float32).reshape(-1, *scenario.shape)[0]
-        driver, pedestrian = jnp.zeros_like(scenario), jnp.zeros((2, *scenario.shape))
+        driver, pedestrian = jnp.zeros_like(scenario), jnp.zeros((self.people, *scenario.shape))
         for name, rule in RULES.items():
             to_driver, to_pedestrian = rule(scenario, state, chosen, actions["pedestrian"].astype(jnp.float32))
             driver += self.pays[name] * to_driver
             pedestrian += self.pays[name] * to_pedestrian
         after = {"time": state["time"] + 1, "choice": jnp.where(state["time"] == 0, chosen, state["choice"])}
         over = after["time"] >= self.length
-        spread = lambda x: jnp.broadcast_to(x, (2, *x.shape))  # noqa: E731
+        spread = lambda x: jnp.broadcast_to(x, (self.people, *x.shape))  # noqa: E731
         outcome = Outcome(
             rewards={
                 "driver": {"pay": driver},

@@ -86,10 +86,10 @@ def test_sizes_are_those_of_what_is_read(street):
     fast = FAST.train
     sizes = sizes_of(street, fast)
     assert {reader: set(seen) for reader, seen in sizes.observations.items()} == {
-        "driver": {"route", "global"},
+        "driver": {"route-footprint", "global"},
         "pedestrian": {"kerb"},
     }
     assert sizes.agents == {"driver": 1, "pedestrian": 12}
     assert sizes.actions == {"driver": 2, "pedestrian": 2}
     no_world = with_roles(fast, driver=replace(fast.roles["driver"], critic_observes=("route",)))
-    assert set(sizes_of(street, no_world).observations["driver"]) == {"route"}
+    assert set(sizes_of(street, no_world).observations["driver"]) == {"route-footprint", "route"}

@@ -61,6 +61,8 @@ class Learner(eqx.Module):
     """Number of updates so far."""
     planned: Int[Array, ""]
     """Updates in the whole training, for annealing: `init` takes it from the configuration."""
+    parked: tuple[Stream, ...] = ()
+    """The episodes of further environments that train in turns with the first one (`jaxwalk.learning.turns`)."""
 
 
 def init(
