@@ -20,10 +20,11 @@ that were added since are allowed.
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -31,18 +32,24 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from compat.record import (
     EVALUATIONS,
     PARTS,
+    QUICK_TO_COMPILE,
     SCENARIOS,
     TRAININGS,
     CommandError,
     evaluation,
     evaluation_file,
+    jaxwalk,
+    metrics,
     play_trained,
     read,
     resume_trained,
     scenario_hash,
-    updates,
     updates_file,
 )  # fmt: skip
+from jaxwalk.learning.config import GLOBAL
+from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.runs.folder import Run
+from jaxwalk.sim.sim_config import WORLDS
 
 RECORDED = Path(__file__).parent / "recorded"
 TRAINED = RECORDED / "trained"
@@ -52,6 +59,8 @@ MOST_OUTCOMES = 1 / 2000
 """Share of a cell's outcomes that may differ; one always may."""
 REDEFINED = {"schema", "low", "high", "surrogates", "surrogate_distributions"}
 """Names in the document: intervals cover now, and surrogate safety is by the car's footprint (docs/migrating.md)."""
+OF_0_1 = {name: f"{name}-0.1" for name in ("co-trained", "single-agent", "learned")}
+"""What the policies that 0.1 shipped are called now."""
 QUICK = {"scenarios": SCENARIOS[1:2], "evaluations": ("quick",), "updates": tuple(TRAININGS)[:1]}
 FULL = {"scenarios": SCENARIOS, "evaluations": tuple(EVALUATIONS), "updates": tuple(TRAININGS)}
 
@@ -80,7 +89,7 @@ def compare_scenarios(sets, *, folder: Path) -> Iterator[Compared]:
 
 def compare_evaluation(name: str, *, folder: Path) -> Iterator[Compared]:
     """Outcomes and numbers of each cell of an evaluation."""
-    before, now = read(evaluation_file(RECORDED, name)), evaluation(EVALUATIONS[name], folder=folder)
+    before, now = read(evaluation_file(RECORDED, name)), evaluation_with_0_1(EVALUATIONS[name], folder=folder)
     outside = [lasting({**x["document"], "cells": len(x["document"]["cells"])}) for x in (before, now)]
     yield Compared(f"evaluation {name}: scenarios and number of cells", shown(differences(*outside, NUMBERS)))
     changed = {}
@@ -92,6 +101,15 @@ def compare_evaluation(name: str, *, folder: Path) -> Iterator[Compared]:
         cell = f"{old['driver']} among {old['pedestrians']}, multiplier {old['jaywalk_multiplier']:g}"
         differs = differences(old, new, AFTER_ONE if count else NUMBERS)
         yield Compared(f"evaluation {name}: numbers of {cell}", shown(differs), f"{count_numbers(old)} numbers")
+
+
+def evaluation_with_0_1(options: dict[str, tuple], *, folder: Path) -> dict:
+    """Evaluate the policies that 0.1 shipped, and call them as 0.1 did."""
+    chosen = {option: tuple(OF_0_1.get(value, value) for value in values) for option, values in options.items()}
+    text = json.dumps(evaluation(chosen, folder=folder))
+    for then, now in OF_0_1.items():
+        text = text.replace(now, then)
+    return json.loads(text)
 
 
 def lasting(part):
@@ -113,7 +131,27 @@ def different_outcomes(before: str, now: str) -> tuple[str, int]:
 def compare_updates(name: str, *, folder: Path) -> Iterator[Compared]:
     """Metrics of the first updates of a training."""
     before = read(updates_file(RECORDED, name))
-    yield Compared(f"updates: {name}", *metrics_differ(before, updates(TRAININGS[name], folder=folder)))
+    yield Compared(f"updates: {name}", *metrics_differ(before, updates_of_0_1(name, folder=folder)))
+
+
+def updates_of_0_1(name: str, *, folder: Path) -> list[dict]:
+    """Train with 0.1's recipe, whose options are `TRAININGS`, and return the lines of metrics.jsonl."""
+    recipe, kind, _, shards = name.split()
+    experiment = fast_of_0_1() if recipe == "fast" else RECIPES[recipe]
+    experiment = single_agent(experiment) if kind == "single-agent" else experiment
+    sizes = {"environments": 48, "steps": 128, "minibatches": 4, "updates": 3}
+    run = Run.create(Path(tempfile.mkdtemp(dir=folder)) / "run", with_training(experiment, shards=int(shards), **sizes))
+    jaxwalk("train", "--resume", run.path, folder=folder, flags=QUICK_TO_COMPILE)
+    return metrics(run.path)
+
+
+def fast_of_0_1() -> Experiment:
+    """Return the recipe ``fast`` as it was: a collision was a disc's, and so were predictions."""
+    fast = RECIPES["fast"]
+    driver = replace(fast.train.roles["driver"], observes="route", critic_observes=("route", GLOBAL))
+    people = replace(fast.train.roles["pedestrian"], fixed=1 / 3)
+    roles = fast.train.roles | {"driver": driver, "pedestrian": people}
+    return replace(with_training(fast, roles=roles, discount=0.995), sim=WORLDS["paper"])
 
 
 def metrics_differ(before: list[dict], now: list[dict]) -> tuple[str, str]:

@@ -13,12 +13,14 @@ from jaxwalk.cli import main
 from jaxwalk.evaluation import evaluate
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
+from jaxwalk.policies.drivers import with_limits
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, part, size
 from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.sim_config import WORLDS
 from sim.play import AS_SHIPPED
 
 SIZE = size("driver", PRIVILEGED)
@@ -28,7 +30,7 @@ CASES = 41
 KEYS = jax.random.split(jax.random.key(0), CASES)
 
 
-def observation(along, speed, time, person):
+def observation(along, speed, time, person, limit):
     """On a straight road of 90 m; ``person(time)`` is (ahead of the start, left of the lane) [m], ``(..., case)``."""
     times = time + 0.1 * STEPS * jnp.arange(1, MOMENTS + 1)
     places = along + SPACING * jnp.arange(PLACES)[:, None]
@@ -37,17 +39,19 @@ def observation(along, speed, time, person):
     for name, value in (("speed", speed / SPEED), ("to_go", (LENGTH - along) / ABSENT), ("heading", [[1.0], [0.0]])):
         seen = seen.at[part("driver", PRIVILEGED, name)].set(value)
     seen = seen.at[part("driver", PRIVILEGED, "route")].set(jnp.tile(jnp.array([1.0, 0.0]), 8)[:, None])
+    seen = seen.at[part("driver", PRIVILEGED, "limits")].set(limit / SPEED)
     table = jnp.minimum(jnp.hypot(places - ahead, left), FAR) / FAR
     return seen.at[part("driver", PRIVILEGED, "clearances")].set(table.reshape(-1, CASES))
 
 
-def drive(driver, person):
-    """(along, speed, distance to the person), each (step, case), from a standing start."""
+def drive(driver, person, limit=8.33):
+    """(along, speed, distance to the person), each (step, case), from a standing start, with a speed limit."""
 
     def body(car, step):
         along, speed, memory = car
-        action, memory = driver.act(KEYS, memory, observation(along, speed, 0.1 * step, person))
-        speed = jnp.clip(speed + 0.3 * action[0], 0, 8.33)
+        action, memory = driver.act(KEYS, memory, observation(along, speed, 0.1 * step, person, limit))
+        largest = jnp.where(action[0] < 0, driver.max_braking, driver.max_acceleration)
+        speed = jnp.clip(speed + 0.1 * largest * action[0], 0, limit)
         along = along + 0.1 * speed
         ahead, left = person(0.1 * (step + 1))
         return (along, speed, memory), (along, speed, jnp.hypot(along - ahead, left), action[1])
@@ -100,6 +104,25 @@ def test_it_slows_down_only_for_whom_it_would_meet():
     assert not slows.all()
     assert duration.min() < 12.2  # 87 m from a standing start take 11.9 s
     assert duration.max() < 15.5
+
+
+IN_TOWN = with_limits(Oracle(), WORLDS["town"])
+
+
+@pytest.mark.parametrize("limit", [13.9, 8.33, 5.56])
+def test_in_town_it_is_as_fast_as_the_limit_allows(limit):
+    """Nobody is on the road; 13.33 m/s is the fastest that it plans, and levels are 1.67 m/s apart."""
+    along, speed, _ = drive(IN_TOWN, lambda time: (jnp.full(CASES, -60.0), 0 * time), limit)
+    assert limit - 1.67 < speed.max() <= limit
+    assert (along[-1] > LENGTH - 3).all()
+
+
+@pytest.mark.parametrize("limit", [13.9, 8.33])
+def test_in_town_it_gets_by_and_brakes_as_it_plans(limit):
+    along, speed, away = drive(IN_TOWN, crossing, limit)
+    assert away[under_way(along)].min() > 1.8
+    assert (along[-1] > LENGTH - 3).all()
+    assert np.diff(speed, axis=0).min() > -0.31, "2.8 m/s2, not the 7.6 that its brakes could"
 
 
 def test_it_stops_before_who_stays():

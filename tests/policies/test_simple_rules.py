@@ -7,10 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.policies.clearance_rule import SET, ClearanceRule
+from jaxwalk.policies.clearance_rule import ClearanceRule
 from jaxwalk.policies.gap_acceptance import INTERCEPT, PER_SECOND, GapAccepting
 from jaxwalk.sim.manoeuvres import FAR
-from jaxwalk.sim.observation import part, size
+from jaxwalk.sim.observation import FOOTPRINT, part, size
 from jaxwalk.sim.pedestrian_features import KERB_CAR_DISTANCE
 
 KEYS = jax.random.split(jax.random.key(0), 2)
@@ -21,9 +21,9 @@ KEYS = jax.random.split(jax.random.key(0), 2)
     [(5, 5, 5, 1), (5, 5, 0.9, 0), (5, 0.9, 0.9, -1), (0, 0, 0, -1), (0, 0, 1.1, 1)],
 )
 def test_the_clearance_rule_takes_the_fastest_that_is_clear(brake, hold, accelerate, throttle):
-    seen = np.zeros((size("driver", SET), 1), np.float32)
-    seen[part("driver", SET, "clearance"), 0] = np.array([brake, hold, accelerate]) / FAR
-    seen[part("driver", SET, "route")] = np.tile([[1.0], [0.0]], (8, 1))
+    seen = np.zeros((size("driver", FOOTPRINT), 1), np.float32)
+    seen[part("driver", FOOTPRINT, "clearance"), 0] = np.array([brake, hold, accelerate]) / FAR
+    seen[part("driver", FOOTPRINT, "route")] = np.tile([[1.0], [0.0]], (8, 1))
     action, _ = ClearanceRule().act(KEYS[:1], None, jnp.asarray(seen))
     assert action[:, 0].tolist() == [throttle, 0]
 

@@ -9,9 +9,7 @@ from jaxtyping import Array, Float, Key
 from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim.manoeuvres import ACCELERATE, FAR, HOLD
-from jaxwalk.sim.observation import Observation, part
-
-SET = "route-footprint"
+from jaxwalk.sim.observation import FOOTPRINT, Observation, part
 
 
 class ClearanceRule(eqx.Module):
@@ -23,7 +21,7 @@ class ClearanceRule(eqx.Module):
 
     clearance: float = eqx.field(static=True, default=1.0)
     """Predicted clearance that it keeps [m]."""
-    view: View = eqx.field(static=True, default=Observation("driver", SET))
+    view: View = eqx.field(static=True, default=Observation("driver", FOOTPRINT))
     """What it sees."""
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
@@ -34,7 +32,7 @@ class ClearanceRule(eqx.Module):
         self, key: Key[Array, "*batch"], memory: None, observation: Float[Array, "feature *batch"]
     ) -> tuple[Float[Array, "2 *batch"], None]:
         """Return full throttle, none or full braking, and the steering that follows the route."""
-        clear = observation[part("driver", SET, "clearance")] * FAR > self.clearance
+        clear = observation[part("driver", FOOTPRINT, "clearance")] * FAR > self.clearance
         throttle = jnp.where(clear[ACCELERATE], 1.0, jnp.where(clear[HOLD], 0.0, -1.0))
-        steering = pursue(observation[part("driver", SET, "route")])
+        steering = pursue(observation[part("driver", FOOTPRINT, "route")])
         return jnp.stack([throttle, steering]), memory

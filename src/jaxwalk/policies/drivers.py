@@ -1,13 +1,15 @@
 """Rule-based drivers: `DRIVERS` are baselines for trained ones, and pedestrians train among `Careless`.
 
 An action is (acceleration, steering), each a share of its limit in [-1, 1]; positive steering is to the left. The
-rules assume the car's default limits (`SimConfig`); for a street with other limits, pass those.
+rules assume the car's default limits (`SimConfig`); `with_limits` gives them those of another world.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import fields, replace
+from typing import TypeVar
 
 import equinox as eqx
 import jax
@@ -28,6 +30,7 @@ FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
 
 Features = Float[Array, "feature *batch"]
 Action = Float[Array, "2 *batch"]
+P = TypeVar("P")
 
 
 class Random(eqx.Module):
@@ -146,7 +149,7 @@ class RouteFollower(eqx.Module):
 
 
 class Careless(eqx.Module):
-    """Drives like `RouteFollower`, but each environment's car has its own speed limit between 3 and 8.33 m/s.
+    """Drives like `RouteFollower`, but each environment's car has its own speed limit between 3 m/s and the top speed.
 
     Pedestrians learn to wait among cars of many speeds. No evaluation uses this driver.
     """
@@ -155,6 +158,8 @@ class Careless(eqx.Module):
     """The driver that steers."""
     slowest: float = eqx.field(static=True, default=3.0)
     """The lowest speed limit [m/s]."""
+    fastest: float = eqx.field(static=True, default=SimConfig.max_speed)
+    """The highest one [m/s]."""
 
     @property
     def view(self) -> View:
@@ -164,7 +169,7 @@ class Careless(eqx.Module):
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Float[Array, "*batch"]:
         """Return each car's speed limit [m/s], spread evenly over any range of environments (golden ratio)."""
         share = (jnp.arange(math.prod(batch)) * 0.618034) % 1
-        return (self.slowest + share * (SPEED - self.slowest)).reshape(batch)
+        return (self.slowest + share * (self.fastest - self.slowest)).reshape(batch)
 
     def act(
         self, key: Key[Array, "*batch"], memory: Float[Array, "*batch"], observation: Features
@@ -185,6 +190,14 @@ DRIVERS: dict[str, Callable[[], Policy]] = {
     "oracle": Oracle,
 }
 """Rule-based drivers by name: call an entry to make the driver."""
+
+
+def with_limits(policy: P, config: SimConfig) -> P:
+    """Return the rule for a world's car: with the limits that it knows of, such as its top speed, from the rules."""
+    if not isinstance(policy, eqx.Module):
+        return policy
+    limits = {x.name: getattr(config, x.name) for x in fields(policy) if hasattr(config, x.name)}
+    return replace(policy, **limits)
 
 
 def _action(acceleration: Array, steering: Array) -> Action:

@@ -26,7 +26,7 @@ class GapAccepting(eqx.Module):
 
     A gap is the time until the car, at its present speed, is where the pedestrian is. Each approach to a kerb has a
     critical gap of its own, drawn so that a gap is accepted as often as Brewer et al. observed. People also go once the
-    car has passed, stands, or is more than 40 m away, and always on the roadway.
+    car has passed, stands, or is more than 40 m away (67 m in the world ``town``), and always on the roadway.
     """
 
     view: View = eqx.field(static=True, default=Observation("pedestrian", SET))

@@ -1,8 +1,9 @@
 """A driver that knows the future. It separates collisions that could have been avoided from those that could not.
 
 It searches for the best speeds along its route by dynamic programming over time, place and speed. A manoeuvre (brake,
-hold or accelerate) lasts 0.6 s and changes the speed by at most one of the `LEVELS`. So it always ends at a place and
-a moment that the observation set shows: from level k to level k + a, the car drives 2k + a places of 0.5 m.
+hold or accelerate) lasts 0.6 s and changes the speed by at most one level. So it always ends at a place and a moment
+that the observation set shows: from level k to level k + a, the car drives 2k + a places of 0.5 m. It plans to brake as
+gently as it accelerates, also a car that could brake harder.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int, Key
+from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
@@ -24,10 +25,8 @@ from jaxwalk.sim.observation import PRIVILEGED, Observation, part
 from jaxwalk.sim.prediction import ABSENT
 from jaxwalk.sim.sim_config import SimConfig
 
-LEVELS = 6
-"""Number of speeds: multiples of a fifth of the top speed, 0 to 8.33 m/s."""
-LEVEL = SimConfig.max_speed / (LEVELS - 1)
-"""Difference between neighbouring speeds [m/s]."""
+LEVEL = SimConfig.max_speed / 5
+"""Difference between neighbouring speeds, the levels [m/s]: 6 of them up to 8.33 m/s, 9 up to 13.9 m/s."""
 HELD = 6
 """Steps that a manoeuvre lasts."""
 DURATION = HELD * SimConfig.dt
@@ -43,6 +42,10 @@ COMFORT = 3.0
 MARGIN_COST, COMFORT_COST = 1000.0, 1.0
 """Cost at each moment of each metre inside the margin [s/m], and of each square metre inside the comfortable distance
 [s/m2]."""
+TOO_FAST = 10.0
+"""Cost of a manoeuvre that ends faster than the limit there [s]: the car would be slower, and not where it plans."""
+ROUNDING = 0.01
+"""A level is within the limit if it is no more than this above it [m/s]."""
 
 Memory = tuple[Float[Array, "*batch"], Int[Array, "*batch"]]
 """The current acceleration, as a share of the largest, and the number of steps for which it still holds."""
@@ -55,6 +58,12 @@ class Oracle(eqx.Module):
     (0.6 s) and plans again. If people may wait, the future that it observes is only a guess.
     """
 
+    max_speed: float = eqx.field(static=True, default=SimConfig.max_speed)
+    """The car's top speed [m/s]."""
+    max_acceleration: float = eqx.field(static=True, default=SimConfig.max_acceleration)
+    """Its largest acceleration [m/s2]."""
+    max_braking: float = eqx.field(static=True, default=SimConfig.max_braking)
+    """Its largest braking [m/s2]."""
     view: View = eqx.field(static=True, default=Observation("driver", PRIVILEGED))
     """What it sees."""
 
@@ -67,21 +76,25 @@ class Oracle(eqx.Module):
     ) -> tuple[Float[Array, "2 *batch"], Memory]:
         """Continue the current manoeuvre, or plan a new one."""
         held, left = memory
-        plan = jax.lax.cond((left == 0).any(), best_acceleration, lambda _: held, observation)
+        plan = jax.lax.cond((left == 0).any(), self._best_acceleration, lambda _: held, observation)
         acceleration = jnp.where(left == 0, plan, held)
         steering = pursue(observation[part("driver", PRIVILEGED, "route")])
         return jnp.stack([acceleration, steering]), (acceleration, jnp.where(left == 0, HELD, left) - 1)
 
-
-def best_acceleration(observation: Float[Array, "feature *batch"]) -> Float[Array, "*batch"]:
-    """Return the acceleration of the best plan's first manoeuvre, as a share of the largest."""
-    speed = observation[part("driver", PRIVILEGED, "speed")][0] * SPEED
-    to_go = observation[part("driver", PRIVILEGED, "to_go")][0] * ABSENT
-    clearances = observation[part("driver", PRIVILEGED, "clearances")] * FAR
-    level = jnp.clip(jnp.round(speed / LEVEL).astype(jnp.int32), 0, LEVELS - 1)
-    change = _plan(_closeness(clearances.reshape(MOMENTS, PLACES, *speed.shape)), to_go)
-    target = (level + jnp.take_along_axis(change, level[None], axis=0)[0]) * LEVEL
-    return jnp.clip((target - speed) / (DURATION * SimConfig.max_acceleration), -1, 1)
+    def _best_acceleration(self, observation: Float[Array, "feature *batch"]) -> Float[Array, "*batch"]:
+        """Return the acceleration of the best plan's first manoeuvre, as a share of the largest, or of the braking."""
+        speed = observation[part("driver", PRIVILEGED, "speed")][0] * SPEED
+        to_go = observation[part("driver", PRIVILEGED, "to_go")][0] * ABSENT
+        clearances = observation[part("driver", PRIVILEGED, "clearances")] * FAR
+        limits = observation[part("driver", PRIVILEGED, "limits")] * SPEED
+        levels = 1 + int((self.max_speed + ROUNDING) / LEVEL)
+        level = jnp.clip(jnp.round(speed / LEVEL).astype(jnp.int32), 0, levels - 1)
+        closeness = _closeness(clearances.reshape(MOMENTS, PLACES, *speed.shape))
+        rest = _time_to_goal(to_go, levels, self.max_speed)
+        change = _plan(closeness, _arrived(to_go), _too_fast(limits, levels), rest)
+        gained = (level + jnp.take_along_axis(change, level[None], axis=0)[0]) * LEVEL - speed
+        largest = jnp.where(gained < 0, DURATION * self.max_braking, DURATION * self.max_acceleration)
+        return jnp.clip(gained / largest, -1, 1)
 
 
 def _closeness(clearances: Float[Array, "moment place *batch"]) -> Float[Array, "moment place *batch"]:
@@ -91,25 +104,44 @@ def _closeness(clearances: Float[Array, "moment place *batch"]) -> Float[Array, 
     return MARGIN_COST * jnp.maximum(MARGIN - nearest, 0) + COMFORT_COST * jnp.maximum(COMFORT - nearest, 0) ** 2
 
 
-def _plan(closeness: Float[Array, "moment place *batch"], to_go: Float[Array, "*batch"]) -> Int[Array, "level *batch"]:
+def _arrived(to_go: Float[Array, "*batch"]) -> Bool[Array, "place *batch"]:
+    """Return at which places the car has arrived."""
+    return jnp.arange(PLACES).reshape(-1, *(1,) * to_go.ndim) * SPACING >= to_go - ARRIVED
+
+
+def _too_fast(limits: Float[Array, "place *batch"], levels: int) -> Float[Array, "level place *batch"]:
+    """Return the cost of being at a place with the speed of a level [s]."""
+    speed = (LEVEL * jnp.arange(levels)).reshape(-1, *(1,) * limits.ndim)
+    return jnp.where(speed > limits + ROUNDING, TOO_FAST, 0.0)
+
+
+def _plan(
+    closeness: Float[Array, "moment place *batch"],
+    arrived: Bool[Array, "place *batch"],
+    too_fast: Float[Array, "level place *batch"],
+    rest: Float[Array, "level place *batch"],
+) -> Int[Array, "level *batch"]:
     """Return the best change of level now, for each level, by going backwards from the end of the horizon.
 
-    ``cost[level, place]`` is the time to the goal from there plus the cost of closeness on the way [s].
+    ``cost[level, place]`` is the time to the goal from there plus the cost of closeness on the way [s]; it begins with
+    the time for the ``rest`` of the way.
     """
-    arrived = jnp.arange(PLACES).reshape(-1, *(1,) * to_go.ndim) * SPACING >= to_go - ARRIVED
+    levels = len(rest)
 
     def earlier(cost: Array, closeness: Array) -> tuple[Array, Array]:
-        cost, closeness = _extended(cost), _extended(closeness)
-        least, change = zip(*(_choose(cost, closeness, level) for level in range(LEVELS)), strict=True)
+        cost, closeness = _extended(cost + too_fast, levels), _extended(closeness, levels)
+        least, change = zip(*(_choose(cost, closeness, level, levels) for level in range(levels)), strict=True)
         return jnp.where(arrived, 0, jnp.stack(least)), jnp.stack(change)
 
     by_manoeuvre = closeness.reshape(-1, SEEN, *closeness.shape[1:])
-    return jax.lax.scan(earlier, _time_to_goal(to_go), by_manoeuvre, reverse=True)[1][0]
+    return jax.lax.scan(earlier, rest, by_manoeuvre, reverse=True)[1][0]
 
 
-def _choose(cost: Array, closeness: Array, level: int) -> tuple[Float[Array, "place *batch"], Int[Array, "*batch"]]:
+def _choose(
+    cost: Array, closeness: Array, level: int, levels: int
+) -> tuple[Float[Array, "place *batch"], Int[Array, "*batch"]]:
     """Return the least cost from each place at a level, and the change of level that is best at the car's own place."""
-    changes = [change for change in (1, 0, -1) if 0 <= level + change < LEVELS]  # the fastest wins a tie
+    changes = [change for change in (1, 0, -1) if 0 <= level + change < levels]  # the fastest wins a tie
     choices = [_cost_of(cost, closeness, level, change) for change in changes]
     best = jnp.stack([choice[0] for choice in choices]).argmin(axis=0)
     return reduce(jnp.minimum, choices), jnp.array(changes)[best]
@@ -126,15 +158,15 @@ def _cost_of(cost: Array, closeness: Array, level: int, change: int) -> Float[Ar
     return DURATION + close + cost[level + change, end : end + PLACES]
 
 
-def _extended(table: Float[Array, "row place *batch"]) -> Float[Array, "row farther *batch"]:
+def _extended(table: Float[Array, "row place *batch"], levels: int) -> Float[Array, "row farther *batch"]:
     """Repeat the last place as far as a manoeuvre can take the car beyond it."""
-    return jnp.pad(table, [(0, 0), (0, 2 * LEVELS)] + [(0, 0)] * (table.ndim - 2), mode="edge")
+    return jnp.pad(table, [(0, 0), (0, 2 * levels)] + [(0, 0)] * (table.ndim - 2), mode="edge")
 
 
-def _time_to_goal(to_go: Float[Array, "*batch"]) -> Float[Array, "level place *batch"]:
+def _time_to_goal(to_go: Float[Array, "*batch"], levels: int, top: float) -> Float[Array, "level place *batch"]:
     """Return the cost at the end of the horizon: the time for the rest of the way at top speed [s], at every level.
 
     If speed had a value there, it would pay to fall back now and to accelerate into the unknown.
     """
     distance = to_go - ARRIVED - (jnp.arange(PLACES) * SPACING).reshape(-1, *(1,) * to_go.ndim)
-    return jnp.broadcast_to(jnp.maximum(distance, 0) / SimConfig.max_speed, (LEVELS, *distance.shape))
+    return jnp.broadcast_to(jnp.maximum(distance, 0) / top, (levels, *distance.shape))

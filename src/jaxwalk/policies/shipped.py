@@ -7,14 +7,24 @@ from typing import Final
 
 SHIPPED: Final[dict[str, dict[str, str]]] = {
     "driver": {
-        "co-trained": "fast-co-trained",
-        "single-agent": "fast-single-agent",
+        "co-trained": "fast-0.2-co-trained",
+        "single-agent": "fast-0.2-single-agent",
+        "co-trained-0.2": "fast-0.2-co-trained",
+        "single-agent-0.2": "fast-0.2-single-agent",
+        "co-trained-0.1": "fast-0.1-co-trained",
+        "single-agent-0.1": "fast-0.1-single-agent",
         "paper-co-trained": "paper-co-trained",
         "paper-single-agent": "paper-single-agent",
     },
-    "pedestrian": {"learned": "fast-co-trained", "paper-learned": "paper-co-trained"},
+    "pedestrian": {
+        "learned": "fast-0.2-co-trained",
+        "learned-0.2": "fast-0.2-co-trained",
+        "learned-0.1": "fast-0.1-co-trained",
+        "paper-learned": "paper-co-trained",
+    },
 }
-"""For each role: the names that commands accept, and the file that each one stands for."""
+"""For each role: the names that commands accept, and the file that each one stands for. A name with a version keeps its
+file; one without stands for the newest."""
 FOLDER = Path(__file__).parent / "files"
 """The folder of the files."""
 

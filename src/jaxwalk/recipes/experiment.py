@@ -36,6 +36,8 @@ class Experiment:
     """P(jaywalk | decision) = jaywalking tendency x this."""
     sim: SimConfig = field(default_factory=SimConfig)
     """The rules of the world."""
+    crowds: tuple[int, ...] = ()
+    """Numbers of people in an episode: updates take turns with them. Empty: always ``sim.pedestrians``."""
     seed: int = 0
     """The seed of networks, scenarios and actions."""
     minutes: float | None = None
@@ -51,6 +53,8 @@ class Experiment:
             raise ValueError(f"jaywalk_multiplier must be a finite number of 0 or more, not {self.jaywalk_multiplier}")
         if self.minutes is not None and not 0 < self.minutes <= LONGEST:
             raise ValueError(f"minutes must be above 0 and at most {LONGEST:,}, not {self.minutes:g}")
+        for people in self.crowds:
+            replace(self.sim, pedestrians=people)  # it refuses an impossible number
 
     @property
     def single_agent(self) -> bool:
