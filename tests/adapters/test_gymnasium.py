@@ -78,7 +78,7 @@ def test_a_reward_is_the_sum_of_its_terms(env):
     for _ in range(5):
         _, reward, _, _, info = env.step(FULL_THROTTLE)
         assert reward == pytest.approx(sum(info["rewards"].values()), abs=1e-5)
-    assert info["rewards"]["progress"] > 0 and info["rewards"]["time"] == pytest.approx(-0.02)
+    assert info["rewards"]["progress"] > 0 and info["rewards"]["time"] == pytest.approx(-0.06)
 
 
 def test_pictures_show_the_episode_as_it_goes(env):

@@ -44,7 +44,8 @@ def test_only_those_who_collided_have_terminated(env):
         assert observations[name] in env.observation_space(name)
         paid = infos[name]["rewards"]
         assert rewards[name] == pytest.approx(sum(paid.values()), abs=1e-4)
-        assert paid["collision"] == (-100 if name in hit else 0)
+        weight = -150 if name == "driver" else -100
+        assert paid["collision"] == (weight if name in hit else 0)
     with pytest.raises(AdapterError, match="the episode is over: call reset"):
         env.step(go)
 

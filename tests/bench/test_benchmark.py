@@ -228,7 +228,7 @@ def test_a_training_is_measured(tiny):
     assert (row["environments"], row["steps"], row["updates"]) == (8, 8, 5)
     assert row["train_steps_per_s"] == pytest.approx(64 / row["update_s"])
     assert row["best_train_steps_per_s"] >= row["train_steps_per_s"]
-    learning = (5 + 12 * 5) / 8  # of 8 environments stand-ins have 3, of either role
+    learning = (5 + 12 * 4) / 8  # of 8 environments stand-ins have 3 of the car's, and 4 of the people's
     assert row["agent_transitions_per_s"] == pytest.approx(learning * row["train_steps_per_s"])
     parts = row["flop_per_step_acting"] + row["flop_per_step_judging"] + sum(row["flop_per_step_fits"].values())
     assert row["flop_per_step"] == pytest.approx(parts)

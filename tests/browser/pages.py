@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from jaxwalk.maps import load_map
+from jaxwalk.maps import load_network
 from jaxwalk.report.watched import Gallery, WatchedEpisode, WatchedIncident
 from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.walking_paths import Paths
+from jaxwalk.viewer.drawn_map import DrawnMap
 from jaxwalk.viewer.record import make_records
 from jaxwalk.viewer.replay import document, entries
 from metrics.scenes import Scene, Walk, trajectory
@@ -31,7 +32,7 @@ def replay_document():
         routes = [np.array([[20.0, 54.0], [60.0, 54.0]])] * len(scenes)
         records = make_records(t, _paths(len(scenes)), routes)
         found += entries(t, records, [0] * len(scenes), driver=driver, pedestrians="always-go", multiplier=0.25)
-    return document(found, [load_map("paper")], dt=0.1)
+    return document(found, [load_network("paper")], dt=0.1)
 
 
 def _moved(t):
@@ -76,4 +77,5 @@ def watched(document):
     """The typed gallery of a document."""
     episodes = tuple(WatchedEpisode(**one) for one in document["episodes"])
     incidents = tuple(WatchedIncident(**one) for one in document["incidents"])
-    return Gallery(**{**document, "episodes": episodes, "incidents": incidents})
+    maps = tuple(DrawnMap(**one) for one in document["maps"])
+    return Gallery(**{**document, "maps": maps, "episodes": episodes, "incidents": incidents})

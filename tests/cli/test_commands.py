@@ -19,6 +19,7 @@ from jaxwalk.cli.options import (
     CoTraining,
     Evaluate,
     Export,
+    Generalisation,
     HiddenIntent,
     Observations,
     Play,
@@ -41,7 +42,8 @@ def test_version(capsys):
 
 
 @pytest.mark.parametrize(
-    "command", [Train, Evaluate, Play, Reproduce, HiddenIntent, CoTraining, Observations, Streets, Bench]
+    "command",
+    [Train, Evaluate, Play, Reproduce, HiddenIntent, CoTraining, Generalisation, Observations, Streets, Bench],
 )
 def test_help_says_every_default(command, capsys):
     name = {HiddenIntent: "hidden-intent", CoTraining: "co-training"}.get(command, command.__name__.lower())

@@ -7,6 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jaxwalk.sim.crossing_kind import CROSSWALK
+from sim.maps import rectangles
 from sim.play import ENVIRONMENTS, PEOPLE, STEPS, inside, play
 
 few = settings(
@@ -27,8 +28,8 @@ def behaviours(draw):
     drive = size * random.uniform(-1, 1, (blocks, 2, ENVIRONMENTS))
     drive[:, 0] += bias
     go = random.random((blocks, PEOPLE, ENVIRONMENTS)) < eagerness
-    hold = lambda x, kind: np.repeat(x, held, axis=0)[:STEPS].astype(kind)  # noqa: E731
-    return hold(drive, np.float32), hold(go, np.int32)
+    drive, go = (np.repeat(drawn, held, axis=0)[:STEPS] for drawn in (drive, go))
+    return drive.astype(np.float32), go.astype(np.int32)
 
 
 @few
@@ -39,8 +40,7 @@ def test_the_laws_of_the_world(street, scenarios, behaviour):
     for name, x in played.items():
         assert np.isfinite(x).all(), name
 
-    maps = street.world.maps
-    roads, walks, crosswalks = (np.asarray(a[0]) for a in (maps.roads, maps.sidewalks, maps.crosswalks))
+    roads, walks, crosswalks = map(rectangles, ("roads", "sidewalks", "crosswalks"))
     x, y, on = played["x"], played["y"], played["on_roadway"]
     by_crosswalk = played["crossing"] == CROSSWALK
 

@@ -7,7 +7,12 @@ import sys
 
 import pytest
 
-from jaxwalk.recipes import FAST, PAPER, RECIPES, single_agent
+from jaxwalk.cli.options import Train
+from jaxwalk.cli.train import make_experiment
+from jaxwalk.learning.config import GLOBAL
+from jaxwalk.recipes import FAST, PAPER, RECIPES, TOWN, single_agent
+from jaxwalk.sim.manoeuvres import AHEAD
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 
 
@@ -29,7 +34,7 @@ def test_fast_networks_are_no_smaller_than_the_papers():
 
 
 def test_every_recipe_is_registered_under_its_name_and_pays_by_terms_that_exist():
-    assert list(RECIPES) == ["fast", "paper"]
+    assert list(RECIPES) == ["fast", "paper", "town"]
     for name, recipe in RECIPES.items():
         assert recipe.recipe == name
         assert recipe.driver_weights.keys() <= DRIVER_TERMS.keys()
@@ -39,6 +44,24 @@ def test_every_recipe_is_registered_under_its_name_and_pays_by_terms_that_exist(
 def test_the_car_alone_learns_from_as_many_environments():
     assert single_agent(FAST).train.environments == 512
     assert single_agent(FAST).train.learning_roles == ("driver",)
+
+
+def test_the_car_of_town_sees_further_than_it_needs_to_stop():
+    stops_after = TOWN.sim.max_speed / TOWN.sim.max_braking
+    assert stops_after < AHEAD
+    assert TOWN.sim.max_speed * stops_after / 2 < POINTS[-1] * POINT_SPACING
+
+
+def test_nothing_in_town_knows_how_many_people_there_are_or_where_on_the_map():
+    for role in TOWN.train.roles.values():
+        assert not {GLOBAL, "paper"} & {role.observes, *role.critic_observes}
+
+
+def test_train_takes_the_recipes_streets_and_world_unless_told_otherwise():
+    assert make_experiment(Train(recipe="town")) == TOWN
+    on_two = make_experiment(Train(recipe="town", map=("test:2",)))
+    assert (on_two.maps, on_two.sim) == (("test:2",), TOWN.sim)
+    assert make_experiment(Train(recipe="fast")).maps == ("paper",)
 
 
 def test_recipes_load_without_jax():

@@ -5,7 +5,8 @@
 
 OLD_CHECKOUT has its own environment in .venv, as `make install` makes it. The parts:
 
-- simulator: steps of 1,024 environments with every view and every reward term, as `jaxwalk bench` measures them;
+- simulator: steps of 1,024 environments with every view of 0.1 and every reward term;
+- evaluation: 1,024 scenarios, played and measured;
 - fast, paper: updates of the two recipes at their own sizes;
 - cold, warm: seconds from `jaxwalk train` until its first update is on disk, with an empty cache of compiled code
   and with one that the same command has filled.
@@ -31,7 +32,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parents[2]
 WORKER = Path(__file__).with_name("speed_worker.py")
-STEADY, STARTS = ("simulator", "fast", "paper"), ("cold", "warm")
+STEADY, STARTS = ("simulator", "evaluation", "fast", "paper"), ("cold", "warm")
+UNITS = {"evaluation": "scen./s", "cold": "s", "warm": "s"}
 CONFIDENCE = 0.95
 CACHE_VARIABLES = ("JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE")
 
@@ -159,7 +161,7 @@ def line(part: str, speeds: list[tuple[float, float]]) -> str:
     old, new = (statistics.median(x) for x in zip(*speeds, strict=True))
     bound = lower_bound(ratios)
     low = "   -" if bound is None else f"{bound:.3f}"
-    unit = "s" if part in STARTS else "steps/s"
+    unit = UNITS.get(part, "steps/s")
     before, after = (f"{1 / x:.2f}" if part in STARTS else f"{x:,.0f}" for x in (old, new))
     spread = f"{min(ratios):.3f} to {max(ratios):.3f}, {len(ratios)} turns"
     return f"{part:<10}{before:>12}{after:>12} {unit:<8}{statistics.median(ratios):>7.3f}{low:>8}   {spread}"

@@ -1,7 +1,7 @@
 """A worker of `speed_against.py`: runs in any checkout since 0.1, whose modules it finds by their names then or now.
 
 It prints `ready` once it is compiled and warm. Then, for each line on standard input, it works for about a second and
-prints its environment steps per second.
+prints its environment steps, or evaluated scenarios, per second.
 """
 
 from __future__ import annotations
@@ -21,6 +21,9 @@ NAMES = {
 }
 """Modules by their present name, and by that of 0.1."""
 ENVIRONMENTS, STEPS = 1024, 256
+SCENARIOS = 1024
+VIEWS = (("driver", "paper"), ("driver", "route"), ("pedestrian", "paper"), ("pedestrian", "kerb"))
+"""Every view of 0.1 of what a real car can know, with its role: the same work in every checkout."""
 WARM = 3
 """Calls before the first turn."""
 SECONDS = 1.0
@@ -39,12 +42,12 @@ def module(name: str):
 
 
 def simulator() -> tuple[Callable[[], None], int]:
-    """Rollouts with every view."""
+    """Rollouts with the views of 0.1 and every reward term."""
     from jaxwalk import SimConfig
 
     simulation = module("simulation")
     street = simulation.paid_street(SimConfig())
-    program = simulation.build(street, ENVIRONMENTS, STEPS, 0, simulation.EVERY)
+    program = simulation.build(street, ENVIRONMENTS, STEPS, 0, VIEWS)
     stream = program.stream
 
     def work() -> None:
@@ -72,9 +75,25 @@ def updates(recipe: str) -> tuple[Callable[[], None], int]:
     return work, experiment.steps_per_update
 
 
+def evaluation() -> tuple[Callable[[], None], int]:
+    """Scenarios played and measured, with the driver that ignores people."""
+    from jaxwalk import Street
+    from jaxwalk.evaluation import evaluate
+    from jaxwalk.policies import AlwaysGo, RouteFollower
+
+    street, driver, people = Street.create(), RouteFollower(), AlwaysGo()
+    try:
+        from jaxwalk.scenarios import Drawn
+    except ModuleNotFoundError:  # 0.1
+        return lambda: evaluate(street, driver, people, episodes=SCENARIOS, seed=0), SCENARIOS
+    source = Drawn(street, seed=0, count=SCENARIOS)
+    return lambda: evaluate(street, {"driver": driver, "pedestrian": people}, source), SCENARIOS
+
+
 def main() -> None:
     part = sys.argv[1]
-    work, steps = simulator() if part == "simulator" else updates(part)
+    parts = {"simulator": simulator, "evaluation": evaluation}
+    work, steps = parts[part]() if part in parts else updates(part)
     for _ in range(WARM):
         work()
     print("ready", flush=True)

@@ -71,7 +71,7 @@ def test_every_section_table_and_figure_is_in_the_page(page, several):
 
 
 def test_files_of_every_table_and_figure(folder):
-    made = {f"{name}.{kind}" for name in set(TABLES) - set(OF_SEVERAL) for kind in ("csv", "tex")}
+    made = {f"{name}.{kind}" for name in set(TABLES) - set(OF_SEVERAL) for kind in ("csv", "md", "tex")}
     assert {p.name for p in (folder / "tables").iterdir()} == made
     assert {p.name for p in (folder / "figures").iterdir()} == {
         f"{n}.{kind}" for n in FIGURES for kind in ("svg", "png")
@@ -142,6 +142,12 @@ def test_tables_of_several_seeds(several):
     assert (learned["goal %, IQM"], learned["collision %, IQM"]) == ("33.3", "66.7")
     assert [row["training seed"] for row in _table(several, "training_seeds")] == ["5", "6", "7"] * 4
     assert [row["collision %"][:4] for row in _table(several, "training_seeds")[:3]] == ["33.3", "66.7", "100."]
+    moving = [row["touched by the moving car %"][:4] for row in _table(several, "training_seeds")[:3]]
+    assert moving == ["33.3", "66.7", "100."]
+    assert learned["touched by the moving car %"] == "66.7"
+    lines = (several / "tables" / "training_seeds.md").read_text(encoding="utf-8").splitlines()
+    assert lines[0].startswith("| driver | pedestrians | training seed |")
+    assert len(lines) == 2 + 12
     (pair,) = _table(several, "pairs")
     assert (pair["A"], pair["B"]) == ("random among always-go", "co-trained among always-go")
     # three pairs for each seed; the second and third seed hit 1 and 2 more than always-go's one match

@@ -12,9 +12,10 @@ from jaxwalk.cli import main
 from jaxwalk.learning import checkpoint
 from jaxwalk.policies import read_metadata
 from jaxwalk.recipes import with_training
-from jaxwalk.runs.binding import EditedConfigError, check_bound
+from jaxwalk.runs import training
+from jaxwalk.runs.binding import EditedConfigError, check_bound, policy_bound_to
 from jaxwalk.runs.contestants import world_of
-from jaxwalk.runs.folder import Run
+from jaxwalk.runs.folder import HASH, Run, config_hash
 from jaxwalk.runs.training import is_finished
 
 TRAINED = Path(__file__).parents[1] / "compat" / "recorded" / "trained"
@@ -65,6 +66,17 @@ def test_an_edited_configuration_of_a_finished_training_is_refused_by_name(run, 
     assert "Trained" not in err
     assert f"config.json was edited since checkpoint 6 was made ({'.'.join(where)}); undo the change to resume" in err
     assert {path: path.read_bytes() for path in run.path.rglob("*") if path.is_file()} == before
+
+
+def test_a_training_stays_finished_when_a_later_version_has_more_fields(run, monkeypatch):
+    document = json.loads((run.path / "config.json").read_text())
+    del document[HASH], document["sim"]["max_braking"]
+    older = config_hash(document)
+    (run.path / "config.json").write_text(json.dumps(document | {HASH: older}))
+    monkeypatch.setattr(training, "read_metadata", lambda path: {"updates": 6, "config_hash": older})
+    again = Run.open(run.path)
+    assert again.intact and is_finished(again)
+    assert policy_bound_to(again, run.maps())["config_hash"] == older
 
 
 def test_neither_is_an_edited_one_evaluated(run):

@@ -63,4 +63,4 @@ def test_one_environment_trains(tmp_path, tiny, sim, multiplier):
     assert (trained.updates, trained.steps) == (2, 16)
     for line in (run.path / "metrics.jsonl").read_text().splitlines():
         assert all(map(math.isfinite, json.loads(line).values())), line
-    assert load_policy(run.policy, "driver").view.name == "route"
+    assert load_policy(run.policy, "driver").view.name == "route-footprint"

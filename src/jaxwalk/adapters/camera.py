@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import equinox as eqx
-import jax
 import numpy as np
 from jaxtyping import Bool, UInt8
 
 from jaxwalk.adapters.game import EVENTS
+from jaxwalk.maps import as_network
 from jaxwalk.rollout import Stream
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
@@ -69,8 +69,8 @@ class Camera:
         if self.trajectory is None:
             raise RuntimeError("the camera has seen no beginning")
         if self.figure is None:
-            road_map = jax.device_get(jax.tree.map(lambda x: x[self.map_index], self.street.world.maps))
-            self.figure = EpisodeFigure(self.trajectory, 0, road_map, width=self.width)
+            network = as_network(self.street.maps[self.map_index])
+            self.figure = EpisodeFigure(self.trajectory, 0, network, width=self.width)
         self.figure.refresh()
         return self.figure.pixels(self.figure.last)
 

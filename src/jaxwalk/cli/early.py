@@ -11,7 +11,8 @@ from typing import Any
 
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Share, Train
-from jaxwalk.maps import checked, map_content
+from jaxwalk.maps import checked, each_map, map_content
+from jaxwalk.maps.generated import names_generated
 from jaxwalk.runs.contestant_names import check_name, run_folders
 from jaxwalk.runs.folder import Run, check_new
 from jaxwalk.sim.sim_config import SimConfig
@@ -37,9 +38,10 @@ def check_names(options: Any) -> None:
         check_name(role, name)
     runs = [Run.open(name) for name in run_folders(name for _, name in named)]
     sim = runs[0].experiment.sim if runs else SimConfig()
-    for name in _many(options, "map"):
+    for name in each_map(_many(options, "map")):
         text = map_content(name)
-        checked(text, name, goal_spacing=sim.goal_spacing, start_clearance=sim.start_clearance)
+        if not names_generated(name):  # generated streets are checked when they are made
+            checked(text, name, goal_spacing=sim.goal_spacing, start_clearance=sim.start_clearance)
 
 
 def _named(options: Any) -> Iterator[tuple[str, str]]:

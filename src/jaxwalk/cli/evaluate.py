@@ -38,9 +38,14 @@ from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.sim.observation import HIDDEN
+from jaxwalk.wording import first_of
 
 TOUCHED = "disc / footprint %"
 """The shares of the episodes in which the moving car touched somebody, by either rule."""
+WIDTH, MAP_WIDTH = 172, 18
+"""What the table needs [characters], and what the column of maps needs more."""
+MOST_MAPS = 12
+"""Most maps in the table of a cell; of more, it shows those with the most collisions."""
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
 """The only options that an evaluation takes which is made again."""
 
@@ -58,7 +63,8 @@ def run(options: Evaluate) -> int:
         print(results.to_json(), end="")
     else:
         console = Console()
-        console.width = max(console.width, 172)  # the table needs it; a narrower terminal wraps the lines
+        several = any(cell.by_map for cell in results.cells)
+        console.width = max(console.width, WIDTH + several * MAP_WIDTH)  # a narrower terminal wraps the lines
         lines = [*said(results), *cost_lines(results.cells), scenarios_line(results)]
         console.print(table(results.cells), *map(escape, lines), sep="\n")
     return 0
@@ -151,6 +157,8 @@ def table(cells: Sequence[Cell]) -> Table:
     if len(multipliers) > 1:
         made.add_column("multiplier", justify="right")
     several = any(cell.by_map for cell in cells)
+    if any(len(cell.by_map) > MOST_MAPS for cell in cells):
+        made.caption = f"the {MOST_MAPS} maps with the most collisions; --json and --out have all"
     if several:
         made.add_column("map", overflow="fold")
     for name in ("goal %", "collision %", "timeout %", "time to goal [s]", "delay [s]", TOUCHED):
@@ -160,9 +168,16 @@ def table(cells: Sequence[Cell]) -> Table:
         observes = cell.driver_observes
         names = cell.driver + (f" ({observes})" if observes in HIDDEN else ""), cell.pedestrians
         made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell), touched(cell))
-        for found in cell.by_map:
+        for found in _shown_maps(cell):
             made.add_row("", "", *[""] * len(extra), escape(found.map), *_rates(found))
     return made
+
+
+def _shown_maps(cell: Cell) -> list[MapRates]:
+    """Return the maps in the table: all in their order, or those with the most collisions."""
+    if len(cell.by_map) <= MOST_MAPS:
+        return list(cell.by_map)
+    return sorted(cell.by_map, key=lambda found: -(found.collision_rate.value or 0))[:MOST_MAPS]
 
 
 def touched(cell: Cell) -> str:
@@ -193,5 +208,5 @@ def cost_lines(cells: Sequence[Cell]) -> list[str]:
 def scenarios_line(results: Results) -> str:
     """Return a line that names the scenarios played, and where."""
     street = results.street
-    where = f", on {', '.join(map_labels(street.maps))}, collisions by {street.sim.contact}" if street else ""
+    where = f", on {first_of(map_labels(street.maps), 'map')}, collisions by {street.sim.contact}" if street else ""
     return f"{results.scenarios.name}, hash {results.scenarios.hash}{where}"

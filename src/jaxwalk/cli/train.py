@@ -83,7 +83,7 @@ def make_experiment(options: Train) -> Experiment:
     experiment = single_agent(experiment) if options.single_agent else experiment
     with bad_values():
         experiment = with_training(experiment, **{name: getattr(options, name) for name in TUNABLE})
-        maps = tuple(map(_absolute, options.map))
+        maps = tuple(map(_absolute, options.map)) or experiment.maps
         multiplier = options.jaywalk_multiplier
         sim = rules_of(options.world, maps, experiment.sim)
         experiment = replace(experiment, seed=options.seed, maps=maps, sim=sim, jaywalk_multiplier=multiplier)

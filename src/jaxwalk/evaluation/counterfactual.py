@@ -22,6 +22,7 @@ from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, proportion
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
 from jaxwalk.policies import Oracle
+from jaxwalk.policies.drivers import with_limits
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.environment import Street
@@ -205,14 +206,14 @@ def _replay(
     def avoids(change: Roles[Policy], scenarios: Scenario = scenarios) -> Bool[np.ndarray, "collision"]:
         return ~play(street, policies | change, scenarios, keys, until=watched).collision
 
-    driver, people = policies["driver"], policies["pedestrian"]
+    driver, people, oracle = policies["driver"], policies["pedestrian"], with_limits(Oracle(), street.config)
     ped, start = jnp.asarray(hits.ped, jnp.int32), jnp.asarray(hits.start, jnp.int32)
     return {
         "crosswalk": avoids({}, on_the_crosswalk(scenarios, hits.ped, crossing)) & (hits.contact == JAYWALK),
         "wait": avoids({"pedestrian": Wait(people, ped, start - 1)}) & hits.entered,
         "brake": avoids({"driver": Brake(driver, start)}),
-        "planner": avoids({"driver": TakeOver(driver, Oracle(), start)}),
-        "planner_from_start": avoids({"driver": TakeOver(driver, Oracle(), jnp.zeros_like(start))}),
+        "planner": avoids({"driver": TakeOver(driver, oracle, start)}),
+        "planner_from_start": avoids({"driver": TakeOver(driver, oracle, jnp.zeros_like(start))}),
     }
 
 

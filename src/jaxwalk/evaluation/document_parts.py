@@ -10,7 +10,7 @@ from jaxwalk.metrics import OverSeeds
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig
-from jaxwalk.wording import counted
+from jaxwalk.wording import counted, first_of
 
 
 @runtime_checkable
@@ -200,9 +200,12 @@ class StreetOrigin:
         return StreetOrigin(tuple(map(reference, street.maps)), street.config)
 
     def in_words(self) -> str:
-        """Return the maps and what a collision is, as in ``paper (hash 0123456789abcdef), collisions by disc``."""
-        maps = [f"{found.name} (hash {found.hash})" for found in self.maps]
-        return ", ".join([*maps, f"collisions by {self.sim.contact}"])
+        """Return the maps and what a collision is, as in ``paper (hash 0123456789abcdef), collisions by disc``.
+
+        Of many maps it names the first ones.
+        """
+        maps = first_of([f"{found.name} (hash {found.hash})" for found in self.maps], "map")
+        return f"{maps}, collisions by {self.sim.contact}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain dicts; a map that ships with jaxwalk has no text."""

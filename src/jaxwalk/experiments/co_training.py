@@ -21,7 +21,7 @@ from jaxwalk.evaluation.reading import Origin, as_results
 from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, results_of
 from jaxwalk.learning.config import own_environments
 from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
-from jaxwalk.report import ALWAYS_GO
+from jaxwalk.report import ALWAYS_GO, GAP_ACCEPTANCE
 from jaxwalk.report.co_training_page import ALONE, CLEARANCE, FACTORS, MIXED, PEOPLE, PURE, STAND_INS, TOUCHED, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
@@ -33,7 +33,7 @@ from jaxwalk.writing import write_whole
 
 WORLD = "paper-footprint"
 """The world of the evaluation."""
-RULES = (ALWAYS_GO, "gap-acceptance")
+RULES = (ALWAYS_GO, GAP_ACCEPTANCE)
 """The populations that nobody trained."""
 RESULT, PAGE = "co-training.json", "co-training.md"
 STEPS_PER_SECOND, EPISODES_PER_SECOND = 40_000.0, 400.0

@@ -35,10 +35,10 @@ from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import BELIEF, TOLD
+from jaxwalk.sim.observation import BELIEF, FOOTPRINT, TOLD
 from jaxwalk.writing import write_whole
 
-DRIVERS = {BLIND: "route", "belief": BELIEF, "told": TOLD}
+DRIVERS = {BLIND: FOOTPRINT, "belief": BELIEF, "told": TOLD}
 """The cars and what they see. Their critics all see the same, including every tendency: only the drivers differ."""
 MULTIPLIERS = (0.25, 1.0)
 """Jaywalk multipliers of the evaluation, that of the trainings first: with 1, intentions matter more."""

@@ -54,7 +54,7 @@ from jaxwalk.writing import together
 
 ABLATED = 2000
 """Most scenarios of the ablation, which has ten cells for each training seed."""
-WATCHED, INCIDENTS = 500, 20
+WATCHED, INCIDENTS = 300, 20
 """The gallery searches this many scenarios, and has this many incidents of each kind per driver and population."""
 
 
@@ -66,7 +66,7 @@ class Plan(Effort):
 
     recipe: str = "fast"
     """Recipe of all trainings."""
-    minutes: float = 4.0
+    minutes: float = 3.0
     """Duration of the first co-training [min]; all others make as many updates. Ignored if ``updates`` is given."""
 
     def __post_init__(self) -> None:

@@ -18,7 +18,7 @@ from jaxwalk.evaluation import (
 from jaxwalk.evaluation.document_parts import PairedSeeds, ScenarioSet, StreetOrigin
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
-from jaxwalk.report import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT
+from jaxwalk.report import ALWAYS_GO, CO_TRAINED, GAP_ACCEPTANCE, LEARNED, SINGLE_AGENT
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
@@ -30,6 +30,9 @@ COMPARED = [name for name, make in DRIVERS.items() if make().view.name not in HI
 """Rules that are compared; not the oracle, which knows the future, is in no table of the paper, and takes minutes."""
 MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
 """Jaywalk multipliers of the ablation (paper, section IV-D)."""
+
+MET = (ALWAYS_GO, LEARNED, GAP_ACCEPTANCE)
+"""The people that drivers meet, in the order of tables."""
 
 Say = Callable[[str], None]
 """Called with a line of text when a cell has been played."""
@@ -65,20 +68,20 @@ def load_trained(street: Street, seed: int, folders: Mapping[str, Path]) -> Trai
 def tournament(
     street: Street, trained: Sequence[TrainedPolicies], scenarios: Scenarios, say: Say
 ) -> tuple[Results, list[Match]]:
-    """Play all drivers among both populations; return the results of ``results.json``, and the matches.
+    """Play all drivers among all populations; return the results of ``results.json``, and the matches.
 
-    Rules among always-go play once; trained policies play once for each training seed, the drivers among the
-    pedestrians of the same seed.
+    Rules among people who don't learn play once; trained policies play once for each training seed, the drivers among
+    the pedestrians of the same seed.
     """
     rules = {name: contestant(street, "driver", name) for name in COMPARED}
-    always_go = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
-    rounds: list[Round] = [(None, rules, always_go)]
+    people = {name: contestant(street, "pedestrian", name) for name in (ALWAYS_GO, GAP_ACCEPTANCE)}
+    rounds: list[Round] = [(None, rules, people)]
     for one in trained:
         learned = {LEARNED: one.learned}
-        rounds += [(one.seed, rules, learned), (one.seed, one.drivers, {**always_go, **learned})]
+        rounds += [(one.seed, rules, learned), (one.seed, one.drivers, {**people, **learned})]
     chosen, matches = play_rounds(street, rounds, scenarios, say)
     places = {name: place for place, name in enumerate((*COMPARED, SINGLE_AGENT, CO_TRAINED))}
-    matches.sort(key=lambda match: (places[match.cell.driver], match.cell.pedestrians != ALWAYS_GO))
+    matches.sort(key=lambda match: (places[match.cell.driver], MET.index(match.cell.pedestrians)))
     return results_of(street, chosen, matches, paired=_pairs(matches)), matches
 
 

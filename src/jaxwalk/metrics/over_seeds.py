@@ -73,8 +73,15 @@ def crossed_mean(values: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:
 
 def crossed_ratio(over: Shaped[np.ndarray, "seed scenario"], under: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:
     """Return the mean over seeds of sum of numerators / sum of denominators, which varies as its linear part does."""
+    return crossed_mean(linear_part(over, under))
+
+
+def linear_part(
+    over: Shaped[np.ndarray, "seed scenario"], under: Shaped[np.ndarray, "seed scenario"]
+) -> Float[np.ndarray, "seed scenario"]:
+    """Return what each scenario adds to its seed's ratio: their means are the ratios of the sums."""
     each = (over.sum(axis=1) / under.sum(axis=1))[:, None]
-    return crossed_mean(each + (over - each * under) / under.mean(axis=1, keepdims=True))
+    return each + (over - each * under) / under.mean(axis=1, keepdims=True)
 
 
 def over_seeds(

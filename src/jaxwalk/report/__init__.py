@@ -3,6 +3,7 @@
 from jaxwalk.report.material import (
     ALWAYS_GO,
     CO_TRAINED,
+    GAP_ACCEPTANCE,
     LEARNED,
     ROUTE_FOLLOWER,
     SINGLE_AGENT,
@@ -18,6 +19,7 @@ from jaxwalk.report.write import write_report
 __all__ = [
     "ALWAYS_GO",
     "CO_TRAINED",
+    "GAP_ACCEPTANCE",
     "LEARNED",
     "ROUTE_FOLLOWER",
     "SINGLE_AGENT",

@@ -15,7 +15,7 @@ CO_TRAINED, SINGLE_AGENT = "co-trained", "single-agent"
 """The trained drivers."""
 ROUTE_FOLLOWER = "route-follower"
 """The driver that ignores people."""
-ALWAYS_GO, LEARNED = "always-go", "learned"
+ALWAYS_GO, LEARNED, GAP_ACCEPTANCE = "always-go", "learned", "gap-acceptance"
 """The populations."""
 
 
@@ -106,7 +106,7 @@ class Material:
             for driver, people, seed in product((SINGLE_AGENT, CO_TRAINED), self.populations, self.training_seeds):
                 self.cell_of_seed(driver, people, seed)
         if self.ablation is not None:
-            for multiplier, people in product(self.multipliers, self.populations):
+            for multiplier, people in product(self.multipliers, self.ablated_populations):
                 self.ablated(multiplier, people)
 
     @property
@@ -174,6 +174,12 @@ class Material:
             (n for n in found if (n.jaywalk_multiplier, n.pedestrians) == wanted),
             f"the ablation's jaywalk multiplier {multiplier:g} among {pedestrians}",
         )
+
+    @property
+    def ablated_populations(self) -> tuple[str, ...]:
+        """The names of the ablation's populations in the order of evaluation."""
+        cells = self.ablation.cells if self.ablation else ()
+        return tuple(dict.fromkeys(cell.pedestrians for cell in cells))
 
     @property
     def multipliers(self) -> tuple[float, ...]:

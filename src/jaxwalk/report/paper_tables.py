@@ -12,7 +12,7 @@ from jaxwalk.report import driving_tables, published, surprise, verdicts
 from jaxwalk.report.figures.people import SHARES
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material
 from jaxwalk.report.seed_tables import pairs, training_seeds
-from jaxwalk.report.table import NONE, Table, by_type, shown
+from jaxwalk.report.table import MOVING, NONE, Table, by_type, shown
 from jaxwalk.report.verdicts import Versus, verdict
 
 QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
@@ -32,15 +32,15 @@ def matrix(material: Material) -> Table:
     """Return the table of every driver among every population."""
     rates = ("goal", "collision", "timeout")
     percents = (column for rate in rates for column in _columns(material, rate))
-    columns = ("driver", "pedestrians", *percents, "collisions per km", "time to goal [s]", "delay [s]")
+    columns = ("driver", "pedestrians", *percents, MOVING, "collisions per km", "time to goal [s]", "delay [s]")
     rows = []
     for name, people in ((name, people) for name in material.drivers for people in material.populations):
         found = material.over_seeds(name, people)
         ended = (found.goal_rate, found.collision_rate, found.timeout_rate)
         percents = (text for rate in ended for text in _shown(material, rate))
-        per_km, time = found.collisions_per_km.mean, found.mean_time_to_goal.mean
-        times = (shown(time, 1.0), shown(found.mean_delay.mean, 1.0, 2))
-        rows.append((name, people, *percents, shown(per_km, 1.0, 2), *times))
+        moving, per_km = shown(found.moving_contact_rate.mean), shown(found.collisions_per_km.mean, 1.0, 2)
+        times = (shown(found.mean_time_to_goal.mean, 1.0), shown(found.mean_delay.mean, 1.0, 2))
+        rows.append((name, people, *percents, moving, per_km, *times))
     return Table(columns, tuple(rows))
 
 
@@ -56,7 +56,7 @@ def _shown(material: Material, number: OverSeeds) -> tuple[str, ...]:
 
 
 def baselines(material: Material) -> Table:
-    """Return the paper's figure of baselines: for each method, ours among both populations, and theirs."""
+    """Return the paper's figure of baselines: for each method, ours among each population, and theirs."""
     columns = (
         "driver",
         *(f"{rate} %, {who}" for rate in ("goal", "collision") for who in (*material.populations, "paper")),
@@ -238,7 +238,7 @@ def ablation(material: Material) -> Table:
     )
     rows, against = [], []
     for multiplier in material.multipliers:
-        for people in material.populations:
+        for people in material.ablated_populations:
             found = material.ablated(multiplier, people)
             share = shown(found.jaywalk_share.mean)
             pair = published.ABLATION.get(multiplier) if people == ALWAYS_GO else None

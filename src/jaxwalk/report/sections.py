@@ -54,7 +54,7 @@ SECTIONS = (
         "Co-training against training alone",
         "table III",
         "The car trained alone (among always-go) and the one trained with its pedestrians, with equally many updates "
-        "from equally many environments of their own, each among both populations. Compare two drivers in one "
+        "from equally many environments of their own, each among the same people. Compare two drivers in one "
         "population for what training together did to the car, one driver in both for what it did to the people.",
         applies=lambda m: m.trainings is not None and all(m.met(*pair) for pair in TRAINED),
         table="co_training",

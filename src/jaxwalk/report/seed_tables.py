@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from jaxwalk.evaluation.document_parts import Interval, PairedSeeds
-from jaxwalk.metrics import ATTRIBUTION, SPEED_DIFFERENTIAL, holm
+from jaxwalk.metrics import ATTRIBUTION, DELAY, SPEED_DIFFERENTIAL, holm
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.material import CO_TRAINED, SINGLE_AGENT, Material
-from jaxwalk.report.table import Table, p_value, shown
+from jaxwalk.report.table import MOVING, Table, p_value, shown
 
 
 def training_seeds(material: Material) -> Table:
     """Return the trained drivers of each training seed, with intervals over scenarios."""
     columns = (
-        "driver", "pedestrians", "training seed", "goal %", "collision %",
+        "driver", "pedestrians", "training seed", "goal %", "collision %", MOVING, "delay [s]",
         "speed difference within 3 m [m/s]", "jaywalking's share of collisions %",
     )  # fmt: skip
     rows = []
@@ -24,7 +25,9 @@ def training_seeds(material: Material) -> Table:
             cell = material.cell_of_seed(driver, people, seed)
             rates = (shown(cell.goal_rate), shown(cell.collision_rate))
             gap = shown(cell.summary[SPEED_DIFFERENTIAL][0].pooled.difference, 1.0, 2)
-            rows.append((driver, people, str(seed), *rates, gap, shown(cell.summary[ATTRIBUTION].share)))
+            moving = shown(cell.summary[MEASURED_CONTACTS].footprint.moving)
+            share, delay = shown(cell.summary[ATTRIBUTION].share), shown(cell.summary[DELAY].mean, 1.0, 2)
+            rows.append((driver, people, str(seed), *rates, moving, delay, gap, share))
     return Table(columns, tuple(rows))
 
 

@@ -1,4 +1,4 @@
-"""What a table is, how it shows a number, and its file."""
+"""What a table is, how it shows a number, and its files."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ T = TypeVar("T")
 
 NONE = "–"
 """Shown for a number that does not exist."""
+MOVING = "touched by the moving car %"
+"""The column of episodes in which the moving car touched somebody, by its footprint."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +31,8 @@ class Table:
     """How our numbers compare with the paper's, in a sentence."""
 
 
-def write_csv(tables: dict[str, Table], folder: Path) -> None:
-    """Write a CSV file for each table."""
+def write_tables(tables: dict[str, Table], folder: Path) -> None:
+    """Write a CSV and a Markdown file for each table."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in tables.items():
         text = io.StringIO()
@@ -38,6 +40,7 @@ def write_csv(tables: dict[str, Table], folder: Path) -> None:
         writer.writerow(table.columns)
         writer.writerows(table.rows)
         write_whole(folder / f"{name}.csv", text.getvalue())
+        write_whole(folder / f"{name}.md", markdown_table(table.columns, table.rows) + "\n")
 
 
 def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

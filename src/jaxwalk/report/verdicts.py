@@ -65,9 +65,11 @@ def number(value: float) -> str:
     return f"{value:.1f}" if abs(value) >= 10 else f"{value:.2f}"
 
 
+COLLISION = "The paper's collisions are centres closer than 1.5 m; the top of this page says what counts here."
 WORLD = (
     "Ours is another world in its details: crosswalks that all join two kerbs, a jaywalk decided once per crossing and "
-    "kept (the published code draws again every 0.1 s), nobody starting within 10 m of the car, routes along lanes."
+    "kept (the published code draws again every 0.1 s), nobody starting within 10 m of the car, routes along lanes. "
+    f"{COLLISION}"
 )
 BASELINES = (
     f"{WORLD} The paper does not say among which people its rules drove, nor their throttle, cone or braking; ours "
@@ -76,7 +78,8 @@ BASELINES = (
 TRAINED = (
     "Our drivers were trained with the recipe named above, not the paper's: they see their route rather than the goal "
     "as the crow flies, timeouts bootstrap instead of counting as failures, each role has its own critic, and the "
-    "reward is for progress along the lane. World and people differ in details too. We have not separated these causes."
+    f"reward is for progress along the lane. World and people differ in details too. {COLLISION} We have not separated "
+    "these causes."
 )
 SPEED = (
     "The figure depends on how the driver was trained and on who is nearest: ours sees predicted clearances and "

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
+
+from jaxwalk.viewer.drawn_map import DrawnMap
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Gallery:
 
     dt: float
     """Duration of a step [s]."""
-    maps: Sequence[Mapping[str, Any]]
+    maps: tuple[DrawnMap, ...]
     """The maps that the player draws."""
     episodes: tuple[WatchedEpisode, ...]
     lead: float

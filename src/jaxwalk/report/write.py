@@ -13,7 +13,7 @@ from jaxwalk.report.material import Material
 from jaxwalk.report.paper_tables import make_all
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.style import as_picture
-from jaxwalk.report.table import shown, write_csv
+from jaxwalk.report.table import shown, write_tables
 from jaxwalk.report.watched import Gallery
 from jaxwalk.viewer.replay import as_script, gallery_html, gallery_script, gallery_style
 from jaxwalk.wording import counted
@@ -27,7 +27,7 @@ def write_report(folder: Path, material: Material) -> Path:
     gallery = material.gallery if material.gallery and material.gallery.incidents else None
     figures = draw_all([s.figure for s in sections if s.figure], material, folder / "figures")
     captions = {s.table: f"{s.heading}. {s.said(material)}" for s in sections if s.table}
-    write_csv(tables, folder / "tables")
+    write_tables(tables, folder / "tables")
     write_latex(tables, captions, folder / "tables")
     page = _page(
         sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from jaxwalk.learning import checkpoint
 from jaxwalk.maps import MapText
-from jaxwalk.runs.folder import CONFIG, Run, RunError, as_json, config_hash, from_json
+from jaxwalk.runs.folder import CONFIG, Run, RunError, as_json, from_json
 
 PLAN = {"train.updates", "minutes"}
 """What a training changes in its configuration by itself, when it plans or shortens its updates."""
@@ -27,7 +27,7 @@ def bound_to(run: Run, maps: Sequence[MapText]) -> dict[str, Any]:
 def policy_bound_to(run: Run, maps: Sequence[MapText]) -> dict[str, Any]:
     """Return what a policy file of the run states: names and hashes of the maps, and the configuration's hash."""
     names, hashes = [found.name for found in maps], [found.hash for found in maps]
-    return {"maps": names, "map_hashes": hashes, "config_hash": config_hash(as_json(run.experiment))}
+    return {"maps": names, "map_hashes": hashes, "config_hash": run.hash}
 
 
 def check_intact(run: Run) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from jaxwalk.interfaces import Box, Discrete, Policy
 from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.maps import map_labels
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
+from jaxwalk.policies.drivers import with_limits
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.runs.binding import check_intact
 from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_folders
@@ -46,7 +46,7 @@ def world_of(
     rules = [run.experiment.sim for run in runs]
     worlds = list(dict.fromkeys(rules_of(world, (), one) if world else one for one in rules))
     if len(worlds) > 1:
-        alike = len({replace(one, contact="disc") for one in worlds}) == 1
+        alike = len({rules_of("paper", (), one) for one in worlds}) == 1
         hint = "; choose one with --world" if alike else ""
         raise ContestantError(f"the run folders were trained in worlds of different rules (sim in config.json){hint}")
     chosen = tuple(maps) or (trained[0] if trained else ("paper",))
@@ -68,7 +68,7 @@ def contestant(
     """
     rules: dict[str, Any] = MADE[role]
     if name in rules:
-        return rules[name]()
+        return with_limits(rules[name](), street.config)
     if role == "driver" and is_host_driver(name):
         return load_host_driver(name, trust=trust, seconds=seconds)
     file = policy_file(role, name)

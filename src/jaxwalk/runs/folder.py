@@ -18,6 +18,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
@@ -75,19 +76,27 @@ def check_writable(path: Path) -> None:
 class Run:
     """One run folder."""
 
-    def __init__(self, path: str | Path, experiment: Experiment, *, intact: bool | None = True) -> None:
+    def __init__(
+        self, path: str | Path, experiment: Experiment, *, hash: str | None = None, intact: bool | None = True
+    ) -> None:
         """Use `create` or `open` instead."""
         self.path = Path(path)
         self.experiment = experiment
+        self.hash = hash or config_hash(as_json(experiment))
+        """The hash of the configuration as it was written, perhaps by a version that had fewer fields."""
         self.intact = intact
         """Whether the configuration is as jaxwalk wrote it; None if that isn't known, in folders of older versions."""
 
     @classmethod
     def create(cls, path: str | Path, experiment: Experiment, maps: Sequence[MapText] | None = None) -> Run:
-        """Create a run folder, which must be empty if it exists. ``maps``: those of the experiment, if already read."""
-        from jaxwalk.maps import read_map  # JAX comes with it
+        """Create a run folder, which must be empty if it exists. ``maps``: those of the experiment, if already read.
+
+        The configuration names each generated street.
+        """
+        from jaxwalk.maps import each_map, read_map
 
         check_new(Path(path))
+        experiment = replace(experiment, maps=each_map(experiment.maps))
         maps = [read_map(name) for name in experiment.maps] if maps is None else maps
         run = cls(path, experiment)
         with held(run.path):
@@ -104,8 +113,8 @@ class Run:
             raise RunError(f"{path}: no such run folder; check the name, or train one: `jaxwalk train --run {path}`")
         if not (path / CONFIG).is_file():
             raise RunError(f"{path}: is no run folder, it has no {CONFIG}; name a folder that `jaxwalk train` wrote")
-        experiment, intact = _read_experiment(path / CONFIG)
-        return cls(path, experiment, intact=intact)
+        experiment, found, intact = _read_experiment(path / CONFIG)
+        return cls(path, experiment, hash=found, intact=intact)
 
     @property
     def checkpoints(self) -> Path:
@@ -123,9 +132,9 @@ class Run:
 
     def describe(self, experiment: Experiment) -> None:
         """Write the configuration."""
-        self.experiment, self.intact = experiment, True
         document = as_json(experiment)
-        write_whole(self.path / CONFIG, json.dumps(document | {HASH: config_hash(document)}, indent=2) + "\n")
+        self.experiment, self.hash, self.intact = experiment, config_hash(document), True
+        write_whole(self.path / CONFIG, json.dumps(document | {HASH: self.hash}, indent=2) + "\n")
 
     def metrics(self) -> list[dict[str, Any]]:
         """Return the lines of the metrics file; [] if there is none yet. Leaves out an incomplete last line."""
@@ -208,14 +217,15 @@ def config_hash(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:HASH_DIGITS]
 
 
-def _without_hash(text: bytes) -> tuple[bytes, bool | None]:
-    """Return a configuration's file without its hash, and whether that is right; None if there is none."""
+def _without_hash(text: bytes) -> tuple[bytes, str | None, bool | None]:
+    """Return a configuration's file without its hash, the hash, and whether the file states it (None: states none)."""
     try:
         document = json.loads(text)
         stated = document.pop(HASH, None)
-        return json.dumps(document).encode(), None if stated is None else stated == config_hash(document)
+        found = config_hash(document)
+        return json.dumps(document).encode(), found, None if stated is None else stated == found
     except (ValueError, TypeError, AttributeError, RecursionError):
-        return text, None  # validation reports what is wrong
+        return text, None, None  # validation reports what is wrong
 
 
 def _experiments() -> Any:
@@ -235,12 +245,12 @@ def _with_roles(text: bytes) -> bytes:
     return json.dumps(document).encode()
 
 
-def _read_experiment(path: Path) -> tuple[Experiment, bool | None]:
-    """Return the configuration of a file, and whether it is as jaxwalk wrote it."""
+def _read_experiment(path: Path) -> tuple[Experiment, str | None, bool | None]:
+    """Return the configuration of a file, its hash, and whether it is as jaxwalk wrote it."""
     advice = "correct it, or copy it again from where the run was made"
     try:
-        text, intact = _without_hash(path.read_bytes().removeprefix(codecs.BOM_UTF8))
-        return _experiments().validate_json(_with_roles(text)), intact
+        text, found, intact = _without_hash(path.read_bytes().removeprefix(codecs.BOM_UTF8))
+        return _experiments().validate_json(_with_roles(text)), found, intact
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"] if part not in ("int", "float"))  # members of unions

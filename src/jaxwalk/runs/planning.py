@@ -12,8 +12,9 @@ import numpy as np
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.runs.session import Session
 
-TRIAL_SECONDS, TRIAL_UPDATES = 3.0, 4
-"""The rate is measured over at least this many seconds and updates; those updates are then discarded."""
+TRIAL_SECONDS, TRIAL_CYCLES = 3.0, 4
+"""The rate is measured over at least this many seconds and cycles; their updates are then discarded. A cycle is one
+update, or one with each number of people."""
 OVERRUN = 1.1
 """A plan that turns out to take more than this many times its minutes is shortened."""
 
@@ -36,20 +37,27 @@ def plan_by_time(session: Session, learner: Learner, limit: float) -> Learner:
     """Return the learner with as many updates planned as fit into the rest of the ``limit`` [s].
 
     The rate is measured on updates that are discarded, so the run equals one for which that number of updates was
-    asked, on any machine. The quickest update counts, since other work may slow some down: a plan that is too long is
+    asked, on any machine. The quickest cycle counts, since other work may slow some down: a plan that is too long is
     shortened later, one that is too short would stay.
     """
-    trial, metrics = session.update(learner)
-    jax.block_until_ready(metrics)  # compiles here
+    trial = _cycle(session, learner)  # compiles here
     times: list[float] = []
-    while len(times) < TRIAL_UPDATES or sum(times) < min(TRIAL_SECONDS, 0.1 * limit):
+    while len(times) < TRIAL_CYCLES or sum(times) < min(TRIAL_SECONDS, 0.1 * limit):
         begun = time.monotonic()
-        trial, metrics = session.update(trial)
-        jax.block_until_ready(metrics)
+        trial = _cycle(session, trial)
         times.append(time.monotonic() - begun)
         if session.seconds > limit or session.stop.requested:
             break
-    return replan(session, learner, max(1, int((limit - session.seconds) / min(times))))
+    each = min(times) / len(session.turns)
+    return replan(session, learner, max(1, int((limit - session.seconds) / each)))
+
+
+def _cycle(session: Session, learner: Learner) -> Learner:
+    """Return the learner after an update with each number of people."""
+    for turn in range(len(session.turns)):
+        learner, metrics = session.update(learner, turn)
+        jax.block_until_ready(metrics)
+    return learner
 
 
 def shortened(planned: int, made: int, *, each: float, left: float) -> int | None:

@@ -9,9 +9,10 @@ from typing import Any
 
 import jax
 
-from jaxwalk.learning import checkpoint, mappo
+from jaxwalk.learning import checkpoint
 from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
+from jaxwalk.learning.turns import update_in_turns
 from jaxwalk.maps import MapText
 from jaxwalk.policies import save_policy
 from jaxwalk.runs.binding import bound_to, policy_bound_to
@@ -19,6 +20,7 @@ from jaxwalk.runs.folder import MetricsLog, Run, RunError
 from jaxwalk.runs.progress import TrainingProgress
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.stop import Stop
+from jaxwalk.runs.street import crowded
 from jaxwalk.runs.watch import WatchPage
 from jaxwalk.sim.environment import Street
 
@@ -55,15 +57,16 @@ class Session:
 
     def __post_init__(self) -> None:
         self._config = unplanned(self.run.experiment.train)
+        self.turns = crowded(self.street, self.run.experiment)
 
     @property
     def seconds(self) -> float:
         """Return the time spent by all sessions [s]."""
         return self.earlier + time.monotonic() - self.begun
 
-    def update(self, learner: Learner) -> tuple[Learner, Any]:
-        """Start an update; return the next learner and its metrics, which may still be computing."""
-        return mappo.update(self.street, self._config, learner)
+    def update(self, learner: Learner, made: int) -> tuple[Learner, Any]:
+        """Start the update after that many; return the next learner and its metrics, which may still be computing."""
+        return update_in_turns(self.turns, self._config, learner, made)
 
     def record(self, metrics: Any, updates: int, before: Learner) -> None:
         """Write and show the metrics of an update, waiting for them if necessary.
@@ -76,6 +79,8 @@ class Session:
             self.save(before)
             raise DivergedError(f"{self.run.path}: {_what_diverged(updates, fixed)}")
         values["steps"] = updates * self.run.experiment.steps_per_update
+        if len(self.turns) > 1:
+            values["people"] = self.turns[(updates - 1) % len(self.turns)].config.pedestrians
         line = {"update": updates, "seconds": round(self.seconds, 3), **values}
         self.log.write(line)
         self.progress.show(updates, values)

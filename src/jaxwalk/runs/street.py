@@ -18,6 +18,9 @@ from jaxwalk.sim.observation import OBSERVATIONS
 LEAST_SHARE = 64
 """Smallest number of environments for each core: fewer don't keep it busy."""
 
+COUNTS = "whose size is that of the crowd"
+"""Why crowds can't have critics that see everybody."""
+
 
 class WorldError(ValueError):
     """A configuration that can't be trained. The message names the field and its possible values, in one line."""
@@ -39,6 +42,11 @@ def make_street(experiment: Experiment, maps: Sequence[MapText] | None = None) -
         raise WorldError(str(error)) from error
 
 
+def crowded(street: Street, experiment: Experiment) -> tuple[Street, ...]:
+    """Return the street with each number of people that updates take turns with; alone if there is only one."""
+    return tuple(map(street.with_people, experiment.crowds)) or (street,)
+
+
 def _street(experiment: Experiment, maps: Sequence[str | MapText]) -> Street:
     return Street.create(
         maps,
@@ -50,13 +58,17 @@ def _street(experiment: Experiment, maps: Sequence[str | MapText]) -> Street:
 
 
 def _check_sets(experiment: Experiment) -> None:
-    """Raise WorldError for unknown observation sets, and for a gated driver."""
+    """Raise WorldError for unknown observation sets, a gated driver, and crowds that critics can't see alike."""
     if experiment.train.roles["driver"].gated:
         raise WorldError("train.roles.driver.gated must be false: only pedestrians choose between 0 and 1")
     for role, sets in OBSERVATIONS.items():
         config = experiment.train.roles[role]
         _check_named(f"train.roles.{role}.observes", [config.observes], sets)
         _check_named(f"train.roles.{role}.critic_observes", config.critic_observes, [*sets, GLOBAL])
+        if experiment.crowds and GLOBAL in config.critic_observes:
+            raise WorldError(f"crowds: train.roles.{role}.critic_observes must not have {GLOBAL!r}, {COUNTS}")
+    if experiment.crowds and experiment.train.credit == "shared":
+        raise WorldError(f"crowds: train.credit must be individual, as the shared critic sees {GLOBAL!r}, {COUNTS}")
 
 
 def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> None:
@@ -81,6 +93,6 @@ def fixed_policies(experiment: Experiment) -> Roles[Policy | None]:
     train, sim = experiment.train, experiment.sim
     follower = RouteFollower(wheelbase=sim.wheelbase, max_steering=sim.max_steering)
     return {
-        "driver": Careless(follower) if train.roles["driver"].fixed else None,
+        "driver": Careless(follower, fastest=sim.max_speed) if train.roles["driver"].fixed else None,
         "pedestrian": AlwaysGo() if train.roles["pedestrian"].fixed else None,
     }

@@ -9,19 +9,20 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
-from jaxwalk.learning import checkpoint, mappo
+from jaxwalk.learning import checkpoint
 from jaxwalk.learning.mappo import Learner
+from jaxwalk.learning.turns import init_in_turns
 from jaxwalk.policies import read_metadata
 from jaxwalk.rollout import TRAINING, seed_key
 from jaxwalk.runs.binding import check_bound
-from jaxwalk.runs.folder import MetricsLog, Run, RunError, as_json, config_hash
+from jaxwalk.runs.folder import MetricsLog, Run, RunError
 from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.planning import plan_by_time, replan, shortened, with_plan
 from jaxwalk.runs.progress import Display, Pace, TrainingProgress
 from jaxwalk.runs.session import Session, unplanned
 from jaxwalk.runs.stop import Stop
-from jaxwalk.runs.street import fixed_policies, make_street
+from jaxwalk.runs.street import crowded, fixed_policies, make_street
 from jaxwalk.runs.watch import WatchPage, there_is_one
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import remove_unfinished
@@ -52,8 +53,8 @@ def is_finished(run: Run) -> bool:
     """Return whether all planned updates are made and the saved policy is the last one's, of this configuration."""
     if run.experiment.minutes is not None or not run.policy.is_file():
         return False
-    made, config = read_metadata(run.policy), config_hash(as_json(run.experiment))
-    return made.get("updates", 0) >= run.experiment.train.updates and made.get("config_hash", config) == config
+    made = read_metadata(run.policy)
+    return made.get("updates", 0) >= run.experiment.train.updates and made.get("config_hash", run.hash) == run.hash
 
 
 def train(
@@ -149,7 +150,7 @@ def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None]
     key, others = seed_key(experiment.seed, TRAINING), fixed_policies(experiment)
     if resume:
         check_bound(run, street.maps, tell)
-    learner = mappo.init(street, unplanned(experiment.train), key, others=others)
+    learner = init_in_turns(crowded(street, experiment), unplanned(experiment.train), key, others=others)
     if resume:
         found = checkpoint.restore_newest(run.checkpoints, learner, tell=tell)
         learner = learner if found is None else found
@@ -163,7 +164,7 @@ def _loop(session: Session, learner: Learner, limit: float, checkpoint_seconds: 
     begun, first, planned = time.monotonic(), done, int(learner.planned)
     while done < planned and not session.stop.requested:
         before = learner
-        learner, metrics = session.update(before)
+        learner, metrics = session.update(before, done)
         done += 1
         if waiting:
             session.record(*waiting)

@@ -15,11 +15,12 @@ Acting = Literal["mode", "sample"]
 """How a learned policy chooses its actions."""
 
 if TYPE_CHECKING:
-    Recipe = World = str
+    Recipe = PaperRecipe = World = str
 else:
     Recipe = Literal[tuple(RECIPES)]
+    PaperRecipe = Literal[tuple(name for name, recipe in RECIPES.items() if recipe.maps == ("paper",))]
     World = Literal[tuple(WORLDS)]
-"""The name of a recipe, and that of a world."""
+"""The name of a recipe, that of one on the paper's street, and that of a world."""
 
 
 def option(default: str, kind: str | None = None, name: str | None = None) -> Any:

@@ -31,10 +31,12 @@ class Evaluate:
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios; none is ever met in training."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
-    """Bundled maps or map files."""
+    """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
+    number (docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper. Both are always counted."""
+    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends).
+    Both kinds of contact are always counted."""
     jaywalk_multiplier: Annotated[tuple[float, ...], option("0.25", "X [X ...]")] = (0.25,)
     """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
     driver_acts: Annotated[Acting, option("mode", "HOW")] = "mode"
@@ -75,10 +77,12 @@ class Play:
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
-    """Bundled maps or map files."""
+    """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
+    number (docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper. Both are always counted."""
+    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends).
+    Both kinds of contact are always counted."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     time: Annotated[float | None, option("the end", "S")] = None
@@ -115,10 +119,12 @@ class Report:
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
-    """Bundled maps or map files."""
+    """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
+    number (docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper. Both are always counted."""
+    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends).
+    Both kinds of contact are always counted."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("runs/report", "DIR")] = Path("runs/report")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from jaxwalk.cli.options.declare import Flag, Recipe, World, option, tuned
+from jaxwalk.cli.options.declare import Flag, PaperRecipe, Recipe, World, option, tuned
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,8 @@ class Train:
     resume: Annotated[Path | None, option("none", "DIR")] = None
     """Resume the training in this run folder, with its own configuration."""
     recipe: Recipe = "fast"
-    """fast: whatever learns best; paper: the paper's networks, rewards and numbers."""
+    """fast: whatever learns best; paper: the paper's networks, rewards and numbers; town: fast on 64 generated streets,
+    in the world town."""
     seed: Annotated[int, option("0", "N")] = 0
     """Seed of networks, scenarios and actions."""
     updates: Annotated[int | None, tuned("updates", "N")] = None
@@ -30,10 +31,11 @@ class Train:
     """Instead, plan as many updates as this machine makes in this time."""
     single_agent: Flag = False
     """Train the car alone, among pedestrians who always go."""
-    map: Annotated[tuple[str, ...], option("paper", "MAP [MAP ...]")] = ("paper",)
-    """Bundled maps or map files to train on."""
-    world: Annotated[World | None, option("the recipe's; on other maps than paper paper-footprint", "WORLD")] = None
-    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car."""
+    map: Annotated[tuple[str, ...], option("the recipe's: paper; town training:64", "MAP [MAP ...]")] = ()
+    """Bundled maps, map files, or generated streets (training:64, docs/streets.md) to train on."""
+    world: Annotated[World | None, option("the recipe's, by footprint on other maps than paper", "WORLD")] = None
+    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car; town: that
+    too, and a car for towns (50 km/h, harder brakes, slower in bends)."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     environments: Annotated[int | None, tuned("environments", "N")] = None
@@ -67,15 +69,15 @@ class Train:
 class Reproduce:
     """The whole experiment: two trainings, every driver among every population, the ablation and the report.
 
-    About 10 minutes on two CPU cores, and 7 more for each further training seed. Run it again to continue after
+    About 10 minutes on two CPU cores, and 6 more for each further training seed. Run it again to continue after
     an interruption: what is finished is kept.
     """
 
     out: Annotated[Path, option("runs/reproduce", "DIR")] = Path("runs/reproduce")
     """Folder for everything; open report.html in it."""
-    recipe: Recipe = "fast"
+    recipe: PaperRecipe = "fast"
     """Recipe of all trainings. fast: whatever learns best; paper: the paper's, which takes hours, better days."""
-    minutes: Annotated[float, option("4", "MIN")] = 4.0
+    minutes: Annotated[float, option("3", "MIN")] = 3.0
     """Time for the first co-training; all others make as many updates."""
     updates: Annotated[int | None, option("none", "N")] = None
     """Number of updates of each training, instead."""
@@ -129,3 +131,24 @@ class CoTraining:
     """Scenarios for each driver and population."""
     seed: Annotated[int, option("40", "N")] = 40
     """Seed of the scenarios, and the first training seed; nothing was tuned on 40."""
+
+
+@dataclass(frozen=True)
+class Generalisation:
+    """Does the car cope with streets that it has never seen, and how much do more streets in training help?
+
+    Trains the car of recipe town alone, on 1, 8, 64 and 256 streets with each training seed, and tests all cars and
+    three rules on unseen streets, of the same family and of another one, on the paper's street, and among fewer and
+    more people. Run it again to continue after an interruption: what is finished is kept.
+    """
+
+    out: Annotated[Path, option("runs/generalisation", "DIR")] = Path("runs/generalisation")
+    """Folder for everything; read generalisation.md in it."""
+    seeds: Annotated[int, option("5", "N")] = 5
+    """Number of training seeds: seed, seed + 1, and so on; fewer than 5 judge nothing."""
+    updates: Annotated[int, option("400", "N")] = 400
+    """Updates of each training."""
+    episodes: Annotated[int, option("2000", "N")] = 2000
+    """Scenarios for each driver and set of streets."""
+    seed: Annotated[int, option("60", "N")] = 60
+    """Seed of the scenarios, and the first training seed; nothing was tuned on 60."""

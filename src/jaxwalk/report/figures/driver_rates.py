@@ -23,12 +23,12 @@ RATES: tuple[tuple[Callable[[SeedNumbers], OverSeeds], str, int], ...] = (
 
 
 def baselines(material: Material) -> Figure:
-    """Draw goal and collision rates of every driver, among both populations."""
+    """Draw goal and collision rates of every driver, among each population."""
     figure, axes = panels(2, height=3.8, sharey=True)
     names = material.drivers
     known = [name for name in names if _published(name, 0)]
     for axis, (rate, unit, place) in zip(axes, RATES, strict=True):
-        for people, colour, aside in populations(material, spread=0.34):
+        for people, colour, aside in populations(material.populations, spread=0.34):
             ours = [rate(material.over_seeds(name, people)) for name in names]
             where = [i + aside for i in range(len(names))]
             means, label = [number.mean for number in ours], f"ours, among {people}"
@@ -63,7 +63,7 @@ def ablation(material: Material) -> Figure:
     """Draw goal and collision rates of the co-trained driver by jaywalk multiplier."""
     figure, axes = panels(2)
     for axis, (rate, label, place) in zip(axes, RATES, strict=True):
-        for people, colour, aside in populations(material, spread=0.02):
+        for people, colour, aside in populations(material.ablated_populations, spread=0.02):
             ours = [rate(material.ablated(m, people)).mean for m in material.multipliers]
             where = [m + aside for m in material.multipliers]
             points(axis, ours, where, PointStyle(color=colour, label=f"ours, among {people}", scale=100.0, line=True))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from matplotlib.axes import Axes
 
 from jaxwalk.evaluation.document_parts import Number
-from jaxwalk.report.material import Material
 from jaxwalk.report.style import BLUE, GREEN, ORANGE, PAPER, PURPLE, RED
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 
@@ -26,9 +25,8 @@ DIAMOND: dict[str, Any] = {
 """How the paper's numbers are drawn."""
 
 
-def populations(material: Material, *, spread: float) -> list[tuple[str, str, float]]:
+def populations(names: Sequence[str], *, spread: float) -> list[tuple[str, str, float]]:
     """Return each population with its colour and its offset from the middle; ``spread`` is the total width."""
-    names = material.populations
     colours = (ORANGE, BLUE, GREEN, PURPLE)
     step = spread / max(len(names) - 1, 1)
     return [(name, colours[k % len(colours)], step * (k - (len(names) - 1) / 2)) for k, name in enumerate(names)]

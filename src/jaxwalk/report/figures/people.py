@@ -29,7 +29,7 @@ def attribution(material: Material) -> Figure:
     """Draw jaywalking's share of collisions next to its share of crossings, encounters and time."""
     figure, (axis,) = panels(1, height=2.6)
     names = list(SHARES)
-    for people, colour, aside in populations(material, spread=0.34):
+    for people, colour, aside in populations(material.populations, spread=0.34):
         found = material.cell(material.subject, people).summary[ATTRIBUTION]
         ours = [find(found) for find in SHARES.values()]
         where = [i + aside for i in range(len(names))]

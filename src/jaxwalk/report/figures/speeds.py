@@ -71,7 +71,7 @@ def _gaps(axis: Axes, bins: Sequence[SpeedBin]) -> None:
 
 
 def surprise(material: Material) -> Figure:
-    """Draw the difference four ways, and how much more it is than near ghosts, among both populations."""
+    """Draw the difference four ways, and how much more it is than near ghosts, among each population."""
     figure, axes = panels(len(material.populations), height=3.2, sharey=True)
     for axis, people in zip(axes, material.populations, strict=True):
         found = material.cell(material.subject, people).summary[SPEED_DIFFERENTIAL]
