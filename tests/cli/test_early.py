@@ -39,6 +39,11 @@ WRONG = {
     "train --run full": "full: the folder is not empty",
     "evaluate --again none.json": "none.json: no such file",
     "measure none.parquet": "none.parquet: no such file",
+    "evaluate --driver random --suite town --people 5": "--people: the suite town decides it; leave it out",
+    "play --driver random --suite town --map paper": "--map: the suite town decides it; leave it out",
+    "report random --suite crowd --world paper": "--world: the suite crowd decides it; leave it out",
+    "scenario --driver random --people 0": "--people must lie in [1, 1,000], not 0",
+    "tracks --driver random --people 1001": "--people must lie in [1, 1,000], not 1,001",
 }
 PROGRAM = """
 import io, json, sys

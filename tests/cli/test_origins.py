@@ -36,7 +36,7 @@ def test_results_on_two_maps_name_them_everywhere_with_the_rates_on_each(place, 
     command = "evaluate --driver rule-based --map paper there/town.toml --episodes 20 --out kept"
     assert main(command.split()) == 0
     out = capsys.readouterr().out
-    assert "hash" in out and ", on paper, town.toml, collisions by footprint\n" in out
+    assert "hash" in out and ", on paper, town.toml, 12 pedestrians, collisions by footprint\n" in out
     document = json.loads((place / "kept" / "results.json").read_text())
     town = MapText.of("town.toml", OTHER)
     paper = {"name": "paper", "hash": read_map("paper").hash}

@@ -21,7 +21,7 @@ def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
     assert (about["recipe"], about["seed"], about["maps"]) == ("fast", 0, ["paper"])
     assert set(about["roles"]) == {"driver", "pedestrian"}
 
-    street = world_of([str(out)], ())
+    street = world_of([str(out)])
     drivers, people = {"it": contestant(street, "driver", str(out))}, {"p": contestant(street, "pedestrian", str(out))}
     found, _ = evaluate_grid(street, drivers, people, Drawn(street, 3, 6))
     told = about["results"]["among"]["learned (fast, training seed 0)"]

@@ -81,7 +81,7 @@ def test_a_training_stays_finished_when_a_later_version_has_more_fields(run, mon
 
 def test_neither_is_an_edited_one_evaluated(run):
     with pytest.raises(EditedConfigError, match=r"config.json was edited since its policy was trained; undo"):
-        world_of([str(_edit(run, "sim", "max_speed", to=5.0).path)], ())
+        world_of([str(_edit(run, "sim", "max_speed", to=5.0).path)])
 
 
 def test_an_edit_that_hides_the_hash_is_refused_too(run):

@@ -15,6 +15,7 @@ from jaxwalk.runs.contestant_names import ContestantError
 from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import KeptMapsError
+from jaxwalk.sim.suites import Where
 
 PAPER = resources.files("jaxwalk.maps").joinpath("paper.toml").read_text(encoding="utf-8")
 OTHER = PAPER.replace("left_turn_radius = 8.0", "left_turn_radius = 7.5")
@@ -54,9 +55,9 @@ def test_a_copied_run_folder_evaluates_to_the_same_document_without_its_map_file
 def test_another_map_in_the_place_of_the_runs_changes_nothing(town, tmp_path):
     assert OTHER != PAPER
     (tmp_path / "town.toml").write_text(OTHER, encoding="utf-8")
-    (found,) = world_of([str(town.path)], (), tell=_silent).maps
+    (found,) = world_of([str(town.path)], tell=_silent).maps
     assert (found.name, found.text) == ("town.toml", PAPER)
-    (chosen,) = world_of([str(town.path)], [str(tmp_path / "town.toml")], tell=_silent).maps
+    (chosen,) = world_of([str(town.path)], Where((str(tmp_path / "town.toml"),)), tell=_silent).maps
     assert (chosen.name, chosen.text) == ("town.toml", OTHER)
 
 
@@ -65,7 +66,7 @@ def test_maps_of_one_name_are_told_apart_by_their_hashes(town, tmp_path):
     other = Run.create(tmp_path / "other", town.experiment)
     hashes = [run.maps(_silent)[0].hash for run in (town, other)]
     with pytest.raises(ContestantError) as caught:
-        world_of([str(town.path), str(other.path)], ())
+        world_of([str(town.path), str(other.path)])
     assert "(town.toml ({}), town.toml ({}))".format(*hashes) in str(caught.value)
 
 
@@ -73,7 +74,7 @@ def test_equal_maps_in_two_places_are_one_street(town, tmp_path):
     (tmp_path / "there").mkdir()
     (tmp_path / "there" / "town.toml").write_text(PAPER, encoding="utf-8")
     other = Run.create(tmp_path / "other", replace(town.experiment, maps=(str(tmp_path / "there" / "town.toml"),)))
-    assert len(world_of([str(town.path), str(other.path)], (), tell=_silent).maps) == 1
+    assert len(world_of([str(town.path), str(other.path)], tell=_silent).maps) == 1
 
 
 def _spoiled(run, **change):
@@ -87,7 +88,7 @@ def test_an_edited_map_is_refused(town, capsys):
     name = read_map("paper").hash
     message = f"maps.json: the map town.toml was edited (its hash is not {name}); copy it again"
     with pytest.raises(KeptMapsError) as caught:
-        world_of([str(town.path)], ())
+        world_of([str(town.path)])
     assert message in str(caught.value)
     assert main(["train", "--resume", str(town.path)]) == 2
     assert message in " ".join(capsys.readouterr().err.split())
@@ -108,10 +109,10 @@ def test_other_maps_than_those_of_the_configuration_are_refused(town):
 
 def test_an_older_folder_without_maps_is_read_by_path_with_a_warning(town, tmp_path, capsys):
     (town.path / "maps.json").unlink()
-    assert world_of([str(town.path)], ()).maps[0].text == PAPER
+    assert world_of([str(town.path)]).maps[0].text == PAPER
     err = capsys.readouterr().err
     assert err.count("\n") == 1
     assert err.startswith(f"warning: {town.path}: keeps no maps, as it is of an older version; ")
     (tmp_path / "town.toml").unlink()
     with pytest.raises(MapError, match="cannot be read"):
-        world_of([str(town.path)], ())
+        world_of([str(town.path)])

@@ -48,10 +48,10 @@ def eager(bent, bent_scenarios):
 
 def inside_of(surface, played):
     """Whether people are on a surface: surely, or perhaps."""
-    points = shapely.points(played["x"], played["y"])
+    points = played["x"], played["y"]
     sure, perhaps = surface.buffer(-NEAR), surface.buffer(NEAR)
     shapely.prepare([sure, perhaps])
-    return shapely.contains(sure, points), shapely.contains(perhaps, points)
+    return shapely.contains_xy(sure, *points), shapely.contains_xy(perhaps, *points)
 
 
 def test_people_on_a_bend_are_where_people_may_be(eager):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from jaxwalk.cli.checks import place
 from jaxwalk.cli.errors import bad_values
 from jaxwalk.cli.options import Play, Report, Scenario, Tracks
 from jaxwalk.evaluation import with_jaywalk_multiplier
@@ -27,8 +28,7 @@ def cast(
         options: where to play: without a map or a world, where the run folders among the names were trained.
         loading: how `contestant` loads drivers (``trust``, ``seconds``).
     """
-    maps = options.map if isinstance(options.map, tuple) else (options.map,) if options.map else ()
     with bad_values():
-        street = with_jaywalk_multiplier(world_of([*drivers, *people], maps, options.world), options.jaywalk_multiplier)
+        street = with_jaywalk_multiplier(world_of([*drivers, *people], place(options)), options.jaywalk_multiplier)
         cars = {name: contestant(street, "driver", name, **loading) for name in drivers}
         return street, cars, {name: contestant(street, "pedestrian", name) for name in people}

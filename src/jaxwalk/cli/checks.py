@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.runs.effort import MOST_EPISODES
+from jaxwalk.sim.sim_config import LARGEST
+from jaxwalk.sim.suites import SUITES, Where
 
 MOST_DRIVER_SECONDS = 86_400
 """Longest time that a driver may be given for one step [s]: a day."""
@@ -47,6 +50,23 @@ def check_scenario(scenario: int) -> None:
     """Raise UsageError unless the number can be a scenario's."""
     if not 0 <= scenario < 2**30:
         raise UsageError(f"--scenario must lie in [0, 2^30), not {scenario}")
+
+
+def place(options: Any) -> Where:
+    """Return where options ask to play: by a suite's name, or by maps, world and number of people.
+
+    Raise UsageError for a suite beside what it decides, and for an impossible number of people.
+    """
+    maps = options.map if isinstance(options.map, tuple) else (options.map,) if options.map else ()
+    asked, suite = Where(maps, options.world, options.people), getattr(options, "suite", None)
+    if suite is None:
+        if asked.people is not None:
+            check_count("--people", asked.people, 1, LARGEST["pedestrians"])
+        return asked
+    given = {"map": asked.maps, "world": asked.world, "people": asked.people}
+    for name in (name for name, value in given.items() if value):
+        raise UsageError(f"--{name}: the suite {suite} decides it; leave it out, or leave out --suite")
+    return SUITES[suite]
 
 
 def check_driver_seconds(seconds: float) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from jaxwalk.cli.checks import place
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Share, Train
 from jaxwalk.maps import checked, each_map, map_content
@@ -33,6 +34,8 @@ def check_names(options: Any) -> None:
         Run.open(options.resume)
     elif isinstance(options, Train) and options.run_folder:
         check_new(options.run_folder)
+    if hasattr(options, "people"):
+        place(options)
     named = list(_named(options))
     for role, name in named:
         check_name(role, name)

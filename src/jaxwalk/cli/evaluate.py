@@ -20,6 +20,7 @@ from jaxwalk.cli.checks import (
     check_episodes,
     check_pedestrians,
     check_seed,
+    place,
 )
 from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
 from jaxwalk.cli.options import Evaluate
@@ -38,7 +39,7 @@ from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.sim.observation import HIDDEN
-from jaxwalk.wording import first_of
+from jaxwalk.wording import counted, first_of
 
 TOUCHED = "disc / footprint %"
 """The shares of the episodes in which the moving car touched somebody, by either rule."""
@@ -83,7 +84,7 @@ def _work(options: Evaluate) -> Evaluation:
         encounters=options.encounters,
     )
     return prepared(
-        world_of([*drivers, *populations], options.map, options.world), (drivers, populations),
+        world_of([*drivers, *populations], place(options)), (drivers, populations),
         Scenarios(options.episodes, options.seed), asked,
         out=options.out, trust=options.trust, seconds=options.driver_seconds,
     )  # fmt: skip
@@ -208,5 +209,8 @@ def cost_lines(cells: Sequence[Cell]) -> list[str]:
 def scenarios_line(results: Results) -> str:
     """Return a line that names the scenarios played, and where."""
     street = results.street
-    where = f", on {first_of(map_labels(street.maps), 'map')}, collisions by {street.sim.contact}" if street else ""
+    where = ""
+    if street:
+        people = counted(street.sim.pedestrians, "pedestrian")
+        where = f", on {first_of(map_labels(street.maps), 'map')}, {people}, collisions by {street.sim.contact}"
     return f"{results.scenarios.name}, hash {results.scenarios.hash}{where}"

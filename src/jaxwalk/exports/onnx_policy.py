@@ -68,7 +68,7 @@ def export(name: str, out: Path, *, role: str) -> Parity:
     Raises PolicyError if onnx or ONNX Runtime is missing, an action isn't in its space, or the network in ONNX acts
     differently from the policy.
     """
-    street = world_of([name], ())
+    street = world_of([name])
     policy = contestant(street, role, name, sample=False)
     if not isinstance(policy, LearnedPolicy):
         raise PolicyError(f"{name}: is a rule, not a trained policy; name a run folder, a policy file or a shipped one")

@@ -29,7 +29,7 @@ def share(
     Raises RunError if the run has no policy yet, ContestantError for an unknown population, Stopped if a policy fails.
     """
     run, here = Run.open(folder), str(folder.resolve())  # the whole path can't be a shipped policy's name
-    street = world_of([here], ())
+    street = world_of([here])
     driver = {str(folder): contestant(street, "driver", here)}
     people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
     about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)

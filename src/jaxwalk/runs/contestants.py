@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,19 +22,22 @@ from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_fold
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import to_stderr
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.sim_config import rules_of
+from jaxwalk.sim.sim_config import SimConfig, rules_of
+from jaxwalk.sim.suites import Where
 
+ANYWHERE = Where()
+"""Nothing is said."""
 MADE = {"driver": DRIVERS, "pedestrian": POPULATIONS}
 """Rule-based policies of each role, by name."""
 
 
-def world_of(
-    names: Sequence[str], maps: Sequence[str], world: str | None = None, tell: Callable[[str], None] = to_stderr
-) -> Street:
-    """Return the street to evaluate on: the given maps and world, else those that the named run folders keep.
+def world_of(names: Sequence[str], where: Where = ANYWHERE, tell: Callable[[str], None] = to_stderr) -> Street:
+    """Return the street to evaluate on: the given maps and rules, else those that the named run folders keep.
 
-    ``tell`` is called with a warning for each folder that keeps no maps.
+    ``tell`` is called with a warning for each folder that keeps no maps. Raise ContestantError if the folders differ in
+    what ``where`` leaves out, and ValueError for a world or a number of people that doesn't exist.
     """
+    maps, world = where.maps, where.world
     runs = [Run.open(name) for name in run_folders(names)]
     for run in runs:
         check_intact(run)
@@ -43,14 +47,19 @@ def world_of(
         raise ContestantError(
             f"the run folders were trained on different maps ({', '.join(labels)}); choose some with --map"
         )
-    rules = [run.experiment.sim for run in runs]
-    worlds = list(dict.fromkeys(rules_of(world, (), one) if world else one for one in rules))
+    trained_in = [run.experiment.sim for run in runs]
+    worlds = list(dict.fromkeys(_crowded(where, rules_of(world, (), one) if world else one) for one in trained_in))
     if len(worlds) > 1:
         alike = len({rules_of("paper", (), one) for one in worlds}) == 1
         hint = "; choose one with --world" if alike else ""
         raise ContestantError(f"the run folders were trained in worlds of different rules (sim in config.json){hint}")
     chosen = tuple(maps) or (trained[0] if trained else ("paper",))
-    return Street.create(chosen, worlds[0] if worlds else rules_of(world, maps or ("paper",)))
+    return Street.create(chosen, worlds[0] if worlds else _crowded(where, rules_of(world, maps or ("paper",))))
+
+
+def _crowded(where: Where, rules: SimConfig) -> SimConfig:
+    """Return rules with the number of people that was named, if any."""
+    return rules if where.people is None else replace(rules, pedestrians=where.people)
 
 
 def contestant(

@@ -8,6 +8,7 @@ import tyro
 
 from jaxwalk.recipes import RECIPES
 from jaxwalk.sim.sim_config import WORLDS
+from jaxwalk.sim.suites import SUITES
 
 Flag = tyro.conf.FlagCreatePairsOff[bool]
 """An option without a value."""
@@ -15,12 +16,13 @@ Acting = Literal["mode", "sample"]
 """How a learned policy chooses its actions."""
 
 if TYPE_CHECKING:
-    Recipe = PaperRecipe = World = str
+    Recipe = PaperRecipe = Suite = World = str
 else:
     Recipe = Literal[tuple(RECIPES)]
     PaperRecipe = Literal[tuple(name for name, recipe in RECIPES.items() if recipe.maps == ("paper",))]
+    Suite = Literal[tuple(SUITES)]
     World = Literal[tuple(WORLDS)]
-"""The name of a recipe, that of one on the paper's street, and that of a world."""
+"""The name of a recipe, that of one on the paper's street, that of a suite, and that of a world."""
 
 
 def option(default: str, kind: str | None = None, name: str | None = None) -> Any:

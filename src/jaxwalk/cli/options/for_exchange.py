@@ -32,6 +32,8 @@ class Tracks:
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends).
     Both kinds of contact are always counted."""
+    people: Annotated[int | None, option("the run folders', else 12", "N")] = None
+    """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("tracks.parquet", "FILE")] = Path("tracks.parquet")
@@ -77,6 +79,8 @@ class Scenario:
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends).
     Both kinds of contact are always counted."""
+    people: Annotated[int | None, option("the run folders', else 12", "N")] = None
+    """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("scenario", "DIR")] = Path("scenario")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from jaxwalk.cli.options.declare import Acting, Flag, World, option
+from jaxwalk.cli.options.declare import Acting, Flag, Suite, World, option
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,10 @@ class Evaluate:
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends).
     Both kinds of contact are always counted."""
+    suite: Annotated[Suite | None, option("none", "SUITE")] = None
+    """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
+    people: Annotated[int | None, option("the run folders', else 12", "N")] = None
+    """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[tuple[float, ...], option("0.25", "X [X ...]")] = (0.25,)
     """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
     driver_acts: Annotated[Acting, option("mode", "HOW")] = "mode"
@@ -83,6 +87,10 @@ class Play:
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends).
     Both kinds of contact are always counted."""
+    suite: Annotated[Suite | None, option("none", "SUITE")] = None
+    """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
+    people: Annotated[int | None, option("the run folders', else 12", "N")] = None
+    """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     time: Annotated[float | None, option("the end", "S")] = None
@@ -125,6 +133,10 @@ class Report:
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends).
     Both kinds of contact are always counted."""
+    suite: Annotated[Suite | None, option("none", "SUITE")] = None
+    """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
+    people: Annotated[int | None, option("the run folders', else 12", "N")] = None
+    """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this."""
     out: Annotated[Path, option("runs/report", "DIR")] = Path("runs/report")

@@ -1,0 +1,28 @@
+"""Suites: named places to test a driver, so that two testers mean the same. This module imports no JAX."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where policies are to play. What is left out is as the run folders have it, else as on the paper's street."""
+
+    maps: tuple[str, ...] = ()
+    """Bundled maps, map files or generated streets."""
+    world: str | None = None
+    """A name in `jaxwalk.sim.sim_config.WORLDS`."""
+    people: int | None = None
+    """Pedestrians in an episode."""
+
+
+SUITES: Final = {
+    "paper": Where(("paper",), "paper", 12),
+    "paper-footprint": Where(("paper",), "paper-footprint", 12),
+    "town": Where(("test:200",), "town", 12),
+    "crowd": Where(("test:200",), "town", 72),
+    "unseen-ranges": Where(("unseen-ranges:200",), "town", 12),
+}
+"""The suites by name. ``docs/suites.md`` says what each is for, and what rules and the oracle reach on it."""
