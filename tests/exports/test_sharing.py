@@ -6,22 +6,23 @@ import pytest
 
 from jaxwalk.evaluation import evaluate_grid
 from jaxwalk.evaluation.document_parts import Interval
-from jaxwalk.exports.sharing import share
+from jaxwalk.exports.sharing import Judging, share
 from jaxwalk.policies import SHIPPED, read_metadata, shipped_policy
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.suites import Where
 
 
 def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
     out = tmp_path / "new" / "mine.safetensors"
-    card = share(whole.path, out, ("always-go", str(whole.path)), episodes=6, seed=3)
+    card = share(whole.path, out, Judging(("always-go", str(whole.path)), 6, 3, Where(people=5)))
     about = read_metadata(out)
     assert (about["recipe"], about["seed"], about["maps"]) == ("fast", 0, ["paper"])
     assert set(about["roles"]) == {"driver", "pedestrian"}
 
-    street = world_of([str(out)])
+    street = world_of([str(whole.path)], Where(people=5))
     drivers, people = {"it": contestant(street, "driver", str(out))}, {"p": contestant(street, "pedestrian", str(out))}
     found, _ = evaluate_grid(street, drivers, people, Drawn(street, 3, 6))
     told = about["results"]["among"]["learned (fast, training seed 0)"]
@@ -29,7 +30,7 @@ def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
     assert about["results"]["scenarios"] == {"seed": 3, "count": 6, "hash": found.scenarios.hash}
     lines = card.read_text().splitlines()
     assert lines[0] == "# mine"
-    assert about["results"]["where"].endswith("collisions by footprint")
+    assert about["results"]["where"].endswith("5 pedestrians, collisions by footprint")
     assert f"on {about['results']['where']}; 95 %" in card.read_text()
     assert any(
         line.startswith(f"| learned (fast, training seed 0) | {100 * told['goal_rate']['value']:.1f} [")
@@ -41,7 +42,7 @@ def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
 def test_a_run_without_a_policy_is_refused(tiny, tmp_path):
     Run.create(tmp_path / "begun", tiny)
     with pytest.raises(RunError, match="has no policy"):
-        share(tmp_path / "begun", tmp_path / "x.safetensors", ("always-go",), episodes=1, seed=0)
+        share(tmp_path / "begun", tmp_path / "x.safetensors", Judging())
     assert not (tmp_path / "x.safetensors").exists()
 
 

@@ -9,8 +9,10 @@ from rich.progress import Progress, TaskID
 from jaxwalk.cli.checks import check_episodes, check_file, check_pedestrians, check_seed
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Share
-from jaxwalk.exports.sharing import share
+from jaxwalk.exports.sharing import Judging, share
+from jaxwalk.runs.contestants import ANYWHERE
 from jaxwalk.runs.folder import check_writable
+from jaxwalk.sim.suites import SUITES
 
 
 def run(options: Share) -> int:
@@ -25,6 +27,8 @@ def run(options: Share) -> int:
     check_episodes(options.episodes)
     check_seed(options.seed)
     check_writable(options.out.parent)
+    where = SUITES[options.suite] if options.suite else ANYWHERE
+    judging = Judging(options.pedestrians, options.episodes, options.seed, where)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         tasks: dict[str, TaskID] = {}
 
@@ -33,9 +37,6 @@ def run(options: Share) -> int:
                 tasks[people] = bar.add_task(escape(f"among {people}"), total=episodes)
             bar.update(tasks[people], completed=played)
 
-        card = share(
-            options.run_folder, options.out, options.pedestrians, episodes=options.episodes, seed=options.seed,
-            progress=tell,
-        )  # fmt: skip
+        card = share(options.run_folder, options.out, judging, progress=tell)
     print(f"{options.out} and {card}")
     return 0

@@ -200,12 +200,12 @@ class StreetOrigin:
         return StreetOrigin(tuple(map(reference, street.maps)), street.config)
 
     def in_words(self) -> str:
-        """Return the maps and what a collision is, as in ``paper (hash 0123456789abcdef), collisions by disc``.
+        """Return maps, crowd and what a collision is: ``paper (hash 0123456789abcdef), 12 pedestrians, collisions by disc``.
 
         Of many maps it names the first ones.
         """
         maps = first_of([f"{found.name} (hash {found.hash})" for found in self.maps], "map")
-        return f"{maps}, collisions by {self.sim.contact}"
+        return f"{maps}, {counted(self.sim.pedestrians, 'pedestrian')}, collisions by {self.sim.contact}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain dicts; a map that ships with jaxwalk has no text."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,30 +12,43 @@ from jaxwalk.evaluation.document_parts import Interval, StreetOrigin
 from jaxwalk.evaluation.results import HEADLINE
 from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
 from jaxwalk.report.table import shown
-from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.contestants import ANYWHERE, contestant, world_of
 from jaxwalk.runs.folder import Run
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.suites import Where
 from jaxwalk.wording import counted
 from jaxwalk.writing import current, together, write_whole
 
 Results = dict[str, Any]
 
 
+@dataclass(frozen=True)
+class Judging:
+    """How a driver is evaluated for its card."""
+
+    populations: Sequence[str] = ("always-go",)
+    """Names of populations, as `contestant` takes them."""
+    episodes: int = 2000
+    seed: int = 0
+    where: Where = ANYWHERE
+    """Without maps: those that the run folder keeps."""
+
+
 def share(
-    folder: Path, out: Path, populations: Sequence[str], *, episodes: int, seed: int,
-    progress: Callable[[str, str, int, int], None] | None = None,
-) -> Path:  # fmt: skip
-    """Write the policy file of a run folder with the driver's results among the populations; return the card's path.
+    folder: Path, out: Path, judging: Judging, *, progress: Callable[[str, str, int, int], None] | None = None
+) -> Path:
+    """Write the policy file of a run folder with the driver's results among people; return the card's path.
 
     Raises RunError if the run has no policy yet, ContestantError for an unknown population, Stopped if a policy fails.
     """
     run, here = Run.open(folder), str(folder.resolve())  # the whole path can't be a shipped policy's name
-    street = world_of([here])
+    street = world_of([here], judging.where)
     driver = {str(folder): contestant(street, "driver", here)}
-    people = {_label(name): contestant(street, "pedestrian", name) for name in populations}
+    people = {_label(name): contestant(street, "pedestrian", name) for name in judging.populations}
     about = {"maps": list(run.experiment.maps), "single_agent": run.experiment.single_agent} | read_metadata(run.policy)
     actors = {role: load_policy(run.policy, role).actor for role in about.pop("roles")}
-    found, _ = evaluate_grid(street, driver, people, Drawn(street, seed, episodes), progress=progress)
+    source = Drawn(street, judging.seed, judging.episodes)
+    found, _ = evaluate_grid(street, driver, people, source, progress=progress)
     about["results"] = {
         "scenarios": found.scenarios.as_dict(),
         "where": StreetOrigin.of(street).in_words(),

@@ -164,3 +164,5 @@ class Share:
     """Scenarios for each population."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios; none is ever met in training."""
+    suite: Annotated[Suite | None, option("the training's streets", "SUITE")] = None
+    """Where to evaluate it (docs/suites.md)."""
