@@ -200,7 +200,7 @@ class StreetOrigin:
         return StreetOrigin(tuple(map(reference, street.maps)), street.config)
 
     def in_words(self) -> str:
-        """Return maps, crowd and what a collision is: ``paper (hash 0123456789abcdef), 12 pedestrians, collisions by disc``.
+        """Return maps, crowd and contacts, as in ``paper (hash 0123456789abcdef), 12 pedestrians, collisions by disc``.
 
         Of many maps it names the first ones.
         """

@@ -16,7 +16,7 @@ from jaxwalk.runs.contestants import ANYWHERE, contestant, world_of
 from jaxwalk.runs.folder import Run
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.suites import Where
-from jaxwalk.wording import counted
+from jaxwalk.wording import counted, first_of
 from jaxwalk.writing import current, together, write_whole
 
 Results = dict[str, Any]
@@ -75,7 +75,7 @@ def model_card(file: Path, *, name: str) -> str:
     """Return the model card of a shared policy as Markdown; everything below its name comes from the file itself."""
     about = read_metadata(file)
     who = "A car trained alone, among pedestrians who always go" if about["single_agent"] else "Car and pedestrians"
-    maps, versions = ", ".join(about["maps"]), ", ".join(f"{name} {x}" for name, x in about["versions"].items())
+    maps, versions = first_of(about["maps"], "map"), ", ".join(f"{name} {x}" for name, x in about["versions"].items())
     lines = [
         f"# {name}",
         "",
