@@ -11,6 +11,8 @@ SHIPPED: Final[dict[str, dict[str, str]]] = {
         "single-agent": "fast-0.2-single-agent",
         "co-trained-0.2": "fast-0.2-co-trained",
         "single-agent-0.2": "fast-0.2-single-agent",
+        "town": "town-0.2-co-trained",
+        "town-0.2": "town-0.2-co-trained",
         "co-trained-0.1": "fast-0.1-co-trained",
         "single-agent-0.1": "fast-0.1-single-agent",
         "paper-co-trained": "paper-co-trained",
@@ -19,6 +21,8 @@ SHIPPED: Final[dict[str, dict[str, str]]] = {
     "pedestrian": {
         "learned": "fast-0.2-co-trained",
         "learned-0.2": "fast-0.2-co-trained",
+        "town-learned": "town-0.2-co-trained",
+        "town-learned-0.2": "town-0.2-co-trained",
         "learned-0.1": "fast-0.1-co-trained",
         "paper-learned": "paper-co-trained",
     },
