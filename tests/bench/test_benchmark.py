@@ -19,6 +19,7 @@ from jaxwalk.bench.quantities import FIGURES, exponent, figures, nonlinearity
 from jaxwalk.bench.showing import shown, table
 from jaxwalk.bench.simulation import in_parts, keep, look_and_act
 from jaxwalk.bench.starting import watch
+from jaxwalk.bench.streets import simulated, take_turns
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 
 
@@ -59,6 +60,18 @@ ROWS = {
     ],
     "starts": [{"name": "import_s", "seconds": 0.2}, {"name": "first_update_warm_s", "seconds": 4.0}],
     "pedestrians": [_simulated(256, 4000, 256, 12), _simulated(256, 2000, 1024, 24), _simulated(256, 1000, 4096, 48)],
+    "streets": [
+        {"streets": n, "environments": 64, "env_steps_per_s": speeds, "bytes_per_street": size}
+        for n, speeds, size in (
+            (1, [100.0, 10.0, 40.0], 900),
+            (64, [50.0, 9.0, 10.0], 2000),
+            (256, [40.0, 9.0, 9.0], 1000),
+        )
+    ],
+    "train-streets": [
+        {"recipe": "fast", "train_steps_per_s": [10.0, 2.0, 8.0]},
+        {"recipe": "town", "train_steps_per_s": [7.0, 1.2, 4.0]},
+    ],
 }
 
 DOCUMENT = {
@@ -95,7 +108,7 @@ def test_what_cannot_be_measured_is_refused_by_name(name, value):
 def test_quick_is_less_of_everything():
     quick, whole = Settings(**QUICK), Settings()
     assert quick.only == whole.only
-    for name in ("environments", "training_environments", "pedestrians", "products"):
+    for name in ("environments", "training_environments", "pedestrians", "products", "streets"):
         assert sum(getattr(quick, name)) < sum(getattr(whole, name))
 
 
@@ -136,6 +149,10 @@ def test_figures_of_rows():
     assert found["first_update_warm_s"] == 4
     assert found["pedestrian_time_exponent"] == pytest.approx(1)
     assert found["pedestrian_memory_exponent"] == pytest.approx(2)
+    assert found["env_share_64_streets"] == 0.5  # of the turns' 0.5, 0.9 and 0.25
+    assert found["env_share_256_streets"] == 0.9  # of 0.8, 1 and 0.9
+    assert found["bytes_per_street"] == 2000
+    assert found["train_share_town"] == 0.6  # of 0.7, 0.6 and 0.5
 
 
 def test_what_was_not_measured_has_no_figure():
@@ -143,6 +160,7 @@ def test_what_was_not_measured_has_no_figure():
     assert not {"peak_memory_train_paper", "matmul_peak_flops_highest", "train_steps_per_s_paper_best"} & set(found)
     assert set(figures({"starts": ROWS["starts"]})) == {"import_s", "first_update_warm_s"}
     assert "share_of_peak_fast" not in figures({"training": ROWS["training"]})
+    assert set(figures({"streets": ROWS["streets"][:1]})) == {"bytes_per_street"}
     assert figures({}) == {}
 
 
@@ -206,7 +224,7 @@ def test_a_document_of_parts(monkeypatch, quiet):
     monkeypatch.setattr(documents, "measure_apart", measured)
     monkeypatch.setattr(documents, "starts", lambda: {x["name"]: x["seconds"] for x in ROWS["starts"]})
     found = documents.benchmark(Settings(), quiet)
-    assert asked == ["machine", "env", "train-fast", "train-paper", "pedestrians"]
+    assert asked == ["machine", "env", "train-fast", "train-paper", "pedestrians", "streets", "train-streets"]
     assert found["figures"].keys() == DOCUMENT["figures"].keys()
     assert set(found["rows"]) == set(ROWS)
     told = quiet.file.getvalue()
@@ -239,6 +257,29 @@ def test_recipes_keep_their_size_unless_it_is_quick(tiny):
     assert training_speed.own_size(tiny, Settings(seed=3)) == replace(tiny, seed=3)
     assert training_speed.own_size(tiny, Settings(**QUICK)).train.environments == QUICK["recipe_environments"]
     assert training_speed.own_size(tiny, Settings(chunk_rows=64)).train.chunk_rows == 64
+
+
+def test_programs_take_turns_after_each_has_compiled():
+    called = []
+
+    def program(name):
+        def turn():
+            called.append(name)
+            return float(len(called))
+
+        return turn
+
+    assert take_turns({"a": program("a"), "b": program("b")}, 2) == {"a": [3.0, 5.0], "b": [4.0, 6.0]}
+    assert called == ["a", "b"] * 3
+
+
+@pytest.mark.long
+def test_streets_are_played_in_turns():
+    few = replace(Settings(**QUICK), street_environments=2, steps=2, turn_seconds=0.01)
+    one, two = simulated(few)
+    assert (one["streets"], two["streets"], len(one["env_steps_per_s"])) == (1, 2, few.turns)
+    assert all(0 <= speed < 1e9 for row in (one, two) for speed in row["env_steps_per_s"])
+    assert two["bytes_per_street"] < 5e6  # what a street of 200 x 200 m may take
 
 
 def test_products_are_timed():

@@ -2,7 +2,7 @@
 
 benchmark_settings.py      what to measure
 processes.py     each part runs in a process of its own; __main__.py is what such a process does
-machine.py  simulation.py  training_speed.py  products.py  starting.py     the parts
+machine.py  simulation.py  training_speed.py  products.py  starting.py  streets.py     the parts
 quantities.py    from measured rows to figures with names
 document.py      everything as one document
 showing.py  drawing.py     the document as a table, as Markdown, as plots

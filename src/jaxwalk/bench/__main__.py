@@ -17,6 +17,8 @@ PROGRAMS = {
     "machine": ("machine", "describe"),
     "env": ("simulation", "over_environments"),
     "pedestrians": ("simulation", "over_pedestrians"),
+    "streets": ("streets", "simulated"),
+    "train-streets": ("streets", "trained"),
     "train-fast": ("training_speed", "fast"),
     "train-paper": ("training_speed", "paper"),
 }

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-PARTS = ("env", "train", "compile", "pedestrians")
-"""The parts: the simulator alone, training, the first minute, and the cost of a crowd."""
-MOST = {"environments": 2**20, "training_environments": 2**20, "pedestrians": 1000}
-"""Largest numbers of environments, and of people in an episode."""
+PARTS = ("env", "train", "compile", "pedestrians", "streets")
+"""The parts: the simulator alone, training, the first minute, and the cost of a crowd and of many streets."""
+MOST = {"environments": 2**20, "training_environments": 2**20, "pedestrians": 1000, "streets": 1000}
+"""Largest numbers of environments, of people in an episode, and of streets."""
 LONGEST = 3600
 """Longest time for which a row is measured [s]."""
 
@@ -28,6 +28,14 @@ class Settings:
     """Numbers of pedestrians in an episode; a row for each."""
     crowd_environments: int = 256
     """Number of environments in those rows."""
+    streets: tuple[int, ...] = (1, 64, 256)
+    """Numbers of generated streets; a row for each."""
+    street_environments: int = 1024
+    """Number of environments in those rows."""
+    turns: int = 20
+    """Turns that the programs take which are compared."""
+    turn_seconds: float = 1.0
+    """Shortest time of such a turn [s]."""
     steps: int = 256
     """Steps in one call of the simulator alone."""
     products: tuple[int, ...] = (512, 1024, 2048, 4096)
@@ -43,7 +51,7 @@ class Settings:
 
     def __post_init__(self) -> None:
         """Raise ValueError for an impossible value."""
-        for name in ("environments", "training_environments", "pedestrians"):
+        for name in ("environments", "training_environments", "pedestrians", "streets"):
             _require(len(getattr(self, name)) > 0, name, "needs at least one number")
             wrong = [number for number in getattr(self, name) if not 1 <= number <= MOST[name]]
             _require(not wrong, name, f"must lie in [1, {MOST[name]:,}], not {wrong[:1]}")
@@ -62,6 +70,10 @@ QUICK = {
     "recipe_environments": 32,
     "pedestrians": (12, 48),
     "crowd_environments": 64,
+    "streets": (1, 2),
+    "street_environments": 64,
+    "turns": 2,
+    "turn_seconds": 0.1,
     "products": (512, 1024),
     "steps": 64,
     "seconds": 0.2,

@@ -26,6 +26,7 @@ TITLES = {
     "train": "training, and the machine's peak",
     "compile": "the first minute",
     "pedestrians": "the cost of a crowd",
+    "streets": "the cost of many streets",
 }
 """Description of each part."""
 
@@ -78,10 +79,15 @@ def _starts(_: Settings) -> dict[str, list[Any]]:
     return {"starts": [{"name": name, "seconds": seconds} for name, seconds in starts().items()]}
 
 
+def _streets(settings: Settings) -> dict[str, list[Any]]:
+    return {part: measure_apart(part, settings) for part in ("streets", "train-streets")}
+
+
 MEASURES: dict[str, Callable[[Settings], dict[str, list[Any]]]] = {
     "env": lambda settings: {"env": measure_apart("env", settings)},
     "train": _train,
     "compile": _starts,
     "pedestrians": lambda settings: {"pedestrians": measure_apart("pedestrians", settings)},
+    "streets": _streets,
 }
 """The function that measures each part and returns rows by name."""

@@ -53,6 +53,10 @@ FIGURES: dict[str, tuple[str, str]] = {
         "exponent",
         "An environment's temporary memory grows with pedestrians to this power.",
     ),
+    "env_share_64_streets": ("share", "The simulator on 64 generated streets, of its speed on one; in turns."),
+    "env_share_256_streets": ("share", "The same on 256 streets, of its speed on 64."),
+    "bytes_per_street": ("B", "The tables of a generated street; the largest of all rows."),
+    "train_share_town": ("share", "Training with recipe town, of the speed of recipe fast; in turns."),
 }
 """Unit and meaning of every figure, in the order of display."""
 
@@ -155,6 +159,25 @@ def _crowd(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
     }
 
 
+def _streets(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
+    speeds = {row["streets"]: row["env_steps_per_s"] for row in rows}
+    return {
+        "env_share_64_streets": _ratio(speeds.get(64), speeds.get(1)),
+        "env_share_256_streets": _ratio(speeds.get(256), speeds.get(64)),
+        "bytes_per_street": max(row["bytes_per_street"] for row in rows),
+    }
+
+
+def _trained_in_turns(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
+    speeds = {row["recipe"]: row["train_steps_per_s"] for row in rows}
+    return {"train_share_town": _ratio(speeds.get("town"), speeds.get("fast"))}
+
+
+def _ratio(speeds: Sequence[float] | None, others: Sequence[float] | None) -> float | None:
+    """Return the median ratio of the speeds of two programs that took turns; None if one wasn't measured."""
+    return None if not speeds or not others else float(np.median(np.divide(speeds, others)))
+
+
 def _shares(values: Mapping[str, Value]) -> dict[str, float]:
     """Return the shares of the peak."""
     peak, shares = values.get("matmul_peak_flops"), {}
@@ -173,5 +196,7 @@ PARTS: dict[str, Callable[[Sequence[Mapping[str, Any]]], dict[str, Value]]] = {
     "products": _products,
     "starts": _starts,
     "pedestrians": _crowd,
+    "streets": _streets,
+    "train-streets": _trained_in_turns,
 }
 """The function that computes the figures of each list of rows."""

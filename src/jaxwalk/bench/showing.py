@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from statistics import median
 from typing import Any
 
 from rich.box import SIMPLE
@@ -26,6 +27,8 @@ COLUMNS = {
     "training": ("recipe", "environments x steps", "train steps/s", "transitions/s", "GFLOP/s", "first update [s]"),
     "pedestrians": ("pedestrians", "us per step", "temporary kB per environment", "compiled in [s]"),
     "products": ("matrices", "precision", "GFLOP/s"),
+    "streets": ("streets", "env steps/s", "kB per street"),
+    "train-streets": ("recipe", "train steps/s"),
 }
 """Column titles of each list of rows."""
 
@@ -100,11 +103,24 @@ def _products(row: Mapping[str, Any]) -> list[str]:
     return [f"{row['side']:,} x {row['side']:,}", row["precision"], f"{row['flops'] / 1e9:,.1f}"]
 
 
-_CELLS = {"env": _environments, "training": _training, "pedestrians": _crowd, "products": _products}
+def _streets(row: Mapping[str, Any]) -> list[str]:
+    return [f"{row['streets']}", f"{median(row['env_steps_per_s']):,.0f}", f"{row['bytes_per_street'] / 1e3:,.0f}"]
+
+
+def _in_turns(row: Mapping[str, Any]) -> list[str]:
+    return [row["recipe"], f"{median(row['train_steps_per_s']):,.0f}"]
+
+
+_CELLS = {
+    "env": _environments, "training": _training, "pedestrians": _crowd, "products": _products, "streets": _streets,
+    "train-streets": _in_turns,
+}  # fmt: skip
 TITLES = {
     "env": "The simulator alone, over environments",
     "training": "Training",
     "pedestrians": "The simulator alone, over pedestrians",
     "products": "Matrix products",
+    "streets": "The simulator alone, over generated streets, in turns",
+    "train-streets": "Trainings on one street and on many, in turns",
 }
 """Title of each list of rows."""

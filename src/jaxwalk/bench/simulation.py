@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,10 +57,11 @@ def over_pedestrians(settings: Settings) -> list[dict[str, Any]]:
     ]
 
 
-def paid_street(config: SimConfig) -> Street:
-    """Return a street with the paper's map and every reward term."""
+def paid_street(config: SimConfig, maps: Sequence[str] = ("paper",)) -> Street:
+    """Return a street with every reward term."""
     return Street.create(
-        config=config,
+        maps,
+        config,
         driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0),
         pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0),
     )

@@ -16,6 +16,7 @@ import numpy as np
 
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.playing import play
+from jaxwalk.evaluation.relief import relieve
 from jaxwalk.evaluation.unhindered import unhindered_times, with_delay
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.maps import map_labels
@@ -84,6 +85,7 @@ def evaluate_batches(
             if progress is not None:
                 progress(min(number * batch, episodes), episodes)
             yield part
+    relieve()
 
 
 def replay(

@@ -18,6 +18,7 @@ from jaxtyping import Bool, Float, Int, Shaped
 from jaxwalk.evaluation.batches import BATCH, Progress
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.evaluation.playing import play
+from jaxwalk.evaluation.relief import relieve
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, proportion
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
@@ -107,6 +108,7 @@ def counterfactuals(
         if batch is not None:
             raise
         avoided = replayed(BATCH)
+    relieve()
     return Counterfactuals(
         collisions=hits.collisions,
         scenario=hits.scenario,

@@ -1,0 +1,101 @@
+"""The cost of many streets: simulations on few and on many, and a training on many beside one on a single street.
+
+They take turns of about a second. So a machine that is faster now and slower then treats all alike, and the ratio of
+two speeds in one turn says more than either speed.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import jax
+import numpy as np
+
+from jaxwalk.bench.benchmark_settings import Settings
+from jaxwalk.bench.processes import tell
+from jaxwalk.bench.simulation import build, paid_street
+from jaxwalk.bench.training_speed import own_size
+from jaxwalk.learning.turns import init_in_turns, update_in_turns
+from jaxwalk.recipes import RECIPES
+from jaxwalk.rollout import TRAINING, seed_key
+from jaxwalk.runs.street import crowded, fixed_policies, make_street
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import WORLDS
+
+Turn = Callable[[], float]
+"""Works for about a second and returns the speed [steps/s]."""
+RECIPES_IN_TURNS = ("fast", "town")
+"""The recipes whose speeds are compared."""
+UPDATES = 4
+"""Updates of a training in a turn: recipe ``town`` has four crowds."""
+
+
+def simulated(settings: Settings) -> list[dict[str, Any]]:
+    """Return a row for each number of streets: the speed of the simulator alone in each turn, and the tables' size."""
+    streets = {n: paid_street(WORLDS["town"], (f"training:{n}",)) for n in settings.streets}
+    turns = take_turns({n: _playing(street, settings) for n, street in streets.items()}, settings.turns)
+    return [
+        {
+            "streets": n,
+            "environments": settings.street_environments,
+            "env_steps_per_s": turns[n],
+            "bytes_per_street": bytes_per_street(streets[n]),
+        }
+        for n in streets
+    ]
+
+
+def trained(settings: Settings) -> list[dict[str, Any]]:
+    """Return a row for each recipe: the speed of training in each turn, of updates as `jaxwalk train` makes them."""
+    turns = take_turns({name: _learning(name, settings) for name in RECIPES_IN_TURNS}, settings.turns)
+    return [{"recipe": name, "train_steps_per_s": turns[name]} for name in RECIPES_IN_TURNS]
+
+
+def take_turns(programs: Mapping[Any, Turn], turns: int) -> dict[Any, list[float]]:
+    """Return the speeds of all programs, turn by turn. Each is called once before, uncounted, to compile."""
+    for turn in programs.values():
+        turn()
+    speeds: dict[Any, list[float]] = {name: [] for name in programs}
+    for _ in range(turns):
+        for name, turn in programs.items():
+            speeds[name].append(turn())
+    for name, found in speeds.items():
+        tell(f"{name}: {np.median(found):,.0f} steps/s, the median of {turns} turns")
+    return speeds
+
+
+def bytes_per_street(street: Street) -> float:
+    """Return the memory that the tables of a street take [B]: what all have, over the number of stacked maps."""
+    arrays = jax.tree.leaves((street.world.maps, street.world.tables))
+    return sum(x.nbytes for x in arrays) / len(street.world.maps.route_count)
+
+
+def _playing(street: Street, settings: Settings) -> Turn:
+    program = build(street, settings.street_environments, settings.steps, settings.seed)
+
+    def turn() -> float:
+        begun, played = time.perf_counter(), 0
+        while time.perf_counter() - begun < settings.turn_seconds:
+            program.stream, result = jax.block_until_ready(program.call(street, program.stream))
+            played += int(result[3].sum())
+        return played / (time.perf_counter() - begun)
+
+    return turn
+
+
+def _learning(recipe: str, settings: Settings) -> Turn:
+    experiment = own_size(RECIPES[recipe], settings)
+    streets = crowded(make_street(experiment), experiment)
+    key, others = seed_key(experiment.seed, TRAINING), fixed_policies(experiment)
+    learner = init_in_turns(streets, experiment.train, key, others=others)
+
+    def turn() -> float:
+        nonlocal learner
+        begun = time.perf_counter()
+        for number in range(UPDATES):
+            learner, _ = jax.block_until_ready(update_in_turns(streets, experiment.train, learner, number))
+        return UPDATES * experiment.steps_per_update / (time.perf_counter() - begun)
+
+    return turn
