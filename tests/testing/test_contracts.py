@@ -14,7 +14,7 @@ import pytest
 from jaxwalk import Street
 from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, RoleSpec
 from jaxwalk.metrics import METRICS, Metric
-from jaxwalk.policies import AlwaysGo, Random, RouteFollower, load_policy, shipped_policy
+from jaxwalk.policies import POPULATIONS, Random, RouteFollower, load_policy, shipped_policy
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import (
@@ -115,8 +115,12 @@ def test_our_policies_pass(small):
     for driver in (RouteFollower(), Random(), load_policy(shipped_policy("driver", "co-trained"), "driver")):
         check_driver(driver, small, steps=FEW)
     people = load_policy(shipped_policy("pedestrian", "learned"), "pedestrian", sample=True)
-    for policy in (AlwaysGo(), people):
-        check_pedestrians(policy, small, steps=FEW)
+    check_pedestrians(people, small, steps=FEW)
+
+
+@pytest.mark.parametrize("name", POPULATIONS)
+def test_our_people_pass(small, name):
+    check_pedestrians(POPULATIONS[name](), small, steps=FEW)
 
 
 @pytest.fixture(scope="module")

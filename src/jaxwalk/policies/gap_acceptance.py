@@ -8,17 +8,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.interfaces import View
-from jaxwalk.sim.features import SPEED
-from jaxwalk.sim.observation import Observation, part
-from jaxwalk.sim.pedestrian_features import KERB_CAR_DISTANCE
+from jaxwalk.policies.kerb_gap import KERB_VIEW, STANDS, Column, drawn, kerb_gap
 
-SET = "kerb"
 INTERCEPT, PER_SECOND = 6.2064, 0.9420
 """P(accept) = 1 / (1 + exp(6.2064 - 0.9420 gap)), gap in s (Brewer et al., 2006): one half at 6.6 s."""
-STANDS = 0.5
-"""A car below this speed lets people go first [m/s]."""
-
-Column = Float[Array, "ped *batch"]
 
 
 class GapAccepting(eqx.Module):
@@ -29,7 +22,7 @@ class GapAccepting(eqx.Module):
     car has passed, stands, or is more than 40 m away (67 m in the world ``town``), and always on the roadway.
     """
 
-    view: View = eqx.field(static=True, default=Observation("pedestrian", SET))
+    view: View = eqx.field(static=True, default=KERB_VIEW)
     """What it sees."""
 
     @property
@@ -45,20 +38,12 @@ class GapAccepting(eqx.Module):
         self, key: Key[Array, "*batch"], memory: Column, observation: Float[Array, "feature ped *batch"]
     ) -> tuple[Int[Array, "ped *batch"], Column]:
         """Return who goes, and the critical gaps [s]: kept while somebody decides, else drawn anew."""
-        deciding = observation[part("pedestrian", SET, "decides")][0] > 0
-        ahead = observation[part("pedestrian", SET, "place")][0] * KERB_CAR_DISTANCE
-        speed = observation[part("pedestrian", SET, "car_motion")][0] * SPEED
-        critical = jnp.where(deciding, memory, _critical_gaps(key, deciding.shape[0]))
-        go = ~deciding | (speed < STANDS) | (ahead < 0) | (ahead >= critical * speed)
+        gap = kerb_gap(observation)
+        critical = jnp.where(gap.deciding, memory, _critical_gaps(key, len(memory)))
+        go = ~gap.deciding | (gap.speed < STANDS) | (gap.ahead < 0) | (gap.ahead >= critical * gap.speed)
         return go.astype(jnp.int32), critical
 
 
 def _critical_gaps(key: Key[Array, "*batch"], people: int) -> Column:
     """Return a critical gap for everybody [s], each episode's from its own key."""
-
-    def draw(one: Key[Array, ""]) -> Float[Array, "ped"]:
-        return (INTERCEPT + jax.random.logistic(one, (people,))) / PER_SECOND
-
-    for _ in range(key.ndim):
-        draw = jax.vmap(draw, out_axes=-1)
-    return draw(key)
+    return drawn(key, lambda one: (INTERCEPT + jax.random.logistic(one, (people,))) / PER_SECOND)

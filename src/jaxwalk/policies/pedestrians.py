@@ -9,6 +9,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.interfaces import Policy, View
+from jaxwalk.policies.diffusion import Diffusion
+from jaxwalk.policies.distracted import Distracted
 from jaxwalk.policies.gap_acceptance import GapAccepting
 from jaxwalk.sim.observation import Observation
 
@@ -33,5 +35,10 @@ class AlwaysGo(eqx.Module):
         return jnp.full(observation.shape[1:], GO, jnp.int32), memory
 
 
-POPULATIONS: dict[str, Callable[[], Policy]] = {"always-go": AlwaysGo, "gap-acceptance": GapAccepting}
+POPULATIONS: dict[str, Callable[[], Policy]] = {
+    "always-go": AlwaysGo,
+    "gap-acceptance": GapAccepting,
+    "diffusion": Diffusion,
+    "distracted": Distracted,
+}
 """Rule-based pedestrians by name: call an entry to make the policy."""
