@@ -213,7 +213,7 @@ class StreetOrigin:
         return {"maps": maps, "sim": asdict(self.sim)}
 
 
-Kind = Literal["rule", "shipped policy", "run folder", "policy file", "Python class", "file"]
+Kind = Literal["rule", "shipped policy", "run folder", "policy file", "Python class", "file", "mixture"]
 """Kinds of what names a driver or a population; ``file`` is a network of another framework."""
 
 
@@ -225,7 +225,10 @@ class PolicyOrigin:
     """What was named."""
     kind: Kind
     sha256: str | None
-    """The first 16 digits of the hash of its file (of a run folder: its policy file); None for a rule."""
+    """The first 16 digits of the hash of its file, of a run folder's policy file, or of all files of a mixture.
+
+    None for a rule.
+    """
 
     def in_words(self) -> str:
         """Return kind and hash after the name, as in ``runs/first (run folder, SHA-256 0123456789abcdef)``."""

@@ -17,8 +17,9 @@ from jaxwalk.maps import map_labels
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
 from jaxwalk.policies.drivers import with_limits
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
+from jaxwalk.policies.mixture import Mixture
 from jaxwalk.runs.binding import check_intact
-from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_folders
+from jaxwalk.runs.contestant_names import ContestantError, mixture_of, policy_file, run_folders
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import to_stderr
 from jaxwalk.sim.environment import Street
@@ -70,11 +71,16 @@ def contestant(
     Args:
         street: the world it is to act in.
         role: ``driver`` or ``pedestrian``.
-        name: of a rule, a shipped policy, a run folder, a policy file or, for a driver, what `load_host_driver` takes.
+        name: of a rule, a shipped policy, a run folder, a policy file or, for a driver, what `load_host_driver` takes;
+            for pedestrians also a mixture (`mixture_of`).
         sample: it draws its actions at random (default: as `SAMPLES` says).
         trust: also load what can run code that is hidden in a file.
         seconds: the limit of a driver that is not JAX for one step.
     """
+    mixed = mixture_of(role, name)
+    if mixed:
+        kinds = (contestant(street, role, kind, sample=sample) for kind in mixed)
+        return Mixture(tuple(kinds), tuple(mixed.values()))
     rules: dict[str, Any] = MADE[role]
     if name in rules:
         return with_limits(rules[name](), street.config)

@@ -9,7 +9,7 @@ from pathlib import Path
 from jaxwalk.evaluation.document_parts import Kind, PolicyOrigin
 from jaxwalk.policies import shipped_policy
 from jaxwalk.policies.policy_names import RULES, is_class, is_host_driver
-from jaxwalk.runs.contestant_names import policy_file
+from jaxwalk.runs.contestant_names import mixture_of, policy_file
 
 HASH_DIGITS = 16
 """Number of hexadecimal digits of a file's hash."""
@@ -17,6 +17,10 @@ HASH_DIGITS = 16
 
 def policy_origin(role: str, name: str) -> PolicyOrigin:
     """Return the origin of a driver or a population that `contestant` accepts. Raises its errors; loads nothing."""
+    mixed = mixture_of(role, name)
+    if mixed:
+        hashes = [policy_origin(role, kind).sha256 or kind for kind in mixed]
+        return PolicyOrigin(name, "mixture", hashlib.sha256(" ".join(hashes).encode()).hexdigest()[:HASH_DIGITS])
     if name in RULES[role]:
         return PolicyOrigin(name, "rule", None)
     if role == "driver" and is_host_driver(name):

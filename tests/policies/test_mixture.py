@@ -1,0 +1,85 @@
+"""Mixtures: everybody is of one kind throughout an episode, in the stated proportions, and acts as that kind does."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk.policies import AlwaysGo
+from jaxwalk.policies.gap_acceptance import GapAccepting
+from jaxwalk.policies.mixture import KIND, Mixture, kinds_of
+from jaxwalk.rollout import draw_batch
+from jaxwalk.runs.contestant_names import ContestantError, mixture_of, run_folders
+from jaxwalk.runs.contestants import contestant
+from jaxwalk.runs.policy_origins import policy_origin
+from jaxwalk.testing import check_pedestrians
+
+
+def test_a_kind_is_a_range_of_the_trait():
+    traits = jnp.array([0.0, 0.4999, 0.5, 0.7999, 0.8, 0.99])
+    assert kinds_of(traits, (0.5, 0.3, 0.2)).tolist() == [0, 0, 1, 1, 2, 2]
+    even = jnp.linspace(0, 1, 1001)[:-1]
+    assert np.bincount(kinds_of(even, (0.1, 0.6, 0.3))).tolist() == [100, 600, 300]
+
+
+def test_everybody_acts_as_their_kind_does(street):
+    mixed = Mixture((AlwaysGo(), contestant(street, "pedestrian", "learned"), GapAccepting()), (0.3, 0.5, 0.2))
+    check_pedestrians(mixed, street)
+    keys = jax.random.split(jax.random.key(1), 3)
+    scenario = draw_batch(street, keys)
+    state = street.reset(scenario)
+    trait, views = street.observe(scenario, state, mixed.view)
+    np.testing.assert_array_equal(trait, scenario.traits[KIND])
+    waits = [jnp.zeros_like(trait, jnp.int32), jnp.ones_like(trait, jnp.int32)]
+    for number, action in enumerate(waits):  # a kind that never goes among one that always does
+        given = Mixture((AlwaysGo(), _Always(action)), (0.25, 0.75))
+        played, _ = given.act(keys, given.init((12,), (3,)), (trait, views[:2]))
+        np.testing.assert_array_equal(played == 0, (trait >= 0.25) & (number == 0))
+
+
+class _Always:
+    def __init__(self, action):
+        self.action, self.view = action, AlwaysGo().view
+
+    def init(self, agents, batch):
+        return None
+
+    def act(self, key, memory, seen):
+        return self.action, memory
+
+
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [
+        ("always-go:0.5+gap-acceptance:0.4", "the shares are 0.9 together, not 1"),
+        ("always-go+gap-acceptance:0.4", "'always-go' needs a name and a share between 0 and 1"),
+        ("always-go:x+gap-acceptance:0.4", "'always-go:x' needs a name and a share"),
+        ("always-go:nan+gap-acceptance:0.4", "'always-go:nan' needs a name and a share"),
+        ("always-go:1+gap-acceptance:0.4", "'always-go:1' needs a name and a share"),
+        (":0.5+gap-acceptance:0.5", "':0.5' needs a name and a share"),
+        ("always-go:0.5+always-go:0.5", "names always-go twice"),
+    ],
+)
+def test_a_wrong_mixture_is_refused_in_words(name, fault):
+    with pytest.raises(ContestantError, match="as in gap-acceptance") as refused:
+        mixture_of("pedestrian", name)
+    assert fault in str(refused.value)
+
+
+def test_only_a_pluss_and_no_path_make_a_mixture(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert mixture_of("pedestrian", "learned") == {}
+    assert mixture_of("driver", "a:0.5+b:0.5") == {}
+    assert mixture_of("pedestrian", "runs/a:0.25+learned:0.75") == {"runs/a": 0.25, "learned": 0.75}
+    (tmp_path / "a:0.5+b:0.5").mkdir()
+    assert mixture_of("pedestrian", "a:0.5+b:0.5") == {}
+    (tmp_path / "run").mkdir()
+    assert run_folders(["learned", "run:0.5+learned:0.5", "wrong+run"]) == ["run"]
+
+
+def test_the_origin_of_a_mixture_holds_the_hashes_of_its_files():
+    one = policy_origin("pedestrian", "always-go:0.5+learned:0.5")
+    other = policy_origin("pedestrian", "always-go:0.5+learned-0.1:0.5")
+    assert one.kind == "mixture" and one.sha256 and one.sha256 != other.sha256
