@@ -13,6 +13,7 @@ from jaxwalk.maps.navigation import Graph, goal_choices, shortest_ways, start_ch
 from jaxwalk.maps.network import Crossing, Network
 from jaxwalk.maps.network_routes import SampledRoute, route_length, sampled_route
 from jaxwalk.maps.network_zones import ZoneLines
+from jaxwalk.maps.parking_slots import parking_slots
 from jaxwalk.maps.road_field import road_field
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.routes import ROUTE_SPACING
@@ -23,13 +24,15 @@ BEYOND_GOAL = 30.0
 
 def lay_out(network: Network, *, goal_spacing: float, start_clearance: float) -> RoadMap:
     """Return the arrays (numpy, float32, int32 and bool) of a network that has passed the checks."""
-    graph, roadway = graph_of(network.walk), network.surface("roadway")
+    graph, roadway, slots = graph_of(network.walk), network.surface("roadway"), parking_slots(network)
     shapely.prepare(roadway)
     arrays: dict[str, Any] = {
         "width": network.size[0],
         "height": network.size[1],
         "field": road_field(roadway, network.size),
         "half_width": min(lane.width for lane in network.lanes) / 2,
+        "slots": slots,
+        "slot_count": len(slots),
         **_walking(graph, goal_spacing),
         **_crossings(network, roadway),
         **driving(_routes(network), graph, start_clearance),

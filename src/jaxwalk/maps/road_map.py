@@ -30,6 +30,10 @@ class RoadMap(eqx.Module):
     half_width: Float[Array, "*map"]
     """Half the width of the narrowest road of a map file, or lane of a network [m]."""
 
+    slots: Float[Array, "*map slot 6"]
+    """The boxes of vehicles that may park (`jaxwalk.maps.parking_slots`): the first ``slot_count``. Padding is 0."""
+    slot_count: Int[Array, "*map"]
+
     node_x: Float[Array, "*map node"]
     """x of the navigation graph's nodes [m]; padding is 0."""
     node_y: Float[Array, "*map node"]

@@ -32,6 +32,8 @@ class Scenario(eqx.Module):
     """For each crossing to come: whether it is a jaywalk (`Scenario.jaywalks`)."""
     zone_draw: Float[Array, "crossing ped *batch"]
     """For each crossing to come: where in the jaywalk zone it would begin."""
+    parked: Bool[Array, "slot *batch"] | None = None
+    """In which slots of the map (`jaxwalk.maps.RoadMap.slots`) a vehicle is parked; None where nobody ever parks."""
 
     @property
     def jaywalking_tendency(self) -> Float[Array, "ped *batch"]:
@@ -55,7 +57,7 @@ def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Sce
 
 def dimensions(world: World) -> int:
     """Return how many uniform numbers a scenario is a function of."""
-    return 2 + _rows(world) * world.rules.pedestrians
+    return 2 + _rows(world) * world.rules.pedestrians + world.slots
 
 
 def uniforms(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
@@ -71,8 +73,9 @@ def uniforms(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
 def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario | None = None) -> Scenario:
     """Return the scenario at a point of the unit cube: `dimensions` numbers in [0, 1).
 
-    The first two choose map and route. The others are the rows of a table with one column for each pedestrian: start,
+    The first two choose map and route. Then come the rows of a table with one column for each pedestrian: start,
     goals, traits, then one row of jaywalk draws and one of zone draws for each crossing, in the order of `Scenario`.
+    The last ones are of parking slots, if anybody parks: a vehicle is in a slot if its number is below ``parked``.
 
     Args:
         world: gives the tables to choose from.
@@ -80,8 +83,9 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         like: keep the map and the route of this scenario.
     """
     maps = world.maps
+    of_people, of_slots = jnp.split(numbers[2:], (_rows(world) * world.rules.pedestrians,))
     start_draw, goal_draws, traits, jaywalk_draw, zone_draw = jnp.split(
-        numbers[2:].reshape(_rows(world), world.rules.pedestrians), _boundaries(world)
+        of_people.reshape(_rows(world), world.rules.pedestrians), _boundaries(world)
     )
     map_index = jnp.floor(numbers[0] * world.map_count).astype(jnp.int32)
     routes = look_up(maps.route_count, map_index)
@@ -104,7 +108,14 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         goals=goals,
         jaywalk_draw=jaywalk_draw,
         zone_draw=zone_draw,
+        parked=_parked(world, map_index, of_slots) if world.slots else None,
     )
+
+
+def _parked(world: World, map_index: Array, of_slots: Float[Array, " slot"]) -> Bool[Array, " slot"]:
+    """Return the slots in which a vehicle is parked; never one that only pads the map."""
+    real = jnp.arange(world.slots) < look_up(world.maps.slot_count, map_index)
+    return real & (of_slots < world.rules.parked)
 
 
 def _boundaries(world: World) -> tuple[int, ...]:

@@ -20,7 +20,7 @@ LARGEST = {
     "max_acceleration": 100.0, "max_braking": 100.0, "max_lateral": 100.0, "offroad_margin": 100.0,
     "collision_distance": 100.0, "car_length": 100.0,
     "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
-    "goal_spacing": 1000.0, "kerb_distance": 100.0,
+    "goal_spacing": 1000.0, "kerb_distance": 100.0, "parked": 1.0,
 }  # fmt: skip
 """Largest values of the fields. Larger ones make no sense on a street, and their tables could fill the memory."""
 
@@ -76,6 +76,8 @@ class SimConfig:
     """Each goal of a pedestrian is at least this much walking away from the last [m]."""
     kerb_distance: float = 1.5
     """A pedestrian whose path enters a roadway within this distance is at the kerb [m]."""
+    parked: float = 0.0
+    """Share of the slots of parking strips in which a vehicle is parked; the paper's street has none."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be simulated."""
@@ -90,7 +92,7 @@ class SimConfig:
                 raise ValueError(f"{name} must be above 0, not {getattr(self, name)}")
         if self.contact not in get_args(ContactRule):
             raise ValueError(f"contact must be one of {', '.join(get_args(ContactRule))}, not {self.contact!r}")
-        for name in ("offroad_margin", "moving_speed", "start_clearance"):
+        for name in ("offroad_margin", "moving_speed", "start_clearance", "parked"):
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} must be 0 or more, not {getattr(self, name)}")
         for name, most in LARGEST.items():

@@ -27,7 +27,7 @@ class Rules(eqx.Module):
     """The numbers of a `SimConfig`, which documents them and their units.
 
     Another value of an array needs no new compilation, unless ``fastest_walk`` or ``goal_spacing`` changes the length
-    of a scenario's tables.
+    of a scenario's tables, or ``parked`` becomes 0 or stops being 0.
     """
 
     dt: float = eqx.field(static=True)
@@ -53,6 +53,7 @@ class Rules(eqx.Module):
     start_clearance: Float[Array, ""]
     goal_spacing: Float[Array, ""]
     kerb_distance: Float[Array, ""]
+    parked: Float[Array, ""]
 
     @property
     def config(self) -> SimConfig:
@@ -96,6 +97,8 @@ class World(eqx.Module):
     """How many goals a scenario holds for each pedestrian."""
     crossings: int = eqx.field(static=True)
     """How many crossings a scenario holds draws for, for each pedestrian."""
+    slots: int = eqx.field(static=True)
+    """How many parking slots a scenario decides about: 0 if nobody ever parks."""
     map_count: Int[Array, ""]
     """How many of the stacked maps are drawn from; further ones only round up their number."""
     map_texts: MapTexts = eqx.field(static=True)
@@ -126,7 +129,8 @@ class World(eqx.Module):
         road_map, tables, arrays, multiplier, count = jax.device_put(on_host)
         static: dict[str, Any] = {name: getattr(config, name) for name in STATIC}
         rules = Rules(**static, **arrays)
-        return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings, count, MapTexts(texts))
+        slots = stacked.slots.shape[-2] if config.parked > 0 else 0
+        return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings, slots, count, MapTexts(texts))
 
 
 def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:
