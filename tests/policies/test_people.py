@@ -12,6 +12,8 @@ from jaxwalk.policies import POPULATIONS
 from jaxwalk.policies.diffusion import Diffusion, acceleration
 from jaxwalk.policies.distracted import Distracted
 from jaxwalk.policies.gap_acceptance import GapAccepting
+from jaxwalk.policies.kerb_gap import kerb_gap
+from jaxwalk.policies.pedsumo import PHONES, PedSumo, chance, group_sizes
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.observation import part, size
 from jaxwalk.sim.pedestrian_features import KERB_CAR_DISTANCE
@@ -120,3 +122,38 @@ def test_whoever_has_nothing_to_decide_goes(name):
     seen = kerb(1.0, 8.0, deciding=False) if policy.view.name == "kerb" else jnp.zeros((20, PEOPLE, 1))
     go, _ = policy.act(jax.random.split(jax.random.key(0), 1), policy.init((PEOPLE,), (1,)), seen)
     assert go.all()
+
+
+@pytest.mark.parametrize(
+    ("seconds", "group", "phone", "waited", "expected"),
+    [
+        (0.9, 1, False, 0, 0.4 * 0.01),
+        (2.9, 1, False, 0, 0.4 * 0.1),
+        (4.5, 1, False, 0, 0.4 * 1.1),
+        (4.5, 1, True, 28, 0.4 * 1.1 * 1.5),
+        (2.9, 2, False, 0, 0.4 * 0.1 * 1.2),
+        (2.9, 4, False, 0, 0.4 * 0.1 * 1.4),
+        (2.9, 3, True, 38, 0.4 * 0.1 * 1.2 * 1.5 * 1.494),
+        (6.0, 1, False, 0, 0.4 * 3),
+    ],
+)
+def test_pedsumo_multiplies_its_factors(seconds, group, phone, waited, expected):
+    gap = kerb_gap(kerb(8 * seconds, 8.0, people=1))
+    whole = jnp.ones((1, 1))
+    assert chance(gap, whole * group, whole * phone > 0, whole * waited).item() == pytest.approx(expected, rel=1e-4)
+
+
+def test_pedsumo_draws_once_a_second():
+    steps, share = 25, 0.4 * 0.1
+    _, went = starts(PedSumo(), arrived(PedSumo()), jnp.full(steps, 2.0 * 8), jnp.full(steps, 8.0))
+    gone = np.asarray(went.mean(axis=1))
+    drew = np.flatnonzero(np.diff(gone, prepend=0) > 0)
+    assert drew.tolist() == [0, 10, 20]
+    mean = share * 1.4 * (1 - PHONES + PHONES * 1.5)  # everybody stands at one place: a large group
+    np.testing.assert_allclose(gone[[0, 10, 20]], 1 - (1 - mean) ** np.arange(1, 4), atol=0.015)
+
+
+def test_pedsumo_counts_who_decides_nearby():
+    seen = kerb(jnp.array([10.0, 12.0, 12.5, 30.0, 10.0])[:, None], 8.0, people=5)
+    seen = seen.at[part("pedestrian", "kerb", "decides").start, 4].set(0)
+    assert group_sizes(kerb_gap(seen))[:, 0].tolist() == [3, 3, 3, 1, 3]

@@ -12,6 +12,7 @@ from jaxwalk.interfaces import Policy, View
 from jaxwalk.policies.diffusion import Diffusion
 from jaxwalk.policies.distracted import Distracted
 from jaxwalk.policies.gap_acceptance import GapAccepting
+from jaxwalk.policies.pedsumo import PedSumo
 from jaxwalk.sim.observation import Observation
 
 GO = 1
@@ -40,5 +41,6 @@ POPULATIONS: dict[str, Callable[[], Policy]] = {
     "gap-acceptance": GapAccepting,
     "diffusion": Diffusion,
     "distracted": Distracted,
+    "pedsumo": PedSumo,
 }
 """Rule-based pedestrians by name: call an entry to make the policy."""

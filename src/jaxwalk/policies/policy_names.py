@@ -6,7 +6,7 @@ from pathlib import Path
 
 RULES = {
     "driver": ("random", "constant-speed", "rule-based", "rule-based-braking", "route-follower", "clearance", "oracle"),
-    "pedestrian": ("always-go", "gap-acceptance", "diffusion", "distracted"),
+    "pedestrian": ("always-go", "gap-acceptance", "diffusion", "distracted", "pedsumo"),
 }
 """The rules of each role: the names in `DRIVERS` and `POPULATIONS`."""
 LOADERS = {".onnx": "onnx_file", ".pt": "torch_file", ".pt2": "torch_file", ".pth": "torch_file", ".zip": "sb3_file"}

@@ -23,7 +23,7 @@ class Evaluate:
     come with jaxwalk (co-trained, single-agent, town, paper-co-trained, paper-single-agent), run folders or policy
     files; or your own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs/drivers.md)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
-    """Rules (always-go, gap-acceptance, diffusion, distracted: docs/people.md); learned, town-learned and
+    """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo: docs/people.md); learned, town-learned and
     paper-learned, which come with jaxwalk; run folders or policy files; or a mixture, diffusion:0.7+learned:0.3."""
     compare: Annotated[tuple[str, ...], option("none", "A B")] = ()
     """Two drivers: say in words if B collides less often than A, and reaches the goal more often (paired tests)."""
