@@ -22,6 +22,8 @@ WRONG = {
     "evaluate --driver nobody": "nobody: no driver of that name",
     "evaluate --compare random nobody": "nobody: no driver of that name",
     "evaluate --driver random --pedestrians nobody": "nobody: no pedestrian of that name",
+    "evaluate --driver random --pedestrians diffusion:0.5+nobody:0.5": "nobody: no pedestrian of that name",
+    "play --driver random --pedestrians diffusion:0.5+always-go:0.4": "the shares are 0.9 together, not 1",
     "evaluate --driver random --map nowhere": "no such map",
     "evaluate --driver random --map half.toml": "half.toml has",
     "evaluate --driver none.onnx": "none.onnx: no such file",

@@ -7,11 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.policies import AlwaysGo
+from jaxwalk.adapters.players import player
+from jaxwalk.exports.sharing import _label
+from jaxwalk.policies import AlwaysGo, LearnedPolicy
 from jaxwalk.policies.gap_acceptance import GapAccepting
-from jaxwalk.policies.mixture import KIND, Mixture, kinds_of
+from jaxwalk.policies.mixture import Mixture, kind_draw, kinds_of
+from jaxwalk.policies.mixture_names import MixtureError, mixture_of
 from jaxwalk.rollout import draw_batch
-from jaxwalk.runs.contestant_names import ContestantError, mixture_of, run_folders
+from jaxwalk.runs.contestant_names import run_folders
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.testing import check_pedestrians
@@ -24,6 +27,15 @@ def test_a_kind_is_a_range_of_the_trait():
     assert np.bincount(kinds_of(even, (0.1, 0.6, 0.3))).tolist() == [100, 600, 300]
 
 
+def test_a_kind_is_no_odd_part_of_learned_people():
+    traits = jax.random.uniform(jax.random.key(0), (4, 12, 4000))
+    first = np.asarray(kind_draw(traits) < 0.3)
+    assert first.mean() == pytest.approx(0.3, abs=0.01)
+    for trait in np.asarray(traits):
+        assert trait[first].mean() == pytest.approx(0.5, abs=0.01)
+        assert trait[first].std() == pytest.approx(12**-0.5, abs=0.01)
+
+
 def test_everybody_acts_as_their_kind_does(street):
     mixed = Mixture((AlwaysGo(), contestant(street, "pedestrian", "learned"), GapAccepting()), (0.3, 0.5, 0.2))
     check_pedestrians(mixed, street)
@@ -31,7 +43,7 @@ def test_everybody_acts_as_their_kind_does(street):
     scenario = draw_batch(street, keys)
     state = street.reset(scenario)
     trait, views = street.observe(scenario, state, mixed.view)
-    np.testing.assert_array_equal(trait, scenario.traits[KIND])
+    np.testing.assert_allclose(trait, np.modf(np.asarray(scenario.traits[2] + scenario.traits[3]))[0])
     waits = [jnp.zeros_like(trait, jnp.int32), jnp.ones_like(trait, jnp.int32)]
     for number, action in enumerate(waits):  # a kind that never goes among one that always does
         given = Mixture((AlwaysGo(), _Always(action)), (0.25, 0.75))
@@ -63,7 +75,7 @@ class _Always:
     ],
 )
 def test_a_wrong_mixture_is_refused_in_words(name, fault):
-    with pytest.raises(ContestantError, match="as in gap-acceptance") as refused:
+    with pytest.raises(MixtureError, match="as in gap-acceptance") as refused:
         mixture_of("pedestrian", name)
     assert fault in str(refused.value)
 
@@ -83,3 +95,15 @@ def test_the_origin_of_a_mixture_holds_the_hashes_of_its_files():
     one = policy_origin("pedestrian", "always-go:0.5+learned:0.5")
     other = policy_origin("pedestrian", "always-go:0.5+learned-0.1:0.5")
     assert one.kind == "mixture" and one.sha256 and one.sha256 != other.sha256
+
+
+def test_adapters_take_mixtures():
+    mixed = player("pedestrian", "gap-acceptance:0.5+learned:0.3+always-go:0.2")
+    assert isinstance(mixed, Mixture) and mixed.shares == (0.5, 0.3, 0.2)
+    assert [type(kind) for kind in mixed.kinds] == [GapAccepting, LearnedPolicy, AlwaysGo]
+    assert mixed.kinds[1].sample
+
+
+def test_a_card_names_the_kinds_for_readers_elsewhere(tmp_path):
+    assert _label("learned:0.3+always-go:0.7") == "learned:0.3+always-go:0.7"
+    assert _label(f"{tmp_path}/a.safetensors:0.3+always-go:0.7") == "a.safetensors:0.3+always-go:0.7"

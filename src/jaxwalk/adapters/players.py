@@ -9,6 +9,8 @@ from typing import Any
 from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, shipped_policy
+from jaxwalk.policies.mixture import Mixture
+from jaxwalk.policies.mixture_names import mixture_of
 from jaxwalk.recipes import RECIPES
 
 Weights = str | Mapping[str, float]
@@ -22,7 +24,7 @@ class AdapterError(ValueError):
 
 
 def player(role: str, who: str | Path | Policy) -> Policy:
-    """Return a role's policy: a `Policy` itself, a rule or shipped policy by name, or a policy file.
+    """Return a role's policy: a `Policy` itself, a rule or shipped policy by name, a file, or a mixture of people.
 
     A trained policy acts as in an evaluation: pedestrians sample their actions, a driver takes the likeliest one.
     """
@@ -30,6 +32,9 @@ def player(role: str, who: str | Path | Policy) -> Policy:
         return who
     if who in _RULES[role]:
         return _RULES[role][who]()
+    mixed = mixture_of(role, str(who))
+    if mixed:
+        return Mixture(tuple(player(role, kind) for kind in mixed), tuple(mixed.values()))
     file = shipped_policy(role, str(who)) or Path(who)
     if not file.is_file():
         known = ", ".join((*_RULES[role], *SHIPPED[role]))

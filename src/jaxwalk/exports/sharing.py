@@ -11,6 +11,7 @@ from jaxwalk.evaluation import evaluate_grid
 from jaxwalk.evaluation.document_parts import Interval, StreetOrigin
 from jaxwalk.evaluation.results import HEADLINE
 from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
+from jaxwalk.policies.mixture_names import mixture_of
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import ANYWHERE, contestant, world_of
 from jaxwalk.runs.folder import Run
@@ -65,6 +66,9 @@ def share(
 
 def _label(population: str) -> str:
     """Return a population's name for readers elsewhere: the path of a run folder means nothing there."""
+    mixed = mixture_of("pedestrian", population)
+    if mixed:
+        return "+".join(f"{_label(kind)}:{share:g}" for kind, share in mixed.items())
     if population in (*POPULATIONS, *SHIPPED["pedestrian"]) or not Path(population).is_dir():
         return Path(population).name
     experiment = Run.open(population).experiment

@@ -10,6 +10,7 @@ _HOMES = {
     "AlwaysGo": "pedestrians",
     "ConstantSpeed": "drivers",
     "LearnedPolicy": "learned",
+    "Mixture": "mixture",
     "Oracle": "oracle",
     "PolicyError": "learned",
     "Random": "drivers",

@@ -13,13 +13,22 @@ from jaxtyping import Array, Float, Int, Key
 from jaxwalk.acting import role_key
 from jaxwalk.interfaces import Moment, Policy, View
 
-KIND = 3
-"""The trait by which a person is of a kind. It is drawn with the scenario, and no rule of the simulator reads it."""
+KIND = slice(2, 4)
+"""The traits by which a person is of a kind. They are drawn with the scenario; no rule of the simulator reads them."""
+
+
+def kind_draw(traits: Float[Array, "trait ..."]) -> Float[Array, "..."]:
+    """Return the number in [0, 1) by which a person is of a kind: the fractional part of the sum of the two traits.
+
+    It is uniform, and independent of each of the two alone. Learned people see both: by one of them, those in a mixture
+    would be an odd part of all learned people.
+    """
+    return traits[KIND].sum(axis=0) % 1
 
 
 @dataclass(frozen=True)
 class Beside:
-    """What every kind sees, and the trait that says who is of which."""
+    """What every kind sees, and the number that says who is of which."""
 
     views: tuple[View, ...]
 
@@ -29,8 +38,8 @@ class Beside:
         return "+".join(dict.fromkeys(view.name for view in self.views))
 
     def __call__(self, moment: Moment) -> tuple[Float[Array, "ped *batch"], tuple[Any, ...]]:
-        """Return the trait and the views."""
-        return moment.scenario.traits[KIND], tuple(view(moment) for view in self.views)
+        """Return that number and the views."""
+        return kind_draw(moment.scenario.traits), tuple(view(moment) for view in self.views)
 
 
 class Mixture(eqx.Module):
@@ -59,9 +68,9 @@ class Mixture(eqx.Module):
         seen: tuple[Float[Array, "ped *batch"], tuple[Any, ...]],
     ) -> tuple[Int[Array, "ped *batch"], tuple[Any, ...]]:  # fmt: skip
         """Return who goes, and the next memories. Every kind decides for everybody, and one decision counts."""
-        trait, views = seen
-        kind = kinds_of(trait, self.shares)
-        action, after = jnp.zeros(trait.shape, jnp.int32), []
+        draw, views = seen
+        kind = kinds_of(draw, self.shares)
+        action, after = jnp.zeros(draw.shape, jnp.int32), []
         for number, policy in enumerate(self.kinds):
             own, memories = policy.act(role_key(key, number), memory[number], views[number])
             action = jnp.where(kind == number, own, action)
@@ -69,7 +78,7 @@ class Mixture(eqx.Module):
         return action, tuple(after)
 
 
-def kinds_of(trait: Float[Array, "..."], shares: tuple[float, ...]) -> Int[Array, "..."]:
-    """Return the number of the kind that each person is of. ``trait``: uniform in [0, 1]."""
+def kinds_of(draw: Float[Array, "..."], shares: tuple[float, ...]) -> Int[Array, "..."]:
+    """Return the number of the kind that each person is of. ``draw``: uniform in [0, 1]."""
     bounds = np.cumsum(shares)[:-1].astype(np.float32)
-    return sum((trait >= bound for bound in bounds), jnp.zeros(trait.shape, jnp.int32))
+    return sum((draw >= bound for bound in bounds), jnp.zeros(draw.shape, jnp.int32))

@@ -6,12 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from jaxwalk.policies import SHIPPED, shipped_policy
+from jaxwalk.policies.mixture_names import MixtureError, mixture_of
 from jaxwalk.policies.policy_names import RULES, is_class, is_host_driver
 from jaxwalk.runs.folder import Run, RunError
-
-MIXED = "as in gap-acceptance:0.7+always-go:0.3"
-ROUNDING = 1e-6
-"""Shares are 1 together, to this."""
 
 
 class ContestantError(ValueError):
@@ -29,36 +26,12 @@ def _kinds_named(name: str) -> list[str]:
     """Return the kinds of a mixture; none if it isn't a proper one."""
     try:
         return list(mixture_of("pedestrian", name))
-    except ContestantError:
+    except MixtureError:
         return []
 
 
-def mixture_of(role: str, name: str) -> dict[str, float]:
-    """Return the kinds in a name such as ``gap-acceptance:0.7+always-go:0.3``, each with its share of the people.
-
-    Empty for any other name. Raise ContestantError for shares that aren't above 0, or aren't 1 together.
-    """
-    if role != "pedestrian" or "+" not in name or Path(name).exists():
-        return {}
-    shares: dict[str, float] = {}
-    for part in name.split("+"):
-        kind, _, share = part.rpartition(":")
-        try:
-            number = float(share)
-        except ValueError:
-            number = 0.0
-        if not kind or not 0 < number < 1:
-            raise ContestantError(f"{name}: {part!r} needs a name and a share between 0 and 1, {MIXED}")
-        if kind in shares:
-            raise ContestantError(f"{name}: names {kind} twice; name each kind once, {MIXED}")
-        shares[kind] = number
-    if abs(sum(shares.values()) - 1) > ROUNDING:
-        raise ContestantError(f"{name}: the shares are {sum(shares.values()):g} together, not 1; change one, {MIXED}")
-    return shares
-
-
 def check_name(role: str, name: str) -> None:
-    """Raise ContestantError or RunError if nothing has that name. What a file holds isn't checked."""
+    """Raise ContestantError, MixtureError or RunError if nothing has that name. What a file holds isn't checked."""
     mixed = mixture_of(role, name)
     for kind in mixed:
         check_name(role, kind)

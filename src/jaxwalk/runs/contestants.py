@@ -18,8 +18,9 @@ from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
 from jaxwalk.policies.drivers import with_limits
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.policies.mixture import Mixture
+from jaxwalk.policies.mixture_names import mixture_of
 from jaxwalk.runs.binding import check_intact
-from jaxwalk.runs.contestant_names import ContestantError, mixture_of, policy_file, run_folders
+from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_folders
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import to_stderr
 from jaxwalk.sim.environment import Street

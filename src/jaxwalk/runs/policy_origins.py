@@ -8,8 +8,9 @@ from pathlib import Path
 
 from jaxwalk.evaluation.document_parts import Kind, PolicyOrigin
 from jaxwalk.policies import shipped_policy
+from jaxwalk.policies.mixture_names import mixture_of
 from jaxwalk.policies.policy_names import RULES, is_class, is_host_driver
-from jaxwalk.runs.contestant_names import mixture_of, policy_file
+from jaxwalk.runs.contestant_names import policy_file
 
 HASH_DIGITS = 16
 """Number of hexadecimal digits of a file's hash."""
