@@ -17,6 +17,7 @@ from jaxwalk.maps.parking_slots import parking_slots
 from jaxwalk.maps.road_field import road_field
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.routes import ROUTE_SPACING
+from jaxwalk.maps.walls import walls
 
 BEYOND_GOAL = 30.0
 """Length by which every route continues past its goal, at least [m]."""
@@ -24,21 +25,26 @@ BEYOND_GOAL = 30.0
 
 def lay_out(network: Network, *, goal_spacing: float, start_clearance: float) -> RoadMap:
     """Return the arrays (numpy, float32, int32 and bool) of a network that has passed the checks."""
-    graph, roadway, slots = graph_of(network.walk), network.surface("roadway"), parking_slots(network)
+    graph, roadway = graph_of(network.walk), network.surface("roadway")
     shapely.prepare(roadway)
     arrays: dict[str, Any] = {
         "width": network.size[0],
         "height": network.size[1],
         "field": road_field(roadway, network.size),
         "half_width": min(lane.width for lane in network.lanes) / 2,
-        "slots": slots,
-        "slot_count": len(slots),
+        **_hiding(network),
         **_walking(graph, goal_spacing),
         **_crossings(network, roadway),
         **driving(_routes(network), graph, start_clearance),
     }
     compacted: dict[str, Any] = {name: compact(value) for name, value in arrays.items()}
     return RoadMap(**compacted)
+
+
+def _hiding(network: Network) -> dict[str, Any]:
+    """Return what people can hide behind."""
+    slots, standing = parking_slots(network), walls(network)
+    return {"slots": slots, "slot_count": len(slots), "walls": standing, "wall_count": len(standing)}
 
 
 def _walking(graph: Graph, goal_spacing: float) -> dict[str, Any]:

@@ -33,6 +33,9 @@ class RoadMap(eqx.Module):
     slots: Float[Array, "*map slot 6"]
     """The boxes of vehicles that may park (`jaxwalk.maps.parking_slots`): the first ``slot_count``. Padding is 0."""
     slot_count: Int[Array, "*map"]
+    walls: Float[Array, "*map wall 6"]
+    """Boxes, with the same columns, that hide what buildings hide (`jaxwalk.maps.walls`): the first ``wall_count``."""
+    wall_count: Int[Array, "*map"]
 
     node_x: Float[Array, "*map node"]
     """x of the navigation graph's nodes [m]; padding is 0."""

@@ -72,6 +72,13 @@ def expected_tendency(world: World, scenario: Scenario, people: PedestrianState)
 
     Counts are small, so the mean is computed for all possible counts, and then looked up.
     """
+    return expected_after(world, scenario, *crossings_seen(world, scenario, people))
+
+
+def expected_after(
+    world: World, scenario: Scenario, jaywalks: Int[Array, "ped *batch"], crosswalks: Int[Array, "ped *batch"]
+) -> Float[Array, "ped *batch"]:
+    """Return the posterior mean of everybody's tau after these numbers of crossings."""
     count = jnp.arange(scenario.jaywalk_draw.shape[0] + 1)
     means, _ = posterior(count[:, None], count, world.jaywalk_multiplier)
-    return look_up(means, *crossings_seen(world, scenario, people))
+    return look_up(means, jaywalks, crosswalks)

@@ -112,11 +112,17 @@ def _what_if(name: str, predict: Callable[[Moment, ContactRule], tuple[Array, Ar
 def _of_nearest(moment: Moment, tendency: Float[Array, "ped *batch"]) -> Sequence[Array]:
     """Return the tendencies of the nearest people, nearest first; the prior mean for neighbours who aren't there."""
     unknown = jnp.full((NEIGHBOURS, *moment.state.step.shape), belief.PRIOR_MEAN)
+    if moment.state.perceived is not None:
+        tendency = jnp.where(moment.state.perceived.now.seen, tendency, belief.PRIOR_MEAN)
     return (prediction.of_nearest(moment.state.foresight.people, tendency, unknown),)
 
 
 def _expected_tendencies(moment: Moment) -> Sequence[Array]:
-    return _of_nearest(moment, belief.expected_tendency(moment.world, moment.scenario, moment.state.pedestrian))
+    world, scenario, state = moment.world, moment.scenario, moment.state
+    if state.perceived is None:
+        return _of_nearest(moment, belief.expected_tendency(world, scenario, state.pedestrian))
+    seen = state.perceived.crossings
+    return _of_nearest(moment, belief.expected_after(world, scenario, seen.jaywalks, seen.crosswalks))
 
 
 def _future_clearances(moment: Moment) -> Sequence[Array]:

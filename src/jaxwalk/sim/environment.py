@@ -17,6 +17,8 @@ from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec, 
 from jaxwalk.maps import MapText
 from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
 from jaxwalk.sim.events import Events, arrives, touching
+from jaxwalk.sim.perceived import Perceived
+from jaxwalk.sim.perception import first_perceived, perceive
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
@@ -93,7 +95,9 @@ class Street(eqx.Module):
     def reset(self, scenario: Scenario) -> State:
         """Return car and people at their starts, standing."""
         zero = jnp.zeros_like(scenario.map)
-        return self._state(scenario, zero, vehicle.place(self.world, scenario), pedestrian.place(self.world, scenario))
+        car, people = vehicle.place(self.world, scenario), pedestrian.place(self.world, scenario)
+        knows = first_perceived(self.world, scenario, car, people) if self.world.rules.perception else None
+        return self._state(scenario, zero, car, people, knows)
 
     @eqx.filter_jit
     def observe(self, scenario: Scenario, state: State, view: View) -> Any:
@@ -110,7 +114,10 @@ class Street(eqx.Module):
         """Make one step: everybody moves, then come events, then rewards. It is deterministic and never resets."""
         car = vehicle.drive(self.world, scenario, state.vehicle, actions["driver"])
         people = pedestrian.walk(self.world, scenario, state.pedestrian, actions["pedestrian"].astype(bool))
-        after = self._state(scenario, state.step + 1, car, people)
+        knows = state.perceived
+        if knows is not None:
+            knows = perceive(self.world, scenario, state.step + 1, car, people, knows)
+        after = self._state(scenario, state.step + 1, car, people, knows)
         events = self._events(scenario, after)
         transition = reward.Transition(self.world, scenario, state, after, events)
         over = events.collision | events.goal
@@ -126,8 +133,10 @@ class Street(eqx.Module):
             events=events,
         )
 
-    def _state(self, scenario: Scenario, step: Array, car: VehicleState, people: PedestrianState) -> State:
-        return State(step, car, people, foresee(self.world, scenario, car, people))
+    def _state(
+        self, scenario: Scenario, step: Array, car: VehicleState, people: PedestrianState, knows: Perceived | None
+    ) -> State:
+        return State(step, car, people, foresee(self.world, scenario, car, people, knows), knows)
 
     def _events(self, scenario: Scenario, state: State) -> Events:
         car, people, rules = state.vehicle, state.pedestrian, self.world.rules

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -14,6 +14,7 @@ from jaxwalk.sim.everybody import for_everybody, index_of, with_index
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.state import Motion
 
 KERB_CAR_DISTANCE = 40.0
 """A pedestrian at the kerb decides whether to wait only while the car is within this distance [m]; for a car whose top
@@ -22,6 +23,22 @@ PASSED = 2.5
 """It decides no longer once the car is this far past it [m]: a car does not come back."""
 LONG = 8.0
 """Longest time in an observation [s]; longer ones are shown as this."""
+
+
+def _in_cars_frame(moment: Moment) -> Motion:
+    return prediction.motion_of_people(moment.world, moment.scenario, moment.state)
+
+
+def _of_car(compute: Callable[[Moment], Sequence[Array]], unseen: Sequence[float]) -> Callable[..., Sequence[Array]]:
+    """Return a formula that gives the ``unseen`` numbers to people who don't see the car."""
+
+    def in_sight(moment: Moment) -> Sequence[Array]:
+        rows, perceived = compute(moment), moment.state.perceived
+        if perceived is None:
+            return rows
+        return [jnp.where(perceived.in_sight, row, number) for row, number in zip(rows, unseen, strict=True)]
+
+    return in_sight
 
 
 def _next_waypoint(moment: Moment) -> Sequence[Array]:
@@ -70,15 +87,16 @@ def _nearest_other(moment: Moment) -> Sequence[Array]:
 
 def _decides(moment: Moment) -> Sequence[Array]:
     """Return who has something to decide: at the kerb, on the leg into the roadway, the car near and not yet past."""
-    seen, people = moment.state.foresight.people, moment.state.pedestrian
+    seen, people = _in_cars_frame(moment), moment.state.pedestrian
     within = KERB_CAR_DISTANCE * jnp.maximum(moment.world.rules.max_speed / SPEED, 1)
     close = (seen.ahead * seen.ahead + seen.left * seen.left < within**2) & (seen.ahead > -PASSED)
-    return (pedestrian.at_kerb(moment.world, people) & pedestrian.enters_roadway(people) & close,)
+    decides = pedestrian.at_kerb(moment.world, people) & pedestrian.enters_roadway(people) & close
+    return (decides if moment.state.perceived is None else decides & moment.state.perceived.in_sight,)
 
 
 def _place(moment: Moment) -> Sequence[Array]:
     """Return each pedestrian's position in the car's frame."""
-    seen = moment.state.foresight.people
+    seen = _in_cars_frame(moment)
     return seen.ahead / KERB_CAR_DISTANCE, seen.left / KERB_CAR_DISTANCE
 
 
@@ -101,7 +119,7 @@ def _direction(moment: Moment) -> tuple[Array, Array]:
 
 def _times(moment: Moment) -> Sequence[Array]:
     """Return when car and pedestrian would reach the point where their paths cross, and the difference."""
-    seen, (_, across) = moment.state.foresight.people, _direction(moment)
+    seen, (_, across) = _in_cars_frame(moment), _direction(moment)
     crossing_speed = moment.scenario.walking_speed(moment.world) * across
     toward = seen.left * crossing_speed < 0
     own_time = jnp.where(toward, -seen.left / jnp.where(toward, crossing_speed, 1), LONG)
@@ -147,8 +165,10 @@ PAPER = (
     Feature("next_waypoint", 2, within_diagonals(ABSENT), _next_waypoint),
     Feature("surface", 3, share, _surface),
     Feature("on_jaywalk", 1, share, lambda m: (m.state.pedestrian.leg.kind == LegKind.ACROSS,)),
-    Feature("car_position", 2, within_diagonals(ABSENT), _car_position),
-    Feature("car_velocity", 2, lambda limits: [both(limits.config.max_speed / SPEED)], _car_velocity),
+    Feature("car_position", 2, within_diagonals(ABSENT), _of_car(_car_position, (1.0, 0.0))),
+    Feature(
+        "car_velocity", 2, lambda limits: [both(limits.config.max_speed / SPEED)], _of_car(_car_velocity, (0.0, 0.0))
+    ),
     Feature("nearest_other", 2, lambda limits: [both(max(limits.diagonal, ABSENT) / ABSENT)], _nearest_other),
 )
 """The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's relative
@@ -156,11 +176,11 @@ position 2 and velocity 2, nearest other pedestrian 2. Relative positions are in
 
 KERB = (
     Feature("decides", 1, share, _decides),
-    Feature("place", 2, within_diagonals(KERB_CAR_DISTANCE), _place),
-    Feature("car_motion", 3, _car_motion_bounds, _car_motion),
-    Feature("direction", 2, signed, _direction),
-    Feature("times", 3, _times_bounds, _times),
-    Feature("miss", 2, share, _miss),
+    Feature("place", 2, within_diagonals(KERB_CAR_DISTANCE), _of_car(_place, (1.0, 0.0))),
+    Feature("car_motion", 3, _car_motion_bounds, _of_car(_car_motion, (0.0, 0.0, 0.0))),
+    Feature("direction", 2, signed, _of_car(_direction, (0.0, 0.0))),
+    Feature("times", 3, _times_bounds, _of_car(_times, (1.0, 1.0, 0.0))),
+    Feature("miss", 2, share, _of_car(_miss, (1.0, 1.0))),
     Feature("pace", 1, _pace_bounds, lambda m: (m.scenario.walking_speed(m.world) / 2,)),
     Feature("traits", 3, share, lambda m: (m.scenario.traits[0], m.scenario.traits[2], m.scenario.traits[3])),
     Feature("jaywalk", 1, share, lambda m: (m.state.pedestrian.crossing == JAYWALK,)),

@@ -14,7 +14,8 @@ from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.everybody import for_everybody, with_index
 from jaxwalk.sim.geometry import to_frame
-from jaxwalk.sim.manoeuvres import Walk, clearance_and_conflict, far, squared_clearance
+from jaxwalk.sim.manoeuvres import HOLD, Walk, clearance_and_conflict, far, squared_clearance
+from jaxwalk.sim.perceived import Perceived
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.sim.state import Foresight, Motion, PedestrianState, State, VehicleState
@@ -26,6 +27,8 @@ NEIGHBOURS = 6
 """The car sees this many people, the nearest ones."""
 ABSENT = 60.0
 """A neighbour that isn't there stands this far ahead [m]."""
+AWAY = 1e4
+"""People whom the car doesn't perceive are this far ahead of it [m], standing: too far for every prediction."""
 CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
 """The car should be cautious with people on the roadway up to this far ahead of it, and to either side [m]."""
 
@@ -37,25 +40,66 @@ def relative_people(world: World, scenario: Scenario, car: VehicleState, people:
     return Motion(ahead, left, *to_frame(vx, vy, car.cos[None], car.sin[None]))
 
 
-def foresee(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Foresight:
+def motion_of_people(world: World, scenario: Scenario, state: State) -> Motion:
+    """Return people in the car's frame as they are, whether the car perceives them or not; arrays ``(ped, *batch)``."""
+    if state.perceived is None:
+        return state.foresight.people
+    return relative_people(world, scenario, state.vehicle, state.pedestrian)
+
+
+def clearance_at_held_speed(world: World, scenario: Scenario, state: State) -> Array:
+    """Return the clearance predicted if the car holds its speed [m], from people as they are: ``(*batch)``."""
+    if state.perceived is None:
+        return state.foresight.clearance[HOLD]
+    moment = Moment(world, scenario, state)
+    return predict(moment, motion_of_people(world, scenario, state), world.rules.contact)[0][HOLD]
+
+
+def people_ahead(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:
+    """Return ``crosswalk_user`` and ``jaywalker`` of a `Foresight` from people as they are."""
+    if state.perceived is None:
+        return state.foresight.crosswalk_user, state.foresight.jaywalker
+    people, motion = state.pedestrian, motion_of_people(world, scenario, state)
+    on_roadway = people.on_roadway & _close_ahead(motion)
+    crosswalk_user, jaywalker = ((on_roadway & (people.crossing == kind)).any(axis=0) for kind in (CROSSWALK, JAYWALK))
+    return crosswalk_user, jaywalker
+
+
+def _close_ahead(person: Motion) -> Array:
+    return (person.ahead > 0) & (person.ahead < CAUTION_AHEAD) & (jnp.abs(person.left) < CAUTION_ASIDE)
+
+
+def perceived_people(car: VehicleState, perceived: Perceived) -> Motion:
+    """Return people in the car's frame as perceived; others stand `AWAY`. Arrays ``(ped, *batch)``."""
+    now, cos, sin = perceived.now, car.cos[None], car.sin[None]
+    place = to_frame(now.x - car.x[None], now.y - car.y[None], cos, sin)
+    columns = (*place, *to_frame(now.velocity_x, now.velocity_y, cos, sin))
+    return Motion(*(jnp.where(now.seen, column, away) for column, away in zip(columns, (AWAY, 0, 0, 0), strict=True)))
+
+
+def foresee(
+    world: World, scenario: Scenario, car: VehicleState, people: PedestrianState, perceived: Perceived | None = None
+) -> Foresight:
     """Return people as the car sees them, the route ahead, and what is predicted from now on.
 
     The predictions are the smallest clearance for each manoeuvre, at most 10 m, and the time until its first conflict,
-    at most 3 s (`jaxwalk.sim.manoeuvres`), by the world's contact; people keep their velocity. One pedestrian after
+    at most 3 s (`jaxwalk.sim.manoeuvres`), by the world's contact; people keep their velocity. With ``perceived``, all
+    of it follows from that alone. One pedestrian after
     the other is compared with all moments, so that no large array is stored.
     """
     route = to_frame(car.course.ahead_x - car.x, car.course.ahead_y - car.y, car.cos, car.sin)
     contact = world.rules.contact
     squared = squared_clearance(world, car, route, contact)
-    motion = relative_people(world, scenario, car, people)
-    on_crosswalk = people.on_roadway & (people.crossing == CROSSWALK)
-    jaywalking = people.on_roadway & (people.crossing == JAYWALK)
+    known = people if perceived is None else perceived.now
+    motion = relative_people(world, scenario, car, people) if perceived is None else perceived_people(car, perceived)
+    on_crosswalk = known.on_roadway & (known.crossing == CROSSWALK)
+    jaywalking = known.on_roadway & (known.crossing == JAYWALK)
 
     def compare(one: tuple[Motion, Array, Array], found: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         closest, crosswalk_user, jaywalker = found
         person, uses_crosswalk, jaywalks = one
         away = squared(person)
-        ahead = (person.ahead > 0) & (person.ahead < CAUTION_AHEAD) & (jnp.abs(person.left) < CAUTION_ASIDE)
+        ahead = _close_ahead(person)
         return (
             jnp.where(away < closest, away, closest),
             crosswalk_user | (ahead & uses_crosswalk),
@@ -66,9 +110,10 @@ def foresee(world: World, scenario: Scenario, car: VehicleState, people: Pedestr
     nothing = (far(car, contact), nobody, nobody)
     closest, crosswalk_user, jaywalker = for_everybody((motion, on_crosswalk, jaywalking), compare, nothing)
     clearance, conflict = clearance_and_conflict(world, closest, contact)
+    nearest = nearest_people(motion)
     return Foresight(
         people=motion,
-        nearest=nearest_people(motion),
+        nearest=nearest if perceived is None else _present(nearest),
         route_x=route[0],
         route_y=route[1],
         clearance=clearance,
@@ -99,7 +144,7 @@ def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Arra
 
     The pedestrian walks on along its leg from now, and the car keeps its velocity. If they move apart, it is now.
     """
-    car, people, motion = state.vehicle, state.pedestrian, state.foresight.people
+    car, people, motion = state.vehicle, state.pedestrian, motion_of_people(world, scenario, state)
     along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
     pace = scenario.walking_speed(world)
     vx, vy = pace * along - car.speed[None], pace * across
@@ -112,6 +157,11 @@ def nearest_people(motion: Motion) -> Motion:
     """Return the nearest `NEIGHBOURS` people, nearest first; one that isn't there stands far ahead."""
     shape = (NEIGHBOURS, *motion.ahead.shape[1:])
     return of_nearest(motion, motion, Motion(*(jnp.full(shape, default) for default in (ABSENT, 0.0, 0.0, 0.0))))
+
+
+def _present(nearest: Motion) -> Motion:
+    """Return the nearest people, where who isn't perceived isn't there."""
+    return Motion(jnp.where(nearest.ahead == AWAY, ABSENT, nearest.ahead), *jax.tree.leaves(nearest)[1:])
 
 
 def of_nearest(motion: Motion, of_all: T, absent: T) -> T:

@@ -8,9 +8,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxwalk.sim import pedestrian, vehicle
+from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.events import Events, distance
-from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
 from jaxwalk.sim.world import World
@@ -72,13 +71,14 @@ def _misaligned(t: Transition) -> Array:
 def _closeness(t: Transition) -> Array:
     """Return how far the clearance predicted at held speed falls short, in [0, 1], times the share of top speed."""
     comfortable = COMFORTABLE[t.world.rules.contact]
-    shortfall = jnp.maximum(1 - t.after.foresight.clearance[HOLD] / comfortable, 0)
+    clearance = prediction.clearance_at_held_speed(t.world, t.scenario, t.after)
+    shortfall = jnp.maximum(1 - clearance / comfortable, 0)
     return shortfall * t.after.vehicle.speed / t.world.rules.max_speed
 
 
 def _waiting_anywhere(t: Transition) -> Array:
     """Return which pedestrians wait while the car, within 8 m and faster than 2 m/s, has them ahead."""
-    car, seen = t.before.vehicle, t.before.foresight.people
+    car, seen = t.before.vehicle, prediction.motion_of_people(t.world, t.scenario, t.before)
     near = (seen.ahead**2 + seen.left**2 < NEAR_WAIT**2) & (seen.ahead > 0) & (car.speed > FAST_CAR)
     return near & ~t.after.pedestrian.going
 
@@ -93,8 +93,8 @@ DRIVER_TERMS: dict[str, Callable[[Transition], Array]] = {
     "collision": lambda t: t.events.collision,
     "crow_progress": _crow_progress,
     "progress": lambda t: t.after.vehicle.along - t.before.vehicle.along,
-    "crosswalk_speeding": lambda t: _speeding(t, t.after.foresight.crosswalk_user),
-    "jaywalker_speeding": lambda t: _speeding(t, t.after.foresight.jaywalker),
+    "crosswalk_speeding": lambda t: _speeding(t, prediction.people_ahead(t.world, t.scenario, t.after)[0]),
+    "jaywalker_speeding": lambda t: _speeding(t, prediction.people_ahead(t.world, t.scenario, t.after)[1]),
     "off_lane": _off_lane,
     "misaligned": _misaligned,
     "closeness": _closeness,

@@ -20,7 +20,8 @@ LARGEST = {
     "max_acceleration": 100.0, "max_braking": 100.0, "max_lateral": 100.0, "offroad_margin": 100.0,
     "collision_distance": 100.0, "car_length": 100.0,
     "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
-    "goal_spacing": 1000.0, "kerb_distance": 100.0, "parked": 1.0,
+    "goal_spacing": 1000.0, "kerb_distance": 100.0, "parked": 1.0, "sight": 1000.0, "delay": 10.0,
+    "position_noise": 100.0, "misses": 1.0,
 }  # fmt: skip
 """Largest values of the fields. Larger ones make no sense on a street, and their tables could fill the memory."""
 
@@ -78,6 +79,17 @@ class SimConfig:
     """A pedestrian whose path enters a roadway within this distance is at the kerb [m]."""
     parked: float = 0.0
     """Share of the slots of parking strips in which a vehicle is parked; the paper's street has none."""
+    perception: bool = False
+    """Whether the driver knows only of people whom its car perceives, and people only of a car in their sight; else
+    everybody sees everybody, and the next four mean nothing."""
+    sight: float = 60.0
+    """Range of sight [m]."""
+    delay: float = 0.0
+    """What is perceived reaches the driver this much later [s], in whole steps."""
+    position_noise: float = 0.0
+    """Standard deviation of a perceived position, to the east and to the north [m]."""
+    misses: float = 0.0
+    """Probability that somebody in sight isn't perceived in a step."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be simulated."""
@@ -85,14 +97,17 @@ class SimConfig:
             "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
             "max_braking", "max_lateral",
             "collision_distance", "car_length", "car_width", "body_radius", "goal_distance", "kerb_distance",
-            "goal_spacing",
+            "goal_spacing", "sight",
         )  # fmt: skip
         for name in positive:
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be above 0, not {getattr(self, name)}")
         if self.contact not in get_args(ContactRule):
             raise ValueError(f"contact must be one of {', '.join(get_args(ContactRule))}, not {self.contact!r}")
-        for name in ("offroad_margin", "moving_speed", "start_clearance", "parked"):
+        not_negative = (
+            "offroad_margin", "moving_speed", "start_clearance", "parked", "delay", "position_noise", "misses",
+        )  # fmt: skip
+        for name in not_negative:
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} must be 0 or more, not {getattr(self, name)}")
         for name, most in LARGEST.items():

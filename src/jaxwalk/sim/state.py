@@ -5,6 +5,8 @@ from __future__ import annotations
 import equinox as eqx
 from jaxtyping import Array, Bool, Float, Int
 
+from jaxwalk.sim.perceived import Perceived
+
 
 class Course(eqx.Module):
     """The car's route at the point nearest to the car, in the map's axes."""
@@ -149,7 +151,10 @@ class Motion(eqx.Module):
 
 
 class Foresight(eqx.Module):
-    """What the car sees and what lies ahead of it (`jaxwalk.sim.prediction`): reused and expensive, so kept."""
+    """What the car sees and what lies ahead of it (`jaxwalk.sim.prediction`): reused and expensive, so kept.
+
+    All of it is as perceived. People whom the car doesn't perceive are `jaxwalk.sim.prediction.AWAY`.
+    """
 
     people: Motion
     """Everybody; arrays ``(ped, *batch)``."""
@@ -179,3 +184,5 @@ class State(eqx.Module):
     vehicle: VehicleState
     pedestrian: PedestrianState
     foresight: Foresight
+    perceived: Perceived | None = None
+    """What the car knows of people; None where everybody sees everybody."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -36,7 +37,7 @@ def clearance_if_they_turn(moment: Moment, contact: ContactRule) -> tuple[Array,
     away = jnp.maximum(distance(ahead, left), 1e-2)
     speed = distance(seen.people.ahead_speed, seen.people.left_speed)
     pace = jnp.where(speed > WALKING, speed, SETTING_OUT) / away
-    stays = moment.state.pedestrian.on_roadway
+    stays = _walkers(moment).on_roadway
     turning = Motion(
         ahead=seen.people.ahead,
         left=seen.people.left,
@@ -69,8 +70,8 @@ def clearance_if_they_cross(moment: Moment, contact: ContactRule) -> tuple[Array
 
     They keep their pace. Who walks to several takes the nearest.
     """
-    car, people, seen = moment.state.vehicle, moment.state.pedestrian, moment.state.foresight
-    vx, vy = pedestrian.velocity(moment.world, moment.scenario, people)
+    car, people, seen = moment.state.vehicle, _walkers(moment), moment.state.foresight
+    vx, vy = people.velocity_x, people.velocity_y
     speed = distance(vx, vy)
     pace = jnp.maximum(speed, WALKING)
     far_away = jnp.full_like(speed, NEVER)
@@ -91,6 +92,28 @@ def clearance_if_they_cross(moment: Moment, contact: ContactRule) -> tuple[Array
         *to_frame(pace * cos, pace * sin, car.cos[None], car.sin[None]),
     )
     return predict(moment, turning, contact)
+
+
+class Walkers(NamedTuple):
+    """People as the driver knows them; arrays ``(ped, *batch)``."""
+
+    x: Array
+    """Position [m]."""
+    y: Array
+    velocity_x: Array
+    """Velocity [m/s]."""
+    velocity_y: Array
+    on_roadway: Array
+    """Whether they are between the kerbs."""
+
+
+def _walkers(moment: Moment) -> Walkers:
+    """Return people as perceived; who isn't perceived is nowhere near anyway (`jaxwalk.sim.prediction.AWAY`)."""
+    if moment.state.perceived is not None:
+        now = moment.state.perceived.now
+        return Walkers(now.x, now.y, now.velocity_x, now.velocity_y, now.on_roadway)
+    people = moment.state.pedestrian
+    return Walkers(people.x, people.y, *pedestrian.velocity(moment.world, moment.scenario, people), people.on_roadway)
 
 
 def _crosswalks(moment: Moment) -> tuple[Array, ...]:

@@ -15,9 +15,12 @@ from jaxtyping import Array, Float, Int
 
 from jaxwalk.maps import MapText, RoadMap, build_map, each_map, read_map, stack_maps
 from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
+from jaxwalk.sim.occluders import pack_occluders
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
-STATIC = ("dt", "horizon", "pedestrians", "contact")
+STATIC = (
+    "dt", "horizon", "pedestrians", "contact", "perception", "delay", "position_noise", "misses",
+)  # fmt: skip
 """The rules that a compiled step contains as constants, because loops, shapes or its code depend on them."""
 CROSSINGS = (1.25, 2.5, 5.0, 10.0, 20.0)
 """With several maps, tables are sized for the next of these below their shortest crossing [m]."""
@@ -34,6 +37,10 @@ class Rules(eqx.Module):
     horizon: int = eqx.field(static=True)
     pedestrians: int = eqx.field(static=True)
     contact: ContactRule = eqx.field(static=True)
+    perception: bool = eqx.field(static=True)
+    delay: float = eqx.field(static=True)
+    position_noise: float = eqx.field(static=True)
+    misses: float = eqx.field(static=True)
     slowest_walk: Float[Array, ""]
     fastest_walk: Float[Array, ""]
     wheelbase: Float[Array, ""]
@@ -54,6 +61,7 @@ class Rules(eqx.Module):
     goal_spacing: Float[Array, ""]
     kerb_distance: Float[Array, ""]
     parked: Float[Array, ""]
+    sight: Float[Array, ""]
 
     @property
     def config(self) -> SimConfig:
@@ -103,6 +111,8 @@ class World(eqx.Module):
     """How many of the stacked maps are drawn from; further ones only round up their number."""
     map_texts: MapTexts = eqx.field(static=True)
     """Name, hash and text of each map."""
+    occluders: Float[Array, "map row column entry"] | None = None
+    """What can hide people, by the car's place (`jaxwalk.sim.occluders`); None where everybody sees everybody."""
 
     @classmethod
     def create(cls, maps: Sequence[str | Path | MapText], config: SimConfig, *, jaywalk_multiplier: float) -> World:
@@ -124,13 +134,16 @@ class World(eqx.Module):
             shortest = max(x for x in CROSSINGS if x <= max(shortest, CROSSINGS[0]))
         goals, crossings = table_sizes(config, shortest_crossing=shortest)
         numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
-        on_host = (stacked, packed, numbers, np.float32(jaywalk_multiplier), np.int32(len(texts)))
+        hides = pack_occluders(stacked, config.sight) if config.perception else None
+        on_host = (hides, stacked, packed, numbers, np.float32(jaywalk_multiplier), np.int32(len(texts)))
         # `jnp.asarray` compiles one program per shape
-        road_map, tables, arrays, multiplier, count = jax.device_put(on_host)
+        occluders, road_map, tables, arrays, multiplier, count = jax.device_put(on_host)
         static: dict[str, Any] = {name: getattr(config, name) for name in STATIC}
         rules = Rules(**static, **arrays)
         slots = stacked.slots.shape[-2] if config.parked > 0 else 0
-        return cls(road_map, Tables(**tables), rules, multiplier, goals, crossings, slots, count, MapTexts(texts))
+        return cls(
+            road_map, Tables(**tables), rules, multiplier, goals, crossings, slots, count, MapTexts(texts), occluders
+        )
 
 
 def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:

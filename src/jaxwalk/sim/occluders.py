@@ -1,0 +1,135 @@
+"""Which parked vehicles and buildings can come between the car and somebody, for each place of the car.
+
+A step can't look at every box of a street. So each cell of the ground has a row with those that lie on some line from
+the car there to a place where people may be, within the range of sight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Bool, Float, Shaped
+
+from jaxwalk.maps import RoadMap
+from jaxwalk.maps.road_field import BEYOND, UNIT
+from jaxwalk.maps.road_field import CELL as FIELD_CELL
+from jaxwalk.maps.tables import rounded_up
+
+CELL = 8.0
+"""Side of a cell of the ground [m]."""
+COLUMNS = 7
+"""Of an occluder: centre, direction, half length and half width [m], and its parking slot; `NO_SLOT` for a building."""
+NO_SLOT, PADDING = -1.0, -2.0
+EYES, TARGETS = 2.0, 2.0
+"""Distances between the places of the eye and between those of people that are tried [m]; boxes are widened by more
+than half of these meanwhile, so that none between two tried lines is missed."""
+WIDENED = 1.5
+BESIDE = 2.0
+"""The eye and people on a roadway are at most this far beyond its edge [m]."""
+AT_ONCE = 2_000_000
+"""Lines times boxes that are looked at at once."""
+
+
+def pack_occluders(maps: RoadMap, sight: float) -> Float[np.ndarray, "map row column entry"]:
+    """Return each cell's occluders, one after the other, `COLUMNS` numbers each; ``maps`` are stacked NumPy arrays.
+
+    The first row and column lie at the map's south-western corner. ``sight`` is the range of sight [m]. Occluders of
+    ways for people are those of `RoadMap.slots` and `RoadMap.walls`.
+    """
+    each = [_of_map(maps, number, sight) for number in range(len(maps.width))]
+    most = rounded_up(max(1, *(len(boxes) for rows in each for row in rows for boxes in row)))
+    shape = (len(each), max(len(rows) for rows in each), max(len(rows[0]) for rows in each), most, COLUMNS)
+    packed = np.zeros(shape, np.float32)
+    packed[..., -1] = PADDING
+    for number, rows in enumerate(each):
+        for row, cells in enumerate(rows):
+            for column, boxes in enumerate(cells):
+                packed[number, row, column, : len(boxes)] = boxes
+    return packed.reshape(*shape[:3], -1)
+
+
+def blocked(
+    boxes: Shaped[np.ndarray, "... 6"], eye: Shaped[np.ndarray, "... 2"], to: Shaped[np.ndarray, "... 2"]
+) -> Bool[np.ndarray, "..."]:
+    """Return whether a line from ``eye`` to ``to`` meets a box; the leading axes broadcast.
+
+    By separating axes (Gottschalk, Lin and Manocha 1996), without division: a line and a box are apart if their
+    shadows on one of the box's two directions, or across the line, are apart.
+    """
+    x, y, cos, sin, half_length, half_width = np.moveaxis(boxes, -1, 0)
+    (dx, dy), (px, py) = np.moveaxis(to - eye, -1, 0), np.moveaxis(eye, -1, 0)
+    along, left = dx * cos + dy * sin, dy * cos - dx * sin
+    ahead, aside = (x - px) * cos + (y - py) * sin, (y - py) * cos - (x - px) * sin
+    return meets(along, left, ahead, aside, half_length, half_width)
+
+
+def meets(along, left, ahead, aside, half_length, half_width):
+    """Return whether lines from (0, 0) meet boxes, in the boxes' own directions [m]. Also for JAX arrays.
+
+    Args:
+        along: where the lines end, along the boxes.
+        left: the same, to the left.
+        ahead: where the boxes' centres are, along the boxes.
+        aside: the same, to the left.
+        half_length: half the boxes' lengths.
+        half_width: half the boxes' widths.
+    """
+    return (
+        (abs(along / 2 - ahead) <= half_length + abs(along) / 2)
+        & (abs(left / 2 - aside) <= half_width + abs(left) / 2)
+        & (abs(ahead * left - aside * along) <= half_length * abs(left) + half_width * abs(along))
+    )
+
+
+def _of_map(maps: RoadMap, number: int, sight: float) -> list[list[np.ndarray]]:
+    """Return the boxes of each cell of a map, (box, `COLUMNS`), row after row."""
+    slots, walls = (
+        np.asarray(table[number])[: int(count[number])]
+        for table, count in ((maps.slots, maps.slot_count), (maps.walls, maps.wall_count))
+    )
+    boxes = np.concatenate([np.column_stack([slots, np.arange(len(slots))]),
+                            np.column_stack([walls, np.full(len(walls), NO_SLOT)])])  # fmt: skip
+    roadway, people = _places(maps, number)
+    rows, columns = (int(np.ceil(float(extent[number]) / CELL)) + 1 for extent in (maps.height, maps.width))
+    cell = (roadway // CELL).astype(int)
+    found = [[boxes[:0]] * columns for _ in range(rows)]
+    for column, row in np.unique(cell, axis=0):
+        eyes = roadway[(cell == (column, row)).all(axis=1)]
+        if 0 <= row < rows and 0 <= column < columns:
+            found[row][column] = boxes[_matter(boxes, eyes, people, sight)]
+    return found
+
+
+def _matter(boxes: np.ndarray, eyes: np.ndarray, people: np.ndarray, sight: float) -> Bool[np.ndarray, " box"]:
+    """Return which boxes lie on a line from one of the eyes to one of the places of people."""
+    matter = np.zeros(len(boxes), bool)
+    middle, spread = eyes.mean(axis=0), CELL
+    reach = np.hypot(*(boxes[:, :2] - middle).T) - np.hypot(boxes[:, 4], boxes[:, 5]) <= sight + spread
+    near = people[np.hypot(*(people - middle).T) <= sight + spread].astype(np.float32)
+    wide = (boxes[:, :6] + np.array([0, 0, 0, 0, WIDENED, WIDENED])).astype(np.float32)
+    for eye in eyes.astype(np.float32):
+        open_ones = np.flatnonzero(reach & ~matter)
+        for part in np.array_split(open_ones, max(1, len(open_ones) * len(near) // AT_ONCE)):
+            matter[part] = blocked(wide[part, None], eye, near[None]).any(axis=1)
+    return matter
+
+
+def _places(maps: RoadMap, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return places of the eye, and places where people may be, (place, 2) each [m]."""
+    edges = np.asarray(maps.edges[number])
+    edges = edges[edges[:, 0] >= 0]
+    nodes = np.stack([np.asarray(maps.node_x[number]), np.asarray(maps.node_y[number])], axis=1)
+    begin, end = nodes[edges[:, 0]], nodes[edges[:, 1]]
+    pieces = np.maximum(np.ceil(np.hypot(*(end - begin).T) / TARGETS).astype(int), 1)
+    on_ways = [a + (b - a) * np.linspace(0, 1, count + 1)[:, None]
+               for a, b, count in zip(begin, end, pieces, strict=True)]  # fmt: skip
+    extents = (float(maps.width[number]), float(maps.height[number]))
+    grid = np.stack(np.meshgrid(*(np.arange(0, extent + EYES, EYES) for extent in extents)), -1).reshape(-1, 2)
+    roadway = grid[_on_roadway(np.asarray(maps.field[number]), grid)]
+    return roadway, np.concatenate([*on_ways, roadway])
+
+
+def _on_roadway(field: np.ndarray, places: np.ndarray) -> Bool[np.ndarray, " place"]:
+    """Return which places (place, 2) are on the roadway, or less than `BESIDE` beyond its edge."""
+    column, row = ((places + BEYOND) / FIELD_CELL).astype(int).T
+    south_west = np.ascontiguousarray(field[row, column]).view(np.int8)[::4]
+    return south_west * UNIT > -BESIDE

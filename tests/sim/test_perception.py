@@ -1,0 +1,215 @@
+"""What the car perceives: nobody hidden reaches a driver, last seen people are kept, and chance is the scenario's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxwalk import Street
+from jaxwalk.interfaces import Moment
+from jaxwalk.sim import belief, prediction
+from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, Observation, part
+from jaxwalk.sim.perceived import KEPT, Sighting
+from jaxwalk.sim.perception import _arrive, chance
+from jaxwalk.sim.prediction import foresee
+from jaxwalk.sim.sim_config import SimConfig
+
+RULES = SimConfig(horizon=100, pedestrians=12, parked=0.6, perception=True, contact="footprint")
+STREET, BATCH, STEPS = "validation-1000000003", 32, 60
+VIEWS = [name for name in OBSERVATIONS["driver"] if name not in HIDDEN]
+
+
+@pytest.fixture(scope="module")
+def hiding():
+    return Street.create([STREET], RULES, jaywalk_multiplier=1.0)
+
+
+@pytest.fixture(scope="module")
+def scenarios(hiding):
+    return jax.vmap(hiding.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
+
+
+@eqx.filter_jit
+def drive(street, scenarios, steps=STEPS):
+    """The state after some steps of a slow car among people who go."""
+    actions = {"driver": jnp.stack([jnp.full(BATCH, 0.2), jnp.zeros(BATCH)])}
+    actions["pedestrian"] = jnp.ones((street.world.rules.pedestrians, BATCH), int)
+
+    def step(state, _):
+        state, _ = street.step(scenarios, state, actions)
+        return state, (state.perceived, state.pedestrian.x, state.pedestrian.y)
+
+    return jax.lax.scan(step, street.reset(scenarios), None, steps)
+
+
+@pytest.fixture(scope="module")
+def played(hiding, scenarios):
+    return drive(hiding, scenarios)
+
+
+@eqx.filter_jit
+def views(street, scenarios, state):
+    """All that drivers see, but for sets that nobody could have."""
+    return {name: Observation("driver", name)(Moment(street.world, scenarios, state)) for name in VIEWS}
+
+
+def test_some_are_hidden_and_nothing_of_them_is_perceived(played):
+    _, (perceived, *_) = played
+    assert 0.1 < np.asarray(perceived.in_sight).mean() < 0.9
+    now = perceived.now
+    for column in jax.tree.leaves(now):  # nothing of those whom nobody sees is handed on
+        assert not np.asarray(column)[~np.asarray(now.seen)].any()
+
+
+def test_no_driver_notices_what_hidden_people_do(hiding, scenarios, played):
+    """Hidden people are moved about, their traits, legs and pace too; every view of every driver stays as it was."""
+    state, _ = played
+    hidden = ~np.asarray(state.perceived.now.seen)
+    assert hidden.sum() > BATCH
+    random = np.random.default_rng(77)
+
+    def shaken(values):
+        values = np.asarray(values)
+        other = random.permuted(values, axis=-1) + (random.random(values.shape) < 0.5).astype(values.dtype)
+        return jnp.asarray(np.where(hidden, other.astype(values.dtype), values))
+
+    moved = jax.tree.map(shaken, state.pedestrian)
+    strangers = replace(scenarios, traits=jnp.stack([shaken(trait) for trait in scenarios.traits]))
+    seen = eqx.filter_jit(foresee)(hiding.world, strangers, state.vehicle, moved, state.perceived)
+    other = replace(state, pedestrian=moved, foresight=seen)
+    before, after = views(hiding, scenarios, state), views(hiding, strangers, other)
+    assert not np.array_equal(state.pedestrian.x, moved.x)
+    for name in VIEWS:
+        np.testing.assert_array_equal(before[name], after[name], err_msg=name)
+
+
+def test_told_tendencies_are_of_perceived_people_only(hiding, scenarios, played):
+    state, _ = played
+    told = Observation("driver", "route-footprint-told")
+    strangers = jnp.where(state.perceived.now.seen, scenarios.traits[0], 1 - scenarios.traits[0])
+    others = replace(scenarios, traits=scenarios.traits.at[0].set(strangers))
+    one, other = (told(Moment(hiding.world, x, state)) for x in (scenarios, others))
+    np.testing.assert_array_equal(one, other)
+
+
+def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios):
+    """Without occluders and with a long range, all views are those of a world without perception."""
+    far = replace(hiding.world.rules, sight=jnp.float32(1000))
+    nothing = jnp.full_like(hiding.world.occluders, -2.0)
+    clear = replace(hiding, world=replace(hiding.world, rules=far, occluders=nothing))
+    usual = replace(hiding, world=replace(hiding.world, rules=replace(far, perception=False)))
+    (one, _), (other, _) = drive(clear, scenarios), eqx.filter_jit(_play)(usual, scenarios)
+    assert np.asarray(one.perceived.in_sight).all()
+    assert other.perceived is None
+    for name in VIEWS:
+        if "belief" in name:
+            continue  # beliefs count crossings that were seen, the other ones those that were made
+        before, after = (Observation("driver", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
+        np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
+    for name in OBSERVATIONS["pedestrian"]:
+        before, after = (Observation("pedestrian", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
+        np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
+    counted = one.perceived.crossings
+    made = belief.crossings_seen(hiding.world, scenarios, one.pedestrian)
+    for seen, all_of in zip((counted.jaywalks, counted.crosswalks), made, strict=True):
+        np.testing.assert_array_equal(seen, all_of)
+    assert np.asarray(made[0]).any()
+
+
+def _play(street, scenarios):
+    actions = {"driver": jnp.stack([jnp.full(BATCH, 0.2), jnp.zeros(BATCH)])}
+    actions["pedestrian"] = jnp.ones((12, BATCH), int)
+    return jax.lax.scan(
+        lambda s, _: (street.step(scenarios, s, actions)[0], None), street.reset(scenarios), None, STEPS
+    )
+
+
+def test_last_seen_is_the_last_place_in_sight_and_is_kept_for_three_seconds(hiding, played):
+    _, (perceived, x, _) = played
+    seen, age = np.asarray(perceived.in_sight), np.asarray(perceived.age)
+    x, last_x, kept = np.asarray(x), np.asarray(perceived.last.x), np.asarray(perceived.last.seen)
+    episodes = [(p, b) for p in range(12) for b in range(BATCH) if seen[:, p, b].any() and not seen[:, p, b].all()]
+    lost = 0
+    for p, b in episodes:
+        for step in range(int(np.flatnonzero(seen[:, p, b])[0]), STEPS):
+            before = np.flatnonzero(seen[: step + 1, p, b])[-1]
+            assert last_x[step, p, b] == x[before, p, b]
+            np.testing.assert_allclose(age[step, p, b], 0.1 * (step - before), atol=1e-4)
+            if abs(step - before - KEPT / 0.1) > 1:  # but for rounding of 3 s
+                assert kept[step, p, b] == (step - before <= KEPT / 0.1)
+                lost += not kept[step, p, b]
+    assert lost > 0
+
+
+def test_people_who_dont_see_the_car_have_nothing_to_decide(hiding, scenarios, played):
+    state, _ = played
+    kerb = np.asarray(Observation("pedestrian", "kerb")(Moment(hiding.world, scenarios, state)))
+    unseen = ~np.asarray(state.perceived.in_sight)
+    for name, value in {"decides": 0, "car_motion": 0, "direction": 0, "miss": 1}.items():
+        assert (kerb[part("pedestrian", "kerb", name)][:, unseen] == value).all(), name
+
+
+def test_rewards_and_recordings_are_of_people_as_they_are(hiding, scenarios, played):
+    state, _ = played
+    truth = foresee(hiding.world, scenarios, state.vehicle, state.pedestrian)
+    crosswalk_user, jaywalker = prediction.people_ahead(hiding.world, scenarios, state)
+    np.testing.assert_array_equal(crosswalk_user, truth.crosswalk_user)
+    np.testing.assert_array_equal(jaywalker, truth.jaywalker)
+    held = prediction.clearance_at_held_speed(hiding.world, scenarios, state)
+    np.testing.assert_allclose(held, truth.clearance[1], atol=1e-5)
+    motion = prediction.motion_of_people(hiding.world, scenarios, state)
+    np.testing.assert_allclose(motion.ahead, truth.people.ahead, atol=1e-5)
+
+
+def test_chance_is_the_scenarios_and_looks_random(scenarios):
+    steps = [jnp.full(BATCH, step) for step in range(40)]
+    numbers = np.stack([chance(scenarios, step, 0) for step in steps])
+    np.testing.assert_array_equal(numbers[3], chance(scenarios, steps[3], 0))  # a step stays deterministic
+    flat = np.sort(numbers.ravel())
+    assert abs(flat - np.arange(flat.size) / flat.size).max() < 2 / np.sqrt(flat.size)  # Kolmogorov-Smirnov
+    for one, other in ((numbers[1:], numbers[:-1]), (numbers[:, 1:], numbers[:, :-1])):
+        assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 4 / np.sqrt(one.size)
+    assert abs(np.corrcoef(numbers[0].ravel(), np.ravel(chance(scenarios, steps[0], 1)))[0, 1]) < 0.2
+
+
+def test_misses_noise_and_delay_are_as_large_as_they_say(hiding, scenarios):
+    """Delayed by three steps, missed in a fifth of all steps, and off by a decimetre."""
+    dials = replace(hiding.world.rules, delay=0.3, misses=0.2, position_noise=0.1)
+    street = replace(hiding, world=replace(hiding.world, rules=dials))
+    _, (perceived, x, y) = drive(street, scenarios)
+    now, visible = perceived.now, np.asarray(perceived.in_sight)[:-3]
+    seen = np.asarray(now.seen)[3:]
+    assert not (seen & ~visible).any()
+    share = 1 - seen[visible].mean()
+    assert abs(share - 0.2) < 4 * np.sqrt(0.16 / visible.sum())
+    off = np.concatenate([(np.asarray(a)[3:] - np.asarray(b)[:-3])[seen] for a, b in ((now.x, x), (now.y, y))])
+    assert abs(off.mean()) < 4 * 0.1 / np.sqrt(off.size)
+    assert abs(off.std() - 0.1) < 4 * 0.1 / np.sqrt(2 * off.size)
+    np.testing.assert_allclose(np.asarray(perceived.age)[3:][seen], 0.3, atol=1e-6)
+
+
+def test_a_crossing_counts_once_however_often_it_is_seen(hiding, played):
+    """By hand: seen on a jaywalk, hidden, seen on it again, then on a crosswalk; one of each counts."""
+    state, _ = played
+    world, before = hiding.world, jax.tree.map(lambda x: jnp.zeros((1,) * x.ndim, x.dtype), state.perceived)
+    before = replace(before, on_the_way=jax.tree.map(lambda _: jnp.zeros((0, 1, 1)), before.on_the_way))
+    for seen, crossing, decisions in ((True, 2, 1), (False, 2, 1), (True, 2, 1), (True, 0, 1), (True, 1, 2)):
+        one = [jnp.full((1, 1), value) for value in (seen, 0.0, 0.0, 0.0, 0.0, crossing > 0, crossing, decisions)]
+        before = _arrive(world, before, jnp.full((1, 1), seen), Sighting(*one))
+    assert (before.crossings.jaywalks.item(), before.crossings.crosswalks.item()) == (1, 1)
+
+
+def test_a_view_without_perception_costs_nothing(scenarios):
+    """The state of the paper's world has no leaf more than it had."""
+    paper = Street.create()
+    assert paper.world.occluders is None
+    state = paper.reset(paper.draw(jax.random.key(0)))
+    assert state.perceived is None
+    assert len(jax.tree.leaves(state)) == len(
+        jax.tree.leaves((state.step, state.vehicle, state.pedestrian, state.foresight))
+    )

@@ -1,0 +1,141 @@
+"""Lines of sight: by hand, and as shapely's geometry finds them, on thousands of lines of generated streets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jaxwalk import Street
+from jaxwalk.maps import load_network
+from jaxwalk.maps.network import Area
+from jaxwalk.maps.parking_slots import box_corners, parking_slots
+from jaxwalk.maps.walls import walls
+from jaxwalk.sim import occluders
+from jaxwalk.sim.sight import in_sight
+from jaxwalk.sim.sim_config import SimConfig
+from maps.networks import bend
+
+STREETS = ("validation-1000000004", "validation-1000000001")
+"""One with many parked vehicles, one with many rounded buildings."""
+LINES, AT_ONCE = 5_000, 50
+EDGE = 0.06
+"""A line that comes this near to a building's outline may count as either [m]; the walls are exact to 0.05 m."""
+ROUNDING = 1e-3
+"""A step computes in single precision: who is this near to the edge of a vehicle's shadow may be either [m]."""
+BOX = np.array([10.0, 0.0, 1.0, 0.0, 2.2, 0.9])
+
+
+def at(x, y):
+    return np.array([x, y], float)
+
+
+@pytest.mark.parametrize(
+    ("eye", "to", "hidden"),
+    [
+        (at(0, 0), at(20, 0), True),  # through the middle
+        (at(0, 0), at(7.7, 0), False),  # ends before it
+        (at(0, 0), at(7.9, 0), True),  # ends in it
+        (at(0, 1), at(20, 1), False),  # passes beside it
+        (at(0, 0.8), at(20, 0.8), True),
+        (at(0, 3), at(20, 0.3), False),  # passes its corner (12.2, 0.9) 0.45 m above
+        (at(0, 3), at(20, -1), True),
+        (at(13, 0), at(20, 0), False),  # begins behind it
+    ],
+)
+def test_a_box_by_hand(eye, to, hidden):
+    assert occluders.blocked(BOX[None], eye[None], to[None]).tolist() == [hidden]
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=30, deadline=None)
+def test_boxes_block_what_polygons_block(seed):
+    random = np.random.default_rng(seed)
+    angle = random.uniform(-np.pi, np.pi, 200)
+    boxes = np.column_stack([
+        random.uniform(-10, 10, (200, 2)), np.cos(angle), np.sin(angle), random.uniform(0, 4, (200, 2))
+    ])  # fmt: skip
+    eye, to = random.uniform(-15, 15, (2, 200, 2))
+    lines = shapely.linestrings(np.stack([eye, to], axis=1))
+    expected = shapely.intersects(shapely.polygons(box_corners(boxes)), lines)
+    near = shapely.distance(shapely.boundary(shapely.polygons(box_corners(boxes))), lines) < 1e-9
+    touches = near & (shapely.length(shapely.intersection(shapely.polygons(box_corners(boxes)), lines)) < 1e-9)
+    found = occluders.blocked(boxes, eye, to)
+    np.testing.assert_array_equal(found[~touches], expected[~touches])
+
+
+@pytest.fixture(scope="module", params=STREETS)
+def hiding(request):
+    rules = SimConfig(horizon=20, pedestrians=AT_ONCE, parked=0.6, perception=True)
+    return load_network(request.param), Street.create([request.param], rules)
+
+
+def lines_of(street, random, count):
+    """Cars on their routes, as far to their sides as 1.5 m, and places where people walk."""
+    maps = street.world.maps
+    route = random.integers(maps.route_count[0], size=count)
+    point = (2 * np.asarray(maps.route_length)[0, route] * random.random(count)).astype(int)  # one each half metre
+    x, y, cos, sin = (np.asarray(table)[0, route, point] for table in
+                      (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin))  # fmt: skip
+    aside = random.uniform(-1.5, 1.5, count)
+    turn = random.uniform(-0.3, 0.3, count)
+    heading = np.arctan2(sin, cos) + turn
+    edges = np.asarray(maps.edges)[0]
+    edges = edges[edges[:, 0] >= 0]
+    nodes = np.stack([np.asarray(maps.node_x)[0], np.asarray(maps.node_y)[0]], 1)
+    begin, end = np.moveaxis(nodes[edges[random.integers(len(edges), size=(AT_ONCE, count))]], 2, 0)
+    places = begin + random.random((AT_ONCE, count, 1)) * (end - begin)
+    return (x - aside * sin, y + aside * cos, np.cos(heading), np.sin(heading)), places
+
+
+def test_who_is_in_sight_is_whom_a_straight_line_reaches(hiding):
+    """10,000 lines on two streets: for vehicles exactly, for buildings but within `EDGE` of their outlines."""
+    network, street = hiding
+    random, cars = np.random.default_rng(77), LINES // AT_ONCE
+    drawn = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), cars))
+    (x, y, cos, sin), places = lines_of(street, random, cars)
+    pose = {name: jnp.float32(at) for name, at in {"x": x, "y": y, "cos": cos, "sin": sin}.items()}
+    car = replace(street.reset(drawn).vehicle, **pose)
+    found = np.asarray(in_sight(street.world, drawn, car, *jnp.moveaxis(jnp.float32(places), -1, 0)))
+    eyes = np.stack([x + 1.25 * cos, y + 1.25 * sin], -1)
+    lines = shapely.linestrings(np.stack([np.broadcast_to(eyes, places.shape), places], axis=2))
+    parked, slots = np.asarray(drawn.parked), parking_slots(network)
+    buildings, length = network.surface("building"), shapely.length(lines)
+
+    def behind_vehicles(wider):
+        boxes = shapely.polygons(box_corners(slots + np.array([0, 0, 0, 0, wider, wider])))
+        here = [boxes[parked[: len(boxes), n]] for n in range(cars)]
+        return np.stack([shapely.intersects(here[n][:, None], lines[:, n]).any(axis=0) for n in range(cars)], 1)
+
+    def behind_buildings(wider):
+        shape = buildings.buffer(wider, join_style="mitre")
+        shapely.prepare(shape)
+        return shapely.intersects(shape, lines)
+
+    by_vehicle, by_building = behind_vehicles(0.0), behind_buildings(0.0)
+    expected = ~by_vehicle & ~by_building & (length <= 60)
+    rounding = (behind_vehicles(ROUNDING) != behind_vehicles(-ROUNDING)) | (np.abs(length - 60) < ROUNDING)
+    open_to_doubt = rounding | (behind_buildings(EDGE) != behind_buildings(-EDGE))
+    np.testing.assert_array_equal(found[~open_to_doubt], expected[~open_to_doubt])
+    assert rounding.mean() < 0.002
+    assert open_to_doubt.mean() < 0.02
+    assert (by_vehicle & ~by_building & (length < 60)).sum() > 50
+    assert (by_building & ~by_vehicle & (length < 60)).sum() > 50
+    assert expected.sum() > 300
+
+
+def test_a_rectangular_building_is_a_box_and_others_are_walls():
+    rectangle = Area(kind="building", outline=np.array([[0.0, 0], [10, 0], [10, 4], [0, 4]]))
+    corner = Area(kind="building", outline=np.array([[20.0, 0], [30, 0], [30, 4], [24, 4], [24, 8], [20, 8]]))
+    box, *six = walls(replace(bend(), areas=(rectangle, corner)))
+    np.testing.assert_allclose(box[:2], [5, 2])
+    assert sorted(np.round(box[4:], 6)) == [2, 5]
+    assert len(six) == 6
+    assert not np.array(six)[:, 5].any()
+    np.testing.assert_allclose(sorted(np.array(six)[:, 4] * 2), [4, 4, 4, 6, 8, 10], atol=1e-9)
