@@ -12,8 +12,10 @@ import pytest
 
 from jaxwalk import Street
 from jaxwalk.interfaces import Moment
-from jaxwalk.sim import belief, prediction
+from jaxwalk.sim import prediction
+from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, Observation, part
+from jaxwalk.sim.occluders import PADDING
 from jaxwalk.sim.perceived import KEPT, Sighting
 from jaxwalk.sim.perception import _arrive, chance
 from jaxwalk.sim.prediction import foresee
@@ -42,7 +44,9 @@ def drive(street, scenarios, steps=STEPS):
 
     def step(state, _):
         state, _ = street.step(scenarios, state, actions)
-        return state, (state.perceived, state.pedestrian.x, state.pedestrian.y)
+        people = state.pedestrian
+        columns = (people.x, people.y, people.on_roadway, people.crossing, people.decisions)
+        return state, (state.perceived, *columns)
 
     return jax.lax.scan(step, street.reset(scenarios), None, steps)
 
@@ -100,7 +104,7 @@ def test_told_tendencies_are_of_perceived_people_only(hiding, scenarios, played)
 def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios):
     """Without occluders and with a long range, all views are those of a world without perception."""
     far = replace(hiding.world.rules, sight=jnp.float32(1000))
-    nothing = jnp.full_like(hiding.world.occluders, -2.0)
+    nothing = jnp.full_like(hiding.world.occluders, PADDING)
     clear = replace(hiding, world=replace(hiding.world, rules=far, occluders=nothing))
     usual = replace(hiding, world=replace(hiding.world, rules=replace(far, perception=False)))
     (one, _), (other, _) = drive(clear, scenarios), eqx.filter_jit(_play)(usual, scenarios)
@@ -114,11 +118,20 @@ def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios
     for name in OBSERVATIONS["pedestrian"]:
         before, after = (Observation("pedestrian", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
         np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
-    counted = one.perceived.crossings
-    made = belief.crossings_seen(hiding.world, scenarios, one.pedestrian)
-    for seen, all_of in zip((counted.jaywalks, counted.crosswalks), made, strict=True):
-        np.testing.assert_array_equal(seen, all_of)
-    assert np.asarray(made[0]).any()
+
+
+def test_all_crossings_count_if_everybody_is_in_sight(hiding, scenarios):
+    """Against the frames: each decision that led onto the roadway counts once, also over an island."""
+    rules = replace(hiding.world.rules, sight=jnp.float32(1000))
+    everywhere = replace(hiding.world, rules=rules, occluders=jnp.full_like(hiding.world.occluders, PADDING))
+    state, (_, _, _, *frames) = drive(replace(hiding, world=everywhere), scenarios)
+    on_roadway, crossing, decisions = map(np.asarray, frames)
+    counted = state.perceived.crossings
+    for kind, found in ((JAYWALK, counted.jaywalks), (CROSSWALK, counted.crosswalks)):
+        crosses = on_roadway & (crossing == kind)
+        new = [(crosses & (decisions == number)).any(axis=0) for number in range(1, decisions.max() + 1)]
+        np.testing.assert_array_equal(found, np.sum(new, axis=0))
+        assert np.sum(new) > 5
 
 
 def _play(street, scenarios):
@@ -130,7 +143,7 @@ def _play(street, scenarios):
 
 
 def test_last_seen_is_the_last_place_in_sight_and_is_kept_for_three_seconds(hiding, played):
-    _, (perceived, x, _) = played
+    _, (perceived, x, *_) = played
     seen, age = np.asarray(perceived.in_sight), np.asarray(perceived.age)
     x, last_x, kept = np.asarray(x), np.asarray(perceived.last.x), np.asarray(perceived.last.seen)
     episodes = [(p, b) for p in range(12) for b in range(BATCH) if seen[:, p, b].any() and not seen[:, p, b].all()]
@@ -181,7 +194,7 @@ def test_misses_noise_and_delay_are_as_large_as_they_say(hiding, scenarios):
     """Delayed by three steps, missed in a fifth of all steps, and off by a decimetre."""
     dials = replace(hiding.world.rules, delay=0.3, misses=0.2, position_noise=0.1)
     street = replace(hiding, world=replace(hiding.world, rules=dials))
-    _, (perceived, x, y) = drive(street, scenarios)
+    _, (perceived, x, y, *_) = drive(street, scenarios)
     now, visible = perceived.now, np.asarray(perceived.in_sight)[:-3]
     seen = np.asarray(now.seen)[3:]
     assert not (seen & ~visible).any()

@@ -127,11 +127,15 @@ WORLDS = {
     "paper": SimConfig(),
     "paper-footprint": SimConfig(contact="footprint"),
     "town": SimConfig(contact="footprint", horizon=600, max_speed=13.9, max_braking=7.6, max_lateral=3.0),
+    "blind-corner": SimConfig(
+        contact="footprint", horizon=600, max_speed=13.9, max_braking=7.6, max_lateral=3.0, parked=0.6, perception=True
+    ),
 }
 """Worlds by name. ``paper-footprint``: as the paper's, but a contact of the footprint is a collision. ``town``: so too,
 and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as cars do on dry roads; its longest
-routes take 26 s without people, so an episode may last 60 s."""
-OF_WORLD = ("contact", "horizon", "max_speed", "max_braking", "max_lateral")
+routes take 26 s without people, so an episode may last 60 s. ``blind-corner``: as a town's, but parked vehicles and
+buildings hide people."""
+OF_WORLD = ("contact", "horizon", "max_speed", "max_braking", "max_lateral", "parked", "perception")
 """What a world decides; everything else is as usual."""
 
 
