@@ -13,7 +13,7 @@ class Sighting(eqx.Module):
     """How the car's sensors see people at one moment."""
 
     seen: Bool[Array, "ped *batch"]
-    """Whether the car sees them; everything else is 0 of those whom it doesn't."""
+    """Whether the car sees them; everything else is 0 where it doesn't."""
     x: Float[Array, "ped *batch"]
     """Position [m]."""
     y: Float[Array, "ped *batch"]
@@ -28,7 +28,7 @@ class Sighting(eqx.Module):
     """How many crossings they had decided about: it tells one crossing from the next."""
 
 
-class Crossings(eqx.Module):
+class CrossingsSeen(eqx.Module):
     """The crossings of each person that the car has seen so far."""
 
     jaywalks: Int[Array, "ped *batch"]
@@ -48,6 +48,6 @@ class Perceived(eqx.Module):
     """How each person was last perceived; ``seen`` says whether that is at most `KEPT` ago."""
     age: Float[Array, "ped *batch"]
     """How old that is [s]; grows on after `KEPT`."""
-    crossings: Crossings
+    crossings: CrossingsSeen
     on_the_way: Sighting
     """What doesn't reach the driver yet, the oldest first: each array has an axis of steps before ``ped``."""

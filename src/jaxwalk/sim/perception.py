@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from jaxwalk.sim import pedestrian
 from jaxwalk.sim.crossing_kind import JAYWALK, NO_CROSSING
-from jaxwalk.sim.perceived import KEPT, Crossings, Perceived, Sighting
+from jaxwalk.sim.perceived import KEPT, CrossingsSeen, Perceived, Sighting
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sight import in_sight
 from jaxwalk.sim.state import PedestrianState, VehicleState
@@ -35,7 +35,7 @@ def first_perceived(world: World, scenario: Scenario, car: VehicleState, people:
         now=nobody,
         last=nobody,
         age=jnp.full_like(now.x, NEVER),
-        crossings=Crossings(none, none, none),
+        crossings=CrossingsSeen(none, none, none),
         on_the_way=jax.tree.map(lambda column: jnp.broadcast_to(column, (steps, *column.shape)), now),
     )
     return _arrive(world, before, seen_by, now)
@@ -79,11 +79,11 @@ def _arrive(world: World, before: Perceived, visible: Bool[Array, "ped *batch"],
     return Perceived(visible, now, known, age, _counted(before.crossings, now), waiting)
 
 
-def _counted(before: Crossings, now: Sighting) -> Crossings:
+def _counted(before: CrossingsSeen, now: Sighting) -> CrossingsSeen:
     """Return the crossings seen so far: each counts once, when the person is first seen on the roadway."""
     crosses = now.seen & now.on_roadway & (now.crossing != NO_CROSSING) & (now.decisions != before.last)
     jaywalks = crosses & (now.crossing == JAYWALK)
-    return Crossings(
+    return CrossingsSeen(
         before.jaywalks + jaywalks,
         before.crosswalks + (crosses & ~jaywalks),
         jnp.where(crosses, now.decisions, before.last),

@@ -28,7 +28,7 @@ NEIGHBOURS = 6
 ABSENT = 60.0
 """A neighbour that isn't there stands this far ahead [m]."""
 AWAY = 1e4
-"""People whom the car doesn't perceive are this far ahead of it [m], standing: too far for every prediction."""
+"""People that the car doesn't perceive are this far ahead of it [m], standing: too far for every prediction."""
 CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
 """The car should be cautious with people on the roadway up to this far ahead of it, and to either side [m]."""
 

@@ -80,7 +80,7 @@ class SimConfig:
     parked: float = 0.0
     """Share of the slots of parking strips in which a vehicle is parked; the paper's street has none."""
     perception: bool = False
-    """Whether the driver knows only of people whom its car perceives, and people only of a car in their sight; else
+    """Whether the driver knows only of people that its car perceives, and people only of a car in their sight; else
     everybody sees everybody, and the next four mean nothing."""
     sight: float = 60.0
     """Range of sight [m]."""

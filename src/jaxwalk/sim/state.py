@@ -153,7 +153,7 @@ class Motion(eqx.Module):
 class Foresight(eqx.Module):
     """What the car sees and what lies ahead of it (`jaxwalk.sim.prediction`): reused and expensive, so kept.
 
-    All of it is as perceived. People whom the car doesn't perceive are `jaxwalk.sim.prediction.AWAY`.
+    All of it is as perceived. People that the car doesn't perceive are `jaxwalk.sim.prediction.AWAY`.
     """
 
     people: Motion
