@@ -25,8 +25,8 @@ NO_SLOT, PADDING = -1.0, -2.0
 EYES, TARGETS = 2.0, 2.0
 """Distances between the places of the eye and between those of people that are tried [m]."""
 WIDENED = 1.5
-"""Boxes are widened by this [m]. No place is farther from a tried one (1.42 m), and so no line from a tried line: no box
-between tried lines is missed."""
+"""Boxes are widened by this [m]. No place is farther from a tried one (1.42 m), and so no line from a tried line: none
+of the boxes between tried lines is missed."""
 BESIDE = 3.0
 """The eye is less than half of this beyond the roadway's edge, so a tried place is near it [m]."""
 AT_ONCE = 2_000_000
