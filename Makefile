@@ -75,7 +75,7 @@ format: install  ## let ruff tidy the code
 reproduce: install  ## the paper's tables and figures again, into runs/reproduce
 	$(BIN)/jaxwalk reproduce --out runs/reproduce
 
-evidence: install  ## the whole suite for the shipped drivers and the rules, into runs/evidence: some 25 minutes
+evidence: install  ## the whole suite for the shipped drivers and the rules, into runs/evidence: up to 45 minutes
 	$(BIN)/jaxwalk evaluate --suite paper-footprint --driver random constant-speed rule-based rule-based-braking route-follower \
 	  clearance single-agent co-trained --pedestrians always-go learned gap-acceptance --episodes 10000 --seed 51 \
 	  --counterfactuals 200 --encounters --out runs/evidence

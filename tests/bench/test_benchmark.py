@@ -19,7 +19,6 @@ from jaxwalk.bench.quantities import FIGURES, exponent, figures, nonlinearity
 from jaxwalk.bench.showing import shown, table
 from jaxwalk.bench.simulation import in_parts, keep, look_and_act
 from jaxwalk.bench.starting import watch
-from jaxwalk.bench.streets import simulated, take_turns
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 
 
@@ -257,29 +256,6 @@ def test_recipes_keep_their_size_unless_it_is_quick(tiny):
     assert training_speed.own_size(tiny, Settings(seed=3)) == replace(tiny, seed=3)
     assert training_speed.own_size(tiny, Settings(**QUICK)).train.environments == QUICK["recipe_environments"]
     assert training_speed.own_size(tiny, Settings(chunk_rows=64)).train.chunk_rows == 64
-
-
-def test_programs_take_turns_after_each_has_compiled():
-    called = []
-
-    def program(name):
-        def turn():
-            called.append(name)
-            return float(len(called))
-
-        return turn
-
-    assert take_turns({"a": program("a"), "b": program("b")}, 2) == {"a": [3.0, 5.0], "b": [4.0, 6.0]}
-    assert called == ["a", "b"] * 3
-
-
-@pytest.mark.long
-def test_streets_are_played_in_turns():
-    few = replace(Settings(**QUICK), street_environments=2, steps=2, turn_seconds=0.01)
-    one, two = simulated(few)
-    assert (one["streets"], two["streets"], len(one["env_steps_per_s"])) == (1, 2, few.turns)
-    assert all(0 <= speed < 1e9 for row in (one, two) for speed in row["env_steps_per_s"])
-    assert two["bytes_per_street"] < 5e6  # what a street of 200 x 200 m may take
 
 
 def test_products_are_timed():

@@ -81,7 +81,10 @@ class Game(eqx.Module):
             pedestrian += self.pays[name] * to_pedestrian
         after = {"time": state["time"] + 1, "choice": jnp.where(state["time"] == 0, chosen, state["choice"])}
         over = after["time"] >= self.length
-        spread = lambda x: jnp.broadcast_to(x, (self.people, *x.shape))  # noqa: E731
+
+        def spread(x: Array) -> Array:
+            return jnp.broadcast_to(x, (self.people, *x.shape))
+
         outcome = Outcome(
             rewards={
                 "driver": {"pay": driver},

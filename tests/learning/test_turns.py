@@ -77,5 +77,7 @@ def test_resumed_in_the_midst_of_a_cycle_it_is_as_if_never_interrupted(turns, tm
 
 
 def _plain(learner):
-    is_key = lambda x: jax.numpy.issubdtype(x.dtype, jax.dtypes.prng_key)  # noqa: E731
-    return jax.tree.map(lambda x: jax.random.key_data(x) if is_key(x) else x, learner)
+    def plain(x):
+        return jax.random.key_data(x) if jax.numpy.issubdtype(x.dtype, jax.dtypes.prng_key) else x
+
+    return jax.tree.map(plain, learner)

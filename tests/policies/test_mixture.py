@@ -80,7 +80,7 @@ def test_a_wrong_mixture_is_refused_in_words(name, fault):
     assert fault in str(refused.value)
 
 
-def test_only_a_pluss_and_no_path_make_a_mixture(tmp_path, monkeypatch):
+def test_a_path_with_a_plus_is_no_mixture(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert mixture_of("pedestrian", "learned") == {}
     assert mixture_of("driver", "a:0.5+b:0.5") == {}

@@ -46,6 +46,7 @@ class Mixture(eqx.Module):
     """Each person is of one kind throughout, by the scenario: whoever plays it again meets the same people."""
 
     kinds: tuple[Policy, ...]
+    """The policies of the kinds."""
     shares: tuple[float, ...] = eqx.field(static=True)
     """The share of each kind; together 1."""
 

@@ -1,4 +1,4 @@
-"""Helpers to declare options: the default in words, the placeholder of the value, and types that commands share."""
+"""How options are declared: the default in words, what the value is called, and types that commands share."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ else:
 
 
 def option(default: str, kind: str | None = None, name: str | None = None) -> Any:
-    """Return how ``--help`` shows an option: its default in words, and the placeholder of its value."""
+    """Return how ``--help`` shows an option: its default in words, and what its value is called."""
     return tyro.conf.arg(help_behavior_hint=f"(default: {default})", metavar=kind, name=name)
 
 
