@@ -53,3 +53,8 @@ def place(tree: Any, specs: Any, mesh: Mesh) -> Any:
 
     arrays, rest = eqx.partition(tree, eqx.is_array)
     return eqx.combine(jax.tree.map(put, arrays, specs), rest)
+
+
+def everywhere(tree: Any, mesh: Mesh) -> Any:
+    """Return a tree with its arrays in full on each of the mesh's devices, so that no call must copy them there."""
+    return place(tree, jax.tree.map(lambda _: EVERYWHERE, eqx.filter(tree, eqx.is_array)), mesh)

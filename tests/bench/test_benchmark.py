@@ -60,11 +60,13 @@ ROWS = {
     "starts": [{"name": "import_s", "seconds": 0.2}, {"name": "first_update_warm_s", "seconds": 4.0}],
     "pedestrians": [_simulated(256, 4000, 256, 12), _simulated(256, 2000, 1024, 24), _simulated(256, 1000, 4096, 48)],
     "streets": [
-        {"streets": n, "environments": 64, "env_steps_per_s": speeds, "bytes_per_street": size}
-        for n, speeds, size in (
-            (1, [100.0, 10.0, 40.0], 900),
-            (64, [50.0, 9.0, 10.0], 2000),
-            (256, [40.0, 9.0, 9.0], 1000),
+        {"observations": seen, "streets": n, "environments": 64, "env_steps_per_s": speeds, "bytes_per_street": size}
+        for seen, n, speeds, size in (
+            ("every", 1, [100.0, 10.0, 40.0], 900),
+            ("every", 64, [50.0, 9.0, 10.0], 2000),
+            ("every", 256, [40.0, 9.0, 9.0], 1000),
+            ("no rays", 1, [100.0, 100.0, 100.0], 900),
+            ("no rays", 64, [80.0, 90.0, 70.0], 2000),
         )
     ],
     "train-streets": [
@@ -150,6 +152,8 @@ def test_figures_of_rows():
     assert found["pedestrian_memory_exponent"] == pytest.approx(2)
     assert found["env_share_64_streets"] == 0.5  # of the turns' 0.5, 0.9 and 0.25
     assert found["env_share_256_streets"] == 0.9  # of 0.8, 1 and 0.9
+    assert found["env_share_64_streets_no_rays"] == 0.8
+    assert "env_share_256_streets_no_rays" not in found
     assert found["bytes_per_street"] == 2000
     assert found["train_share_town"] == 0.6  # of 0.7, 0.6 and 0.5
 

@@ -27,7 +27,9 @@ def test_programs_take_turns_after_each_has_compiled():
 @pytest.mark.long
 def test_streets_are_played_in_turns():
     few = replace(Settings(**QUICK), street_environments=2, steps=2, turn_seconds=0.01)
-    one, two = simulated(few)
-    assert (one["streets"], two["streets"], len(one["env_steps_per_s"])) == (1, 2, few.turns)
-    assert all(0 <= speed < 1e9 for row in (one, two) for speed in row["env_steps_per_s"])
-    assert two["bytes_per_street"] < 5e6  # what a street of 200 x 200 m may take
+    rows = simulated(few)
+    asked = [("every", 1), ("every", 2), ("no rays", 1), ("no rays", 2)]
+    assert [(row["observations"], row["streets"]) for row in rows] == asked
+    assert all(len(row["env_steps_per_s"]) == few.turns for row in rows)
+    assert all(0 <= speed < 1e9 for row in rows for speed in row["env_steps_per_s"])
+    assert rows[1]["bytes_per_street"] < 5e6  # what a street of 200 x 200 m may take

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
 import numpy as np
 import pytest
 
@@ -12,7 +13,7 @@ from jaxwalk.recipes import RECIPES, with_training
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import Session
-from jaxwalk.runs.street import WorldError, make_street
+from jaxwalk.runs.street import WorldError, make_street, on_devices
 from jaxwalk.runs.training import begin, train
 
 CROWDS = (2, 3)
@@ -36,6 +37,13 @@ def test_a_crowd_must_be_possible_and_critics_must_not_count_people(small_town):
         make_street(fast)
     with pytest.raises(WorldError, match=r"crowds.*credit"):
         make_street(replace(RECIPES["paper"], crowds=CROWDS))
+
+
+def test_the_tables_of_streets_are_once_on_every_device(small_town):
+    experiment = with_training(small_town, shards=2)
+    few, many = (jax.tree.leaves(street.world.tables) for street in on_devices(make_street(experiment), experiment))
+    assert all(one is other for one, other in zip(few, many, strict=True))
+    assert {len(table.sharding.device_set) for table in few} == {2}
 
 
 @pytest.mark.long

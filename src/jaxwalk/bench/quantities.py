@@ -55,6 +55,8 @@ FIGURES: dict[str, tuple[str, str]] = {
     ),
     "env_share_64_streets": ("share", "The simulator on 64 generated streets, of its speed on one; in turns."),
     "env_share_256_streets": ("share", "The same on 256 streets, of its speed on 64."),
+    "env_share_64_streets_no_rays": ("share", "On 64 streets, without the rays of the set surroundings."),
+    "env_share_256_streets_no_rays": ("share", "The same on 256 streets, of its speed on 64."),
     "bytes_per_street": ("B", "The tables of a generated street; the largest of all rows."),
     "train_share_town": ("share", "Training with recipe town, of the speed of recipe fast; in turns."),
 }
@@ -160,10 +162,14 @@ def _crowd(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
 
 
 def _streets(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
-    speeds = {row["streets"]: row["env_steps_per_s"] for row in rows}
+    speeds = {(row["observations"], row["streets"]): row["env_steps_per_s"] for row in rows}
+    shares = {
+        f"env_share_{n}_streets{suffix}": _ratio(speeds.get((seen, n)), speeds.get((seen, fewer)))
+        for seen, suffix in (("every", ""), ("no rays", "_no_rays"))
+        for n, fewer in ((64, 1), (256, 64))
+    }
     return {
-        "env_share_64_streets": _ratio(speeds.get(64), speeds.get(1)),
-        "env_share_256_streets": _ratio(speeds.get(256), speeds.get(64)),
+        **shares,
         "bytes_per_street": max(row["bytes_per_street"] for row in rows),
     }
 

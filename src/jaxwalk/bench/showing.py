@@ -27,7 +27,7 @@ COLUMNS = {
     "training": ("recipe", "environments x steps", "train steps/s", "transitions/s", "GFLOP/s", "first update [s]"),
     "pedestrians": ("pedestrians", "us per step", "temporary kB per environment", "compiled in [s]"),
     "products": ("matrices", "precision", "GFLOP/s"),
-    "streets": ("streets", "env steps/s", "kB per street"),
+    "streets": ("observations", "streets", "env steps/s", "kB per street"),
     "train-streets": ("recipe", "train steps/s"),
 }
 """Column titles of each list of rows."""
@@ -104,7 +104,8 @@ def _products(row: Mapping[str, Any]) -> list[str]:
 
 
 def _streets(row: Mapping[str, Any]) -> list[str]:
-    return [f"{row['streets']}", f"{median(row['env_steps_per_s']):,.0f}", f"{row['bytes_per_street'] / 1e3:,.0f}"]
+    speed, size = median(row["env_steps_per_s"]), row["bytes_per_street"] / 1e3
+    return [row["observations"], f"{row['streets']}", f"{speed:,.0f}", f"{size:,.0f}"]
 
 
 def _in_turns(row: Mapping[str, Any]) -> list[str]:

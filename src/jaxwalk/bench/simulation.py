@@ -21,7 +21,7 @@ from jax.sharding import PartitionSpec
 from jaxwalk.bench.benchmark_settings import Settings
 from jaxwalk.bench.processes import tell
 from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
-from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
+from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, everywhere, mesh_of, place
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN, INFERRED, OBSERVATIONS
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
@@ -70,7 +70,7 @@ def paid_street(config: SimConfig, maps: Sequence[str] = ("paper",)) -> Street:
 def measure(street: Street, count: int, settings: Settings, sets: Sets = EVERY) -> dict[str, Any]:
     """Measure one row: the rate, the memory, and the conditions of the measurement."""
     program = build(street, count, settings.steps, settings.seed, sets)
-    timing = play(program, street, settings)
+    timing = play(program, settings)
     row = {
         "environments": count,
         "observations": "paper" if sets == PAPER else "every",
@@ -96,6 +96,8 @@ class Program:
     """A compiled rollout, and the memory that it takes."""
 
     call: Callable[[Street, Stream], tuple[Stream, Any]]
+    street: Street
+    """On every device, as a training has it."""
     stream: Stream
     shards: int
     compile_s: float
@@ -107,37 +109,41 @@ class Program:
     kept_bytes: int
     """Size of what the rollout keeps of every step [B]."""
 
+    def play(self) -> Any:
+        """Go on for as many steps as were compiled; return the sums of what is kept."""
+        self.stream, result = jax.block_until_ready(self.call(self.street, self.stream))
+        return result
+
 
 def build(street: Street, count: int, steps: int, seed: int, sets: Sets = EVERY) -> Program:
     """Compile a rollout of ``count`` environments, shared out among as many devices as divide them evenly."""
     shards = max(n for n in range(1, len(jax.devices()) + 1) if count % n == 0)
     mesh = mesh_of(shards)
-    act = look_and_act(street, sets)
     share = count // shards
     least = -(-share // PART) if jax.devices()[0].platform == "cpu" else 1
     parts = next((n for n in range(least, 2 * least) if share % n == 0), 1)
 
     def play(street: Street, stream: Stream) -> tuple[Stream, Any]:
         def play_part(stream: Stream) -> tuple[Stream, Any]:
-            stream, kept = rollout(street, act, stream, steps, keep=keep)
+            stream, kept = rollout(street, look_and_act(street, sets), stream, steps, keep=keep)
             return stream, tuple(x.sum(axis=0) for x in kept)
 
         return in_parts(play_part, stream, parts)
 
     stream = jax.jit(start)(street, environment_keys(seed_key(seed, TRAINING), 0, count))
     where = by_environment(stream)
-    stream = place(stream, where, mesh)
+    stream, street = place(stream, where, mesh), everywhere(street, mesh)
     shared = jax.shard_map(
         play, mesh=mesh, in_specs=(EVERYWHERE, where), out_specs=(where, PartitionSpec(SHARDS)), check_vma=False
     )
     begun = time.perf_counter()
     call = jax.jit(shared, donate_argnums=1).lower(street, stream).compile()
     compile_s = time.perf_counter() - begun
+    act = look_and_act(street, sets)
     kept = jax.eval_shape(lambda stream: rollout(street, act, stream, steps, keep=keep)[1], stream)
     used: Any = call.memory_analysis()
-    return Program(
-        call, stream, shards, compile_s, shards * used.temp_size_in_bytes, _bytes(stream), _bytes(kept)
-    )  # fmt: skip
+    temporary = shards * used.temp_size_in_bytes
+    return Program(call, street, stream, shards, compile_s, temporary, _bytes(stream), _bytes(kept))
 
 
 def in_parts(play: Callable[[Stream], tuple[Stream, Any]], stream: Stream, parts: int) -> tuple[Stream, Any]:
@@ -154,17 +160,15 @@ def in_parts(play: Callable[[Stream], tuple[Stream, Any]], stream: Stream, parts
     return jax.tree.map(join, jax.lax.map(play, jax.tree.map(split, stream))) if parts > 1 else play(stream)
 
 
-def play(program: Program, street: Street, settings: Settings) -> dict[str, Any]:
+def play(program: Program, settings: Settings) -> dict[str, Any]:
     """Return the median and the best rate; steps in which an ended episode waits for its restart don't count."""
-    stream = program.stream
     for _ in range(max(1, WARM_STEPS // settings.steps)):
-        stream, result = program.call(street, stream)
-    jax.block_until_ready(stream)
+        program.play()
     times: list[float] = []
     ended = valid = steps = 0
     while sum(times) < settings.seconds or len(times) < 3:
         begun = time.perf_counter()
-        stream, result = jax.block_until_ready(program.call(street, stream))
+        result = program.play()
         times.append(time.perf_counter() - begun)
         if not all(np.isfinite(np.asarray(x)).all() for x in result):
             raise FloatingPointError("the simulator gave numbers that are not finite")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from itertools import product
 from typing import Any
 
 import jax
@@ -15,12 +16,12 @@ import numpy as np
 
 from jaxwalk.bench.benchmark_settings import Settings
 from jaxwalk.bench.processes import tell
-from jaxwalk.bench.simulation import build, paid_street
+from jaxwalk.bench.simulation import EVERY, Sets, build, paid_street
 from jaxwalk.bench.training_speed import own_size
 from jaxwalk.learning.turns import init_in_turns, update_in_turns
 from jaxwalk.recipes import RECIPES
 from jaxwalk.rollout import TRAINING, seed_key
-from jaxwalk.runs.street import crowded, fixed_policies, make_street
+from jaxwalk.runs.street import crowded, fixed_policies, make_street, on_devices
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import WORLDS
 
@@ -28,22 +29,31 @@ Turn = Callable[[], float]
 """Works for about a second and returns the speed [steps/s]."""
 RECIPES_IN_TURNS = ("fast", "town")
 """The recipes whose speeds are compared."""
+SEEN = {"every": EVERY, "no rays": tuple(one for one in EVERY if one[1] != "surroundings")}
+"""The observation sets that a simulation computes, by what the row is called."""
 UPDATES = 4
 """Updates of a training in a turn: recipe ``town`` has four crowds."""
 
 
 def simulated(settings: Settings) -> list[dict[str, Any]]:
-    """Return a row for each number of streets: the speed of the simulator alone in each turn, and the tables' size."""
+    """Return a row for each number of streets: the speed of the simulator alone in each turn, and the tables' size.
+
+    There are rows with every observation, and with those that don't look for the road's edge along rays, which reads
+    more of the tables than all else does.
+    """
     streets = {n: paid_street(WORLDS["town"], (f"training:{n}",)) for n in settings.streets}
-    turns = take_turns({n: _playing(street, settings) for n, street in streets.items()}, settings.turns)
+    cases = {f"{n} streets, observations: {seen}": (n, seen) for seen, n in product(SEEN, streets)}
+    programs = {name: _playing(streets[n], settings, SEEN[seen]) for name, (n, seen) in cases.items()}
+    turns = take_turns(programs, settings.turns)
     return [
         {
+            "observations": seen,
             "streets": n,
             "environments": settings.street_environments,
-            "env_steps_per_s": turns[n],
+            "env_steps_per_s": turns[name],
             "bytes_per_street": bytes_per_street(streets[n]),
         }
-        for n in streets
+        for name, (n, seen) in cases.items()
     ]
 
 
@@ -72,14 +82,13 @@ def bytes_per_street(street: Street) -> float:
     return sum(x.nbytes for x in arrays) / len(street.world.maps.route_count)
 
 
-def _playing(street: Street, settings: Settings) -> Turn:
-    program = build(street, settings.street_environments, settings.steps, settings.seed)
+def _playing(street: Street, settings: Settings, sets: Sets) -> Turn:
+    program = build(street, settings.street_environments, settings.steps, settings.seed, sets)
 
     def turn() -> float:
         begun, played = time.perf_counter(), 0
         while time.perf_counter() - begun < settings.turn_seconds:
-            program.stream, result = jax.block_until_ready(program.call(street, program.stream))
-            played += int(result[3].sum())
+            played += int(program.play()[3].sum())
         return played / (time.perf_counter() - begun)
 
     return turn
@@ -87,9 +96,10 @@ def _playing(street: Street, settings: Settings) -> Turn:
 
 def _learning(recipe: str, settings: Settings) -> Turn:
     experiment = own_size(RECIPES[recipe], settings)
-    streets = crowded(make_street(experiment), experiment)
+    street = make_street(experiment)
     key, others = seed_key(experiment.seed, TRAINING), fixed_policies(experiment)
-    learner = init_in_turns(streets, experiment.train, key, others=others)
+    learner = init_in_turns(crowded(street, experiment), experiment.train, key, others=others)
+    streets = on_devices(street, experiment)
 
     def turn() -> float:
         nonlocal learner

@@ -20,6 +20,7 @@ from jaxwalk.learning.flops import network_flops, sizes_of
 from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.rollout import TRAINING, seed_key
 from jaxwalk.runs.street import fixed_policies, make_street, shared_out
+from jaxwalk.shards import everywhere, mesh_of
 
 WHOLE_MINIBATCH = 2**30
 """More rows than any minibatch has."""
@@ -106,6 +107,7 @@ def time_updates(
     begun = time.perf_counter()
     key = seed_key(experiment.seed, TRAINING)
     learner = mappo.init(street, config, key, others=fixed_policies(experiment))
+    street = everywhere(street, mesh_of(config.shards))
     learner, metrics = jax.block_until_ready(mappo.update(street, config, learner))
     first = time.perf_counter() - begun
     times: list[float] = []

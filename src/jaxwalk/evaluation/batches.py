@@ -16,11 +16,11 @@ import numpy as np
 
 from jaxwalk.evaluation.ghosts import walk_ghosts
 from jaxwalk.evaluation.playing import play
-from jaxwalk.evaluation.relief import relieve
 from jaxwalk.evaluation.unhindered import unhindered_times, with_delay
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.maps import map_labels
 from jaxwalk.metrics import Rows, measure
+from jaxwalk.relief import relieve
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory, part_of

@@ -18,12 +18,12 @@ from jaxtyping import Bool, Float, Int, Shaped
 from jaxwalk.evaluation.batches import BATCH, Progress
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.evaluation.playing import play
-from jaxwalk.evaluation.relief import relieve
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, proportion
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
 from jaxwalk.policies import Oracle
 from jaxwalk.policies.drivers import with_limits
+from jaxwalk.relief import relieve
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.environment import Street

@@ -125,17 +125,20 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     action was in its space. ``fixed/ROLE``: every action of that role's fixed policy was. Nothing is donated: the input
     stays usable, and it is small compared with the rollout.
     """
-    arrays, rest = eqx.partition(learner, eqx.is_array)
+    arrays, rest = eqx.partition((environment, learner), eqx.is_array)
 
-    def work(arrays: Learner) -> tuple[Learner, dict[str, Array]]:
-        learner, metrics = _update(environment, shard_of(config), eqx.combine(arrays, rest))
+    def work(arrays: tuple[Environment, Learner]) -> tuple[Learner, dict[str, Array]]:
+        environment, learner = eqx.combine(arrays, rest)
+        learner, metrics = _update(environment, shard_of(config), learner)
         return eqx.filter(learner, eqx.is_array), metrics
 
     specs, mesh = _partition_specs(learner), mesh_of(config.shards)
-    shared = jax.shard_map(work, mesh=mesh, in_specs=(specs,), out_specs=(specs, EVERYWHERE), check_vma=False)
-    arrays, metrics = shared(arrays)
-    metrics["steps"] = arrays.updates.astype(jnp.float32) * (config.steps * config.environments)
-    return eqx.combine(arrays, rest), metrics
+    shared = jax.shard_map(
+        work, mesh=mesh, in_specs=((EVERYWHERE, specs),), out_specs=(specs, EVERYWHERE), check_vma=False
+    )
+    updated, metrics = shared(arrays)
+    metrics["steps"] = updated.updates.astype(jnp.float32) * (config.steps * config.environments)
+    return eqx.combine(updated, rest[1]), metrics
 
 
 def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[Learner, dict[str, Array]]:

@@ -20,7 +20,7 @@ from jaxwalk.runs.folder import MetricsLog, Run, RunError
 from jaxwalk.runs.progress import TrainingProgress
 from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.stop import Stop
-from jaxwalk.runs.street import crowded
+from jaxwalk.runs.street import on_devices
 from jaxwalk.runs.watch import WatchPage
 from jaxwalk.sim.environment import Street
 
@@ -57,7 +57,7 @@ class Session:
 
     def __post_init__(self) -> None:
         self._config = unplanned(self.run.experiment.train)
-        self.turns = crowded(self.street, self.run.experiment)
+        self.turns = on_devices(self.street, self.run.experiment)
 
     @property
     def seconds(self) -> float:

@@ -12,6 +12,7 @@ from jaxwalk.maps import MapError, MapText
 from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.recipes import Experiment, with_training
+from jaxwalk.shards import everywhere, mesh_of
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import OBSERVATIONS
 
@@ -45,6 +46,14 @@ def make_street(experiment: Experiment, maps: Sequence[MapText] | None = None) -
 def crowded(street: Street, experiment: Experiment) -> tuple[Street, ...]:
     """Return the street with each number of people that updates take turns with; alone if there is only one."""
     return tuple(map(street.with_people, experiment.crowds)) or (street,)
+
+
+def on_devices(street: Street, experiment: Experiment) -> tuple[Street, ...]:
+    """Return `crowded`, with tables on every device of the training, so that no update must copy them there.
+
+    Raises ShardsError if there are fewer devices than shards.
+    """
+    return crowded(everywhere(street, mesh_of(experiment.train.shards)), experiment)
 
 
 def _street(experiment: Experiment, maps: Sequence[str | MapText]) -> Street:

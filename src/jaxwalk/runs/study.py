@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 from rich.console import Console
 
 from jaxwalk.recipes import Experiment
+from jaxwalk.relief import relieve
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run, RunError, check_writable, is_empty
 from jaxwalk.runs.lock import held
@@ -109,6 +110,7 @@ class Work(Generic[P]):
             steps = run.experiment.train.updates * run.experiment.steps_per_update
             self.say(f"{said}: there already, {counted(steps, 'step')}")
             return
+        relieve()
         trained = train(run, resume=begun, display=Display(self.console, said))
         if trained.interrupted:
             raise Interrupted

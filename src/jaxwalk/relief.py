@@ -1,4 +1,4 @@
-"""Keeps a long evaluation small: every driver brings programs of its own, and measuring takes and frees much memory."""
+"""Keeps a long study small: every training and driver brings programs of its own, and measuring frees much memory."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import sys
 import jax
 import pytest
 
-from jaxwalk.evaluation import relief
+from jaxwalk import relief
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux says how many mappings there are")
