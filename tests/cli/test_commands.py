@@ -14,6 +14,7 @@ import time
 import pytest
 
 from jaxwalk.cli import main
+from jaxwalk.cli.casting import cast
 from jaxwalk.cli.options import (
     Bench,
     CoTraining,
@@ -27,8 +28,10 @@ from jaxwalk.cli.options import (
     Streets,
     Train,
 )
+from jaxwalk.cli.train import make_experiment
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
+from jaxwalk.runs.street import make_street
 from report.material import material
 
 SMALL = ("--environments", "8", "--steps", "8", "--minibatches", "2")
@@ -108,6 +111,22 @@ def test_the_table_shows_intervals_and_the_hash(capsys):
     assert out.count("rule-based") == 2
     assert "3 scenarios of seed 7, hash " in out
     assert "[" in out
+
+
+def test_a_world_says_how_often_people_jaywalk_and_the_option_wins(capsys):
+    command = "evaluate --driver route-follower --world blind-corner --episodes 2 --seed 7 --json"
+    for option, expected in (("", [1.0]), (" --jaywalk-multiplier 0 0.5", [0.0, 0.5])):
+        assert main((command + option).split()) == 0
+        document = json.loads(capsys.readouterr().out)
+        assert [cell["jaywalk_multiplier"] for cell in document["cells"]] == expected
+        assert document["options"]["jaywalk_multipliers"] == expected
+    street, _, _ = cast(["route-follower"], ["always-go"], Play(world="blind-corner"))
+    assert street.config.jaywalk_multiplier == 1
+    street, _, _ = cast(["route-follower"], ["always-go"], Play(world="blind-corner", jaywalk_multiplier=0.5))
+    assert street.config.jaywalk_multiplier == 0.5
+    assert make_experiment(Train(world="blind-corner")).jaywalk_multiplier is None
+    assert make_street(make_experiment(Train(world="blind-corner"))).config.jaywalk_multiplier == 1
+    assert make_street(make_experiment(Train(jaywalk_multiplier=0.5))).config.jaywalk_multiplier == 0.5
 
 
 OWN = """

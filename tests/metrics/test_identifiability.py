@@ -10,12 +10,14 @@ import pytest
 from scipy import integrate, stats
 
 from jaxwalk.metrics.crossings import find_crossings
-from jaxwalk.metrics.identifiability import PRIOR_VARIANCE, crossings_of_people, identifiability
+from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.sim.belief import posterior
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
 MULTIPLIERS = (0.25, 1.0, 1.6)
+PRIOR_VARIANCE = 1 / 12
+"""Of a number that is uniform in [0, 1]."""
 
 
 def known(crossings, multiplier):
@@ -74,6 +76,19 @@ def test_as_many_people_show(multiplier):
     assert found.deviation == pytest.approx(float(deviation.mean()), abs=1e-3)
     assert found.explained == pytest.approx(1 - ((tau - np.asarray(mean)) ** 2).mean() / PRIOR_VARIANCE, abs=0.02)
     assert found.never == (crossings == 0).mean()
+
+
+def test_of_two_tendencies_one_crossing_tells_nearly_all():
+    """Three in ten jaywalk always and the others never: 2 values, 0.3 log2(1 / 0.3) + 0.7 log2(1 / 0.7) bits."""
+    found = identifiability(np.array([1]), 1.0, {1.0: 0.3, 0.0: 0.7})
+    assert (found.deviation, found.explained) == pytest.approx((0, 1), abs=1e-7)
+    assert found.bits == pytest.approx(0.3 * np.log2(1 / 0.3) + 0.7 * np.log2(1 / 0.7))
+    before = identifiability(np.array([0]), 1.0, {0.9: 0.3, 0.02: 0.7})
+    assert (before.deviation, before.explained) == pytest.approx((0.88 * 0.21**0.5, 0))
+
+
+def test_a_tendency_that_all_share_cannot_be_explained():
+    assert identifiability(np.array([3]), 1.0, {0.9: 1.0}).explained == 0
 
 
 def test_more_is_better():

@@ -44,7 +44,7 @@ def test_the_posterior_is_the_integral(multiplier):
 
 def test_nothing_seen_nothing_learned():
     mean, deviation = posterior(jnp.array(0), jnp.arange(9), jnp.float32(0))  # nobody ever jaywalks
-    np.testing.assert_allclose(mean, belief.PRIOR_MEAN, atol=1e-6)
+    np.testing.assert_allclose(mean, 0.5, atol=1e-6)
     np.testing.assert_allclose(deviation, 12**-0.5, atol=1e-6)
 
 
@@ -138,7 +138,7 @@ def test_the_sets_end_with_the_nearest_peoples_numbers(jaywalking, scenarios, lo
     for seen in (told, believed):
         np.testing.assert_array_equal(seen[: len(route)], route)
     np.testing.assert_array_equal(
-        told[part("driver", TOLD, "tendencies")], nearest(state, scenarios.jaywalking_tendency)
+        told[part("driver", TOLD, "tendencies")], nearest(state, scenarios.jaywalking_tendency(jaywalking.world))
     )
     (jaywalks, crosswalks), _ = _seen(jaywalking, scenarios, state)
     means, _ = posterior(jaywalks, crosswalks, jnp.float32(1))
@@ -158,9 +158,9 @@ def test_who_is_who_does_not_show(jaywalking, scenarios, looked):
 def test_of_who_is_not_there_nothing_is_known(jaywalking, scenarios, looked):
     scenario, state = people(scenarios, looked[0], [3, 5])
     _, told, believed = _look(jaywalking, scenario, refreshed(jaywalking, scenario, state))
-    np.testing.assert_array_equal(told[-4:], belief.PRIOR_MEAN)
-    np.testing.assert_array_equal(believed[-4:], belief.PRIOR_MEAN)
-    np.testing.assert_array_equal(np.sort(told[-6:-4], 0), np.sort(scenario.jaywalking_tendency, 0))
+    np.testing.assert_array_equal(told[-4:], 0.5)
+    np.testing.assert_array_equal(believed[-4:], 0.5)
+    np.testing.assert_array_equal(np.sort(told[-6:-4], 0), np.sort(scenario.jaywalking_tendency(jaywalking.world), 0))
 
 
 def test_the_belief_knows_no_secret(jaywalking, scenarios, looked):
@@ -170,7 +170,7 @@ def test_the_belief_knows_no_secret(jaywalking, scenarios, looked):
     (jaywalks, crosswalks), _ = _seen(jaywalking, scenarios, state)
     number = np.arange(len(scenarios.jaywalk_draw))[:, None, None]
     past = number < np.asarray(jaywalks + crosswalks)
-    did = scenarios.jaywalk_draw < scenarios.jaywalking_tendency
+    did = scenarios.jaywalk_draw < scenarios.jaywalking_tendency(jaywalking.world)
     draws = jnp.where(past, jnp.where(did, 0.0, 0.99), 1 - scenarios.jaywalk_draw)  # the same past for every tendency
     tendency = jnp.clip(1 - scenarios.traits[0], 0.01, 0.98)
     other = eqx.tree_at(

@@ -16,14 +16,15 @@ from jaxwalk.sim import pedestrian, vehicle
 OTHER = SimConfig(
     slowest_walk=0.8, fastest_walk=1.9, wheelbase=2.7, max_speed=13.9, max_steering=0.6, max_acceleration=7.0,
     offroad_margin=0.4, offroad_speed=0.2, collision_distance=1.1, goal_distance=4.0, moving_speed=0.3,
-    start_clearance=12.0, goal_spacing=25.0, kerb_distance=2.0,
+    start_clearance=12.0, goal_spacing=25.0, kerb_distance=2.0, jaywalk_multiplier=0.7, hurried_tendency=0.8,
+    other_tendency=0.1, slowest_hurry=2.1, fastest_hurry=2.9,
 )  # fmt: skip
 """Every rule but the static ones is another."""
 
 
 @pytest.fixture(scope="module")
 def other():
-    return Street.create(config=OTHER, jaywalk_multiplier=0.7)
+    return Street.create(config=OTHER)
 
 
 def test_plain_numbers_come_back_as_they_were_written(street, other):
@@ -45,7 +46,7 @@ def test_other_rules_compile_nothing_anew(street):
     compiled = jax.jit(step)
     speeds, strides = [], []
     for config in (SimConfig(), keeps_the_shapes):
-        world = street.world if config == SimConfig() else Street.create(config=config, jaywalk_multiplier=0.7).world
+        world = street.world if config == SimConfig() else Street.create(config=config).world
         scenario = street.draw(jax.random.key(0))
         car, people = vehicle.place(world, scenario), pedestrian.place(world, scenario)
         for _ in range(3):

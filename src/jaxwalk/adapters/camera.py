@@ -46,7 +46,7 @@ class Camera:
                 touched=np.zeros((1, self.street.world.rules.pedestrians), bool),
                 goal_x=np.asarray(goal_x),
                 goal_y=np.asarray(goal_y),
-                jaywalking_tendency=np.asarray(scenario.jaywalking_tendency).T,
+                jaywalking_tendency=np.asarray(scenario.jaywalking_tendency(self.street.world)).T,
                 **{name: np.zeros((frames, *x.shape), x.dtype) for name, x in row.items()},
             ),
             None,

@@ -36,7 +36,7 @@ class WorldOptions(TypedDict, total=False):
     maps: Sequence[str | Path]
     """Bundled maps or map files; a scenario draws one (default: ``paper``)."""
     jaywalk_multiplier: float
-    """P(jaywalk | decision) = jaywalking tendency x this (default: 0.25)."""
+    """P(jaywalk | decision) = jaywalking tendency x this (default: that of ``config``, 0.25)."""
     config: SimConfig | None
     """The world's rules (default: those of `SimConfig`; on other maps than ``paper`` by footprint)."""
 

@@ -29,6 +29,8 @@ def cast(
         loading: how `contestant` loads drivers (``trust``, ``seconds``).
     """
     with bad_values():
-        street = with_jaywalk_multiplier(world_of([*drivers, *people], place(options)), options.jaywalk_multiplier)
+        street = world_of([*drivers, *people], place(options))
+        if options.jaywalk_multiplier is not None:
+            street = with_jaywalk_multiplier(street, options.jaywalk_multiplier)
         cars = {name: contestant(street, "driver", name, **loading) for name in drivers}
         return street, cars, {name: contestant(street, "pedestrian", name) for name in people}

@@ -24,7 +24,7 @@ from jaxwalk.cli.checks import (
 )
 from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
 from jaxwalk.cli.options import Evaluate
-from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet
+from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet, jaywalk_multiplier
 from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.evaluation.map_rates import MapRates
 from jaxwalk.experiments.again import compare_documents, evaluation_again, read_document
@@ -75,8 +75,9 @@ def _work(options: Evaluate) -> Evaluation:
     """Return what the options ask for, with all policies loaded."""
     drivers = tuple(dict.fromkeys((*options.driver, *options.compare)))
     populations = tuple(dict.fromkeys(options.pedestrians))
+    street = world_of([*drivers, *populations], place(options))
     asked = EvaluationOptions(
-        jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier)),
+        jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier or (jaywalk_multiplier(street),))),
         driver_acts=options.driver_acts,
         pedestrians_act=options.pedestrians_act,
         compare=(options.compare[0], options.compare[1]) if options.compare else None,
@@ -84,8 +85,7 @@ def _work(options: Evaluate) -> Evaluation:
         encounters=options.encounters,
     )
     return prepared(
-        world_of([*drivers, *populations], place(options)), (drivers, populations),
-        Scenarios(options.episodes, options.seed), asked,
+        street, (drivers, populations), Scenarios(options.episodes, options.seed), asked,
         out=options.out, trust=options.trust, seconds=options.driver_seconds,
     )  # fmt: skip
 
@@ -139,7 +139,7 @@ def check(options: Evaluate) -> None:
     check_seed(options.seed)
     check_driver_seconds(options.driver_seconds)
     check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
-    if not options.jaywalk_multiplier:
+    if options.jaywalk_multiplier == ():
         raise UsageError("--jaywalk-multiplier needs a number, such as 0.25")
     if options.encounters and not options.out:
         raise UsageError("--encounters needs --out DIR, where encounters.parquet is to be")

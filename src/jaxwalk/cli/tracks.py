@@ -8,7 +8,7 @@ from rich.progress import Progress
 from jaxwalk.cli.casting import cast
 from jaxwalk.cli.checks import check_driver, check_episodes, check_file, check_seed
 from jaxwalk.cli.options import Tracks
-from jaxwalk.evaluation import named
+from jaxwalk.evaluation import jaywalk_multiplier, named
 from jaxwalk.exports.track_table import record_tracks
 from jaxwalk.formats.track_file import check_parquet
 from jaxwalk.maps import map_labels
@@ -25,7 +25,7 @@ def run(options: Tracks) -> int:
     options.out.parent.mkdir(parents=True, exist_ok=True)
     about = {
         "map": ", ".join(map_labels(street.maps)), "driver": options.driver, "pedestrians": options.pedestrians,
-        "jaywalk_multiplier": options.jaywalk_multiplier, "seed": options.seed,
+        "jaywalk_multiplier": jaywalk_multiplier(street), "seed": options.seed,
     }  # fmt: skip
     who = {"driver": options.driver, "pedestrian": options.pedestrians}
     with named(who), Progress(console=Console(stderr=True), transient=True) as bar:

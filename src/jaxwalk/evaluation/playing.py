@@ -205,6 +205,6 @@ def _trajectory(
         touched=np.asarray(game.touched).T,
         goal_x=np.asarray(goal_x),
         goal_y=np.asarray(goal_y),
-        jaywalking_tendency=np.asarray(scenarios.jaywalking_tendency).T,
+        jaywalking_tendency=np.asarray(scenarios.jaywalking_tendency(street.world)).T,
         **in_order(columns),
     )

@@ -10,7 +10,8 @@ import jax.numpy as jnp
 
 from jaxwalk.interfaces import Roles
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.world import as_written, check_multiplier
+from jaxwalk.sim.sim_config import check_multiplier
+from jaxwalk.sim.world import as_written
 
 SAMPLES: Roles[bool] = {"driver": False, "pedestrian": True}
 """Whether a role's policy samples its actions in an evaluation by default; else it takes the likeliest."""
@@ -36,9 +37,9 @@ def with_jaywalk_multiplier(street: Street, multiplier: float) -> Street:
     Raise ValueError for a negative or infinite multiplier.
     """
     check_multiplier(multiplier)
-    return eqx.tree_at(lambda s: s.world.jaywalk_multiplier, street, jnp.float32(multiplier))
+    return eqx.tree_at(lambda s: s.world.rules.jaywalk_multiplier, street, jnp.float32(multiplier))
 
 
 def jaywalk_multiplier(street: Street) -> float:
     """Return the street's multiplier as it was written: 0.1, not 0.10000000149."""
-    return as_written(street.world.jaywalk_multiplier)
+    return as_written(street.world.rules.jaywalk_multiplier)

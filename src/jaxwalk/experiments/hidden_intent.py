@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -130,14 +131,15 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
     source = Drawn(street, scenarios.seed, scenarios.episodes)
     stands = evaluate(street, {"driver": ConstantSpeed(throttle=0.0), "pedestrian": always_go}, source)
     whole = _crossings(stands, people)[stands[OUTCOMES].steps == street.world.rules.horizon]
-    mean = blind[OUTCOMES].steps.mean() * blind.dt
+    mean, tendencies = blind[OUTCOMES].steps.mean() * blind.dt, street.config.tendencies
     cases = [
         (f"in a whole episode ({seconds:g} s)", whole.ravel()),
         (f"in an episode of the blind car ({mean:.1f} s)", _crossings(blind, people).ravel()),
         ("before a crossing at which the blind car meets somebody", blind[ENCOUNTERS].number - 1),
         *((f"crossings of each: {number}", np.array([number])) for number in AFTER),
     ]
-    return tuple(KnownIntent(seen, identifiability(count, multiplier) if len(count) else None) for seen, count in cases)
+    known = partial(identifiability, multiplier=multiplier, tendencies=tendencies)
+    return tuple(KnownIntent(seen, known(count) if len(count) else None) for seen, count in cases)
 
 
 def _crossings(rows: Rows, people: int) -> np.ndarray:

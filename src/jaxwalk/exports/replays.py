@@ -52,7 +52,7 @@ def _entries(
     source = Drawn(street, seed)
     scenarios, _ = source.take(np.asarray(numbers))
     config = street.config
-    reach = config.horizon * config.dt * config.fastest_walk
+    reach = config.horizon * config.dt * config.fastest
     paths = walking_paths(street.world, scenarios, reach=reach)
     routes, maps = _routes(street, scenarios), np.asarray(scenarios.map).tolist()
     found, multiplier = [], jaywalk_multiplier(street)

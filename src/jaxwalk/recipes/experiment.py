@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from jaxwalk.learning.config import TrainConfig, own_environments
-from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import SimConfig, check_multiplier
 
 LONGEST = 1_000_000
 """Longest time for which a training can be planned [min]: two years."""
@@ -32,8 +32,8 @@ class Experiment:
     """The weight of each of a pedestrian's reward terms (`jaxwalk.sim.reward.PEDESTRIAN_TERMS`)."""
     maps: tuple[str, ...] = ("paper",)
     """Bundled maps or map files; each scenario takes place on one of them."""
-    jaywalk_multiplier: float = JAYWALK_MULTIPLIER
-    """P(jaywalk | decision) = jaywalking tendency x this."""
+    jaywalk_multiplier: float | None = None
+    """Replaces that of ``sim`` in the training; evaluations have the world's. None: the world's."""
     sim: SimConfig = field(default_factory=SimConfig)
     """The rules of the world."""
     crowds: tuple[int, ...] = ()
@@ -49,8 +49,8 @@ class Experiment:
             raise ValueError("maps must name at least one map")
         if not 0 <= self.seed < 2**32:
             raise ValueError(f"seed must lie in [0, 2^32), not {self.seed}")
-        if not 0 <= self.jaywalk_multiplier < float("inf"):
-            raise ValueError(f"jaywalk_multiplier must be a finite number of 0 or more, not {self.jaywalk_multiplier}")
+        if self.jaywalk_multiplier is not None:
+            check_multiplier(self.jaywalk_multiplier)
         if self.minutes is not None and not 0 < self.minutes <= LONGEST:
             raise ValueError(f"minutes must be above 0 and at most {LONGEST:,}, not {self.minutes:g}")
         for people in self.crowds:

@@ -1,14 +1,15 @@
 """Infer a pedestrian's jaywalking tendency tau from watching it: Bayes' rule.
 
-The prior of tau is uniform in [0, 1]. Every crossing is a jaywalk with probability min(1, multiplier x tau) (equation
-1), independently of the others. The watcher sees everybody all the time and knows the multiplier, so no car could know
-more from crossings alone.
+The prior of tau is the world's: uniform in [0, 1], or two numbers where some people are in a hurry. Every crossing is a
+jaywalk with probability min(1, multiplier x tau) (equation 1), independently of the others. The watcher sees everybody
+all the time and knows prior and multiplier, so no car could know more from crossings alone.
 """
 
 from __future__ import annotations
 
 import jax.numpy as jnp
 import numpy as np
+from jax.scipy.special import xlog1py, xlogy
 from jaxtyping import Array, Float, Int, Real
 
 from jaxwalk.sim.crossing_kind import NO_CROSSING
@@ -17,8 +18,6 @@ from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import PedestrianState
 from jaxwalk.sim.world import World
 
-PRIOR_MEAN = 0.5
-"""The mean of tau for somebody who has not crossed yet."""
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(32)
 """Gauss-Legendre quadrature on [-1, 1]: exact for polynomials of degree 63, so for 61 crossings."""
 CROSSED = 1.0
@@ -28,7 +27,7 @@ CROSSED = 1.0
 def posterior(
     jaywalks: Real[Array, "..."], crosswalks: Real[Array, "..."], multiplier: Float[Array, ""]
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """Return mean and standard deviation of tau after a number of jaywalks and of crossings on a crosswalk.
+    """Return mean and standard deviation of a uniform tau after numbers of jaywalks and of crossings on a crosswalk.
 
     The density is proportional to p^jaywalks (1 - p)^crosswalks with p = min(1, multiplier x tau). Up to where p
     reaches 1 it is a polynomial; from there on it is constant, and 0 if there were crosswalk crossings. (With
@@ -47,6 +46,30 @@ def posterior(
 
     mean = moment(1) / moment(0)
     return mean, jnp.sqrt(moment(2) / moment(0) - mean * mean)
+
+
+def mean_of_two(world: World, jaywalks: Real[Array, "..."], crosswalks: Real[Array, "..."]) -> Float[Array, "..."]:
+    """Return the mean of tau after these numbers of crossings, where it is one of two numbers.
+
+    Likelihoods are compared as logarithms, so that many crossings don't underflow. Where somebody did what neither of
+    the two would ever do, the prior stays.
+    """
+    rules = world.rules
+    taus = jnp.stack([rules.hurried_tendency, rules.other_tendency])
+    chance = jnp.minimum(1, rules.jaywalk_multiplier * taus).reshape(-1, *(1,) * jaywalks.ndim)
+    shares = jnp.array([rules.hurried, 1 - rules.hurried]).reshape(chance.shape)
+    evidence = jnp.log(shares) + xlogy(jaywalks, chance) + xlog1py(crosswalks, -chance)
+    most = evidence.max(axis=0)
+    weight = jnp.where(most == -jnp.inf, shares, jnp.exp(evidence - jnp.where(most == -jnp.inf, 0, most)))
+    return (weight * taus.reshape(chance.shape)).sum(axis=0) / weight.sum(axis=0)
+
+
+def prior_mean(world: World) -> float | Float[Array, ""]:
+    """Return the mean of tau of somebody who has not crossed yet."""
+    rules = world.rules
+    if not rules.hurried:
+        return 0.5
+    return rules.hurried * rules.hurried_tendency + (1 - rules.hurried) * rules.other_tendency
 
 
 def crossings_seen(
@@ -80,5 +103,8 @@ def expected_after(
 ) -> Float[Array, "ped *batch"]:
     """Return the posterior mean of everybody's tau after these numbers of crossings."""
     count = jnp.arange(scenario.jaywalk_draw.shape[0] + 1)
-    means, _ = posterior(count[:, None], count, world.jaywalk_multiplier)
+    if world.rules.hurried:
+        means = mean_of_two(world, *jnp.broadcast_arrays(count[:, None], count))
+    else:
+        means, _ = posterior(count[:, None], count, world.rules.jaywalk_multiplier)
     return look_up(means, jaywalks, crosswalks)

@@ -48,7 +48,7 @@ def _people(moment: Moment) -> Sequence[Array]:
 
 
 def _people_bounds(limits: Limits) -> Sequence[Bound]:
-    near, walk = both(max(limits.diagonal, ABSENT) / ABSENT), both(limits.config.fastest_walk / SPEED)
+    near, walk = both(max(limits.diagonal, ABSENT) / ABSENT), both(limits.config.fastest / SPEED)
     return [near, near, walk, walk]
 
 
@@ -111,9 +111,10 @@ def _what_if(name: str, predict: Callable[[Moment, ContactRule], tuple[Array, Ar
 
 def _of_nearest(moment: Moment, tendency: Float[Array, "ped *batch"]) -> Sequence[Array]:
     """Return the tendencies of the nearest people, nearest first; the prior mean for neighbours who aren't there."""
-    unknown = jnp.full((NEIGHBOURS, *moment.state.step.shape), belief.PRIOR_MEAN)
+    prior = belief.prior_mean(moment.world)
+    unknown = jnp.full((NEIGHBOURS, *moment.state.step.shape), prior)
     if moment.state.perceived is not None:
-        tendency = jnp.where(moment.state.perceived.now.seen, tendency, belief.PRIOR_MEAN)
+        tendency = jnp.where(moment.state.perceived.now.seen, tendency, prior)
     return (prediction.of_nearest(moment.state.foresight.people, tendency, unknown),)
 
 
@@ -183,7 +184,9 @@ ROUTE_FOOTPRINT = (
 """As `ROUTE`, but with clearances between the car's rectangle and people's bodies: 18 numbers if people walk on as they
 do, 18 if everybody beside the roadway turned to the car's route now, 18 if all who walk to a crosswalk took it."""
 
-TOLD_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency))
+TOLD_TENDENCIES = Feature(
+    "tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency(m.world))
+)
 """The jaywalking tendency of each of the nearest people."""
 
 EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendencies)

@@ -21,7 +21,7 @@ from jaxwalk.sim.perceived import Perceived
 from jaxwalk.sim.perception import first_perceived, perceive
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.sim_config import JAYWALK_MULTIPLIER, SimConfig
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.state import PedestrianState, State, VehicleState
 from jaxwalk.sim.world import World
 
@@ -39,20 +39,24 @@ class Street(eqx.Module):
         maps: Sequence[str | Path | MapText] = ("paper",),
         config: SimConfig | None = None,
         *,
-        jaywalk_multiplier: float = JAYWALK_MULTIPLIER,
+        jaywalk_multiplier: float | None = None,
         driver_weights: Mapping[str, float] | None = None,
         pedestrian_weights: Mapping[str, float] | None = None,
     ) -> Street:
         """Return a street on the maps that pays the given reward terms (default: none).
 
         Maps are bundled names, files, generated streets (``test:20``, ``test-2000000003``; docs/streets.md) or texts.
+        A ``jaywalk_multiplier`` replaces that of ``config``.
 
         Raise MapError for a wrong map, and ValueError for a reward term that doesn't exist, a negative multiplier, or
         roads that are too narrow for ``offroad_margin``.
         """
         weights = {"driver": dict(driver_weights or {}), "pedestrian": dict(pedestrian_weights or {})}
         reward.check_weights(weights["driver"], weights["pedestrian"])
-        world = World.create(maps, config or SimConfig(), jaywalk_multiplier=jaywalk_multiplier)
+        rules = config or SimConfig()
+        if jaywalk_multiplier is not None:
+            rules = replace(rules, jaywalk_multiplier=jaywalk_multiplier)
+        world = World.create(maps, rules)
         return cls(world, jax.device_put(jax.tree.map(np.float32, weights)))
 
     @property

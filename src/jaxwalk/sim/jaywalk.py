@@ -8,8 +8,9 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from jaxwalk.sim.lookup import look_up, look_up_each
+from jaxwalk.sim.lookup import look_up, look_up_each, look_up_row
 from jaxwalk.sim.map_tables import SIDE_COLUMNS, ZONE_COLUMNS
+from jaxwalk.sim.parked_gaps import COLUMNS, NO_SLOT
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Leg
 from jaxwalk.sim.world import World
@@ -155,7 +156,7 @@ def jaywalk_from(
     """Return the jaywalk that each pedestrian would make from a place of the zone at a side.
 
     It is slanted toward the goal by at most 45 degrees within the opposite zone, so it is clear of crosswalks and
-    junctions.
+    junctions. Where vehicles are parked on this side, it is not slanted.
     """
     tables, opposite = world.tables, side ^ 1
     near, far, piece = look_up_each([tables.side[name] for name in ("near", "far", "piece")], scenario.map, opposite)
@@ -168,6 +169,8 @@ def jaywalk_from(
     ahead = (goal_x - straight_x) * other.dx + (goal_y - straight_y) * other.dy
     toward = straight + ahead / jnp.maximum(other.dx**2 + other.dy**2, 1e-6)
     reach = width / piece
+    if world.parked_gaps is not None:
+        reach = jnp.where(_parked_beside(world.parked_gaps, scenario, side)[0].any(axis=0), 0, reach)
     end = jnp.clip(jnp.clip(toward, straight - reach, straight + reach), near, far)
 
     there = line(end)
@@ -185,3 +188,29 @@ def jaywalk_from(
         node=node,
         piece=jnp.sqrt(one.dx**2 + one.dy**2),
     )
+
+
+def into_gap(
+    world: World, scenario: Scenario, side: Int[Array, "ped *batch"], begin: Float[Array, "ped *batch"]
+) -> Float[Array, "ped *batch"]:
+    """Return where jaywalks from a side begin: beside a parked vehicle in the nearest gap, else at ``begin``."""
+    if world.parked_gaps is None:
+        return begin
+    stands, low, high, before, behind = _parked_beside(world.parked_gaps, scenario, side)
+    instead = jnp.where(begin - before <= behind - begin, before, behind)
+    in_the_way = stands & (low < begin) & (begin < high)
+    for one in range(len(low)):  # gaps are free, so nobody is moved twice
+        begin = jnp.where(in_the_way[one], instead[one], begin)
+    return begin
+
+
+def _parked_beside(
+    table: Float[Array, "map side vehicle 5"], scenario: Scenario, side: Int[Array, "ped *batch"]
+) -> tuple[Bool[Array, "vehicle ped *batch"], *tuple[Float[Array, "vehicle ped *batch"], ...]]:
+    """Return in which entries of each person's side a vehicle is parked, and their other columns."""
+    assert scenario.parked is not None
+    rows = look_up_row(table.reshape(*table.shape[:2], -1), scenario.map, side)
+    slot, *places = jnp.moveaxis(rows.reshape(-1, COLUMNS, *side.shape), 1, 0)
+    number = jnp.maximum(slot, 0).astype(jnp.int32)
+    stands = jnp.take_along_axis(scenario.parked[:, None], number, axis=0, mode="promise_in_bounds")
+    return stands & (slot != NO_SLOT), *places

@@ -104,7 +104,7 @@ def global_state(moment: Moment) -> Float[Array, "feature *batch"]:
     vx, vy = pedestrian.velocity(world, scenario, people)
     goal_x, goal_y = vehicle.goal(world, scenario)
     return joined([
-        *on_map(moment, people.x, people.y), distance(vx, vy) / 2, scenario.jaywalking_tendency,
+        *on_map(moment, people.x, people.y), distance(vx, vy) / 2, scenario.jaywalking_tendency(world),
         *on_map(moment, car.x, car.y), car.cos, car.sin, car.speed / SPEED, car.steering / world.rules.max_steering,
         *on_map(moment, goal_x, goal_y), distance(goal_x - car.x, goal_y - car.y) / ABSENT,
         1 - state.step / world.rules.horizon,

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Shaped
+from jaxtyping import Array, Bool, Float, Shaped
 
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING, LegKind
-from jaxwalk.sim.jaywalk import Zone, jaywalk_from, zone_of
+from jaxwalk.sim.jaywalk import Zone, into_gap, jaywalk_from, zone_of
 from jaxwalk.sim.lookup import look_up, look_up_each
 from jaxwalk.sim.map_tables import Hop, unpack_hop
 from jaxwalk.sim.scenario import Scenario
@@ -33,13 +33,13 @@ def place(world: World, scenario: Scenario) -> PedestrianState:
 
 
 def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Array, "ped *batch"]) -> PedestrianState:
-    """Make one step: people who go walk along their committed path at their own speed, and people who wait stand.
+    """Make one step: people who go walk along their committed path at their own pace, and people who wait stand.
 
     The rest of a step after the end of a leg is carried into the next leg (but not over a second end). What follows a
     leg depends on nothing that happens during it, so it is computed for everybody at once whenever somebody needs it:
     in about a tenth of the steps.
     """
-    stride = jnp.where(go, scenario.walking_speed(world) * world.rules.dt, 0)
+    stride = jnp.where(go, pace(world, scenario, people) * world.rules.dt, 0)
     carry = stride - people.remaining
     finished = go & (carry >= 0)
     missing = (finished & ~people.planned).any()
@@ -58,9 +58,18 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
     return eqx.tree_at(lambda p: (p.on_roadway, p.on_crosswalk), people, (on_roadway, on_crosswalk))
 
 
+def pace(world: World, scenario: Scenario, people: PedestrianState) -> Float[Array, "ped *batch"]:
+    """Return the speed of people who go [m/s]: their own walking speed, but on a jaywalk that of their hurry."""
+    own = scenario.walking_speed(world)
+    if not world.rules.hurried:
+        return own
+    hurries = scenario.in_a_hurry(world) & (people.leg.kind == LegKind.ACROSS)
+    return jnp.where(hurries, scenario.hurry(world), own)
+
+
 def velocity(world: World, scenario: Scenario, people: PedestrianState) -> tuple[Array, Array]:
     """Return the velocity along the leg [m/s]: zero for people who waited in the last step."""
-    speed = jnp.where(people.going, scenario.walking_speed(world), 0)
+    speed = jnp.where(people.going, pace(world, scenario, people), 0)
     return speed * people.leg.cos, speed * people.leg.sin
 
 
@@ -147,6 +156,7 @@ def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
     decided = (offered >= 0) & (crossing == NO_CROSSING)
     side = jnp.where(decided, offered, leg.side)
     zone = zone_of(world, scenario, leg, side)
+    begin = into_gap(world, scenario, side, zone.choose(_take(scenario.zone_draw, leg.decisions)))
     jaywalk = decided & zone.exists & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
     return _Choice(
         done=done,
@@ -154,7 +164,7 @@ def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
         seeks=jaywalk | ((crossing == JAYWALK) & ~begins),
         crossing=jnp.where(decided, jnp.where(jaywalk, JAYWALK, CROSSWALK), crossing),
         side=side,
-        begin=jnp.where(decided, zone.choose(_take(scenario.zone_draw, leg.decisions)), leg.begin),
+        begin=jnp.where(decided, begin, leg.begin),
         zone=zone,
     )
 

@@ -120,7 +120,7 @@ def _direction(moment: Moment) -> tuple[Array, Array]:
 def _times(moment: Moment) -> Sequence[Array]:
     """Return when car and pedestrian would reach the point where their paths cross, and the difference."""
     seen, (_, across) = _in_cars_frame(moment), _direction(moment)
-    crossing_speed = moment.scenario.walking_speed(moment.world) * across
+    crossing_speed = pedestrian.pace(moment.world, moment.scenario, moment.state.pedestrian) * across
     toward = seen.left * crossing_speed < 0
     own_time = jnp.where(toward, -seen.left / jnp.where(toward, crossing_speed, 1), LONG)
     car_time = seen.ahead / jnp.maximum(_speed_for_everybody(moment), 0.5)
@@ -160,8 +160,8 @@ def _speed_for_everybody(moment: Moment) -> Float[Array, "ped *batch"]:
 
 PAPER = (
     Feature("position", 2, share, lambda m: on_map(m, m.state.pedestrian.x, m.state.pedestrian.y)),
-    Feature("velocity", 2, lambda limits: [both(limits.config.fastest_walk / 2)], _velocity),
-    Feature("traits", 4, share, lambda m: (m.scenario.traits,)),
+    Feature("velocity", 2, lambda limits: [both(limits.config.fastest / 2)], _velocity),
+    Feature("traits", 4, share, lambda m: (m.scenario.own_traits(m.world),)),
     Feature("next_waypoint", 2, within_diagonals(ABSENT), _next_waypoint),
     Feature("surface", 3, share, _surface),
     Feature("on_jaywalk", 1, share, lambda m: (m.state.pedestrian.leg.kind == LegKind.ACROSS,)),
@@ -182,7 +182,7 @@ KERB = (
     Feature("times", 3, _times_bounds, _of_car(_times, (1.0, 1.0, 0.0))),
     Feature("miss", 2, share, _of_car(_miss, (1.0, 1.0))),
     Feature("pace", 1, _pace_bounds, lambda m: (m.scenario.walking_speed(m.world) / 2,)),
-    Feature("traits", 3, share, lambda m: (m.scenario.traits[0], m.scenario.traits[2], m.scenario.traits[3])),
+    Feature("traits", 3, share, lambda m: (m.scenario.jaywalking_tendency(m.world), *m.scenario.traits[2:])),
     Feature("jaywalk", 1, share, lambda m: (m.state.pedestrian.crossing == JAYWALK,)),
     Feature("to_kerb", 1, lambda limits: [(-1.0, limits.config.kerb_distance)], _to_kerb),
 )

@@ -146,7 +146,7 @@ def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Arra
     """
     car, people, motion = state.vehicle, state.pedestrian, motion_of_people(world, scenario, state)
     along, across = to_frame(people.leg.cos, people.leg.sin, car.cos[None], car.sin[None])
-    pace = scenario.walking_speed(world)
+    pace = pedestrian.pace(world, scenario, people)
     vx, vy = pace * along - car.speed[None], pace * across
     when = -(motion.ahead * vx + motion.left * vy) / jnp.maximum(vx * vx + vy * vy, 1e-6)
     when = jnp.maximum(when, 0)

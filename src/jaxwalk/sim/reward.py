@@ -85,7 +85,8 @@ def _waiting_anywhere(t: Transition) -> Array:
 
 def _walked(t: Transition) -> Array:
     """Return the metres walked along the committed path."""
-    return jnp.where(t.after.pedestrian.going, t.scenario.walking_speed(t.world) * t.world.rules.dt, 0)
+    pace = pedestrian.pace(t.world, t.scenario, t.before.pedestrian)
+    return jnp.where(t.after.pedestrian.going, pace * t.world.rules.dt, 0)
 
 
 DRIVER_TERMS: dict[str, Callable[[Transition], Array]] = {

@@ -25,7 +25,7 @@ class Scenario(eqx.Module):
     start: Int[Array, "ped *batch"]
     """The waypoint where each pedestrian starts."""
     traits: Float[Array, "trait ped *batch"]
-    """Uniform in [0, 1]; the first is the jaywalking tendency, the second sets the walking speed."""
+    """Uniform in [0, 1]; the first decides the jaywalking tendency, the second the walking speed."""
     goals: Int[Array, "goal ped *batch"]
     """The waypoints to walk to, one after the other."""
     jaywalk_draw: Float[Array, "crossing ped *batch"]
@@ -35,19 +35,33 @@ class Scenario(eqx.Module):
     parked: Bool[Array, "slot *batch"] | None = None
     """In which slots of the map (`jaxwalk.maps.RoadMap.slots`) a vehicle is parked; None where nobody ever parks."""
 
-    @property
-    def jaywalking_tendency(self) -> Float[Array, "ped *batch"]:
-        """The trait tau of equation 1."""
-        return self.traits[0]
+    def jaywalking_tendency(self, world: World) -> Float[Array, "ped *batch"]:
+        """Return tau of equation 1: the first trait, or one of two numbers where some people are in a hurry."""
+        if not world.rules.hurried:
+            return self.traits[0]
+        return jnp.where(self.in_a_hurry(world), world.rules.hurried_tendency, world.rules.other_tendency)
+
+    def in_a_hurry(self, world: World) -> Bool[Array, "ped *batch"]:
+        """Return who is in a hurry: the share ``hurried`` of the people with the highest first trait."""
+        return self.traits[0] >= 1 - world.rules.hurried
+
+    def own_traits(self, world: World) -> Float[Array, "trait ped *batch"]:
+        """Return the traits as people know them: with tau as the first one."""
+        return self.traits if not world.rules.hurried else self.traits.at[0].set(self.jaywalking_tendency(world))
 
     def walking_speed(self, world: World) -> Float[Array, "ped *batch"]:
         """Return each pedestrian's own speed [m/s]."""
         slowest, fastest = world.rules.slowest_walk, world.rules.fastest_walk
         return slowest + (fastest - slowest) * self.traits[1]
 
+    def hurry(self, world: World) -> Float[Array, "ped *batch"]:
+        """Return each pedestrian's speed on a jaywalk if it is in a hurry [m/s]; who walks fast hurries fast."""
+        slowest, fastest = world.rules.slowest_hurry, world.rules.fastest_hurry
+        return slowest + (fastest - slowest) * self.traits[1]
+
     def jaywalks(self, world: World, draw: Float[Array, "..."]) -> Bool[Array, "..."]:
         """Return which crossings are jaywalks (equation 1), by their ``jaywalk_draw``: ``(ped, *batch)`` or more."""
-        return draw < self.jaywalking_tendency * world.jaywalk_multiplier
+        return draw < self.jaywalking_tendency(world) * world.rules.jaywalk_multiplier
 
 
 def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:

@@ -10,9 +10,6 @@ ContactRule = Literal["disc", "footprint"]
 """What counts as a contact. ``disc``: the centres are closer than ``collision_distance`` (the paper's).
 ``footprint``: the pedestrian's body overlaps the car's rectangle."""
 
-JAYWALK_MULTIPLIER = 0.25
-"""P(jaywalk | decision) = jaywalking tendency x this (equation 1). Not in `SimConfig`: an evaluation varies it."""
-
 SMALLEST_STEP = 0.001
 """The shortest step [s]."""
 LARGEST = {
@@ -20,8 +17,8 @@ LARGEST = {
     "max_acceleration": 100.0, "max_braking": 100.0, "max_lateral": 100.0, "offroad_margin": 100.0,
     "collision_distance": 100.0, "car_length": 100.0,
     "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
-    "goal_spacing": 1000.0, "kerb_distance": 100.0, "parked": 1.0, "sight": 1000.0, "delay": 10.0,
-    "position_noise": 100.0, "misses": 1.0,
+    "goal_spacing": 1000.0, "kerb_distance": 100.0, "hurried": 1.0, "hurried_tendency": 1.0, "other_tendency": 1.0,
+    "fastest_hurry": 20.0, "parked": 1.0, "sight": 1000.0, "delay": 10.0, "position_noise": 100.0, "misses": 1.0,
 }  # fmt: skip
 """Largest values of the fields. Larger ones make no sense on a street, and their tables could fill the memory."""
 
@@ -77,6 +74,19 @@ class SimConfig:
     """Each goal of a pedestrian is at least this much walking away from the last [m]."""
     kerb_distance: float = 1.5
     """A pedestrian whose path enters a roadway within this distance is at the kerb [m]."""
+    jaywalk_multiplier: float = 0.25
+    """P(jaywalk | decision) = jaywalking tendency x this (equation 1)."""
+    hurried: float = 0.0
+    """Share of the people who are in a hurry: those whose first trait is highest. 0: everybody's jaywalking tendency is
+    that trait, and the next four mean nothing."""
+    hurried_tendency: float = 0.9
+    """Jaywalking tendency of people in a hurry."""
+    other_tendency: float = 0.02
+    """Jaywalking tendency of all others."""
+    slowest_hurry: float = 2.2
+    """Speed on a jaywalk of the slowest of the people in a hurry [m/s]."""
+    fastest_hurry: float = 3.0
+    """Speed on a jaywalk of the fastest of them [m/s]."""
     parked: float = 0.0
     """Share of the slots of parking strips in which a vehicle is parked; the paper's street has none."""
     perception: bool = False
@@ -97,7 +107,7 @@ class SimConfig:
             "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
             "max_braking", "max_lateral",
             "collision_distance", "car_length", "car_width", "body_radius", "goal_distance", "kerb_distance",
-            "goal_spacing", "sight",
+            "goal_spacing", "slowest_hurry", "sight",
         )  # fmt: skip
         for name in positive:
             if not getattr(self, name) > 0:
@@ -105,7 +115,8 @@ class SimConfig:
         if self.contact not in get_args(ContactRule):
             raise ValueError(f"contact must be one of {', '.join(get_args(ContactRule))}, not {self.contact!r}")
         not_negative = (
-            "offroad_margin", "moving_speed", "start_clearance", "parked", "delay", "position_noise", "misses",
+            "offroad_margin", "moving_speed", "start_clearance", "hurried", "hurried_tendency", "other_tendency",
+            "parked", "delay", "position_noise", "misses",
         )  # fmt: skip
         for name in not_negative:
             if not getattr(self, name) >= 0:
@@ -117,25 +128,50 @@ class SimConfig:
             raise ValueError(f"dt must be at least {SMALLEST_STEP:g} s, not {self.dt}")
         if not self.slowest_walk <= self.fastest_walk:
             raise ValueError(f"fastest_walk must be at least slowest_walk ({self.slowest_walk} m/s)")
+        if not self.slowest_hurry <= self.fastest_hurry:
+            raise ValueError(f"fastest_hurry must be at least slowest_hurry ({self.slowest_hurry} m/s)")
+        check_multiplier(self.jaywalk_multiplier)
         if not 0 <= self.offroad_speed <= 1:
             raise ValueError(f"offroad_speed must lie in [0, 1], not {self.offroad_speed}")
         if not 0 < self.max_steering < 1.5:
             raise ValueError(f"max_steering must lie in (0, 1.5) rad, not {self.max_steering}")
 
+    @property
+    def fastest(self) -> float:
+        """Return the highest speed of people [m/s]."""
+        return max(self.fastest_walk, self.fastest_hurry) if self.hurried else self.fastest_walk
 
+    @property
+    def tendencies(self) -> dict[float, float]:
+        """Return the jaywalking tendencies with their shares of the people; {} where they are uniform in [0, 1]."""
+        if not self.hurried:
+            return {}
+        shares = {self.other_tendency: 1 - self.hurried}
+        shares[self.hurried_tendency] = shares.get(self.hurried_tendency, 0.0) + self.hurried
+        return shares
+
+
+def check_multiplier(multiplier: float) -> None:
+    """Raise ValueError for a jaywalk multiplier that is negative or infinite."""
+    if not 0 <= multiplier < float("inf"):
+        raise ValueError(f"jaywalk_multiplier must be a finite number of 0 or more, not {multiplier}")
+
+
+TOWN = SimConfig(contact="footprint", horizon=600, max_speed=13.9, max_braking=7.6, max_lateral=3.0)
 WORLDS = {
     "paper": SimConfig(),
     "paper-footprint": SimConfig(contact="footprint"),
-    "town": SimConfig(contact="footprint", horizon=600, max_speed=13.9, max_braking=7.6, max_lateral=3.0),
-    "blind-corner": SimConfig(
-        contact="footprint", horizon=600, max_speed=13.9, max_braking=7.6, max_lateral=3.0, parked=0.6, perception=True
-    ),
+    "town": TOWN,
+    "blind-corner": replace(TOWN, perception=True, parked=0.9, hurried=0.5, jaywalk_multiplier=1.0),
 }
 """Worlds by name. ``paper-footprint``: as the paper's, but a contact of the footprint is a collision. ``town``: so too,
 and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as cars do on dry roads; its longest
 routes take 26 s without people, so an episode may last 60 s. ``blind-corner``: as a town's, but parked vehicles and
-buildings hide people."""
-OF_WORLD = ("contact", "horizon", "max_speed", "max_braking", "max_lateral", "parked", "perception")
+buildings hide people, and half of the people are in a hurry: they jaywalk at nine of ten crossings."""
+OF_WORLD = (
+    "contact", "horizon", "max_speed", "max_braking", "max_lateral", "parked", "perception", "jaywalk_multiplier",
+    "hurried",
+)  # fmt: skip
 """What a world decides; everything else is as usual."""
 
 

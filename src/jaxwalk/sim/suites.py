@@ -23,6 +23,7 @@ SUITES: Final = {
     "paper-footprint": Where(("paper",), "paper-footprint", 12),
     "town": Where(("test:200",), "town", 12),
     "crowd": Where(("test:200",), "town", 72),
+    "blind-corner": Where(("test:20",), "blind-corner", 48),
     "unseen-ranges": Where(("unseen-ranges:200",), "town", 12),
 }
 """The suites by name. ``docs/suites.md`` says what each is for, and what rules and the oracle reach on it."""

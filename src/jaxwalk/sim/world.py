@@ -1,4 +1,4 @@
-"""What is the same in every episode: the maps, the rules, and how often people jaywalk."""
+"""What is the same in every episode: the maps and the rules."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ from jaxtyping import Array, Float, Int
 from jaxwalk.maps import MapText, RoadMap, build_map, each_map, read_map, stack_maps
 from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
 from jaxwalk.sim.occluders import pack_occluders
+from jaxwalk.sim.parked_gaps import pack_parked_gaps
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
 STATIC = (
-    "dt", "horizon", "pedestrians", "contact", "perception", "delay", "position_noise", "misses",
+    "dt", "horizon", "pedestrians", "contact", "hurried", "perception", "delay", "position_noise", "misses",
 )  # fmt: skip
 """The rules that a compiled step contains as constants, because loops, shapes or its code depend on them."""
 CROSSINGS = (1.25, 2.5, 5.0, 10.0, 20.0)
@@ -30,13 +31,14 @@ class Rules(eqx.Module):
     """The numbers of a `SimConfig`, which documents them and their units.
 
     Another value of an array needs no new compilation, unless ``fastest_walk`` or ``goal_spacing`` changes the length
-    of a scenario's tables, or ``parked`` becomes 0 or stops being 0.
+    of a scenario's tables (``fastest_hurry`` where people hurry), or ``parked`` becomes 0 or stops being 0.
     """
 
     dt: float = eqx.field(static=True)
     horizon: int = eqx.field(static=True)
     pedestrians: int = eqx.field(static=True)
     contact: ContactRule = eqx.field(static=True)
+    hurried: float = eqx.field(static=True)
     perception: bool = eqx.field(static=True)
     delay: float = eqx.field(static=True)
     position_noise: float = eqx.field(static=True)
@@ -60,6 +62,11 @@ class Rules(eqx.Module):
     start_clearance: Float[Array, ""]
     goal_spacing: Float[Array, ""]
     kerb_distance: Float[Array, ""]
+    jaywalk_multiplier: Float[Array, ""]
+    hurried_tendency: Float[Array, ""]
+    other_tendency: Float[Array, ""]
+    slowest_hurry: Float[Array, ""]
+    fastest_hurry: Float[Array, ""]
     parked: Float[Array, ""]
     sight: Float[Array, ""]
 
@@ -99,8 +106,6 @@ class World(eqx.Module):
     tables: Tables
     """The same maps, packed for a step."""
     rules: Rules
-    jaywalk_multiplier: Float[Array, ""]
-    """P(jaywalk | decision) = jaywalking tendency x this (equation 1)."""
     goals: int = eqx.field(static=True)
     """How many goals a scenario holds for each pedestrian."""
     crossings: int = eqx.field(static=True)
@@ -113,15 +118,15 @@ class World(eqx.Module):
     """Name, hash and text of each map."""
     occluders: Float[Array, "map row column entry"] | None = None
     """What can hide people, by the car's place (`jaxwalk.sim.occluders`); None where everybody sees everybody."""
+    parked_gaps: Float[Array, "map side vehicle 5"] | None = None
+    """Where parked vehicles are in the way of jaywalks (`jaxwalk.sim.parked_gaps`); None where nobody ever parks."""
 
     @classmethod
-    def create(cls, maps: Sequence[str | Path | MapText], config: SimConfig, *, jaywalk_multiplier: float) -> World:
+    def create(cls, maps: Sequence[str | Path | MapText], config: SimConfig) -> World:
         """Return the world of some maps (names as `read_map` and `each_map` take them, or texts).
 
-        Raise MapError for a wrong map, and ValueError for a negative or infinite multiplier, or roads that are too
-        narrow for ``offroad_margin``.
+        Raise MapError for a wrong map, and ValueError for roads that are too narrow for ``offroad_margin``.
         """
-        check_multiplier(jaywalk_multiplier)
         spacing = {"goal_spacing": config.goal_spacing, "start_clearance": config.start_clearance}
         each = [one for x in maps for one in ([x] if isinstance(x, MapText) else each_map([x]))]
         texts = tuple(x if isinstance(x, MapText) else read_map(x) for x in each)
@@ -135,14 +140,15 @@ class World(eqx.Module):
         goals, crossings = table_sizes(config, shortest_crossing=shortest)
         numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
         hides = pack_occluders(stacked, config.sight) if config.perception else None
-        on_host = (hides, stacked, packed, numbers, np.float32(jaywalk_multiplier), np.int32(len(texts)))
+        slots = stacked.slots.shape[-2] if config.parked > 0 else 0
+        in_the_way = pack_parked_gaps(stacked, packed, config.body_radius) if slots else None
+        on_host = (hides, in_the_way, stacked, packed, numbers, np.int32(len(texts)))
         # `jnp.asarray` compiles one program per shape
-        occluders, road_map, tables, arrays, multiplier, count = jax.device_put(on_host)
+        occluders, parked_gaps, road_map, tables, arrays, count = jax.device_put(on_host)
         static: dict[str, Any] = {name: getattr(config, name) for name in STATIC}
         rules = Rules(**static, **arrays)
-        slots = stacked.slots.shape[-2] if config.parked > 0 else 0
         return cls(
-            road_map, Tables(**tables), rules, multiplier, goals, crossings, slots, count, MapTexts(texts), occluders
+            road_map, Tables(**tables), rules, goals, crossings, slots, count, MapTexts(texts), occluders, parked_gaps
         )
 
 
@@ -152,15 +158,9 @@ def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, in
     It walks at most horizon x dt x top speed. Between two decisions lies at least one crossing, ``shortest_crossing``
     metres long. Goals are ``goal_spacing`` apart along the graph; a jaywalk is shorter, but no shorter than a crossing.
     """
-    reach = config.horizon * config.dt * config.fastest_walk
+    reach = config.horizon * config.dt * config.fastest
     apart = min(config.goal_spacing, shortest_crossing)
     return 2 + math.floor(reach / apart), 2 + math.floor(reach / shortest_crossing)
-
-
-def check_multiplier(multiplier: float) -> None:
-    """Raise ValueError for a jaywalk multiplier that is negative or infinite."""
-    if not 0 <= multiplier < float("inf"):
-        raise ValueError(f"jaywalk_multiplier must be a finite number of 0 or more, not {multiplier}")
 
 
 def _check_margin(maps: RoadMap, margin: float) -> None:

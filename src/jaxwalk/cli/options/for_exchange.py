@@ -34,8 +34,8 @@ class Tracks:
     Both kinds of contact are always counted."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
-    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
-    """P(jaywalk | decision) = jaywalking tendency x this."""
+    jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
     out: Annotated[Path, option("tracks.parquet", "FILE")] = Path("tracks.parquet")
     """FILE.parquet; an existing file is replaced. Needs pip install "jaxwalk[data]"."""
 
@@ -81,7 +81,7 @@ class Scenario:
     Both kinds of contact are always counted."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
-    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
-    """P(jaywalk | decision) = jaywalking tendency x this."""
+    jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
     out: Annotated[Path, option("scenario", "DIR")] = Path("scenario")
     """Folder for episode.xosc, map.xodr and commonroad.xml. Needs pip install "jaxwalk[scenarios]"."""

@@ -42,8 +42,9 @@ class Evaluate:
     """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
-    jaywalk_multiplier: Annotated[tuple[float, ...], option("0.25", "X [X ...]")] = (0.25,)
-    """P(jaywalk | decision) = jaywalking tendency x this; several: an evaluation with each."""
+    jaywalk_multiplier: Annotated[tuple[float, ...] | None, option("the world's", "X [X ...]")] = None
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds. Several: an
+    evaluation with each."""
     driver_acts: Annotated[Acting, option("mode", "HOW")] = "mode"
     """How a learned driver chooses: mode, the likeliest action; sample, at random as in training."""
     pedestrians_act: Annotated[Acting, option("sample", "HOW")] = "sample"
@@ -92,8 +93,8 @@ class Play:
     """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
-    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
-    """P(jaywalk | decision) = jaywalking tendency x this."""
+    jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
     time: Annotated[float | None, option("the end", "S")] = None
     """The moment that a picture shows [s]."""
     html: Flag = False
@@ -138,8 +139,8 @@ class Report:
     """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
-    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
-    """P(jaywalk | decision) = jaywalking tendency x this."""
+    jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
     out: Annotated[Path, option("runs/report", "DIR")] = Path("runs/report")
     """Folder for report.html, figures, tables and numbers; files of an earlier report are replaced."""
     trust: Flag = False

@@ -36,8 +36,8 @@ class Train:
     world: Annotated[World | None, option("the recipe's, by footprint on other maps than paper", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car; town: that
     too, and a car for towns (50 km/h, harder brakes, slower in bends)."""
-    jaywalk_multiplier: Annotated[float, option("0.25", "X")] = 0.25
-    """P(jaywalk | decision) = jaywalking tendency x this."""
+    jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
     environments: Annotated[int | None, tuned("environments", "N")] = None
     """Environments side by side (fast with --single-agent: 512)."""
     steps: Annotated[int | None, tuned("steps", "N")] = None
