@@ -16,6 +16,7 @@ from jaxwalk.maps.map_text import MapText
 from jaxwalk.maps.network import Area
 from jaxwalk.maps.network_file import network_text
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.crossing_kind import JAYWALK
 from jaxwalk.sim.scenario import dimensions, from_uniforms
 from jaxwalk.sim.sim_config import SimConfig
 from maps.networks import bend, ring
@@ -88,16 +89,21 @@ def test_parked_vehicles_are_in_the_hash_of_a_set(parking, strip):
     assert len(hashes) == 3
 
 
-def test_car_and_people_pass_through(parking):
+def test_car_and_people_pass_through_unless_they_step_out(parking):
     drawn = jax.vmap(parking.draw, out_axes=-1)(jax.random.split(jax.random.key(77), 8))
     actions = {"driver": jnp.full((2, 8), 0.5), "pedestrian": jnp.ones((2, 8), int)}
 
-    def places(scenario):
+    def after(scenario):
         state = parking.reset(scenario)
         for _ in range(5):
             state, _ = parking.step(scenario, state, actions)
-        return leaves((state.vehicle, state.pedestrian))
+        return state
 
-    everywhere, nowhere = (replace(drawn, parked=jnp.full_like(drawn.parked, x)) for x in (True, False))
-    for one, other in zip(places(everywhere), places(nowhere), strict=True):
+    everywhere, nowhere = (after(replace(drawn, parked=jnp.full_like(drawn.parked, x))) for x in (True, False))
+    steps_out = np.asarray(nowhere.pedestrian.crossing) == JAYWALK
+    assert not steps_out.all()
+    for one, other in zip(leaves(everywhere.vehicle), leaves(nowhere.vehicle), strict=True):
+        np.testing.assert_array_equal(one, other)
+    for column in ("x", "y", "to_kerb", "crossing", "on_roadway"):
+        one, other = (np.asarray(getattr(state.pedestrian, column))[~steps_out] for state in (everywhere, nowhere))
         np.testing.assert_array_equal(one, other)
