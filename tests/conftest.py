@@ -41,6 +41,7 @@ def pytest_addoption(parser):
         metavar="N",
         help="list the N (30) files and tests that cost most",
     )
+    parser.addoption("--part", metavar="K/N", help="run only part K of N of the files with long tests")
 
 
 def pytest_configure(config):
@@ -64,14 +65,24 @@ ROOMS = ("cli", "learning", "evaluation", "browser", "runs", "sim", "adapters", 
 """Folders of tests that take long, the longest first; workers begin with them."""
 
 
-def pytest_collection_modifyitems(items):
-    """Long rooms first, so that no worker waits for another one in the end."""
+def pytest_collection_modifyitems(config, items):
+    """Long rooms first, so that no worker waits for another one in the end; only the part that is asked for."""
     rank = {room: number for number, room in enumerate(ROOMS)}
     items.sort(key=lambda item: rank.get(_room(item.nodeid), len(rank)))
+    if config.getoption("part"):
+        part, parts = map(int, config.getoption("part").split("/"))
+        files = sorted({_file(item.nodeid) for item in items if item.get_closest_marker("long")})
+        chosen = set(files[part % parts :: parts])
+        config.hook.pytest_deselected(items=[item for item in items if _file(item.nodeid) not in chosen])
+        items[:] = [item for item in items if _file(item.nodeid) in chosen]
+
+
+def _file(nodeid):
+    return nodeid.partition("::")[0]
 
 
 def _room(nodeid):
-    return nodeid.partition("::")[0].split("/")[1]
+    return _file(nodeid).split("/")[1]
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -85,7 +96,7 @@ def pytest_xdist_make_scheduler(config, log):
 
     class ByRoom(LoadScopeScheduling):
         def _split_scope(self, nodeid):
-            return _room(nodeid) if few else nodeid.partition("::")[0]
+            return _room(nodeid) if few else _file(nodeid)
 
     config.option.loadscopereorder = False
     return ByRoom(config, log)
