@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.scipy.special import ndtr, ndtri
 from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.sim.lookup import look_up
@@ -13,6 +16,8 @@ from jaxwalk.sim.world import World
 TRAITS = 4
 """Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed, and two that the simulator
 ignores but that policies of pedestrians see."""
+FINEST = 2.0**-17
+"""Numbers closer to 0 or 1 than this count as if they were this far away, where they become normal scores."""
 
 
 class Scenario(eqx.Module):
@@ -89,6 +94,7 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
 
     The first two choose map and route. Then come the rows of a table with one column for each pedestrian: start,
     goals, traits, then one row of jaywalk draws and one of zone draws for each crossing, in the order of `Scenario`.
+    With ``pace_correlation``, the second trait depends on the first one too.
     The last ones are of parking slots, if anybody parks: a vehicle is in a slot if its number is below ``parked``.
 
     Args:
@@ -96,11 +102,13 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         numbers: where in the cube.
         like: keep the map and the route of this scenario.
     """
-    maps = world.maps
+    maps, correlation = world.maps, world.rules.pace_correlation
     of_people, of_slots = jnp.split(numbers[2:], (_rows(world) * world.rules.pedestrians,))
     start_draw, goal_draws, traits, jaywalk_draw, zone_draw = jnp.split(
         of_people.reshape(_rows(world), world.rules.pedestrians), _boundaries(world)
     )
+    if correlation:
+        traits = traits.at[1].set(correlated(traits[0], traits[1], correlation))
     map_index = jnp.floor(numbers[0] * world.map_count).astype(jnp.int32)
     routes = look_up(maps.route_count, map_index)
     route = jnp.minimum((numbers[1] * routes).astype(jnp.int32), routes - 1)
@@ -124,6 +132,18 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         zone_draw=zone_draw,
         parked=_parked(world, map_index, of_slots) if world.slots else None,
     )
+
+
+def correlated(
+    one: Float[Array, "*batch"], other: Float[Array, "*batch"], correlation: float
+) -> Float[Array, "*batch"]:
+    """Return a uniform number that depends on two independent ones: as the other one, correlated with the first one.
+
+    It has the Gaussian copula with this correlation of the normal scores, so its rank correlation with ``one`` is
+    6 / pi asin(correlation / 2).
+    """
+    first, second = (ndtri(jnp.clip(number, FINEST, 1 - FINEST)) for number in (one, other))
+    return ndtr(correlation * first + math.sqrt(1 - correlation**2) * second)
 
 
 def _parked(world: World, map_index: Array, of_slots: Float[Array, " slot"]) -> Bool[Array, " slot"]:
