@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from jaxwalk.maps import load_network
@@ -12,6 +14,7 @@ from jaxwalk.viewer.drawn_map import DrawnMap
 from jaxwalk.viewer.record import make_records
 from jaxwalk.viewer.replay import document, entries
 from metrics.scenes import Scene, Walk, trajectory
+from viewer.sight import with_sight
 
 PEOPLE = [
     Walk(50.0, 50.0, vy=1.0, crossings=[(22, 50, JAYWALK)], waits=[1], tau=0.9),
@@ -23,22 +26,30 @@ DRIVERS = {"rash": (HIT, SLOWED, HIT), "careful": (SLOWED, SLOWED, HIT)}
 SCENARIOS = [7, 9, 217]
 
 
-def replay_document():
-    """What a page of these episodes shows."""
+def replay_document(seen=lambda recorded: recorded):
+    """What a page of these episodes shows; ``seen`` adds what the car perceives."""
     found = []
     for driver, scenes in DRIVERS.items():
         t = trajectory(*scenes, scenario=SCENARIOS)
-        t = _moved(t)
+        t = seen(_moved(t))
         routes = [np.array([[20.0, 54.0], [60.0, 54.0]])] * len(scenes)
         records = make_records(t, _paths(len(scenes)), routes)
         found += entries(t, records, [0] * len(scenes), driver=driver, pedestrians="always-go", multiplier=0.25)
     return document(found, [load_network("paper")], dt=0.1)
 
 
+def sighted_document():
+    """The same where the car loses pedestrian 1 from 1.0 s to 3.8 s, beside a parked vehicle."""
+
+    def seen(recorded):
+        boxes = np.array([[[44.0, 50.6, 1, 0, 2.2, 0.9], [np.nan] * 6]] * len(SCENARIOS))
+        return dataclasses.replace(with_sight(recorded, {0: [(10, 38)]}), parked=boxes)
+
+    return replay_document(seen)
+
+
 def _moved(t):
     """Scenes have their road along y = 0; the map's is 54 m farther north."""
-    import dataclasses
-
     return dataclasses.replace(t, car_y=t.car_y + 54.0, goal_x=t.goal_x + 60.0, goal_y=t.goal_y + 54.0)
 
 

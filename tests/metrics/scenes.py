@@ -154,7 +154,8 @@ def changed(recorded: Trajectory, **arrays) -> Trajectory:
 
 def pick(recorded: Trajectory, *, episodes=slice(None), people=slice(None)) -> Trajectory:
     """Some episodes, or pedestrians, in the given order."""
-    arrays = {f.name: getattr(recorded, f.name) for f in fields(recorded) if f.name != "dt"}
+    known = {f.name: getattr(recorded, f.name) for f in fields(recorded) if f.name != "dt"}
+    arrays = {name: array for name, array in known.items() if array is not None}
     for name, array in arrays.items():
         array = array[:, episodes] if name in (*PADDED, *PADDED_PEDS) else array[episodes]
         if name in PADDED_PEDS or name in ("touched", "jaywalking_tendency"):

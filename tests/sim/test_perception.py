@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from jaxwalk import Street
+from jaxwalk.evaluation import play
 from jaxwalk.interfaces import Moment
+from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.sim import prediction
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, Observation, part
@@ -20,6 +22,7 @@ from jaxwalk.sim.perceived import KEPT, Sighting
 from jaxwalk.sim.perception import _arrive, chance
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.trajectory import part_of
 
 RULES = SimConfig(horizon=100, pedestrians=12, parked=0.6, perception=True, contact="footprint")
 STREET, BATCH, STEPS = "validation-1000000003", 32, 60
@@ -226,3 +229,31 @@ def test_a_view_without_perception_costs_nothing(scenarios):
     assert len(jax.tree.leaves(state)) == len(
         jax.tree.leaves((state.step, state.vehicle, state.pedestrian, state.foresight))
     )
+
+
+def test_a_recording_says_what_was_perceived_and_who_is_parked(hiding, scenarios):
+    policies = {"driver": RouteFollower(), "pedestrian": AlwaysGo()}
+    recorded = play(hiding, policies, scenarios, jax.random.split(jax.random.key(77), BATCH))
+    now, age = recorded.perceived, recorded.last_seen_age
+    assert 0.1 < now.mean() < 0.9
+    for place, last in ((recorded.ped_x, recorded.last_seen_x), (recorded.ped_y, recorded.last_seen_y)):
+        np.testing.assert_array_equal(last[now], place[now])
+        kept = ~now[1:]
+        np.testing.assert_array_equal(last[1:][kept], last[:-1][kept])
+    assert (age[now] == 0).all() and (age[~now] > 0).all()
+    slots = np.asarray(hiding.world.maps.slots)[0]
+    for boxes, parked in zip(recorded.parked, np.asarray(scenarios.parked).T, strict=True):
+        np.testing.assert_array_equal(boxes[parked], slots[parked])
+        assert np.isnan(boxes[~parked]).all()
+    some = part_of(recorded, frames=7, episodes=slice(3))
+    assert some.perceived.shape == (7, 3, RULES.pedestrians)
+    assert some.parked.shape == (3, *slots.shape)
+
+
+def test_where_everybody_is_perceived_nothing_of_it_is_recorded(street):
+    scenarios = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), 4))
+    keys = jax.random.split(jax.random.key(77), 4)
+    recorded = play(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, scenarios, keys)
+    some = part_of(recorded, frames=2, episodes=slice(1))
+    for one in (recorded, some):
+        assert one.parked is one.perceived is one.last_seen_x is one.last_seen_y is one.last_seen_age is None

@@ -12,10 +12,12 @@ import pytest
 
 from jaxwalk.maps import load_network
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.perceived import KEPT
 from jaxwalk.sim.walking_paths import Paths
-from jaxwalk.viewer.record import GOING, JAYWALKS, ON_ROADWAY, make_records
-from jaxwalk.viewer.replay import as_script, document, entries, replay_page
+from jaxwalk.viewer.record import GOING, JAYWALKS, ON_ROADWAY, UNPERCEIVED, make_records
+from jaxwalk.viewer.replay import as_script, document, entries, part, replay_page
 from metrics.scenes import Scene, Walk, trajectory
+from viewer.sight import with_sight
 
 PEOPLE = [
     Walk(30.0, -4.0, vy=1.0, crossings=[(12, 40, JAYWALK)], waits=[1], tau=0.9),
@@ -108,3 +110,47 @@ def test_a_page_entry_says_how_it_ended(recorded):
     found = entries(recorded, make_records(recorded), [0, 0, 0], driver="a", pedestrians="b", multiplier=0.25)
     said = [(entry["scenario"], entry["ending"], entry["steps"]) for entry in found]
     assert said == [(7, "goal", 50), (9, "collision", 30), (11, "timeout", 20)]
+
+
+def test_a_world_without_perception_has_the_records_it_had(recorded):
+    """To the byte: no field more, and no bit more in anybody's state."""
+    for text in make_records(recorded):
+        record = unpacked(text)
+        assert list(record) == ["goal", "touched", "tendency", "car", "people", "events", "route"]
+        for person in record["people"]:
+            assert list(person) == ["x", "y", "state"]
+            assert max(np.cumsum(person["state"])) < UNPERCEIVED
+
+
+def test_who_is_perceived_is_a_bit_and_each_loss_a_place(recorded):
+    hidden = {0: [(10, 20), (25, 30)], 1: [(0, 5)]}
+    record = unpacked(make_records(with_sight(recorded, hidden))[0])
+    for ped, times in hidden.items():
+        bits = np.cumsum(record["people"][ped]["state"]) & UNPERCEIVED > 0
+        assert np.flatnonzero(bits).tolist() == [k for begin, end in times for k in range(begin, end)]
+    crosses, walks = record["people"]
+    assert np.cumsum(crosses["lost"]["x"]).tolist() == [3000, 3000]
+    seen = recorded.ped_y[[9, 24], 0, 0]
+    np.testing.assert_allclose(np.cumsum(crosses["lost"]["y"]) / 100, seen, atol=0.005)
+    assert walks["lost"] == {"x": [], "y": []}, "whom it has never seen it can't lose"
+    assert record["delay"] == 0
+
+
+def test_a_delay_counts_in_steps(recorded):
+    late = with_sight(recorded, {0: [(10, 20)]}, delay=4)
+    record = unpacked(make_records(late)[0])
+    assert record["delay"] == 4
+    assert np.cumsum(record["people"][0]["lost"]["y"])[0] / 100 == pytest.approx(recorded.ped_y[5, 0, 0], abs=0.005)
+
+
+def test_parked_vehicles_are_stored_once_each(recorded):
+    free = np.full(6, np.nan)
+    boxes = np.array([[20, 5, 1, 0, 2.2, 0.9], free, [26.004, 5, 0, 1, 2.2, 0.7]])
+    some = dataclasses.replace(recorded, parked=np.stack([boxes, boxes[[1, 1, 1]], boxes]))
+    first, second, _ = (unpacked(text)["parked"] for text in make_records(some))
+    assert first == {"x": [2000, 600], "y": [500, 0], "heading": [0, 1571], "length": [440, 0], "width": [180, -40]}
+    assert second == {"x": [], "y": [], "heading": [], "length": [], "width": []}
+
+
+def test_the_page_remembers_people_as_long_as_the_car_does():
+    assert f"const KEPT = {KEPT:g};" in part("record.js")

@@ -11,6 +11,8 @@ from jaxwalk.maps import load_network
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer import EpisodeFigure, ViewerError, animation, picture
+from jaxwalk.viewer.episode_figure import FAINTEST, PALE, PARKED
+from viewer.sight import with_sight
 
 FRAMES, EPISODES, PEOPLE = 21, 2, 2
 
@@ -81,6 +83,44 @@ def test_texts_and_jaywalks(trajectory, network):
     assert drawn.crash.get_visible()
     assert len(drawn.yellow.get_segments()) == 1
     np.testing.assert_allclose(drawn.car.get_xy().mean(axis=0), [10 + 1.8 * 8, 54], atol=0.5)
+
+
+def test_who_is_not_perceived_is_pale_and_a_ring_is_where_it_was_last_seen(trajectory, network):
+    slow = replace(trajectory, dt=0.4)  # so that 3 s are over within the episode
+    drawn = EpisodeFigure(with_sight(slow, {0: [(2, 20)], 1: [(0, 12)]}), 1, network, width=300)
+    drawn.show(1)
+    assert drawn.people.get_facecolor()[:, 3].tolist() == [1, PALE]
+    assert drawn.people.get_linestyles()[0] != drawn.people.get_linestyles()[1]
+    assert len(drawn.last_seen.get_offsets()) == 0, "the second one was never seen"
+    drawn.show(3)
+    assert drawn.people.get_facecolor()[:, 3].tolist() == [PALE, PALE]
+    np.testing.assert_allclose(drawn.last_seen.get_offsets(), [[26.0, 51.0 + 1.5 * 0.1]])
+    assert drawn.last_seen.get_edgecolor()[0, 3] == pytest.approx(1 - 0.8 / 3)
+    drawn.show(8)
+    assert drawn.last_seen.get_edgecolor()[0, 3] == FAINTEST
+    drawn.show(9)
+    assert len(drawn.last_seen.get_offsets()) == 0, "3.2 s ago"
+
+
+def test_parked_vehicles_are_drawn(trajectory, network, tmp_path):
+    boxes = np.array([[30, 70, 1, 0, 20, 10], [np.nan] * 6])
+    there = replace(trajectory, parked=np.stack([boxes, boxes]))
+    dark = tuple(bytes.fromhex(PARKED[1:]))
+    for recorded, parked in ((trajectory, False), (there, True)):
+        drawn = EpisodeFigure(recorded, 1, network, width=300)
+        drawn.legend.set_visible(False)
+        picture(drawn, tmp_path / "parked.png")
+        assert has(colours(tmp_path / "parked.png"), dark) == parked
+
+
+def test_the_legend_names_what_the_world_has(trajectory, network):
+    def names(recorded):
+        return [text.get_text() for text in EpisodeFigure(recorded, 1, network).legend.get_texts()]
+
+    usual = names(trajectory)
+    assert len(usual) == 5
+    parked = replace(trajectory, parked=np.full((2, 1, 6), np.nan))
+    assert names(with_sight(parked, {})) == [*usual, "parked vehicle", "not perceived by the car", "last seen, 3 s"]
 
 
 @pytest.mark.parametrize(("width", "height"), [(120, 120), (300, 60), (60, 300)])

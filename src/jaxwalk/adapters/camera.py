@@ -11,7 +11,7 @@ from jaxwalk.maps import as_network
 from jaxwalk.rollout import Stream
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.recording import frame
+from jaxwalk.sim.recording import frame, parked_boxes
 from jaxwalk.sim.trajectory import Trajectory, in_order
 from jaxwalk.viewer import EpisodeFigure
 
@@ -47,6 +47,7 @@ class Camera:
                 goal_x=np.asarray(goal_x),
                 goal_y=np.asarray(goal_y),
                 jaywalking_tendency=np.asarray(scenario.jaywalking_tendency(self.street.world)).T,
+                parked=parked_boxes(self.street.world, scenario),
                 **{name: np.zeros((frames, *x.shape), x.dtype) for name, x in row.items()},
             ),
             None,

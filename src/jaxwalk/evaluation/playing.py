@@ -19,7 +19,7 @@ from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.policies.host import HostDriver
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.recording import Frame, frame
+from jaxwalk.sim.recording import Frame, frame, parked_boxes
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
 from jaxwalk.sim.trajectory import Trajectory, in_order
@@ -206,5 +206,6 @@ def _trajectory(
         goal_x=np.asarray(goal_x),
         goal_y=np.asarray(goal_y),
         jaywalking_tendency=np.asarray(scenarios.jaywalking_tendency(street.world)).T,
+        parked=parked_boxes(street.world, scenarios),
         **in_order(columns),
     )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import jax.numpy as jnp
-from jaxtyping import Array
+import numpy as np
+from jaxtyping import Array, Float
 
 from jaxwalk.sim import pedestrian, prediction
+from jaxwalk.sim.perceived import Perceived
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import PedestrianState, State
 from jaxwalk.sim.world import World
@@ -17,6 +19,7 @@ Frame = dict[str, Array]
 def frame(world: World, scenario: Scenario, state: State) -> Frame:
     """Return what a `Trajectory` records of a moment."""
     car, people = state.vehicle, state.pedestrian
+    known = {} if state.perceived is None else _frame_of_sightings(state.perceived)
     return {
         "car_x": car.x,
         "car_y": car.y,
@@ -30,7 +33,25 @@ def frame(world: World, scenario: Scenario, state: State) -> Frame:
         "enters_roadway": pedestrian.enters_roadway(people),
         "going": people.going,
         "predicted_miss": prediction.predicted_miss(world, scenario, state)[0],
+        **known,
     }
+
+
+def _frame_of_sightings(known: Perceived) -> Frame:
+    return {
+        "perceived": known.now.seen,
+        "last_seen_x": known.last.x,
+        "last_seen_y": known.last.y,
+        "last_seen_age": known.age,
+    }
+
+
+def parked_boxes(world: World, scenarios: Scenario) -> Float[np.ndarray, "episode slot column"] | None:
+    """Return what a `Trajectory` records of parked vehicles; None where nobody ever parks."""
+    if scenarios.parked is None:
+        return None
+    boxes = np.asarray(world.maps.slots)[np.asarray(scenarios.map)]
+    return np.where(np.asarray(scenarios.parked).T[..., None], boxes, np.float32("nan"))
 
 
 def frame_of_people(world: World, scenario: Scenario, people: PedestrianState) -> Frame:

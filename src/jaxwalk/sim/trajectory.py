@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, TypeVar, get_args, get_type_hints
 
 import equinox as eqx
 import numpy as np
@@ -78,20 +78,36 @@ class Trajectory(Walks):
     predicted_miss: Float[np.ndarray, "frame episode ped"]
     """How close the centres would come if the pedestrian went on now and the car kept its velocity [m]."""
 
+    parked: Float[np.ndarray, "episode slot column"] | None = None
+    """The boxes of parked vehicles (`jaxwalk.maps.parking_slots.SLOT_COLUMNS`); NaN for a slot that is free. None where
+    nobody ever parks."""
+    perceived: Bool[np.ndarray, "frame episode ped"] | None = None
+    """Whether what the car knows of the pedestrian is of this moment (with a delay, of the newest that can be known);
+    this and what follows is None in a world without perception."""
+    last_seen_x: Float[np.ndarray, "frame episode ped"] | None = None
+    """Where the car last perceived the pedestrian [m]; 0 if never."""
+    last_seen_y: Float[np.ndarray, "frame episode ped"] | None = None
+    last_seen_age: Float[np.ndarray, "frame episode ped"] | None = None
+    """How long ago that was [s]. After `jaxwalk.sim.perceived.KEPT` the car has forgotten it."""
+
 
 Recorded = TypeVar("Recorded", bound=Walks)
 
 AXES: dict[str, tuple[str, ...]] = {
-    name: tuple(hint.dim_str.split()) for name, hint in get_type_hints(Trajectory).items() if hasattr(hint, "dim_str")
+    name: tuple(array.dim_str.split())
+    for name, hint in get_type_hints(Trajectory).items()
+    for array in (hint, *get_args(hint))
+    if hasattr(array, "dim_str")
 }
 """The axes of each column of a `Trajectory` (and of `Ghosts`), by its name."""
 
 
 def part_of(recorded: Recorded, *, frames: int, episodes: slice) -> Recorded:
     """Return the first frames of some episodes of a recording."""
-    which = {"frame": slice(frames), "episode": episodes, "ped": slice(None)}
-    columns = {name: x[tuple(which[axis] for axis in AXES[name])] for name, x in vars(recorded).items() if name in AXES}
-    return replace(recorded, **columns)
+    which = {"frame": slice(frames), "episode": episodes}
+    columns = {name: x for name, x in vars(recorded).items() if name in AXES and x is not None}
+    parts = {name: x[tuple(which.get(axis, slice(None)) for axis in AXES[name])] for name, x in columns.items()}
+    return replace(recorded, **parts)
 
 
 def in_order(columns: Mapping[str, Shaped[np.ndarray, "..."]]) -> dict[str, Any]:

@@ -6,15 +6,17 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
-from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.collections import LineCollection, PathCollection, PolyCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
 from jaxwalk.maps.network import Network
+from jaxwalk.maps.parking_slots import box_corners
 from jaxwalk.sim.crossing_kind import JAYWALK
+from jaxwalk.sim.perceived import KEPT
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer.ground import draw_ground
@@ -23,6 +25,11 @@ CAR_LENGTH, CAR_WIDTH = SimConfig.car_length, SimConfig.car_width
 """Size of the drawn car [m]."""
 CAR, JAYWALKED, GOAL, CRASH = "#1f5fd0", "#ffd400", "#d81e2c", "#d81e2c"
 """Colours of the car, of jaywalks, of the goal and of a collision."""
+PARKED, LAST_SEEN, OUTLINE = "#4d5663", "#7a1fb8", "#222222"
+"""Colours of parked vehicles, of where somebody was last seen, and of people's outlines."""
+PALE, FAINTEST = 0.3, 0.15
+"""Opacity of who isn't perceived, and the lowest of where somebody was last seen."""
+DASHED = (0, (2, 1.5))
 TENDENCY = LinearSegmentedColormap.from_list("tendency", ["#fff4d6", "#f5b242", "#cd540a", "#541408"])
 """Colours from pale (never jaywalks) to dark, as in ``page/drawing.js``. They differ in lightness, which colour-blind
 people see too."""
@@ -91,6 +98,7 @@ class EpisodeFigure:
         self.people.set_offsets(np.stack([t.ped_x[frame, e], t.ped_y[frame, e]], axis=-1))
         begin = max(0, frame - round(TRAIL / t.dt))
         self.trails.set_segments(list(_paths(t, e, begin, frame).transpose(1, 0, 2)))
+        self._show_sight(frame)
         walked = [
             _paths(t, e, enter, min(leave, frame))[:, ped] for ped, enter, leave in self.jaywalks if enter < frame
         ]
@@ -98,6 +106,23 @@ class EpisodeFigure:
         self.title.set_text(self._caption(frame))
         hit = frame == self.last and bool(t.collision[e])
         self.crash.set_visible(hit)
+
+    def _show_sight(self, frame: int) -> None:
+        """Show who isn't perceived, and where the car last saw them."""
+        t, e = self.trajectory, self.episode
+        if self.last_seen is None:  # a recording without perception
+            return
+        seen = (t.perceived, t.last_seen_x, t.last_seen_y, t.last_seen_age)
+        now, x, y, age = (np.asarray(column)[frame, e] for column in seen)
+        faces = TENDENCY(t.jaywalking_tendency[e])
+        faces[~now, 3] = PALE
+        self.people.set_facecolor(faces)
+        self.people.set_linestyle(["-" if perceived else DASHED for perceived in now])
+        lost = ~now & (age <= KEPT)
+        self.last_seen.set_offsets(np.stack([x, y], axis=-1)[lost])
+        rings = np.tile(to_rgba(LAST_SEEN), (int(lost.sum()), 1))
+        rings[:, 3] = np.maximum(FAINTEST, 1 - age[lost] / KEPT)
+        self.last_seen.set_edgecolor(rings.tolist())
 
     def pixels(self, frame: int) -> UInt8[np.ndarray, "height width 3"]:
         """Return a frame as an image. Only the moving artists are drawn again."""
@@ -119,6 +144,11 @@ class EpisodeFigure:
         """Add everything that moves, still empty."""
         t, e, axes = self.trajectory, self.episode, self.axes
         colours = TENDENCY(t.jaywalking_tendency[e])
+        if t.parked is not None:
+            boxes = box_corners(t.parked[e][~np.isnan(t.parked[e][:, 0])])
+            axes.add_collection(
+                PolyCollection(list(boxes), facecolors=PARKED, edgecolors="white", linewidths=0.5, zorder=4)
+            )
         self.path = axes.plot([], [], color=CAR, linewidth=2, alpha=0.7, zorder=5)[0]
         self.yellow = LineCollection([], colors=JAYWALKED, linewidths=3.5, capstyle="round", zorder=6)
         self.trails = LineCollection([], colors=colours, linewidths=1.6, alpha=0.7, zorder=7)
@@ -128,14 +158,20 @@ class EpisodeFigure:
         self.car = Polygon(np.zeros((5, 2)), facecolor=CAR, edgecolor="#0b2a66", linewidth=1, zorder=9)
         axes.add_patch(self.car)
         self.people = axes.scatter(
-            t.ped_x[0, e], t.ped_y[0, e], s=46, c=colours, edgecolors="#222222", linewidths=0.9, zorder=10
+            t.ped_x[0, e], t.ped_y[0, e], s=46, c=colours, edgecolors=OUTLINE, linewidths=0.9, zorder=10
         )
+        self.last_seen: PathCollection | None = None
+        if t.perceived is not None:
+            self.last_seen = axes.scatter(
+                [], [], s=80, facecolors="none", linewidths=1.6, linestyles=[DASHED], zorder=9.5
+            )
         self.crash = axes.plot(
             t.car_x[self.last, e], t.car_y[self.last, e], marker="o", markersize=34, markerfacecolor="none",
             markeredgecolor=CRASH, markeredgewidth=3, linestyle="none", zorder=11, visible=False,
         )[0]  # fmt: skip
         self.title = axes.set_title("0", fontfamily="monospace", fontsize=12, loc="left")
-        self.moving = (self.path, self.yellow, self.trails, self.car, self.people, self.crash, self.title)
+        rings = () if self.last_seen is None else (self.last_seen,)
+        self.moving = (self.path, self.yellow, self.trails, self.car, *rings, self.people, self.crash, self.title)
 
     def _add_legend(self) -> None:
         scale = ScalarMappable(Normalize(0, 1), TENDENCY)
@@ -146,13 +182,27 @@ class EpisodeFigure:
             Line2D([], [], color=CAR, linewidth=6, label="car"),
             Line2D([], [], color=CAR, linewidth=2, alpha=0.7, label="its path"),
             Line2D([], [], color=GOAL, marker="x", markersize=9, markeredgewidth=3, linestyle="none", label="its goal"),
-            Line2D([], [], color="#cd540a", marker="o", markeredgecolor="#222222", label="pedestrian, last 3 s"),
+            Line2D([], [], color="#cd540a", marker="o", markeredgecolor=OUTLINE, label="pedestrian, last 3 s"),
             Line2D([], [], color=JAYWALKED, linewidth=3.5, label="jaywalk"),
+            *self._handles_of_sight(),
         ]
+        columns = -(-len(handles) // 2) if len(handles) > 5 else 5
         self.legend = self.figure.legend(
-            handles=handles, loc="outside lower center", ncols=5, fontsize=9, frameon=False,
+            handles=handles, loc="outside lower center", ncols=columns, fontsize=9, frameon=False,
             columnspacing=1.4, handlelength=1.6,
         )  # fmt: skip
+
+    def _handles_of_sight(self) -> list[Line2D | PathCollection]:
+        """Return the legend's handles of what only some worlds have."""
+        found: list[Line2D | PathCollection] = []
+        if self.trajectory.parked is not None:
+            found.append(Line2D([], [], color=PARKED, linewidth=6, label="parked vehicle"))
+        if self.trajectory.perceived is not None:
+            rings = {"linestyles": [DASHED], "facecolors": (*to_rgba("#cd540a")[:3], PALE), "edgecolors": OUTLINE}
+            found.append(self.axes.scatter([], [], s=46, label="not perceived by the car", **rings))
+            rings |= {"facecolors": "none", "edgecolors": LAST_SEEN}
+            found.append(self.axes.scatter([], [], s=80, linewidths=1.6, label=f"last seen, {KEPT:g} s", **rings))
+        return found
 
 
 def _outline(x: np.floating, y: np.floating, cos: np.floating, sin: np.floating) -> Float[np.ndarray, "corner 2"]:

@@ -22,8 +22,9 @@ from jaxwalk.sim.walking_paths import Paths
 
 PER_METRE, PER_RADIAN = 100, 1000
 """Units of a record: positions in cm, speeds in cm/s, accelerations in cm/s2, headings in mrad."""
-GOING, ON_ROADWAY, JAYWALKS = 1, 2, 4
-"""Bits of a pedestrian's state: it walks, it is between the kerbs, it has decided to jaywalk."""
+GOING, ON_ROADWAY, JAYWALKS, UNPERCEIVED = 1, 2, 4, 8
+"""Bits of a pedestrian's state: it walks, it is between the kerbs, it has decided to jaywalk, the car doesn't perceive
+it. The last one is never set in a world without perception."""
 
 Record = dict[str, Any]
 
@@ -44,6 +45,10 @@ def make_records(
     packed = []
     for episode in range(len(trajectory.length)):
         record = _episode(trajectory, episode)
+        if trajectory.parked is not None:
+            record["parked"] = _boxes(trajectory.parked[episode])
+        if trajectory.perceived is not None:
+            _add_last_seen(record, trajectory, episode)
         record["events"] = _events(trajectory, episode, crossings, encounters)
         record["route"] = None if routes is None else _line(routes[episode])
         if paths is not None:
@@ -74,6 +79,8 @@ def _episode(t: Trajectory, e: int) -> Record:
     heading = np.unwrap(np.arctan2(t.car_sin[frames, e], t.car_cos[frames, e]))
     state = t.going[frames, e] * GOING + t.on_roadway[frames, e] * ON_ROADWAY
     state = state + (t.crossing[frames, e] == JAYWALK) * JAYWALKS
+    if t.perceived is not None:
+        state = state + ~t.perceived[frames, e] * UNPERCEIVED
     return {
         "goal": [round(float(t.goal_x[e]), 2), round(float(t.goal_y[e]), 2)],
         "touched": np.flatnonzero(t.touched[e]).tolist() if t.collision[e] else [],
@@ -94,6 +101,23 @@ def _episode(t: Trajectory, e: int) -> Record:
             for ped in range(t.ped_x.shape[2])
         ],
     }
+
+
+def _boxes(boxes: np.ndarray) -> Record:
+    """Return the boxes of parked vehicles, ``(slot, column)`` with NaN for free slots, as a record."""
+    x, y, cos, sin, half_length, half_width = boxes[~np.isnan(boxes[:, 0])].T
+    sizes = {"length": _differences(2 * half_length, PER_METRE), "width": _differences(2 * half_width, PER_METRE)}
+    return {**_line(np.stack([x, y], axis=1)), "heading": _differences(np.arctan2(sin, cos), PER_RADIAN), **sizes}
+
+
+def _add_last_seen(record: Record, t: Trajectory, e: int) -> None:
+    """Add to each person where it was last seen, a point for each time that the car loses it, and how late that is."""
+    columns = (t.perceived, t.last_seen_x, t.last_seen_y, t.last_seen_age)
+    now, x, y, age = (np.asarray(column)[: int(t.length[e]) + 1, e] for column in columns)
+    record["delay"] = round(float(age[now].min()) / t.dt) if now.any() else 0
+    for ped, person in enumerate(record["people"]):
+        lost = np.flatnonzero(now[:-1, ped] & ~now[1:, ped]) + 1
+        person["lost"] = _line(np.stack([x[lost, ped], y[lost, ped]], axis=1))
 
 
 def _events(t: Trajectory, e: int, crossings: Crossings, encounters: Encounters) -> list[Record]:

@@ -7,6 +7,7 @@ const SEAM = 0.6; // overlap of surfaces in pixels; without it, the ground shows
 const SURFACES = ["building", "sidewalk", "roadway", "parking", "island", "raised"]; // each covers those before it
 const TRAIL = 3; // length of a pedestrian's trail [s]
 const NEAREST = 6; // pedestrians that the car observes individually
+const PALE = 0.3, FAINTEST = 0.15; // opacity of who isn't perceived, and the lowest of where somebody was last seen
 // From pale to dark: the colours differ in lightness, which colour-blind people see too.
 const TENDENCY = [[255, 244, 214], [245, 178, 66], [205, 84, 10], [84, 20, 8]];
 
@@ -50,18 +51,21 @@ class Drawing {
   toPixels = (x, y) => [this.left + x * this.scale, this.top - y * this.scale];
   toMetres = (px, py) => ({ x: (px - this.left) / this.scale, y: (this.top - py) / this.scale });
 
-  // shows: { hidden, plans, rings, follow, trails } switches.
+  // shows: { hidden, sight, plans, rings, follow, trails } switches. Without hidden, who isn't perceived isn't drawn.
   draw(episode, time, shows) {
     const now = episode.at(time);
     const c = this.#begin(shows.follow ? now.car : null);
     this.#ground(c);
+    if (episode.parked) this.#parked(c, episode);
     if (shows.plans) this.#route(c, episode);
     this.#goal(c, episode.goal);
     if (shows.trails) this.#trails(c, episode, now, shows.hidden);
     if (shows.plans && shows.hidden) this.#plans(c, episode, now);
     if (shows.rings) this.#rings(c, now.car);
     this.#car(c, now.car);
-    for (const person of now.people) this.#person(c, person, shows.hidden);
+    const drawn = now.people.filter((person) => shows.hidden || !person.unperceived);
+    if (shows.sight) for (const person of now.people) if (person.lastSeen) this.#lastSeen(c, person);
+    for (const person of drawn) this.#person(c, person, shows.hidden, shows.sight && person.unperceived);
     if (now.over && episode.touched.size) this.#crash(c, now, episode);
     return now;
   }
@@ -82,6 +86,18 @@ class Drawing {
       c.setLineDash(dash);
       c.stroke(shape);
     }
+    c.restore();
+  }
+
+  #parked(c, episode) {
+    episode.parkedShape ??= outlines(episode.parked, true);
+    c.save();
+    c.transform(this.scale, 0, 0, -this.scale, this.left, this.top); // metres
+    c.lineWidth = 1.2 / this.scale;
+    c.fillStyle = this.colour.parked;
+    c.strokeStyle = this.colour.halo;
+    c.fill(episode.parkedShape);
+    c.stroke(episode.parkedShape);
     c.restore();
   }
 
@@ -120,7 +136,9 @@ class Drawing {
     this.#stroke(c, this.colour.car, 2);
     const first = Math.max(0, now.frame - Math.round(TRAIL / episode.dt));
     for (const [ped, one] of episode.people.entries()) {
-      this.#path(c, one.x, one.y, first, now.frame);
+      const { since, unperceived } = now.people[ped];
+      if (unperceived && !hidden) continue;
+      this.#path(c, one.x, one.y, hidden ? first : Math.max(first, since), now.frame);
       this.#stroke(c, hidden ? tendencyColour(episode.tendency[ped]) : this.colour.person, 2);
     }
   }
@@ -180,7 +198,8 @@ class Drawing {
   }
 
   // Draws a disc for walking, a diamond for jaywalking, a square for waiting: the shapes need no colour.
-  #person(c, person, hidden) {
+  // One that the car doesn't perceive is pale, with a dashed outline.
+  #person(c, person, hidden, pale) {
     const [px, py] = this.toPixels(person.x, person.y), size = Math.max(5, 0.55 * this.scale);
     const seen = hidden || person.rank < NEAREST;
     c.beginPath();
@@ -189,14 +208,34 @@ class Drawing {
     else c.arc(px, py, size, 0, 2 * Math.PI);
     c.closePath();
     c.fillStyle = hidden ? tendencyColour(person.tendency) : seen ? this.colour.person : this.colour.block;
+    if (pale) c.globalAlpha = PALE;
     c.fill();
-    this.#stroke(c, hidden && person.jaywalking ? this.colour.jaywalk : this.colour.edge, hidden && person.jaywalking ? 2.5 : 1.2);
+    c.globalAlpha = 1;
+    const jaywalks = hidden && person.jaywalking;
+    this.#stroke(c, jaywalks ? this.colour.jaywalk : this.colour.edge, jaywalks ? 2.5 : 1.2, pale ? [3, 3] : []);
     if (!hidden && seen) this.#velocity(c, person, px, py);
     if (this.scale < 9) return;
     c.font = `${Math.round(size * 1.3)}px system-ui, sans-serif`;
     c.textAlign = "center";
-    c.fillStyle = hidden && person.tendency < 0.6 ? "#1c1c1c" : !hidden && !seen ? this.colour.ink : "#fff";
+    c.fillStyle = hidden && person.tendency < 0.6 ? "#1c1c1c" : hidden ? "#fff" : seen ? this.colour.halo : this.colour.ink;
     c.fillText(String(person.ped + 1), px, py + size * 0.45);
+  }
+
+  // Draws where the car last saw somebody: a dashed ring that fades with age.
+  #lastSeen(c, { ped, lastSeen: { x, y, age } }) {
+    const [px, py] = this.toPixels(x, y), size = Math.max(6, 0.65 * this.scale);
+    c.globalAlpha = Math.max(FAINTEST, 1 - age / KEPT);
+    for (const [colour, width, dash] of [[this.colour.halo, 4, []], [this.colour.seen, 2.5, [4, 4]]]) {
+      c.beginPath();
+      c.arc(px, py, size, 0, 2 * Math.PI);
+      this.#stroke(c, colour, width, dash);
+    }
+    if (this.scale >= 9) {
+      c.font = `${Math.round(size)}px system-ui, sans-serif`;
+      c.textAlign = "center";
+      this.#text(c, String(ped + 1), px, py + size * 0.35);
+    }
+    c.globalAlpha = 1;
   }
 
   // Draws where a pedestrian will be in a second at this velocity, which is all that the car knows about its plans.
@@ -230,7 +269,7 @@ function outlines(each, closed = false) {
   return path;
 }
 
-const NAMES = ["block", ...SURFACES, "paint", "car", "route", "goal", "brake", "person", "plan", "jaywalk", "ring", "edge", "halo", "ink", "grid"];
+const NAMES = ["block", ...SURFACES, "paint", "parked", "seen", "car", "route", "goal", "brake", "person", "plan", "jaywalk", "ring", "edge", "halo", "ink", "grid"];
 
 // The page's colours, which follow light and dark.
 function palette(element) {

@@ -134,7 +134,7 @@ class Gallery {
     const drawing = new Drawing(canvas, map), { x, y } = episode.at(incident.t).car;
     const fit = Math.min(canvas.clientWidth / map.width, canvas.clientHeight / map.height);
     drawing.view = { x, y, zoom: canvas.clientWidth / CLOSE_UP / fit };
-    drawing.draw(episode, incident.t, { hidden: true, trails: true });
+    drawing.draw(episode, incident.t, { hidden: true, sight: true, trails: true });
   }
 
   // Plays an incident from shortly before it.

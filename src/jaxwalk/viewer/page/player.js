@@ -1,8 +1,8 @@
 // Plays episodes: the controls, keys and touches around the drawings.
 
 const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
-const SWITCHES = ["hidden", "plans", "rings", "trails", "follow"];
-const KEYS = { h: "hidden", p: "plans", r: "rings", l: "trails", f: "follow" };
+const SWITCHES = ["hidden", "plans", "rings", "trails", "follow", "sight"];
+const KEYS = { h: "hidden", p: "plans", r: "rings", l: "trails", f: "follow", s: "sight" };
 
 class Player {
   // element: made from player.html; data: the page's document.
@@ -36,6 +36,8 @@ class Player {
     Object.assign(this.find(".scrub"), { step: this.data.dt, max: this.end });
     this.#listEvents();
     this.#offerOthers();
+    this.#offer("sight", episodes.some((episode) => episode.delay !== undefined));
+    this.#offer("parked", episodes.some((episode) => episode.parked?.length));
     this.seek(time);
     this.element.dispatchEvent(new CustomEvent("shown", { detail: entries }));
     return true;
@@ -170,6 +172,11 @@ class Player {
     select.closest("label").hidden = !others.length;
   }
 
+  // Shows what of controls and legend is only for some worlds.
+  #offer(what, here) {
+    for (const part of this.element.querySelectorAll(`[data-only=${what}]`)) part.hidden = !here;
+  }
+
   #listen() {
     const actions = {
       toggle: this.toggle, back: () => this.step(-1), forward: () => this.step(1), event: () => this.nextEvent(),
@@ -254,6 +261,6 @@ function inWords(episode, time) {
   const { car, people } = episode.at(time);
   const when = time > episode.end ? `It ended at ${episode.end.toFixed(1)} s: the car drove` : `At ${time.toFixed(1)} s the car drives`;
   const near = people.filter((person) => person.away < 12).sort((a, b) => a.away - b.away);
-  const them = near.map((person) => `pedestrian ${person.ped + 1} ${person.away.toFixed(1)} m away${person.jaywalking ? ", jaywalking" : ""}`);
+  const them = near.map((person) => `pedestrian ${person.ped + 1} ${person.away.toFixed(1)} m away${person.jaywalking ? ", jaywalking" : ""}${person.unperceived ? ", not perceived by the car" : ""}`);
   return `${when} ${car.speed.toFixed(1)} m/s. Within 12 metres: ${them.join("; ") || "nobody"}.`;
 }

@@ -1,6 +1,7 @@
 // Unpacks the episodes of jaxwalk.viewer.record, and returns what they show at any time.
 
-const GOING = 1, ON_ROADWAY = 2, JAYWALKS = 4;
+const GOING = 1, ON_ROADWAY = 2, JAYWALKS = 4, UNPERCEIVED = 8;
+const KEPT = 3; // who is lost from sight is remembered for this long [s]
 const METRE = 100, RADIAN = 1000;
 
 async function inflate(text) {
@@ -33,7 +34,11 @@ class Episode {
       speed: values(car.speed, METRE), command: values(car.acceleration, METRE),
     };
     this.car.acceleration = this.car.speed.map((speed, k, all) => (k ? (speed - all[k - 1]) / dt : 0));
-    this.people = record.people.map((one) => ({ ...points(one), state: values(one.state) }));
+    this.delay = record.delay; // steps; missing in a world without perception
+    this.parked = record.parked && corners(record.parked);
+    this.people = record.people.map((one) => ({
+      ...points(one), state: values(one.state), lost: one.lost && points(one.lost), ...sights(values(one.state)),
+    }));
     this.route = record.route && points(record.route);
     this.plans = record.paths?.map((plan) => ({ ...points(plan), jaywalks: new Set(plan.jaywalks), goals: plan.goals }));
     this.plans?.forEach((plan, ped) => (plan.leg = this.#legs(plan, this.people[ped])));
@@ -67,7 +72,7 @@ class Episode {
     // A command and its effect belong to the step that leads to their frame.
     for (const name of ["command", "acceleration"]) car[name] = this.car[name][Math.min(Math.ceil(exact), this.last)];
     const people = this.people.map((one, ped) => this.#person(one, ped, frame, share, car));
-    [...people].sort((a, b) => a.away - b.away).forEach((person, rank) => (person.rank = rank));
+    [...people].sort((a, b) => a.unperceived - b.unperceived || a.away - b.away).forEach((person, rank) => (person.rank = rank));
     return { frame, car, people, over: exact > this.last - 1e-6 };
   }
 
@@ -81,8 +86,43 @@ class Episode {
       vy: moves ? (one.y[frame] - one.y[before]) / this.dt : 0,
       jaywalking: (state & ON_ROADWAY) > 0 && (state & JAYWALKS) > 0,
       waiting: !(state & GOING) && frame > 0,
+      unperceived: (state & UNPERCEIVED) > 0, since: one.since[frame], lastSeen: this.#lastSeen(one, frame, share),
     };
   }
+
+  // Where the car last saw somebody lost from sight, and how old that is [s]; null if it sees them, or has forgotten them.
+  #lastSeen(one, frame, share) {
+    const which = one.losses[frame] - 1;
+    if (!(one.state[frame] & UNPERCEIVED) || which < 0) return null;
+    const age = (frame + share - one.since[frame] + this.delay + 1) * this.dt;
+    return age <= KEPT + 1e-6 ? { x: one.lost.x[which], y: one.lost.y[which], age } : null;
+  }
+}
+
+// For each frame: since which one somebody is perceived, or not, without a break; and how often the car has lost them.
+function sights(states) {
+  let from = 0, count = 0;
+  const since = [], losses = [];
+  for (const [k, state] of states.entries()) {
+    if (k && (state ^ states[k - 1]) & UNPERCEIVED) {
+      from = k;
+      if (state & UNPERCEIVED) count++;
+    }
+    since.push(from);
+    losses.push(count);
+  }
+  return { since, losses };
+}
+
+// Outlines (x, y, x, y ...) of parked vehicles.
+function corners(boxes) {
+  const { x, y } = points(boxes), heading = values(boxes.heading, RADIAN);
+  const length = values(boxes.length, METRE), width = values(boxes.width, METRE);
+  return [...x].map((_, k) => {
+    const cos = Math.cos(heading[k]), sin = Math.sin(heading[k]), ahead = length[k] / 2, left = width[k] / 2;
+    const places = [[ahead, -left], [ahead, left], [-ahead, left], [-ahead, -left]];
+    return places.flatMap(([a, b]) => [x[k] + cos * a - sin * b, y[k] + sin * a + cos * b]);
+  });
 }
 
 // Metres along a line up to each of its points.
