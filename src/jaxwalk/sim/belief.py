@@ -101,8 +101,12 @@ def expected_tendency(world: World, scenario: Scenario, people: PedestrianState)
 def expected_after(
     world: World, scenario: Scenario, jaywalks: Int[Array, "ped *batch"], crosswalks: Int[Array, "ped *batch"]
 ) -> Float[Array, "ped *batch"]:
-    """Return the posterior mean of everybody's tau after these numbers of crossings."""
-    count = jnp.arange(scenario.jaywalk_draw.shape[0] + 1)
+    """Return the posterior mean of everybody's tau after these numbers of crossings, and what was seen earlier."""
+    earlier = world.rules.earlier_decisions
+    if earlier:
+        known = scenario.earlier_jaywalks(world)
+        jaywalks, crosswalks = jaywalks + known, crosswalks + earlier - known
+    count = jnp.arange(scenario.jaywalk_draw.shape[0] + earlier + 1)
     if world.rules.hurried:
         means = mean_of_two(world, *jnp.broadcast_arrays(count[:, None], count))
     else:

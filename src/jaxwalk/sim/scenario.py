@@ -39,6 +39,8 @@ class Scenario(eqx.Module):
     """For each crossing to come: where in the jaywalk zone it would begin."""
     parked: Bool[Array, "slot *batch"] | None = None
     """In which slots of the map (`jaxwalk.maps.RoadMap.slots`) a vehicle is parked; None where nobody ever parks."""
+    earlier_draw: Float[Array, "earlier ped *batch"] | None = None
+    """For each decision that the car saw before the episode: whether it was a jaywalk; None where it saw none."""
 
     def jaywalking_tendency(self, world: World) -> Float[Array, "ped *batch"]:
         """Return tau of equation 1: the first trait, or one of two numbers where some people are in a hurry."""
@@ -68,6 +70,12 @@ class Scenario(eqx.Module):
         """Return which crossings are jaywalks (equation 1), by their ``jaywalk_draw``: ``(ped, *batch)`` or more."""
         return draw < self.jaywalking_tendency(world) * world.rules.jaywalk_multiplier
 
+    def earlier_jaywalks(self, world: World) -> Int[Array, "ped *batch"]:
+        """Return how many of the ``earlier_decisions`` of each person were jaywalks (equation 1)."""
+        if self.earlier_draw is None:
+            return jnp.zeros_like(self.start)
+        return self.jaywalks(world, self.earlier_draw).sum(axis=0)
+
 
 def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
     """Draw one scenario (no batch axes). ``like``: keep the map and the route of this one."""
@@ -76,7 +84,7 @@ def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Sce
 
 def dimensions(world: World) -> int:
     """Return how many uniform numbers a scenario is a function of."""
-    return 2 + _rows(world) * world.rules.pedestrians + world.slots
+    return 2 + (_rows(world) + world.rules.earlier_decisions) * world.rules.pedestrians + world.slots
 
 
 def uniforms(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
@@ -94,8 +102,8 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
 
     The first two choose map and route. Then come the rows of a table with one column for each pedestrian: start,
     goals, traits, then one row of jaywalk draws and one of zone draws for each crossing, in the order of `Scenario`.
-    With ``pace_correlation``, the second trait depends on the first one too.
-    The last ones are of parking slots, if anybody parks: a vehicle is in a slot if its number is below ``parked``.
+    With ``pace_correlation``, the second trait depends on the first one too. Then come those of parking slots, if
+    anybody parks: a vehicle is in a slot if its number is below ``parked``. The last ones are of earlier decisions.
 
     Args:
         world: gives the tables to choose from.
@@ -103,6 +111,7 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         like: keep the map and the route of this scenario.
     """
     maps, correlation = world.maps, world.rules.pace_correlation
+    numbers, earlier_draw = _earlier(world, numbers)
     of_people, of_slots = jnp.split(numbers[2:], (_rows(world) * world.rules.pedestrians,))
     start_draw, goal_draws, traits, jaywalk_draw, zone_draw = jnp.split(
         of_people.reshape(_rows(world), world.rules.pedestrians), _boundaries(world)
@@ -131,6 +140,7 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         jaywalk_draw=jaywalk_draw,
         zone_draw=zone_draw,
         parked=_parked(world, map_index, of_slots) if world.slots else None,
+        earlier_draw=earlier_draw,
     )
 
 
@@ -144,6 +154,17 @@ def correlated(
     """
     first, second = (ndtri(jnp.clip(number, FINEST, 1 - FINEST)) for number in (one, other))
     return ndtr(correlation * first + math.sqrt(1 - correlation**2) * second)
+
+
+def _earlier(
+    world: World, numbers: Float[Array, " count"]
+) -> tuple[Float[Array, " others"], Float[Array, "earlier ped"] | None]:
+    """Return the numbers without those of earlier decisions, and these."""
+    earlier, people = world.rules.earlier_decisions, world.rules.pedestrians
+    if not earlier:
+        return numbers, None
+    others, last = jnp.split(numbers, (len(numbers) - earlier * people,))
+    return others, last.reshape(earlier, people)
 
 
 def _parked(world: World, map_index: Array, of_slots: Float[Array, " slot"]) -> Bool[Array, " slot"]:

@@ -18,7 +18,8 @@ LARGEST = {
     "collision_distance": 100.0, "car_length": 100.0,
     "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
     "goal_spacing": 1000.0, "kerb_distance": 100.0, "hurried": 1.0, "hurried_tendency": 1.0, "other_tendency": 1.0,
-    "fastest_hurry": 20.0, "parked": 1.0, "sight": 1000.0, "delay": 10.0, "position_noise": 100.0, "misses": 1.0,
+    "fastest_hurry": 20.0, "earlier_decisions": 30, "parked": 1.0, "sight": 1000.0, "delay": 10.0,
+    "position_noise": 100.0, "misses": 1.0,
 }  # fmt: skip
 """Largest values of the fields. Larger ones make no sense on a street, and their tables could fill the memory."""
 
@@ -91,6 +92,9 @@ class SimConfig:
     """How far people's pace tells of their jaywalking tendency: the correlation r of the normal scores of the first two
     traits, in [-1, 1] (a Gaussian copula; Nelsen 2006). Both stay uniform. Their rank correlation (Spearman's, and so
     that of the traits themselves) is 6 / pi asin(r / 2): 0.48 at r = 0.5, and 1 at 1. 0: they are independent."""
+    earlier_decisions: int = 0
+    """How many decisions of each person about crossings the car saw in encounters before the episode: beliefs start
+    from them."""
     parked: float = 0.0
     """Share of the slots of parking strips in which a vehicle is parked; the paper's street has none."""
     perception: bool = False
@@ -120,7 +124,7 @@ class SimConfig:
             raise ValueError(f"contact must be one of {', '.join(get_args(ContactRule))}, not {self.contact!r}")
         not_negative = (
             "offroad_margin", "moving_speed", "start_clearance", "hurried", "hurried_tendency", "other_tendency",
-            "parked", "delay", "position_noise", "misses",
+            "earlier_decisions", "parked", "delay", "position_noise", "misses",
         )  # fmt: skip
         for name in not_negative:
             if not getattr(self, name) >= 0:
