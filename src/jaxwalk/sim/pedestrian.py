@@ -156,7 +156,6 @@ def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
     decided = (offered >= 0) & (crossing == NO_CROSSING)
     side = jnp.where(decided, offered, leg.side)
     zone = zone_of(world, scenario, leg, side)
-    begin = into_gap(world, scenario, side, zone.choose(_take(scenario.zone_draw, leg.decisions)))
     jaywalk = decided & zone.exists & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
     return _Choice(
         done=done,
@@ -164,7 +163,9 @@ def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
         seeks=jaywalk | ((crossing == JAYWALK) & ~begins),
         crossing=jnp.where(decided, jnp.where(jaywalk, JAYWALK, CROSSWALK), crossing),
         side=side,
-        begin=jnp.where(decided, begin, leg.begin),
+        begin=jnp.where(
+            decided, into_gap(world, scenario, side, zone.choose(_take(scenario.zone_draw, leg.decisions))), leg.begin
+        ),
         zone=zone,
     )
 

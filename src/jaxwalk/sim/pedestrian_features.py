@@ -182,7 +182,12 @@ KERB = (
     Feature("times", 3, _times_bounds, _of_car(_times, (1.0, 1.0, 0.0))),
     Feature("miss", 2, share, _of_car(_miss, (1.0, 1.0))),
     Feature("pace", 1, _pace_bounds, lambda m: (m.scenario.walking_speed(m.world) / 2,)),
-    Feature("traits", 3, share, lambda m: (m.scenario.jaywalking_tendency(m.world), *m.scenario.traits[2:])),
+    Feature(
+        "traits",
+        3,
+        share,
+        lambda m: (m.scenario.jaywalking_tendency(m.world), m.scenario.traits[2], m.scenario.traits[3]),
+    ),
     Feature("jaywalk", 1, share, lambda m: (m.state.pedestrian.crossing == JAYWALK,)),
     Feature("to_kerb", 1, lambda limits: [(-1.0, limits.config.kerb_distance)], _to_kerb),
 )
