@@ -58,6 +58,9 @@ class Clock(eqx.Module):
     def observe(self, scenario, state, view):
         return view(Moment(None, scenario, state))
 
+    def unhidden(self, scenario, state):
+        return state
+
     def global_state(self, scenario, state):
         return state[None].astype(jnp.float32)
 

@@ -143,6 +143,10 @@ class Environment(Protocol[ScenarioT, StateT]):
         """Return the observation of a view."""
         ...
 
+    def unhidden(self, scenario: ScenarioT, state: StateT) -> StateT:
+        """Return the state for critics: its views show everything as it is. The state itself, if they do anyway."""
+        ...
+
     def global_state(self, scenario: ScenarioT, state: StateT) -> Float[Array, "feature *batch"]:
         """Return the global state, which a centralised critic observes."""
         ...

@@ -69,6 +69,9 @@ class Game(eqx.Module):
     def observe(self, scenario: Array, state: Any, view: Any) -> Array:
         return view(Moment(self, scenario, state))
 
+    def unhidden(self, scenario: Array, state: Any) -> Any:
+        return state
+
     def global_state(self, scenario: Array, state: Any) -> Array:
         return self.observe(scenario, state, Shown(()))
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from jaxwalk import Street
 from jaxwalk.learning.actor import CHOSEN_PART
 from jaxwalk.learning.config import RoleConfig, TrainConfig
 from jaxwalk.learning.flops import Sizes, fit_flops, forward_flops, network_flops, passes, sizes_of
@@ -93,3 +94,9 @@ def test_sizes_are_those_of_what_is_read(street):
     assert sizes.actions == {"driver": 2, "pedestrian": 2}
     no_world = with_roles(fast, driver=replace(fast.roles["driver"], critic_observes=("route",)))
     assert set(sizes_of(street, no_world).observations["driver"]) == {"route-footprint", "route"}
+
+
+def test_critics_read_as_many_numbers_where_people_are_hidden(street):
+    hiding = Street.create(config=replace(street.config, perception=True))
+    there, here = (network_flops(FAST.train, sizes_of(at, FAST.train)) for at in (hiding, street))
+    assert there == here

@@ -56,6 +56,9 @@ class Crossing(eqx.Module):
     def observe(self, scenario, state, view):
         return view(Moment(None, scenario, state))
 
+    def unhidden(self, scenario, state):
+        return state
+
     def global_state(self, scenario, state):
         return scenario[None]
 

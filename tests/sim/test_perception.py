@@ -13,10 +13,14 @@ import pytest
 from jaxwalk import Street
 from jaxwalk.evaluation import play
 from jaxwalk.interfaces import Moment
+from jaxwalk.learning.casting import whole
+from jaxwalk.learning.critics import make_critics
+from jaxwalk.learning.experience import gather_views
 from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.recipes import FAST
 from jaxwalk.sim import prediction
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, Observation, part
+from jaxwalk.sim.observation import FOOTPRINT, HIDDEN, OBSERVATIONS, X_RAY, Observation, part
 from jaxwalk.sim.occluders import PADDING
 from jaxwalk.sim.perceived import KEPT, Sighting
 from jaxwalk.sim.perception import _arrive, chance
@@ -118,9 +122,57 @@ def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios
             continue  # beliefs count crossings that were seen, the other ones those that were made
         before, after = (Observation("driver", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
         np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
+    np.testing.assert_allclose(x_ray(hiding, scenarios, one), x_ray(usual, scenarios, other), atol=2e-3)
     for name in OBSERVATIONS["pedestrian"]:
         before, after = (Observation("pedestrian", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
         np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
+
+
+def x_ray(street, scenarios, state):
+    return np.asarray(Observation("driver", X_RAY)(Moment(street.world, scenarios, state)))
+
+
+def test_the_x_ray_set_is_what_a_car_sees_where_nobody_is_hidden(hiding, scenarios, played):
+    """Played again without perception: the same people, and so the same set, which hides nobody there."""
+    usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
+    (state, _), (everybody, _) = played, eqx.filter_jit(_play)(usual, scenarios)
+    blind, sees_all = (Observation("driver", FOOTPRINT)(Moment(usual.world, scenarios, x)) for x in (state, everybody))
+    np.testing.assert_allclose(x_ray(hiding, scenarios, state), sees_all, atol=2e-3)
+    np.testing.assert_array_equal(x_ray(usual, scenarios, everybody), sees_all)
+    assert (np.abs(np.asarray(blind - sees_all)).max(axis=0) > 0.1).mean() > 0.5
+
+
+def test_critics_see_what_is_hidden_and_actors_do_not(hiding, scenarios, played):
+    """Under names of their own, which the critics read; the reward goes by the same truth."""
+    config, (state, _) = whole(replace(FAST.train, environments=BATCH)), played
+    views = gather_views(hiding, config, scenarios, state)
+    critics = make_critics(hiding, config.config, views, jax.random.key(0))
+    driver, kerb = (critics[role].reads for role in ("driver", "pedestrian"))
+    assert (len(driver), driver[1], len(kerb)) == (2, "global", 1)
+    own = config.columns["driver"].own
+    np.testing.assert_allclose(views["driver"][driver[0]], x_ray(hiding, scenarios, state)[:, own], atol=1e-4)
+    blind = Observation("driver", FOOTPRINT)(Moment(hiding.world, scenarios, state))
+    np.testing.assert_allclose(views["driver"][FOOTPRINT], blind[:, own], atol=1e-4)
+    own = config.columns["pedestrian"].own
+    car = part("pedestrian", "kerb", "car_motion")
+    unseen = ~np.asarray(state.perceived.in_sight)[:, own]
+    assert not np.asarray(views["pedestrian"]["kerb"])[car][:, unseen].any()
+    assert np.asarray(views["pedestrian"][kerb[0]])[car][:, unseen].any()
+    assert {name: list(seen) for name, seen in views.items()} == {
+        "driver": ["global", FOOTPRINT, driver[0]], "pedestrian": ["kerb", kerb[0]]
+    }  # fmt: skip
+
+
+def test_where_nobody_is_hidden_critics_and_actors_share_what_they_see():
+    street = Street.create(config=SimConfig(pedestrians=3))
+    scenario = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
+    state = street.reset(scenario)
+    assert street.unhidden(scenario, state) is state
+    views = gather_views(street, whole(replace(FAST.train, environments=BATCH)), scenario, state)
+    assert {name: list(seen) for name, seen in views.items()} == {
+        "driver": ["global", FOOTPRINT],
+        "pedestrian": ["kerb"],
+    }
 
 
 def test_all_crossings_count_if_everybody_is_in_sight(hiding, scenarios):

@@ -69,6 +69,9 @@ class Line:
     def observe(self, scenario, state, view):
         return view(Moment(self, scenario, state))
 
+    def unhidden(self, scenario, state):
+        return state / 0.0 if self.broken == "unhidden" else state
+
     def global_state(self, scenario, state):
         return state[None] / (0.0 if self.broken == "global" else 1.0)
 
@@ -109,6 +112,11 @@ class Sleepy(eqx.Module):
 
 def test_our_street_passes(small):
     check_environment(small, {"driver": ["route", "paper"], "pedestrian": ["kerb"]}, steps=FEW)
+
+
+def test_our_street_with_hidden_people_passes():
+    street = Street.create(config=SimConfig(horizon=2, pedestrians=3, perception=True, sight=20.0))
+    check_environment(street, {"driver": ["route"], "pedestrian": ["kerb"]}, steps=FEW)
 
 
 def test_our_policies_pass(small):
@@ -189,6 +197,7 @@ def test_a_sound_environment_and_policy_pass():
         ("batch", r"reset:  has shape \(4, 1\); arrays must end in the batch axis"),
         ("view", "view: it must raise ValueError for a name that there isn't"),
         ("observe", r"observe: walker place has shape \(1, 5, 4\)"),
+        ("unhidden", "unhidden, observe: walker place has a number that isn't finite"),
         ("global", "global_state: it has a number that isn't finite"),
         ("alone", "step: an episode must come out the same alone as in a batch"),
         ("types", "step: it must keep the state's structure, shapes and types"),

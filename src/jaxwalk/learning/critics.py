@@ -15,7 +15,7 @@ from jaxwalk.learning.actor import CHOSEN_PART
 from jaxwalk.learning.advantages import Transitions, generalised_advantage
 from jaxwalk.learning.casting import Shard, width
 from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig
-from jaxwalk.learning.experience import Views
+from jaxwalk.learning.experience import Views, critic_reads
 from jaxwalk.learning.fit import map_chunks, plan_chunks, take_rows
 from jaxwalk.learning.monitor import by_agent
 from jaxwalk.learning.networks import MLP, make_mlp
@@ -33,7 +33,7 @@ class Critic(eqx.Module):
     role: str = eqx.field(static=True)
     """The role whose observations it reads; ``shared`` reads none."""
     reads: tuple[str, ...] = eqx.field(static=True)
-    """Observation sets of the role, and ``"global"``."""
+    """Observation sets of the role, and ``"global"``: names in the role's `Views`."""
     agents: tuple[int, ...] = eqx.field(static=True)
     """The agent axes of its values."""
 
@@ -80,7 +80,7 @@ def make_critics(environment: Environment, config: TrainConfig, views: Views, ke
     names = (SHARED,) if shared else config.learning_roles
     critics = {}
     for name, k in zip(names, jax.random.split(key, len(names)), strict=True):
-        reads = (GLOBAL,) if shared else config.roles[name].critic_observes
+        reads = (GLOBAL,) if shared else critic_reads(config.roles[name].critic_observes, views[name])
         agents = () if shared else environment.roles[name].agents
         hidden = config.shared_critic_hidden if shared else config.roles[name].critic_hidden
         size = critic_input(views[name], reads, agents).shape[0]

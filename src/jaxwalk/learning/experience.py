@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -34,11 +35,26 @@ def gather_views(environment: Environment, shard: Shard, scenario: Any, state: A
     config = shard.config
     shared = config.credit == "shared"
     views: Views = {SHARED: {GLOBAL: environment.global_state(scenario, state)}} if shared else {}
+    truth = state if shared else environment.unhidden(scenario, state)
     for role in config.learning_roles:
         choice, own = config.roles[role], shard.columns[role].own
-        names = {choice.observes} | (set() if shared else set(choice.critic_observes))
-        views[role] = {n: part_of(_see(environment, scenario, state, role, n), own) for n in sorted(names)}
+        shown = {choice.observes: (state, choice.observes)}
+        for name in () if shared else choice.critic_observes:
+            shown[name if truth is state else unhidden(name)] = truth, name
+        views[role] = {
+            key: part_of(_see(environment, scenario, of, role, name), own) for key, (of, name) in sorted(shown.items())
+        }
     return views
+
+
+def unhidden(name: str) -> str:
+    """Return the name under which views have what a critic sees, where that isn't what the role's agents see."""
+    return name if name == GLOBAL else f"{name}, nothing hidden"
+
+
+def critic_reads(names: Sequence[str], of_role: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the names that a critic's observation sets have among the views of its role."""
+    return tuple(unhidden(name) if unhidden(name) in of_role else name for name in names)
 
 
 def _see(environment: Environment, scenario: Any, state: Any, role: str, name: str) -> Float[Array, "_ ..."]:

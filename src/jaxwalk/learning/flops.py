@@ -18,7 +18,7 @@ from jaxwalk.interfaces import Discrete, Environment
 from jaxwalk.learning.actor import CHOSEN_PART
 from jaxwalk.learning.casting import whole
 from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig, own_environments
-from jaxwalk.learning.experience import gather_views
+from jaxwalk.learning.experience import critic_reads, gather_views
 from jaxwalk.learning.fit import gated_part
 from jaxwalk.rollout import draw_batch
 
@@ -145,4 +145,5 @@ def _critic_layers(config: TrainConfig, sizes: Sizes, name: str) -> tuple[int, .
     if name == SHARED:
         return sizes.observations[SHARED][GLOBAL], *config.shared_critic_hidden, 1
     choice = config.roles[name]
-    return sum(sizes.observations[name][x] for x in choice.critic_observes), *choice.critic_hidden, 1
+    of_role = sizes.observations[name]
+    return sum(of_role[x] for x in critic_reads(choice.critic_observes, of_role)), *choice.critic_hidden, 1

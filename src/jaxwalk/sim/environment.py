@@ -19,7 +19,7 @@ from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
 from jaxwalk.sim.events import Events, arrives, touching
 from jaxwalk.sim.perceived import Perceived
 from jaxwalk.sim.perception import first_perceived, perceive
-from jaxwalk.sim.prediction import foresee
+from jaxwalk.sim.prediction import foresee, unhidden
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.state import PedestrianState, State, VehicleState
@@ -107,6 +107,10 @@ class Street(eqx.Module):
     def observe(self, scenario: Scenario, state: State, view: View) -> Any:
         """Return what a view shows."""
         return view(Moment(self.world, scenario, state))
+
+    def unhidden(self, scenario: Scenario, state: State) -> State:
+        """Return the state as if nothing hid anybody; the state itself where everybody sees everybody."""
+        return unhidden(Moment(self.world, scenario, state)).state
 
     @eqx.filter_jit
     def global_state(self, scenario: Scenario, state: State) -> Float[Array, "feature *batch"]:

@@ -15,7 +15,7 @@ from jaxwalk.interfaces import Moment
 from jaxwalk.sim import driver_features, pedestrian, pedestrian_features, vehicle
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, joined, on_map
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import ABSENT, unhidden
 from jaxwalk.sim.surroundings import SURROUNDINGS
 from jaxwalk.sim.world import World
 
@@ -27,7 +27,11 @@ TOLD = f"{FOOTPRINT}-told"
 """The same, and the jaywalking tendencies of the nearest people."""
 BELIEF = f"{FOOTPRINT}-belief"
 """The same, and what can be inferred about these tendencies (`jaxwalk.sim.belief`): nothing hidden."""
-HIDDEN = frozenset({PRIVILEGED, TOLD, "route-told"})
+X_RAY = f"{FOOTPRINT}-x-ray"
+"""The same, but of everybody as they are, also of people whom the car doesn't perceive."""
+UNHIDDEN = frozenset({X_RAY})
+"""Sets that are computed as if nothing hid anybody."""
+HIDDEN = frozenset({PRIVILEGED, TOLD, "route-told"}) | UNHIDDEN
 """Sets that no real car could have."""
 INFERRED = frozenset({BELIEF, "route-belief"})
 """Sets that show what only an observer of everybody could infer."""
@@ -43,6 +47,7 @@ OBSERVATIONS: dict[str, dict[str, tuple[Feature, ...]]] = {
         FOOTPRINT: driver_features.ROUTE_FOOTPRINT,
         TOLD: (*driver_features.ROUTE_FOOTPRINT, driver_features.TOLD_TENDENCIES),
         BELIEF: (*driver_features.ROUTE_FOOTPRINT, driver_features.EXPECTED_TENDENCIES),
+        X_RAY: driver_features.ROUTE_FOOTPRINT,
         "surroundings": SURROUNDINGS,
         PRIVILEGED: (*driver_features.ON_ROUTE, driver_features.FUTURE_CLEARANCES, driver_features.LIMITS),
     },
@@ -65,6 +70,8 @@ class Observation:
     def __call__(self, moment: Moment) -> Float[Array, "feature ..."]:
         """Return the features, ``(feature, *agents, *batch)``."""
         features = OBSERVATIONS[self.role][self.name]
+        if self.name in UNHIDDEN:
+            moment = unhidden(moment)
         return joined([row for feature in features for row in feature.compute(moment)])
 
 

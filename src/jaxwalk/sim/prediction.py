@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TypeVar
 
 import jax
@@ -31,6 +32,15 @@ AWAY = 1e4
 """People that the car doesn't perceive are this far ahead of it [m], standing: too far for every prediction."""
 CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
 """The car should be cautious with people on the roadway up to this far ahead of it, and to either side [m]."""
+
+
+def unhidden(moment: Moment) -> Moment:
+    """Return the moment as if nothing hid anybody: people as they are, and all that is predicted from them."""
+    world, scenario, state = moment.world, moment.scenario, moment.state
+    if state.perceived is None:
+        return moment
+    foresight = foresee(world, scenario, state.vehicle, state.pedestrian)
+    return replace(moment, state=replace(state, foresight=foresight, perceived=None))
 
 
 def relative_people(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Motion:

@@ -51,6 +51,9 @@ def check_environment(
     _check_unknown_view(environment)
     for number in range(steps):
         _check_views(environment, views, scenario, state)
+        unhidden = environment.unhidden(scenario, state)
+        if unhidden is not state:
+            _check_views(environment, views, scenario, unhidden, of="unhidden, ")
         actions = random_actions(roles, jax.random.fold_in(action_key, number), BATCH)
         state = _check_step(environment, scenario, state, actions)
 
@@ -83,7 +86,9 @@ def _check_unknown_view(environment: Environment) -> None:
     raise ContractError("view: it must raise ValueError for a name that there isn't")
 
 
-def _check_views(environment: Environment, views: Mapping[str, Sequence[str]], scenario: Any, state: Any) -> None:
+def _check_views(
+    environment: Environment, views: Mapping[str, Sequence[str]], scenario: Any, state: Any, of: str = ""
+) -> None:
     for role, names in views.items():
         agents = environment.roles[role].agents
         for name in names:
@@ -91,11 +96,9 @@ def _check_views(environment: Environment, views: Mapping[str, Sequence[str]], s
             require(view == environment.view(role, name), f"view: {role} {name} must equal itself when made again")
             seen = environment.observe(scenario, state, view)
             wanted = (*agents, BATCH)
-            message = (
-                f"observe: {role} {name} has shape {seen.shape}; it must be (feature, {', '.join(map(str, wanted))})"
-            )
-            require(seen.shape[1:] == wanted, message)
-            require(finite(seen), f"observe: {role} {name} has a number that isn't finite")
+            shape = f"(feature, {', '.join(map(str, wanted))})"
+            require(seen.shape[1:] == wanted, f"{of}observe: {role} {name} has shape {seen.shape}; it must be {shape}")
+            require(finite(seen), f"{of}observe: {role} {name} has a number that isn't finite")
     whole = environment.global_state(scenario, state)
     require(whole.shape[1:] == (BATCH,), f"global_state: it has shape {whole.shape}; it must be (feature, {BATCH})")
     require(finite(whole), "global_state: it has a number that isn't finite")
