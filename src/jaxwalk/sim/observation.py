@@ -28,7 +28,7 @@ TOLD = f"{FOOTPRINT}-told"
 BELIEF = f"{FOOTPRINT}-belief"
 """The same, and what can be inferred about these tendencies (`jaxwalk.sim.belief`): nothing hidden."""
 X_RAY = f"{FOOTPRINT}-x-ray"
-"""The same, but of everybody as they are, also of people whom the car doesn't perceive."""
+"""The same, but of everybody as they are, also of people who are not perceived."""
 UNHIDDEN = frozenset({X_RAY})
 """Sets that are computed as if nothing hid anybody."""
 HIDDEN = frozenset({PRIVILEGED, TOLD, "route-told"}) | UNHIDDEN
