@@ -13,13 +13,14 @@ from jaxwalk.experiments import hidden_intent as module
 from jaxwalk.experiments import tournament
 from jaxwalk.experiments.hidden_intent import IntentEffort, hidden_intent
 from jaxwalk.policies import read_metadata
-from jaxwalk.recipes import single_agent
+from jaxwalk.recipes import BLIND_CORNER, single_agent, with_training
 from jaxwalk.runs.folder import Run, RunError
-from jaxwalk.sim.observation import BELIEF, FOOTPRINT, TOLD
+from jaxwalk.sim.observation import BELIEF, FOOTPRINT, PLACEBO, TOLD, X_RAY
+from jaxwalk.sim.suites import SUITES, Where
 
 pytestmark = pytest.mark.long
 PLAN = IntentEffort(updates=2, episodes=8, seed=3, seeds=2)
-SEES = {"blind": FOOTPRINT, "belief": BELIEF, "told": TOLD}
+SEES = {"blind": FOOTPRINT, "placebo": PLACEBO, "belief": BELIEF, "told": TOLD}
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +58,7 @@ def test_everybody_meets_the_same_scenarios(made):
         assert cells == [(name, observes, seed) for seed in (3, 4) for name, observes in SEES.items()]
         assert {c["jaywalk_multiplier"] for c in street["cells"]} == {street["jaywalk_multiplier"]}
         pairs = [(p["ending"], p["a"]["driver"], p["b"]["driver"], p["pairs"]) for p in street["paired"]]
-        assert pairs == [(end, "blind", name, 16) for end in ("collision", "goal") for name in ("belief", "told")]
+        assert pairs == [(end, "blind", name, 16) for end in ("collision", "goal") for name in list(SEES)[1:]]
 
 
 def test_how_much_could_be_known(made):
@@ -85,7 +86,7 @@ def test_what_is_finished_is_kept(made):
     *_, (first, second) = made
     assert "[1/3]" in first
     assert "belief, seed 4: there already" in second
-    assert second.count("there already") == 7
+    assert second.count("there already") == 9
 
 
 def test_another_plan_needs_another_folder(made, quiet):
@@ -100,3 +101,21 @@ def test_a_damaged_document_is_said(made, quiet):
     with pytest.raises(RunError, match=r"hidden-intent.json: damaged .* run `jaxwalk hidden-intent` again"):
         hidden_intent(made[0], PLAN, console=quiet)
     file.write_bytes(whole)
+
+
+def test_where_people_are_hidden_there_are_cars_that_see_more(tiny, tmp_path, monkeypatch):
+    """On streets that no training has; the page says what each car knows."""
+    monkeypatch.setitem(SUITES, "blind-corner", Where(("test-2000000003",), "blind-corner", 3))
+    roles = {"driver": replace(tiny.train.roles["driver"], critic_observes=(FOOTPRINT,))}
+    small = with_training(tiny, roles=tiny.train.roles | roles)
+    base = single_agent(replace(small, maps=("training:1",), sim=BLIND_CORNER.sim, crowds=(2, 3)))
+    plan = IntentEffort(updates=2, episodes=4, seed=3, seeds=1, recipe="blind-corner")
+    text = hidden_intent(tmp_path / "out", plan, base=base, console=Console(file=io.StringIO())).read_text("utf-8")
+    document = json.loads((tmp_path / "out" / "hidden-intent.json").read_text("utf-8"))
+    (street,) = document["streets"]
+    assert street["street"]["maps"][0]["name"] == "test-2000000003"
+    seen = {cell["driver"]: cell["driver_observes"] for cell in street["cells"]}
+    assert list(seen) == ["blind", "placebo", "belief", "told", "memory", "aware", "x-ray"]
+    assert seen["x-ray"] == X_RAY
+    assert "with the recipe `blind-corner`" in text
+    assert "`x-ray` sees what `blind` sees, but of everybody, hidden or not." in text

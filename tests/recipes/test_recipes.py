@@ -10,7 +10,7 @@ import pytest
 from jaxwalk.cli.options import Train
 from jaxwalk.cli.train import make_experiment
 from jaxwalk.learning.config import GLOBAL
-from jaxwalk.recipes import FAST, PAPER, RECIPES, TOWN, single_agent
+from jaxwalk.recipes import BLIND_CORNER, FAST, PAPER, RECIPES, TOWN, single_agent
 from jaxwalk.sim.manoeuvres import AHEAD
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
@@ -34,7 +34,7 @@ def test_fast_networks_are_no_smaller_than_the_papers():
 
 
 def test_every_recipe_is_registered_under_its_name_and_pays_by_terms_that_exist():
-    assert list(RECIPES) == ["fast", "paper", "town"]
+    assert list(RECIPES) == ["fast", "paper", "town", "blind-corner"]
     for name, recipe in RECIPES.items():
         assert recipe.recipe == name
         assert recipe.driver_weights.keys() <= DRIVER_TERMS.keys()
@@ -52,8 +52,9 @@ def test_the_car_of_town_sees_further_than_it_needs_to_stop():
     assert TOWN.sim.max_speed * stops_after / 2 < POINTS[-1] * POINT_SPACING
 
 
-def test_nothing_in_town_knows_how_many_people_there_are_or_where_on_the_map():
-    for role in TOWN.train.roles.values():
+@pytest.mark.parametrize("recipe", [TOWN, BLIND_CORNER])
+def test_nothing_in_a_town_knows_how_many_people_there_are_or_where_on_the_map(recipe):
+    for role in recipe.train.roles.values():
         assert not {GLOBAL, "paper"} & {role.observes, *role.critic_observes}
 
 

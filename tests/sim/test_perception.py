@@ -20,13 +20,16 @@ from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.recipes import FAST
 from jaxwalk.sim import prediction
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from jaxwalk.sim.observation import FOOTPRINT, HIDDEN, OBSERVATIONS, X_RAY, Observation, part
+from jaxwalk.sim.map_tables import POINTS
+from jaxwalk.sim.observation import AWARE, FOOTPRINT, HIDDEN, MEMORY, OBSERVATIONS, X_RAY, Observation, part
 from jaxwalk.sim.occluders import PADDING
 from jaxwalk.sim.perceived import KEPT, Sighting
 from jaxwalk.sim.perception import _arrive, chance
-from jaxwalk.sim.prediction import foresee
+from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, foresee
+from jaxwalk.sim.sight import in_sight
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import part_of
+from jaxwalk.sim.unseen_features import SIDES
 
 RULES = SimConfig(horizon=100, pedestrians=12, parked=0.6, perception=True, contact="footprint")
 STREET, BATCH, STEPS = "validation-1000000003", 32, 60
@@ -118,8 +121,8 @@ def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios
     assert np.asarray(one.perceived.in_sight).all()
     assert other.perceived is None
     for name in VIEWS:
-        if "belief" in name:
-            continue  # beliefs count crossings that were seen, the other ones those that were made
+        if "belief" in name or name == AWARE:
+            continue  # beliefs count crossings that were seen, the other ones those that were made; places stay hidden
         before, after = (Observation("driver", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
         np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
     np.testing.assert_allclose(x_ray(hiding, scenarios, one), x_ray(usual, scenarios, other), atol=2e-3)
@@ -265,7 +268,6 @@ def test_a_crossing_counts_once_however_often_it_is_seen(hiding, played):
     """By hand: seen on a jaywalk, hidden, seen on it again, then on a crosswalk; one of each counts."""
     state, _ = played
     world, before = hiding.world, jax.tree.map(lambda x: jnp.zeros((1,) * x.ndim, x.dtype), state.perceived)
-    before = replace(before, on_the_way=jax.tree.map(lambda _: jnp.zeros((0, 1, 1)), before.on_the_way))
     for seen, crossing, decisions in ((True, 2, 1), (False, 2, 1), (True, 2, 1), (True, 0, 1), (True, 1, 2)):
         one = [jnp.full((1, 1), value) for value in (seen, 0.0, 0.0, 0.0, 0.0, crossing > 0, crossing, decisions)]
         before = _arrive(world, before, jnp.full((1, 1), seen), Sighting(*one))
@@ -309,3 +311,48 @@ def test_where_everybody_is_perceived_nothing_of_it_is_recorded(street):
     some = part_of(recorded, frames=2, episodes=slice(1))
     for one in (recorded, some):
         assert one.parked is one.perceived is one.last_seen_x is one.last_seen_y is one.last_seen_age is None
+
+
+def seen_by(street, scenarios, state, name, feature):
+    observed = np.asarray(Observation("driver", name)(Moment(street.world, scenarios, state)))
+    return observed[part("driver", name, feature)]
+
+
+def test_who_was_last_seen_is_shown_where_that_was_and_fades(hiding, scenarios, played):
+    """Against plain arithmetic in the map's axes, for everybody who was lost in the last three seconds."""
+    state, _ = played
+    knows, car = jax.tree.map(np.asarray, (state.perceived, state.vehicle))
+    lost = knows.last.seen & ~knows.now.seen
+    assert lost.any(axis=0).sum() > 3
+    rows = seen_by(hiding, scenarios, state, MEMORY, "last_seen").reshape(NEIGHBOURS, 5, BATCH)
+    for episode in range(BATCH):
+        away = np.stack([knows.last.x - car.x, knows.last.y - car.y])[:, lost[:, episode], episode]
+        order = np.argsort(np.hypot(*away))[:NEIGHBOURS]
+        there = len(order)
+        ahead = (away[0] * car.cos[episode] + away[1] * car.sin[episode])[order]
+        fresh = 1 - knows.age[lost[:, episode], episode][order] / KEPT
+        np.testing.assert_allclose(rows[:there, 0, episode], ahead / ABSENT, atol=1e-4)
+        np.testing.assert_allclose(rows[:there, 4, episode], np.maximum(fresh, 0), atol=1e-4)
+        np.testing.assert_array_equal(rows[there:, :, episode], np.tile([1.0, 0, 0, 0, 0], (NEIGHBOURS - there, 1)))
+
+
+def test_hidden_sides_are_those_that_no_line_reaches(hiding, scenarios, played):
+    """Places beside the route, found again in the map's axes; where everybody is in sight none is hidden."""
+    state, _ = played
+    hidden = seen_by(hiding, scenarios, state, AWARE, "hidden_sides").reshape(len(POINTS), len(SIDES), BATCH)
+    assert 0.05 < hidden.mean() < 0.95
+    course = jax.tree.map(np.asarray, state.vehicle.course)
+    x, y = (
+        np.vstack([at[None], ahead])
+        for at, ahead in ((state.vehicle.x, course.ahead_x), (state.vehicle.y, course.ahead_y))
+    )
+    dx, dy = np.diff(x, axis=0), np.diff(y, axis=0)
+    length = np.maximum(np.hypot(dx, dy), 1e-3)
+    for side, aside in enumerate(SIDES):
+        place_x, place_y = x[1:] - aside * dy / length, y[1:] + aside * dx / length
+        seen = np.asarray(in_sight(hiding.world, scenarios, state.vehicle, jnp.array(place_x), jnp.array(place_y)))
+        assert (hidden[:, side] == ~seen).mean() > 0.995
+    usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
+    everybody, _ = eqx.filter_jit(_play)(usual, scenarios)
+    assert not seen_by(usual, scenarios, everybody, AWARE, "hidden_sides").any()
+    assert (seen_by(usual, scenarios, everybody, MEMORY, "last_seen").reshape(NEIGHBOURS, 5, BATCH)[:, 4] == 0).all()

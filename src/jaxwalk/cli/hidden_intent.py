@@ -11,5 +11,8 @@ from jaxwalk.experiments.hidden_intent import IntentEffort, hidden_intent
 def run(options: HiddenIntent) -> int:
     """Make everything that is missing; return 130 if Ctrl-C ended it."""
     with bad_values():
-        plan = IntentEffort(updates=options.updates, episodes=options.episodes, seed=options.seed, seeds=options.seeds)
+        plan = IntentEffort(
+            updates=options.updates, episodes=options.episodes, seed=options.seed, seeds=options.seeds,
+            recipe=options.recipe,
+        )  # fmt: skip
     return until_interrupted(lambda: f"Read {hidden_intent(options.out, plan)}")

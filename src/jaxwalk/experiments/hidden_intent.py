@@ -1,10 +1,8 @@
-"""What does it cost a car not to know who is likely to jaywalk, and how much of that could it infer?
+"""What does it cost a car not to know who is likely to jaywalk, or not to see everybody?
 
-runs/blind/seed-0, ...     the car trained alone, which sees where people are and how they move
-runs/belief/seed-0, ...    the same car, which also sees what can be inferred about their tendencies (Bayes' rule)
-runs/told/seed-0, ...      the same car, which sees the tendencies themselves
+runs/blind/seed-0, ...     the car trained alone; and so for each other car of `cars_of`
 plan.json, minutes.json    what was requested; how long each part took
-hidden-intent.json         all three on the same scenarios, in pairs, and how much could be known
+hidden-intent.json         all of them on the same scenarios, in pairs, and how much could be known
 hidden-intent.md           the tables (`jaxwalk.report.intent_page`)
 """
 
@@ -26,7 +24,7 @@ from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, result
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
-from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.recipes import FAST, RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.intent_document import IntentDocument, IntentPlan, IntentStreet, KnownIntent, as_intent_document
 from jaxwalk.report.intent_page import BLIND, page
@@ -36,13 +34,16 @@ from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import BELIEF, FOOTPRINT, TOLD
+from jaxwalk.sim.observation import AWARE, BELIEF, FOOTPRINT, MEMORY, PLACEBO, TOLD, X_RAY
+from jaxwalk.sim.suites import SUITES
 from jaxwalk.writing import write_whole
 
-DRIVERS = {BLIND: FOOTPRINT, "belief": BELIEF, "told": TOLD}
-"""The cars and what they see. Their critics all see the same, including every tendency: only the drivers differ."""
-MULTIPLIERS = (0.25, 1.0)
-"""Jaywalk multipliers of the evaluation, that of the trainings first: with 1, intentions matter more."""
+INTENT = {BLIND: FOOTPRINT, "placebo": PLACEBO, "belief": BELIEF, "told": TOLD}
+"""Cars and what they see. Their critics all see the same: only the drivers differ."""
+SIGHT = {"memory": MEMORY, "aware": AWARE, "x-ray": X_RAY}
+"""More of them, where people can be hidden."""
+OFTEN = 1.0
+"""A jaywalk multiplier of the evaluation beside that of the trainings: with it, intentions matter more."""
 AFTER = (1, 2, 5, 10, 20, 50)
 """Numbers of crossings seen, for which what could be known is computed as well."""
 RESULT, PAGE = "hidden-intent.json", "hidden-intent.md"
@@ -50,8 +51,9 @@ RESULT, PAGE = "hidden-intent.json", "hidden-intent.md"
 
 @dataclass(frozen=True)
 class IntentEffort(Effort):
-    """The size of the experiment."""
+    """The size of the experiment, and the recipe of its trainings."""
 
+    recipe: str = FAST.recipe
     updates: int = 200
     episodes: int = 2000
     seeds: int = 5
@@ -62,18 +64,25 @@ class IntentWork(Work[IntentEffort]):
 
     command = "hidden-intent"
 
+    def street(self) -> Street:
+        """Return the street to evaluate on: streets that no training has, if there are many."""
+        if self.base.maps == FAST.maps:
+            return super().street()
+        where = SUITES[self.plan.recipe]
+        return Street.create(where.maps, replace(self.base.sim, pedestrians=where.people or self.base.sim.pedestrians))
+
 
 def hidden_intent(
     folder: Path, plan: IntentEffort, *, console: Console | None = None, base: Experiment | None = None
 ) -> Path:
     """Make whatever is missing in the folder; return the page's path. Raise Interrupted on Ctrl-C.
 
-    ``base``: what to train instead of only the car of recipe ``fast``; its driver's observation set is replaced.
+    ``base``: what to train instead of only the car of the plan's recipe; its driver's observation set is replaced.
     """
-    work = IntentWork(folder, plan, console or Console(stderr=True), base or single_agent(RECIPES["fast"]))
+    work = IntentWork(folder, plan, console or Console(stderr=True), base or single_agent(RECIPES[plan.recipe]))
     work.do(
         [
-            ("training the car, blind, believing and told", _train),
+            ("training cars that know more or less", _train),
             ("all of them on the same scenarios", _evaluate),
             ("tables", _write),
         ]
@@ -81,9 +90,14 @@ def hidden_intent(
     return folder / PAGE
 
 
+def cars_of(experiment: Experiment) -> dict[str, str]:
+    """Return the cars by name, and what they see."""
+    return INTENT | SIGHT if experiment.sim.perception else INTENT
+
+
 def _train(work: IntentWork) -> None:
     for seed in work.plan.training_seeds:
-        for name, observes in DRIVERS.items():
+        for name, observes in cars_of(work.base).items():
             roles = work.base.train.roles
             roles = roles | {"driver": replace(roles["driver"], observes=observes)}
             work.train(name, with_training(work.base, roles=roles, updates=work.plan.updates), seed)
@@ -96,10 +110,10 @@ def _evaluate(work: IntentWork) -> None:
     people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
     rounds: list[Round] = []
     for seed in work.plan.training_seeds:
-        drivers = {name: contestant(street, "driver", str(work.run(name, seed))) for name in DRIVERS}
+        drivers = {name: contestant(street, "driver", str(work.run(name, seed))) for name in cars_of(work.base)}
         rounds.append((seed, drivers, people))
     streets = []
-    for multiplier in MULTIPLIERS:
+    for multiplier in dict.fromkeys((street.config.jaywalk_multiplier, OFTEN)):
         work.say(f"    multiplier {multiplier:g}")
         there = with_jaywalk_multiplier(street, multiplier)
         chosen, matches = play_rounds(there, rounds, scenarios, work.say)
@@ -116,9 +130,11 @@ def _rows(matches: Sequence[Match], driver: str) -> Rows:
 
 def _pairs(matches: Sequence[Match]) -> list[PairedSeeds]:
     """Compare each of the other cars with the blind one."""
-    of = {name: [match for match in matches if match.cell.driver == name] for name in DRIVERS}
-    others = [name for name in DRIVERS if name != BLIND]
-    return [paired_over_seeds(end, of[BLIND], of[name]) for end in ENDINGS for name in others]
+    of: dict[str, list[Match]] = {}
+    for match in matches:
+        of.setdefault(match.cell.driver, []).append(match)
+    blind = of.pop(BLIND)
+    return [paired_over_seeds(end, blind, other) for end in ENDINGS for other in of.values()]
 
 
 def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: Scenarios) -> tuple[KnownIntent, ...]:

@@ -3,9 +3,9 @@
 from jaxwalk.recipes.experiment import LONGEST, Experiment, single_agent, with_training
 from jaxwalk.recipes.fast import FAST
 from jaxwalk.recipes.paper import PAPER
-from jaxwalk.recipes.towns import TOWN
+from jaxwalk.recipes.towns import BLIND_CORNER, TOWN
 
-__all__ = ["FAST", "LONGEST", "PAPER", "RECIPES", "TOWN", "Experiment", "single_agent", "with_training"]
+__all__ = ["BLIND_CORNER", "FAST", "LONGEST", "PAPER", "RECIPES", "TOWN", "Experiment", "single_agent", "with_training"]
 
-RECIPES: dict[str, Experiment] = {experiment.recipe: experiment for experiment in (FAST, PAPER, TOWN)}
+RECIPES: dict[str, Experiment] = {experiment.recipe: experiment for experiment in (FAST, PAPER, TOWN, BLIND_CORNER)}
 """The recipes, by name."""

@@ -1,4 +1,6 @@
-"""The recipe ``town``: a car and people on many generated streets. ``docs/recipes.md`` gives a reason for what differs.
+"""The recipes ``town`` and ``blind-corner``: many generated streets, where everybody is seen or many are hidden.
+
+``docs/recipes.md`` gives a reason for what differs.
 
 Numbers that aren't named here are those of ``fast``. What car and critics see has the same size whatever the street and
 the number of people, and nothing in it tells where on a street the car is.
@@ -26,3 +28,5 @@ TOWN: Final = replace(
     sim=WORLDS["town"],
     crowds=(12, 3, 72, 36),
 )
+
+BLIND_CORNER: Final = replace(TOWN, recipe="blind-corner", sim=WORLDS["blind-corner"], crowds=(48, 12, 72, 24))

@@ -15,7 +15,7 @@ from jaxwalk.metrics.identifiability import Identifiability
 
 @dataclass(frozen=True)
 class IntentPlan:
-    """The size of the experiment."""
+    """The size of the experiment, and the recipe of its trainings."""
 
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
@@ -27,6 +27,8 @@ class IntentPlan:
     """The first training seed, and the seed of the scenarios."""
     seeds: int
     """How many training seeds there are."""
+    recipe: str = "fast"
+    """The recipe; older documents don't name it."""
 
 
 @dataclass(frozen=True)

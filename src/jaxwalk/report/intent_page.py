@@ -11,18 +11,29 @@ from jaxwalk.wording import counted
 
 BLIND = "blind"
 """Name of the car that the others are compared with."""
+KNOWS = {
+    BLIND: "sees where people are and how they move, as far as its car perceives them",
+    "placebo": "is also told a number about each of the nearest people that decides nothing, so that it has as many "
+    "inputs as the next two",
+    "belief": "is also told the posterior mean of their jaywalking tendencies, given the crossings that it saw",
+    "told": "is also told the tendencies",
+    "memory": "sees what `blind` sees, and who was last seen up to 3 s ago",
+    "aware": "sees what `memory` sees, and which sides of its way are hidden",
+    "x-ray": "sees what `blind` sees, but of everybody, hidden or not",
+}
+"""What each car knows, in words."""
 
 
 def page(document: IntentDocument) -> str:
     """Return all tables, for each jaywalk multiplier."""
     plan, made = document.plan, document.provenance
-    chosen = document.streets[0].results.scenarios
+    chosen, cells = document.streets[0].results.scenarios, document.streets[0].results.cells
     seeds = ", ".join(str(plan.seed + i) for i in range(plan.seeds))
     parts = [
         "# The cost of hidden intent",
-        f"The same car, trained alone among {ALWAYS_GO}: `blind` sees where people are and how they move; `belief` is "
-        "also told the posterior mean of the nearest people's jaywalking tendencies, given their crossings so far; "
-        "`told` is told the tendencies. The critic sees the tendencies in all three cases.",
+        f"The same car, trained alone among {ALWAYS_GO} with the recipe `{plan.recipe}`. "
+        + " ".join(f"`{name}` {KNOWS[name]}." for name in dict.fromkeys(cell.driver for cell in cells))
+        + " What the critic sees is the same for all.",
         f"Training seeds: {seeds}; {counted(plan.updates, 'update')} each. {chosen.name}, hash {chosen.hash}; "
         f"commit {made.commit or 'unknown'}, "
         f"{made.hardware}. Brackets are 95 % intervals over training seeds and scenarios.",
@@ -69,7 +80,7 @@ def _pairs(street: IntentStreet) -> Table:
 def _known(street: IntentStreet) -> Table:
     """Return the table of how much could be known (`jaxwalk.metrics.identifiability`)."""
     columns = (
-        "seen", "people", "crossings of each", "never seen to cross %", "standard deviation of tau (before: 0.289)",
+        "seen", "people", "crossings of each", "never seen to cross %", "standard deviation of tau",
         "variance explained %", "information [bit]",
     )  # fmt: skip
     return Table(columns, tuple(_known_row(found) for found in street.identifiability))

@@ -16,6 +16,7 @@ from jaxwalk.sim.manoeuvres import AHEAD, FAR, HOLD, MANOEUVRES
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 from jaxwalk.sim.sim_config import ContactRule
+from jaxwalk.sim.state import Motion
 
 MARGINS: dict[ContactRule, tuple[float, ...]] = {"disc": (1.0, 2.0, 3.0), "footprint": (0.0, 0.5, 1.0, 1.5)}
 """Lower ends of the intervals in which the car sees predicted clearances in detail [m] ..."""
@@ -42,12 +43,17 @@ def _heading_error(moment: Moment) -> Sequence[Array]:
 
 def _people(moment: Moment) -> Sequence[Array]:
     """Return position and velocity of the nearest people, 4 numbers each, nearest first."""
-    seen = moment.state.foresight.nearest
-    rows = jnp.stack([seen.ahead / ABSENT, seen.left / ABSENT, seen.ahead_speed / SPEED, seen.left_speed / SPEED], 1)
+    rows = person_rows(moment.state.foresight.nearest)
     return (rows.reshape(-1, *rows.shape[2:]),)
 
 
-def _people_bounds(limits: Limits) -> Sequence[Bound]:
+def person_rows(seen: Motion) -> Float[Array, "neighbour 4 *batch"]:
+    """Return position and velocity of people in the car's frame, as a network sees them."""
+    return jnp.stack([seen.ahead / ABSENT, seen.left / ABSENT, seen.ahead_speed / SPEED, seen.left_speed / SPEED], 1)
+
+
+def person_bounds(limits: Limits) -> Sequence[Bound]:
+    """Return the bounds of these 4 numbers."""
     near, walk = both(max(limits.diagonal, ABSENT) / ABSENT), both(limits.config.fastest / SPEED)
     return [near, near, walk, walk]
 
@@ -142,7 +148,7 @@ SPEED_OF_CAR = Feature(
 )
 STEERING = Feature("steering", 1, signed, lambda m: (m.state.vehicle.steering / m.world.rules.max_steering,))
 TO_GO = Feature("to_go", 1, _to_go_bounds, _to_go)
-PEOPLE = Feature("people", 4 * NEIGHBOURS, _people_bounds, _people)
+PEOPLE = Feature("people", 4 * NEIGHBOURS, person_bounds, _people)
 
 PAPER = (
     Feature("position", 2, share, lambda m: on_map(m, m.state.vehicle.x, m.state.vehicle.y)),
@@ -188,6 +194,9 @@ TOLD_TENDENCIES = Feature(
     "tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency(m.world))
 )
 """The jaywalking tendency of each of the nearest people."""
+
+PLACEBO = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.traits[2]))
+"""A trait of each of the nearest people that decides nothing."""
 
 EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendencies)
 """The posterior mean of the jaywalking tendency of each of the nearest people."""

@@ -17,6 +17,7 @@ from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, joined, on_map
 from jaxwalk.sim.prediction import ABSENT, unhidden
 from jaxwalk.sim.surroundings import SURROUNDINGS
+from jaxwalk.sim.unseen_features import HIDDEN_SIDES, LAST_SEEN
 from jaxwalk.sim.world import World
 
 PRIVILEGED = "privileged"
@@ -27,11 +28,17 @@ TOLD = f"{FOOTPRINT}-told"
 """The same, and the jaywalking tendencies of the nearest people."""
 BELIEF = f"{FOOTPRINT}-belief"
 """The same, and what can be inferred about these tendencies (`jaxwalk.sim.belief`): nothing hidden."""
+PLACEBO = f"{FOOTPRINT}-placebo"
+"""The same, and as many numbers as in `TOLD` that say nothing, for comparisons."""
+MEMORY = f"{FOOTPRINT}-memory"
+"""The same, and who was last seen."""
+AWARE = f"{FOOTPRINT}-aware"
+"""The same, who was last seen, and which sides of the car's way are hidden."""
 X_RAY = f"{FOOTPRINT}-x-ray"
 """The same, but of everybody as they are, also of people who are not perceived."""
 UNHIDDEN = frozenset({X_RAY})
 """Sets that are computed as if nothing hid anybody."""
-HIDDEN = frozenset({PRIVILEGED, TOLD, "route-told"}) | UNHIDDEN
+HIDDEN = frozenset({PRIVILEGED, TOLD, PLACEBO, "route-told"}) | UNHIDDEN
 """Sets that no real car could have."""
 INFERRED = frozenset({BELIEF, "route-belief"})
 """Sets that show what only an observer of everybody could infer."""
@@ -47,6 +54,9 @@ OBSERVATIONS: dict[str, dict[str, tuple[Feature, ...]]] = {
         FOOTPRINT: driver_features.ROUTE_FOOTPRINT,
         TOLD: (*driver_features.ROUTE_FOOTPRINT, driver_features.TOLD_TENDENCIES),
         BELIEF: (*driver_features.ROUTE_FOOTPRINT, driver_features.EXPECTED_TENDENCIES),
+        PLACEBO: (*driver_features.ROUTE_FOOTPRINT, driver_features.PLACEBO),
+        MEMORY: (*driver_features.ROUTE_FOOTPRINT, LAST_SEEN),
+        AWARE: (*driver_features.ROUTE_FOOTPRINT, LAST_SEEN, HIDDEN_SIDES),
         X_RAY: driver_features.ROUTE_FOOTPRINT,
         "surroundings": SURROUNDINGS,
         PRIVILEGED: (*driver_features.ON_ROUTE, driver_features.FUTURE_CLEARANCES, driver_features.LIMITS),

@@ -49,5 +49,6 @@ class Perceived(eqx.Module):
     age: Float[Array, "ped *batch"]
     """How old that is [s]; grows on after `KEPT`."""
     crossings: CrossingsSeen
-    on_the_way: Sighting
-    """What doesn't reach the driver yet, the oldest first: each array has an axis of steps before ``ped``."""
+    on_the_way: Sighting | None
+    """What doesn't reach the driver yet, the oldest first: each array has an axis of steps before ``ped``. None without
+    a delay."""

@@ -36,7 +36,9 @@ def first_perceived(world: World, scenario: Scenario, car: VehicleState, people:
         last=nobody,
         age=jnp.full_like(now.x, NEVER),
         crossings=CrossingsSeen(none, none, none),
-        on_the_way=jax.tree.map(lambda column: jnp.broadcast_to(column, (steps, *column.shape)), now),
+        on_the_way=jax.tree.map(lambda column: jnp.broadcast_to(column, (steps, *column.shape)), now)
+        if steps
+        else None,
     )
     return _arrive(world, before, seen_by, now)
 
@@ -69,11 +71,12 @@ def _look(
 
 def _arrive(world: World, before: Perceived, visible: Bool[Array, "ped *batch"], sent: Sighting) -> Perceived:
     """Return what the driver knows when the oldest sighting on the way arrives, and ``sent`` is the newest."""
-    rules, now, waiting = world.rules, sent, before.on_the_way
-    if len(waiting.x):
+    rules, now, waiting, late = world.rules, sent, before.on_the_way, 0
+    if waiting is not None:
+        late = len(waiting.x)
         waiting = jax.tree.map(lambda old, new: jnp.concatenate([old, new[None]]), waiting, sent)
         now, waiting = jax.tree.map(lambda all_of: all_of[0], waiting), jax.tree.map(lambda all_of: all_of[1:], waiting)
-    age = jnp.where(now.seen, len(before.on_the_way.x) * rules.dt, jnp.minimum(before.age + rules.dt, NEVER))
+    age = jnp.where(now.seen, late * rules.dt, jnp.minimum(before.age + rules.dt, NEVER))
     last = jax.tree.map(lambda new, old: jnp.where(now.seen, new, old), now, before.last)
     known = Sighting(age <= KEPT, *jax.tree.leaves(last)[1:])
     return Perceived(visible, now, known, age, _counted(before.crossings, now), waiting)

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
 from jaxwalk.sim import pedestrian
@@ -16,7 +16,7 @@ from jaxwalk.sim.events import distance
 from jaxwalk.sim.everybody import for_everybody, with_index
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.manoeuvres import HOLD, Walk, clearance_and_conflict, far, squared_clearance
-from jaxwalk.sim.perceived import Perceived
+from jaxwalk.sim.perceived import Perceived, Sighting
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.sim.state import Foresight, Motion, PedestrianState, State, VehicleState
@@ -79,12 +79,12 @@ def _close_ahead(person: Motion) -> Array:
     return (person.ahead > 0) & (person.ahead < CAUTION_AHEAD) & (jnp.abs(person.left) < CAUTION_ASIDE)
 
 
-def perceived_people(car: VehicleState, perceived: Perceived) -> Motion:
-    """Return people in the car's frame as perceived; others stand `AWAY`. Arrays ``(ped, *batch)``."""
-    now, cos, sin = perceived.now, car.cos[None], car.sin[None]
-    place = to_frame(now.x - car.x[None], now.y - car.y[None], cos, sin)
-    columns = (*place, *to_frame(now.velocity_x, now.velocity_y, cos, sin))
-    return Motion(*(jnp.where(now.seen, column, away) for column, away in zip(columns, (AWAY, 0, 0, 0), strict=True)))
+def perceived_people(car: VehicleState, sighting: Sighting, chosen: Array) -> Motion:
+    """Return the chosen people in the car's frame as they were seen; others stand `AWAY`. Arrays ``(ped, *batch)``."""
+    cos, sin = car.cos[None], car.sin[None]
+    place = to_frame(sighting.x - car.x[None], sighting.y - car.y[None], cos, sin)
+    columns = (*place, *to_frame(sighting.velocity_x, sighting.velocity_y, cos, sin))
+    return Motion(*(jnp.where(chosen, column, away) for column, away in zip(columns, (AWAY, 0, 0, 0), strict=True)))
 
 
 def foresee(
@@ -101,7 +101,10 @@ def foresee(
     contact = world.rules.contact
     squared = squared_clearance(world, car, route, contact)
     known = people if perceived is None else perceived.now
-    motion = relative_people(world, scenario, car, people) if perceived is None else perceived_people(car, perceived)
+    if perceived is None:
+        motion = relative_people(world, scenario, car, people)
+    else:
+        motion = perceived_people(car, perceived.now, perceived.now.seen)
     on_crosswalk = known.on_roadway & (known.crossing == CROSSWALK)
     jaywalking = known.on_roadway & (known.crossing == JAYWALK)
 
@@ -165,8 +168,19 @@ def predicted_miss(world: World, scenario: Scenario, state: State) -> tuple[Arra
 
 def nearest_people(motion: Motion) -> Motion:
     """Return the nearest `NEIGHBOURS` people, nearest first; one that isn't there stands far ahead."""
-    shape = (NEIGHBOURS, *motion.ahead.shape[1:])
-    return of_nearest(motion, motion, Motion(*(jnp.full(shape, default) for default in (ABSENT, 0.0, 0.0, 0.0))))
+    return of_nearest(motion, motion, nobody(motion.ahead.shape[1:]))
+
+
+def nearest_and(motion: Motion, of_all: Float[Array, "ped *batch"]) -> tuple[Motion, Float[Array, "neighbour *batch"]]:
+    """Return the nearest people as `nearest_people` does, where who stands `AWAY` isn't there, and their values."""
+    absent = nobody(motion.ahead.shape[1:])
+    nearest, values = of_nearest(motion, (motion, of_all), (absent, jnp.zeros_like(absent.ahead)))
+    return _present(nearest), values
+
+
+def nobody(batch: tuple[int, ...]) -> Motion:
+    """Return neighbours who aren't there: arrays ``(neighbour, *batch)``."""
+    return Motion(*(jnp.full((NEIGHBOURS, *batch), default) for default in (ABSENT, 0.0, 0.0, 0.0)))
 
 
 def _present(nearest: Motion) -> Motion:

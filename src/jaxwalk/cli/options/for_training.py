@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from jaxwalk.cli.options.declare import Flag, PaperRecipe, Recipe, World, option, tuned
 
@@ -91,15 +91,18 @@ class Reproduce:
 
 @dataclass(frozen=True)
 class HiddenIntent:
-    """What does it cost a car not to know who is likely to jaywalk, and how much of that could it find out?
+    """What does it cost a car not to know who is likely to jaywalk, or not to see everybody?
 
-    Trains the car alone three times for each training seed: blind, told what could be inferred about people, and told
-    their tendencies. Each training takes 2 to 3 minutes on two CPU cores. Run it again to continue after
-    an interruption: what is finished is kept.
+    Trains the car alone several times for each training seed: blind, told something that decides nothing, told what
+    could be inferred about people, told their tendencies, and, where people can be hidden, seeing everybody. Each
+    training takes 2 to 3 minutes on two CPU cores, among hidden people longer. Run it again to continue after an
+    interruption: what is finished is kept.
     """
 
     out: Annotated[Path, option("runs/hidden-intent", "DIR")] = Path("runs/hidden-intent")
     """Folder for everything; read hidden-intent.md in it."""
+    recipe: Literal["fast", "blind-corner"] = "fast"
+    """Recipe of all trainings. fast: on the paper's street; blind-corner: where people are hidden, and in a hurry."""
     seeds: Annotated[int, option("5", "N")] = 5
     """Number of training seeds: seed, seed + 1, and so on."""
     updates: Annotated[int, option("200", "N")] = 200
