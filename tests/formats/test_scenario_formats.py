@@ -17,6 +17,8 @@ from jaxwalk.sim.sim_config import SimConfig
 
 CONFIG = SimConfig()
 CENTIMETRE = 0.01
+PARKED = np.array([[20.0, 50.0, 1.0, 0.0, 2.2, 0.9], [30.0, 51.0, 0.0, -1.0, 2.2, 0.7]])
+"""One that points east, and a narrower one that points south."""
 
 
 @pytest.fixture(scope="module")
@@ -27,12 +29,12 @@ def scenario(episodes):
 
 @pytest.fixture(scope="module")
 def osc(scenario):
-    return openscenario(scenario, name="a collision", road_file="map.xodr", config=CONFIG)
+    return openscenario(scenario, name="a collision", road_file="map.xodr", config=CONFIG, parked=PARKED[:0])
 
 
 @pytest.fixture(scope="module")
 def common(scenario, road_plan):
-    return commonroad(scenario, road_plan, name="a collision", config=CONFIG)
+    return commonroad(scenario, road_plan, name="a collision", config=CONFIG, parked=PARKED[:0])
 
 
 def test_openscenario_is_valid_and_says_where_everybody_was(osc, scenario):
@@ -122,3 +124,44 @@ def test_errors_are_found(scenario):
     )
     cut = replace(corner, t=corner.t[::2], x=corner.x[::2], y=corner.y[::2], heading=corner.heading[::2])
     assert largest_error({0: corner}, {0: cut}) == pytest.approx(2.5), "half way between (0, 0) and (4, 3)"
+
+
+def test_parked_vehicles_are_static_obstacles_in_commonroad(scenario, road_plan, common):
+    root = ET.fromstring(commonroad(scenario, road_plan, name="parked", config=CONFIG, parked=PARKED))
+    obstacles = root.findall("staticObstacle")
+    places = [
+        [
+            float(one.findtext(f"initialState/{tag}"))
+            for tag in ("position/point/x", "position/point/y", "orientation/exact")
+        ]
+        for one in obstacles
+    ]
+    np.testing.assert_allclose(places, [[20, 50, 0], [30, 51, -math.pi / 2]], atol=1e-6)
+    sizes = [[float(one.findtext(f"shape/rectangle/{tag}")) for tag in ("length", "width")] for one in obstacles]
+    np.testing.assert_allclose(sizes, [[4.4, 1.8], [4.4, 1.4]])
+    assert {one.findtext("type") for one in obstacles} == {"parkedVehicle"}
+    ids = [one.get("id") for one in root if one.get("id")]
+    assert len(set(ids)) == len(ids)
+    order = [one.tag for one in root]
+    assert order.index("lanelet") < order.index("staticObstacle") < order.index("dynamicObstacle"), (
+        "as the schema has it"
+    )
+    assert not ET.fromstring(common).findall("staticObstacle")
+
+
+def test_parked_vehicles_stand_in_openscenario(scenario):
+    document = openscenario(scenario, name="parked", road_file="map.xodr", config=CONFIG, parked=PARKED)
+    assert valid(document, "OpenSCENARIO_1_2.xsd") == []
+    assert largest_error(paths(scenario), read_openscenario(document)) < 1e-6
+    root = ET.fromstring(document)
+    bodies = {one.get("name"): one for one in root.iter("ScenarioObject")}
+    assert [name for name in bodies if name.startswith("parked")] == ["parked0", "parked1"]
+    starts = {one.get("entityRef"): next(one.iter("WorldPosition")) for one in root.iter("Private")}
+    for number, (x, y, width) in enumerate(((20, 50, 1.8), (30, 51, 1.4))):
+        place, body = starts[f"parked{number}"], bodies[f"parked{number}"]
+        rear, centre = (float(place.get("x")), float(place.get("y"))), float(next(body.iter("Center")).get("x"))
+        heading = float(place.get("h"))
+        assert rear[0] + centre * math.cos(heading) == pytest.approx(x)
+        assert rear[1] + centre * math.sin(heading) == pytest.approx(y)
+        assert float(next(body.iter("Dimensions")).get("width")) == pytest.approx(width)
+    assert not [one for one in root.iter("EntityRef") if one.get("entityRef").startswith("parked")], "nobody moves them"

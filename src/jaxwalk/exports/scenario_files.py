@@ -40,12 +40,13 @@ def export_scenario(
     Raises:
         TracksError: scenariogeneration is missing, or roads can't be made of the street's lanes.
     """
-    tracks = next(tracks_of(replay(street, policies, source, [number])))
+    trajectory = replay(street, policies, source, [number])
+    tracks, parked = next(tracks_of(trajectory)), trajectory.parked_in(0)
     network = road_network(network_of_scenario(street, source, number))
     documents = {
-        EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config),
+        EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config, parked=parked),
         MAP: opendrive(network, name),
-        COMMONROAD: commonroad(tracks, network, name=name, config=street.config),
+        COMMONROAD: commonroad(tracks, network, name=name, config=street.config, parked=parked),
     }
     original = paths(tracks)
     copies = read_openscenario(documents[EPISODE]), read_commonroad(documents[COMMONROAD])

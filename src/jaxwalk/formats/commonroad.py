@@ -1,4 +1,4 @@
-"""An episode as a CommonRoad scenario: lanelets, all road users as obstacles, and the car's planning problem.
+"""An episode as a CommonRoad scenario: lanelets, all road users and parked vehicles as obstacles, the planning problem.
 
 Format: commonroad.in.tum.de, *XML format of scenarios*, version 2020a. Written with the standard library.
 """
@@ -9,21 +9,27 @@ import datetime
 import xml.etree.ElementTree as ET
 
 import numpy as np
+from jaxtyping import Float
 
 from jaxwalk.formats.commonroad_lanelets import add_lanelets, add_point, decimal
-from jaxwalk.formats.paths import Path, paths
+from jaxwalk.formats.paths import Path, paths, standing
 from jaxwalk.formats.road_network import RoadNetwork
 from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.sim_config import SimConfig
 
-FIRST_OBSTACLE, PROBLEM = 10_000, 20_000
-"""Ids of the first obstacle and of the planning problem. Obstacles follow the order of the table's ids; lanelets have
-smaller ids."""
+FIRST_OBSTACLE, FIRST_PARKED, PROBLEM = 10_000, 15_000, 20_000
+"""Ids of the first obstacle, of the first parked vehicle and of the planning problem.
+
+Obstacles follow the order of the table's ids; lanelets have smaller ids.
+"""
 NOWHERE = {"geoNameId": "-999", "gpsLatitude": "999", "gpsLongitude": "999"}
 """CommonRoad's values for an unknown location."""
 
 
-def commonroad(tracks: Tracks, network: RoadNetwork, *, name: str, config: SimConfig) -> bytes:
+def commonroad(
+    tracks: Tracks, network: RoadNetwork, *, name: str, config: SimConfig,
+    parked: Float[np.ndarray, "vehicle column"],
+) -> bytes:  # fmt: skip
     """Return the scenario as an XML document.
 
     Args:
@@ -31,6 +37,7 @@ def commonroad(tracks: Tracks, network: RoadNetwork, *, name: str, config: SimCo
         network: the roads of its street.
         name: the scenario's source, as a text.
         config: gives the length of a step and the goal distance.
+        parked: the boxes of parked vehicles (`jaxwalk.maps.parking_slots.SLOT_COLUMNS`).
     """
     root = ET.Element(
         "commonRoad", commonRoadVersion="2020a", benchmarkID=f"ZAM_Jaxwalk-1_{tracks.episode + 1}_T-1",
@@ -44,6 +51,8 @@ def commonroad(tracks: Tracks, network: RoadNetwork, *, name: str, config: SimCo
     for tag in ("urban", "simulated"):
         ET.SubElement(tags, tag)
     add_lanelets(root, network)
+    for number, path in enumerate(standing(parked)):
+        _add_parked(root, FIRST_PARKED + number, path)
     everybody = paths(tracks)
     for number, path in enumerate(everybody.values()):
         _add_obstacle(root, FIRST_OBSTACLE + number, path, config.dt)
@@ -60,15 +69,29 @@ def _add_exact(parent: ET.Element, tag: str, text: str) -> None:
 def _add_obstacle(root: ET.Element, id: int, path: Path, dt: float) -> None:
     """Add a road user with its trajectory."""
     obstacle = ET.SubElement(root, "dynamicObstacle", id=str(id))
-    ET.SubElement(obstacle, "type").text = path.type
-    rectangle = ET.SubElement(ET.SubElement(obstacle, "shape"), "rectangle")
-    for tag, value in (("length", path.length), ("width", path.width)):
-        ET.SubElement(rectangle, tag).text = decimal(value)
+    _add_body(obstacle, path.type, path)
     speed = np.hypot(np.gradient(path.x, path.t), np.gradient(path.y, path.t))
     _add_state(ET.SubElement(obstacle, "initialState"), path, 0, speed, dt)
     trajectory = ET.SubElement(obstacle, "trajectory")
     for moment in range(1, len(path.t)):
         _add_state(ET.SubElement(trajectory, "state"), path, moment, speed, dt)
+
+
+def _add_parked(root: ET.Element, id: int, path: Path) -> None:
+    """Add a vehicle that stands."""
+    obstacle = ET.SubElement(root, "staticObstacle", id=str(id))
+    _add_body(obstacle, "parkedVehicle", path)
+    state = ET.SubElement(obstacle, "initialState")
+    add_point(ET.SubElement(state, "position"), path.x[0], path.y[0])
+    _add_exact(state, "orientation", decimal(path.heading[0]))
+    _add_exact(state, "time", "0")
+
+
+def _add_body(obstacle: ET.Element, type: str, path: Path) -> None:
+    ET.SubElement(obstacle, "type").text = type
+    rectangle = ET.SubElement(ET.SubElement(obstacle, "shape"), "rectangle")
+    for tag, value in (("length", path.length), ("width", path.width)):
+        ET.SubElement(rectangle, tag).text = decimal(value)
 
 
 def _add_state(state: ET.Element, path: Path, moment: int, speed: np.ndarray, dt: float) -> None:

@@ -9,9 +9,10 @@ import xml.etree.ElementTree as ET
 from types import ModuleType
 
 import numpy as np
+from jaxtyping import Float
 
 from jaxwalk.formats.opendrive import load_library
-from jaxwalk.formats.paths import Path, paths
+from jaxwalk.formats.paths import Path, paths, standing
 from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -23,7 +24,9 @@ WHEEL, TRACK, MASS = 0.6, 1.6, 75.0
 """Nominal diameter and distance of the wheels [m], and mass of a pedestrian [kg]."""
 
 
-def openscenario(tracks: Tracks, *, name: str, road_file: str, config: SimConfig) -> bytes:
+def openscenario(
+    tracks: Tracks, *, name: str, road_file: str, config: SimConfig, parked: Float[np.ndarray, "vehicle column"]
+) -> bytes:
     """Return the episode as an OpenSCENARIO document. Raises TracksError if scenariogeneration is missing.
 
     Args:
@@ -31,6 +34,7 @@ def openscenario(tracks: Tracks, *, name: str, road_file: str, config: SimConfig
         name: the scenario's name.
         road_file: name of the OpenDRIVE file beside it.
         config: gives the car's wheelbase and limits.
+        parked: the boxes of parked vehicles (`jaxwalk.maps.parking_slots.SLOT_COLUMNS`).
     """
     library = load_library()
     xosc = library.xosc
@@ -46,6 +50,10 @@ def openscenario(tracks: Tracks, *, name: str, road_file: str, config: SimConfig
         places = _places(xosc, path, back)
         init.add_init_action(who, xosc.TeleportAction(places[0]))
         act.add_maneuver_group(_follow(xosc, who, path, places))
+    for number, path in enumerate(standing(parked)):
+        who = f"parked{number}"
+        entities.add_scenario_object(who, _body(xosc, path, config))
+        init.add_init_action(who, xosc.TeleportAction(_places(xosc, path, config.wheelbase / 2)[0]))
     story = xosc.Story("story")
     story.add_act(act)
     board.add_story(story)

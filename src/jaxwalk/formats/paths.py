@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from jaxwalk.formats.tracks import Tracks
+from jaxwalk.formats.tracks import CAR, Tracks
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,14 @@ def paths(tracks: Tracks) -> dict[int, Path]:
         size = (float(values[rows[0]]) for values in (tracks.length, tracks.width))
         found[id] = Path(str(tracks.type[rows[0]]), t, x, y, heading, *size)
     return found
+
+
+def standing(boxes: Float[np.ndarray, "vehicle column"]) -> list[Path]:
+    """Return parked vehicles (`jaxwalk.maps.parking_slots.SLOT_COLUMNS`) as paths of one moment."""
+    return [
+        Path(CAR, np.zeros(1), np.array([x]), np.array([y]), np.arctan2([sin], [cos]), 2 * half_length, 2 * half_width)
+        for x, y, cos, sin, half_length, half_width in np.asarray(boxes, float).tolist()
+    ]
 
 
 def largest_error(original: Mapping[int, Path], copy: Mapping[int, Path]) -> float:

@@ -13,6 +13,8 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
+from jaxwalk.maps.parking_slots import SLOT_COLUMNS
+
 
 class Walks(eqx.Module):
     """How people walk, frame by frame."""
@@ -89,6 +91,13 @@ class Trajectory(Walks):
     last_seen_y: Float[np.ndarray, "frame episode ped"] | None = None
     last_seen_age: Float[np.ndarray, "frame episode ped"] | None = None
     """How long ago that was [s]. After `jaxwalk.sim.perceived.KEPT` the car has forgotten it."""
+
+    def parked_in(self, episode: int) -> Float[np.ndarray, "vehicle column"]:
+        """Return the boxes of the vehicles that are parked in an episode."""
+        if self.parked is None:
+            return np.zeros((0, len(SLOT_COLUMNS)))
+        boxes = self.parked[episode]
+        return boxes[~np.isnan(boxes[:, 0])]
 
 
 Recorded = TypeVar("Recorded", bound=Walks)

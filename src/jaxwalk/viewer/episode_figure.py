@@ -145,7 +145,7 @@ class EpisodeFigure:
         t, e, axes = self.trajectory, self.episode, self.axes
         colours = TENDENCY(t.jaywalking_tendency[e])
         if t.parked is not None:
-            boxes = box_corners(t.parked[e][~np.isnan(t.parked[e][:, 0])])
+            boxes = box_corners(t.parked_in(e))
             axes.add_collection(
                 PolyCollection(list(boxes), facecolors=PARKED, edgecolors="white", linewidths=0.5, zorder=4)
             )

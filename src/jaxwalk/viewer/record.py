@@ -46,7 +46,7 @@ def make_records(
     for episode in range(len(trajectory.length)):
         record = _episode(trajectory, episode)
         if trajectory.parked is not None:
-            record["parked"] = _boxes(trajectory.parked[episode])
+            record["parked"] = _boxes(trajectory.parked_in(episode))
         if trajectory.perceived is not None:
             _add_last_seen(record, trajectory, episode)
         record["events"] = _events(trajectory, episode, crossings, encounters)
@@ -104,8 +104,8 @@ def _episode(t: Trajectory, e: int) -> Record:
 
 
 def _boxes(boxes: np.ndarray) -> Record:
-    """Return the boxes of parked vehicles, ``(slot, column)`` with NaN for free slots, as a record."""
-    x, y, cos, sin, half_length, half_width = boxes[~np.isnan(boxes[:, 0])].T
+    """Return the boxes of parked vehicles, ``(vehicle, column)``, as a record."""
+    x, y, cos, sin, half_length, half_width = boxes.T
     sizes = {"length": _differences(2 * half_length, PER_METRE), "width": _differences(2 * half_width, PER_METRE)}
     return {**_line(np.stack([x, y], axis=1)), "heading": _differences(np.arctan2(sin, cos), PER_RADIAN), **sizes}
 
