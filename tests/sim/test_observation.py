@@ -9,7 +9,7 @@ import pytest
 
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import Observation, bounds, size
+from jaxwalk.sim.observation import Observation, bounds, part, size
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, refreshed, reset, with_car
 
@@ -110,7 +110,7 @@ def nearest_by_sorting(state, scenario):
 @pytest.mark.parametrize("name", DRIVER)
 def test_the_nearest_six_are_those_of_a_sort(name, scenarios, moving, seen):
     scale = np.array([60, 60, 8.33, 8.33])[None, :, None]
-    found = seen[name][-24:].reshape(6, 4, ENVIRONMENTS) * scale
+    found = seen[name][part(*name.split(), "people")].reshape(6, 4, ENVIRONMENTS) * scale
     np.testing.assert_allclose(found, nearest_by_sorting(moving, scenarios), atol=1e-3)
 
 
