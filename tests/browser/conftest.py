@@ -71,3 +71,15 @@ def check_access():
         assert not said, "\n".join(said)
 
     return check
+
+
+@pytest.fixture
+def check_both_schemes(check_access):
+    """Checks access in light and in dark colours."""
+
+    def check(page):
+        check_access(page)
+        page.emulate_media(color_scheme="dark")
+        check_access(page)
+
+    return check

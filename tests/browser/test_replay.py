@@ -39,11 +39,9 @@ def test_it_opens_at_the_start_of_the_first_episode(opened):
     assert opened.eval_on_selector(".scrub", "scrub => Number(scrub.max)") == 4
 
 
-def test_nobody_is_shut_out(opened, check_access):
+def test_nobody_is_shut_out(opened, check_both_schemes):
     opened.wait_for_selector(".stage canvas")
-    check_access(opened)
-    opened.emulate_media(color_scheme="dark")
-    check_access(opened)
+    check_both_schemes(opened)
 
 
 def test_a_moment_has_an_address(file, open_file):

@@ -42,12 +42,10 @@ def pixels(page):
     return page.eval_on_selector(".stage canvas", "canvas => canvas.toDataURL()")
 
 
-def test_nobody_is_shut_out_where_not_everybody_is_in_sight(sighted, open_file, check_access):
+def test_nobody_is_shut_out_where_not_everybody_is_in_sight(sighted, open_file, check_both_schemes):
     page = open_file(sighted, "#episode=7&t=2")
     page.wait_for_selector("text=where it was last seen")
-    check_access(page)
-    page.emulate_media(color_scheme="dark")
-    check_access(page)
+    check_both_schemes(page)
 
 
 def test_who_is_not_perceived_is_said_in_words(sighted, open_file):
@@ -69,14 +67,24 @@ CanvasRenderingContext2D.prototype.arc = function (...given) {
 """Writes down where circles are drawn, and how opaque."""
 
 
-def test_a_ring_stays_where_somebody_was_last_seen_and_fades(page, sighted, open_file):
+def watched(page, open_file, file, place):
+    """A function that presses a key and returns the circles that are drawn then: x, y and opacity of each."""
     page.add_init_script(RINGS)
-    open_file(sighted, "#episode=7&t=1").wait_for_selector(".stage canvas")
+    open_file(file, place).wait_for_selector(".stage canvas")
 
-    def faint(key):
+    def circles(key):
         page.evaluate("rings = []")
         page.keyboard.press(key)
-        return {tuple(ring) for ring in page.evaluate("rings.filter(([, , opacity]) => opacity < 1)")}
+        return {tuple(circle) for circle in page.evaluate("rings")}
+
+    return circles
+
+
+def test_a_ring_stays_where_somebody_was_last_seen_and_fades(page, sighted, open_file):
+    circles = watched(page, open_file, sighted, "#episode=7&t=1")
+
+    def faint(key):
+        return {circle for circle in circles(key) if circle[2] < 1}
 
     (soon,) = faint("ArrowRight")
     (late,) = faint("Shift+ArrowRight")
@@ -88,14 +96,7 @@ def test_a_ring_stays_where_somebody_was_last_seen_and_fades(page, sighted, open
 
 def test_what_the_car_does_not_perceive_is_not_drawn_as_its_view(page, sighted, open_file):
     """With H, only what the car knows is left: nobody whom it doesn't perceive, but where it last saw them."""
-    page.add_init_script(RINGS)
-    open_file(sighted, "#episode=7&t=2").wait_for_selector(".stage canvas")
-
-    def circles(key):
-        page.evaluate("rings = []")
-        page.keyboard.press(key)
-        return {tuple(circle) for circle in page.evaluate("rings")}
-
+    circles = watched(page, open_file, sighted, "#episode=7&t=2")
     assert len(circles("h")) == 2, "a ring, and the person who is in sight"
     page.keyboard.press("s")
     assert len(circles("l")) == 1, "that person"

@@ -13,52 +13,28 @@ import pytest
 from jaxwalk import Street
 from jaxwalk.evaluation import play
 from jaxwalk.interfaces import Moment
-from jaxwalk.learning.casting import whole
-from jaxwalk.learning.critics import make_critics
-from jaxwalk.learning.experience import gather_views
 from jaxwalk.policies import AlwaysGo, RouteFollower
-from jaxwalk.recipes import FAST
 from jaxwalk.sim import prediction
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from jaxwalk.sim.map_tables import POINTS
-from jaxwalk.sim.observation import AWARE, FOOTPRINT, HIDDEN, MEMORY, OBSERVATIONS, X_RAY, Observation, part
+from jaxwalk.sim.observation import AWARE, HIDDEN, OBSERVATIONS, Observation, part
 from jaxwalk.sim.occluders import PADDING
 from jaxwalk.sim.perceived import KEPT, Sighting
 from jaxwalk.sim.perception import _arrive, chance
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, foresee
-from jaxwalk.sim.sight import in_sight
-from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.trajectory import part_of
-from jaxwalk.sim.unseen_features import SIDES
+from sim.hiding import BATCH, RULES, STEPS, drawn, drive, hiding_street, play_on, x_ray
 
-RULES = SimConfig(horizon=100, pedestrians=12, parked=0.6, perception=True, contact="footprint")
-STREET, BATCH, STEPS = "validation-1000000003", 32, 60
 VIEWS = [name for name in OBSERVATIONS["driver"] if name not in HIDDEN]
 
 
 @pytest.fixture(scope="module")
 def hiding():
-    return Street.create([STREET], RULES, jaywalk_multiplier=1.0)
+    return hiding_street()
 
 
 @pytest.fixture(scope="module")
 def scenarios(hiding):
-    return jax.vmap(hiding.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
-
-
-@eqx.filter_jit
-def drive(street, scenarios, steps=STEPS):
-    """The state after some steps of a slow car among people who go."""
-    actions = {"driver": jnp.stack([jnp.full(BATCH, 0.2), jnp.zeros(BATCH)])}
-    actions["pedestrian"] = jnp.ones((street.world.rules.pedestrians, BATCH), int)
-
-    def step(state, _):
-        state, _ = street.step(scenarios, state, actions)
-        people = state.pedestrian
-        columns = (people.x, people.y, people.on_roadway, people.crossing, people.decisions)
-        return state, (state.perceived, *columns)
-
-    return jax.lax.scan(step, street.reset(scenarios), None, steps)
+    return drawn(hiding)
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +93,7 @@ def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios
     nothing = jnp.full_like(hiding.world.occluders, PADDING)
     clear = replace(hiding, world=replace(hiding.world, rules=far, occluders=nothing))
     usual = replace(hiding, world=replace(hiding.world, rules=replace(far, perception=False)))
-    (one, _), (other, _) = drive(clear, scenarios), eqx.filter_jit(_play)(usual, scenarios)
+    (one, _), (other, _) = drive(clear, scenarios), eqx.filter_jit(play_on)(usual, scenarios)
     assert np.asarray(one.perceived.in_sight).all()
     assert other.perceived is None
     for name in VIEWS:
@@ -129,53 +105,6 @@ def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios
     for name in OBSERVATIONS["pedestrian"]:
         before, after = (Observation("pedestrian", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
         np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
-
-
-def x_ray(street, scenarios, state):
-    return np.asarray(Observation("driver", X_RAY)(Moment(street.world, scenarios, state)))
-
-
-def test_the_x_ray_set_is_what_a_car_sees_where_nobody_is_hidden(hiding, scenarios, played):
-    """Played again without perception: the same people, and so the same set, which hides nobody there."""
-    usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
-    (state, _), (everybody, _) = played, eqx.filter_jit(_play)(usual, scenarios)
-    blind, sees_all = (Observation("driver", FOOTPRINT)(Moment(usual.world, scenarios, x)) for x in (state, everybody))
-    np.testing.assert_allclose(x_ray(hiding, scenarios, state), sees_all, atol=2e-3)
-    np.testing.assert_array_equal(x_ray(usual, scenarios, everybody), sees_all)
-    assert (np.abs(np.asarray(blind - sees_all)).max(axis=0) > 0.1).mean() > 0.5
-
-
-def test_critics_see_what_is_hidden_and_actors_do_not(hiding, scenarios, played):
-    """Under names of their own, which the critics read; the reward goes by the same truth."""
-    config, (state, _) = whole(replace(FAST.train, environments=BATCH)), played
-    views = gather_views(hiding, config, scenarios, state)
-    critics = make_critics(hiding, config.config, views, jax.random.key(0))
-    driver, kerb = (critics[role].reads for role in ("driver", "pedestrian"))
-    assert (len(driver), driver[1], len(kerb)) == (2, "global", 1)
-    own = config.columns["driver"].own
-    np.testing.assert_allclose(views["driver"][driver[0]], x_ray(hiding, scenarios, state)[:, own], atol=1e-4)
-    blind = Observation("driver", FOOTPRINT)(Moment(hiding.world, scenarios, state))
-    np.testing.assert_allclose(views["driver"][FOOTPRINT], blind[:, own], atol=1e-4)
-    own = config.columns["pedestrian"].own
-    car = part("pedestrian", "kerb", "car_motion")
-    unseen = ~np.asarray(state.perceived.in_sight)[:, own]
-    assert not np.asarray(views["pedestrian"]["kerb"])[car][:, unseen].any()
-    assert np.asarray(views["pedestrian"][kerb[0]])[car][:, unseen].any()
-    assert {name: list(seen) for name, seen in views.items()} == {
-        "driver": ["global", FOOTPRINT, driver[0]], "pedestrian": ["kerb", kerb[0]]
-    }  # fmt: skip
-
-
-def test_where_nobody_is_hidden_critics_and_actors_share_what_they_see():
-    street = Street.create(config=SimConfig(pedestrians=3))
-    scenario = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
-    state = street.reset(scenario)
-    assert street.unhidden(scenario, state) is state
-    views = gather_views(street, whole(replace(FAST.train, environments=BATCH)), scenario, state)
-    assert {name: list(seen) for name, seen in views.items()} == {
-        "driver": ["global", FOOTPRINT],
-        "pedestrian": ["kerb"],
-    }
 
 
 def test_all_crossings_count_if_everybody_is_in_sight(hiding, scenarios):
@@ -190,14 +119,6 @@ def test_all_crossings_count_if_everybody_is_in_sight(hiding, scenarios):
         new = [(crosses & (decisions == number)).any(axis=0) for number in range(1, decisions.max() + 1)]
         np.testing.assert_array_equal(found, np.sum(new, axis=0))
         assert np.sum(new) > 5
-
-
-def _play(street, scenarios):
-    actions = {"driver": jnp.stack([jnp.full(BATCH, 0.2), jnp.zeros(BATCH)])}
-    actions["pedestrian"] = jnp.ones((12, BATCH), int)
-    return jax.lax.scan(
-        lambda s, _: (street.step(scenarios, s, actions)[0], None), street.reset(scenarios), None, STEPS
-    )
 
 
 def test_last_seen_is_the_last_place_in_sight_and_is_kept_for_three_seconds(hiding, played):
@@ -311,48 +232,3 @@ def test_where_everybody_is_perceived_nothing_of_it_is_recorded(street):
     some = part_of(recorded, frames=2, episodes=slice(1))
     for one in (recorded, some):
         assert one.parked is one.perceived is one.last_seen_x is one.last_seen_y is one.last_seen_age is None
-
-
-def seen_by(street, scenarios, state, name, feature):
-    observed = np.asarray(Observation("driver", name)(Moment(street.world, scenarios, state)))
-    return observed[part("driver", name, feature)]
-
-
-def test_who_was_last_seen_is_shown_where_that_was_and_fades(hiding, scenarios, played):
-    """Against plain arithmetic in the map's axes, for everybody who was lost in the last three seconds."""
-    state, _ = played
-    knows, car = jax.tree.map(np.asarray, (state.perceived, state.vehicle))
-    lost = knows.last.seen & ~knows.now.seen
-    assert lost.any(axis=0).sum() > 3
-    rows = seen_by(hiding, scenarios, state, MEMORY, "last_seen").reshape(NEIGHBOURS, 5, BATCH)
-    for episode in range(BATCH):
-        away = np.stack([knows.last.x - car.x, knows.last.y - car.y])[:, lost[:, episode], episode]
-        order = np.argsort(np.hypot(*away))[:NEIGHBOURS]
-        there = len(order)
-        ahead = (away[0] * car.cos[episode] + away[1] * car.sin[episode])[order]
-        fresh = 1 - knows.age[lost[:, episode], episode][order] / KEPT
-        np.testing.assert_allclose(rows[:there, 0, episode], ahead / ABSENT, atol=1e-4)
-        np.testing.assert_allclose(rows[:there, 4, episode], np.maximum(fresh, 0), atol=1e-4)
-        np.testing.assert_array_equal(rows[there:, :, episode], np.tile([1.0, 0, 0, 0, 0], (NEIGHBOURS - there, 1)))
-
-
-def test_hidden_sides_are_those_that_no_line_reaches(hiding, scenarios, played):
-    """Places beside the route, found again in the map's axes; where everybody is in sight none is hidden."""
-    state, _ = played
-    hidden = seen_by(hiding, scenarios, state, AWARE, "hidden_sides").reshape(len(POINTS), len(SIDES), BATCH)
-    assert 0.05 < hidden.mean() < 0.95
-    course = jax.tree.map(np.asarray, state.vehicle.course)
-    x, y = (
-        np.vstack([at[None], ahead])
-        for at, ahead in ((state.vehicle.x, course.ahead_x), (state.vehicle.y, course.ahead_y))
-    )
-    dx, dy = np.diff(x, axis=0), np.diff(y, axis=0)
-    length = np.maximum(np.hypot(dx, dy), 1e-3)
-    for side, aside in enumerate(SIDES):
-        place_x, place_y = x[1:] - aside * dy / length, y[1:] + aside * dx / length
-        seen = np.asarray(in_sight(hiding.world, scenarios, state.vehicle, jnp.array(place_x), jnp.array(place_y)))
-        assert (hidden[:, side] == ~seen).mean() > 0.995
-    usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
-    everybody, _ = eqx.filter_jit(_play)(usual, scenarios)
-    assert not seen_by(usual, scenarios, everybody, AWARE, "hidden_sides").any()
-    assert (seen_by(usual, scenarios, everybody, MEMORY, "last_seen").reshape(NEIGHBOURS, 5, BATCH)[:, 4] == 0).all()
