@@ -13,6 +13,7 @@ from jaxwalk import SimConfig, Street
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim import belief
 from jaxwalk.sim.observation import BELIEF, Observation, part
+from jaxwalk.sim.person_kind import in_shares
 from jaxwalk.sim.scenario import dimensions, from_uniforms
 
 EARLIER, BATCH = 10, 64
@@ -73,7 +74,7 @@ def test_the_view_shows_them_from_the_start(met, scenarios):
 
 
 def test_where_people_hurry_ten_decisions_tell_who_does(met):
-    street = Street.create(config=replace(RULES, hurried=0.3), jaywalk_multiplier=1.0)
+    street = Street.create(config=replace(RULES, kinds=in_shares(calm=0.7, hurried=0.3)), jaywalk_multiplier=1.0)
     drawn = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
     none = jnp.zeros_like(drawn.start)
     found = np.asarray(belief.expected_after(street.world, drawn, none, none))

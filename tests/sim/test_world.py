@@ -16,8 +16,7 @@ from jaxwalk.sim import pedestrian, vehicle
 OTHER = SimConfig(
     slowest_walk=0.8, fastest_walk=1.9, wheelbase=2.7, max_speed=13.9, max_steering=0.6, max_acceleration=7.0,
     offroad_margin=0.4, offroad_speed=0.2, collision_distance=1.1, goal_distance=4.0, moving_speed=0.3,
-    start_clearance=12.0, goal_spacing=25.0, kerb_distance=2.0, jaywalk_multiplier=0.7, hurried_tendency=0.8,
-    other_tendency=0.1, slowest_hurry=2.1, fastest_hurry=2.9,
+    start_clearance=12.0, goal_spacing=25.0, kerb_distance=2.0, jaywalk_multiplier=0.7,
 )  # fmt: skip
 """Every rule but the static ones is another."""
 

@@ -1,6 +1,6 @@
 """Infer a pedestrian's jaywalking tendency tau from watching it: Bayes' rule.
 
-The prior of tau is the world's: uniform in [0, 1], or two numbers where some people are in a hurry. Every crossing is a
+The prior of tau is the world's: uniform in [0, 1], or that of each kind of people with its share. Every crossing is a
 jaywalk with probability min(1, multiplier x tau) (equation 1), independently of the others. The watcher sees everybody
 all the time and knows prior and multiplier, so no car could know more from crossings alone.
 """
@@ -48,28 +48,32 @@ def posterior(
     return mean, jnp.sqrt(moment(2) / moment(0) - mean * mean)
 
 
-def mean_of_two(world: World, jaywalks: Real[Array, "..."], crosswalks: Real[Array, "..."]) -> Float[Array, "..."]:
-    """Return the mean of tau after these numbers of crossings, where it is one of two numbers.
+def mean_of_kinds(world: World, jaywalks: Real[Array, "..."], crosswalks: Real[Array, "..."]) -> Float[Array, "..."]:
+    """Return the mean of tau after these numbers of crossings, where it is that of one of several kinds of people.
 
-    Likelihoods are compared as logarithms, so that many crossings don't underflow. Where somebody did what neither of
-    the two would ever do, the prior stays.
+    Likelihoods are compared as logarithms, so that many crossings don't underflow. Where somebody did what nobody of
+    any kind would ever do, the prior stays.
     """
-    rules = world.rules
-    taus = jnp.stack([rules.hurried_tendency, rules.other_tendency])
-    chance = jnp.minimum(1, rules.jaywalk_multiplier * taus).reshape(-1, *(1,) * jaywalks.ndim)
-    shares = jnp.array([rules.hurried, 1 - rules.hurried]).reshape(chance.shape)
+    taus, shares = (x.reshape(-1, *(1,) * jaywalks.ndim) for x in _kinds(world))
+    chance = jnp.minimum(1, world.rules.jaywalk_multiplier * taus)
     evidence = jnp.log(shares) + xlogy(jaywalks, chance) + xlog1py(crosswalks, -chance)
     most = evidence.max(axis=0)
     weight = jnp.where(most == -jnp.inf, shares, jnp.exp(evidence - jnp.where(most == -jnp.inf, 0, most)))
-    return (weight * taus.reshape(chance.shape)).sum(axis=0) / weight.sum(axis=0)
+    return (weight * taus).sum(axis=0) / weight.sum(axis=0)
 
 
 def prior_mean(world: World) -> float | Float[Array, ""]:
     """Return the mean of tau of somebody who has not crossed yet."""
-    rules = world.rules
-    if not rules.hurried:
+    if not world.rules.kinds:
         return 0.5
-    return rules.hurried * rules.hurried_tendency + (1 - rules.hurried) * rules.other_tendency
+    taus, shares = _kinds(world)
+    return (taus * shares).sum()
+
+
+def _kinds(world: World) -> tuple[Float[Array, " kind"], Float[Array, " kind"]]:
+    """Return the tau and the share of each kind of people."""
+    kinds = world.rules.kinds
+    return jnp.array([kind.tendency for kind in kinds]), jnp.array([kind.share for kind in kinds])
 
 
 def crossings_seen(
@@ -107,8 +111,8 @@ def expected_after(
         known = scenario.earlier_jaywalks(world)
         jaywalks, crosswalks = jaywalks + known, crosswalks + earlier - known
     count = jnp.arange(scenario.jaywalk_draw.shape[0] + earlier + 1)
-    if world.rules.hurried:
-        means = mean_of_two(world, *jnp.broadcast_arrays(count[:, None], count))
+    if world.rules.kinds:
+        means = mean_of_kinds(world, *jnp.broadcast_arrays(count[:, None], count))
     else:
         means, _ = posterior(count[:, None], count, world.rules.jaywalk_multiplier)
     return look_up(means, jaywalks, crosswalks)

@@ -59,12 +59,11 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
 
 
 def pace(world: World, scenario: Scenario, people: PedestrianState) -> Float[Array, "ped *batch"]:
-    """Return the speed of people who go [m/s]: their own walking speed, but on a jaywalk that of their hurry."""
+    """Return the speed of people who go [m/s]: their own walking speed, or on a jaywalk that of their kind."""
     own = scenario.walking_speed(world)
-    if not world.rules.hurried:
+    if not any(kind.jaywalk for kind in world.rules.kinds):
         return own
-    hurries = scenario.in_a_hurry(world) & (people.leg.kind == LegKind.ACROSS)
-    return jnp.where(hurries, scenario.hurry(world), own)
+    return jnp.where(people.leg.kind == LegKind.ACROSS, scenario.jaywalking_speed(world), own)
 
 
 def velocity(world: World, scenario: Scenario, people: PedestrianState) -> tuple[Array, Array]:

@@ -142,7 +142,8 @@ def _miss(moment: Moment) -> Sequence[Array]:
 
 
 def _pace_bounds(limits: Limits) -> Sequence[Bound]:
-    return [(limits.config.slowest_walk / 2, limits.config.fastest_walk / 2)]
+    slowest, fastest = limits.config.walking
+    return [(slowest / 2, fastest / 2)]
 
 
 def _to_kerb(moment: Moment) -> Sequence[Array]:

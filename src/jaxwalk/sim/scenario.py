@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -11,6 +13,7 @@ from jax.scipy.special import ndtr, ndtri
 from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.sim.lookup import look_up
+from jaxwalk.sim.person_kind import begins
 from jaxwalk.sim.world import World
 
 TRAITS = 4
@@ -42,28 +45,40 @@ class Scenario(eqx.Module):
     earlier_draw: Float[Array, "earlier ped *batch"] | None = None
     """For each decision that the car saw before the episode: whether it was a jaywalk; None where it saw none."""
 
-    def jaywalking_tendency(self, world: World) -> Float[Array, "ped *batch"]:
-        """Return tau of equation 1: the first trait, or one of two numbers where some people are in a hurry."""
-        if not world.rules.hurried:
-            return self.traits[0]
-        return jnp.where(self.in_a_hurry(world), world.rules.hurried_tendency, world.rules.other_tendency)
+    def kind(self, world: World) -> Int[Array, "ped *batch"]:
+        """Return the number in ``SimConfig.kinds`` of the kind that each pedestrian is of; 0 where there are none."""
+        later = begins(world.rules.kinds)[1:]
+        return sum((self.traits[0] >= begin for begin in later), jnp.zeros_like(self.start))
 
-    def in_a_hurry(self, world: World) -> Bool[Array, "ped *batch"]:
-        """Return who is in a hurry: the share ``hurried`` of the people with the highest first trait."""
-        return self.traits[0] >= 1 - world.rules.hurried
+    def of_kind(self, world: World, numbers: Sequence[Any]) -> Float[Array, "ped *batch"]:
+        """Return for each pedestrian the number of its kind. ``numbers``: one for each of ``SimConfig.kinds``."""
+        own = jnp.full_like(self.traits[0], numbers[0])
+        for begin, number in list(zip(begins(world.rules.kinds), numbers, strict=True))[1:]:
+            own = jnp.where(self.traits[0] >= begin, number, own)
+        return own
+
+    def jaywalking_tendency(self, world: World) -> Float[Array, "ped *batch"]:
+        """Return tau of equation 1: the first trait, or that of the person's kind."""
+        kinds = world.rules.kinds
+        return self.of_kind(world, [kind.tendency for kind in kinds]) if kinds else self.traits[0]
 
     def own_traits(self, world: World) -> Float[Array, "trait ped *batch"]:
         """Return the traits as people know them: with tau as the first one."""
-        return self.traits if not world.rules.hurried else self.traits.at[0].set(self.jaywalking_tendency(world))
+        return self.traits if not world.rules.kinds else self.traits.at[0].set(self.jaywalking_tendency(world))
 
     def walking_speed(self, world: World) -> Float[Array, "ped *batch"]:
         """Return each pedestrian's own speed [m/s]."""
         slowest, fastest = world.rules.slowest_walk, world.rules.fastest_walk
+        if any(kind.walk for kind in world.rules.kinds):
+            paces = [kind.walk or (slowest, fastest) for kind in world.rules.kinds]
+            slowest, fastest = (self.of_kind(world, speeds) for speeds in zip(*paces, strict=True))
         return slowest + (fastest - slowest) * self.traits[1]
 
-    def hurry(self, world: World) -> Float[Array, "ped *batch"]:
-        """Return each pedestrian's speed on a jaywalk if it is in a hurry [m/s]; who walks fast hurries fast."""
-        slowest, fastest = world.rules.slowest_hurry, world.rules.fastest_hurry
+    def jaywalking_speed(self, world: World) -> Float[Array, "ped *batch"]:
+        """Return each pedestrian's speed on the way across on a jaywalk [m/s]; who walks fast runs fast."""
+        usual = world.rules.slowest_walk, world.rules.fastest_walk
+        paces = [kind.jaywalk or kind.walk or usual for kind in world.rules.kinds] or [usual]
+        slowest, fastest = (self.of_kind(world, speeds) for speeds in zip(*paces, strict=True))
         return slowest + (fastest - slowest) * self.traits[1]
 
     def jaywalks(self, world: World, draw: Float[Array, "..."]) -> Bool[Array, "..."]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
+
+from jaxwalk.sim.person_kind import FASTEST, PersonKind, check_kinds, in_shares, with_kinds
 
 ContactRule = Literal["disc", "footprint"]
 """What counts as a contact. ``disc``: the centres are closer than ``collision_distance`` (the paper's).
@@ -13,13 +15,12 @@ ContactRule = Literal["disc", "footprint"]
 SMALLEST_STEP = 0.001
 """The shortest step [s]."""
 LARGEST = {
-    "dt": 1.0, "horizon": 100_000, "pedestrians": 1000, "fastest_walk": 20.0, "wheelbase": 100.0, "max_speed": 100.0,
+    "dt": 1.0, "horizon": 100_000, "pedestrians": 1000, "fastest_walk": FASTEST, "wheelbase": 100.0, "max_speed": 100.0,
     "max_acceleration": 100.0, "max_braking": 100.0, "max_lateral": 100.0, "offroad_margin": 100.0,
     "collision_distance": 100.0, "car_length": 100.0,
     "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
-    "goal_spacing": 1000.0, "kerb_distance": 100.0, "hurried": 1.0, "hurried_tendency": 1.0, "other_tendency": 1.0,
-    "fastest_hurry": 20.0, "earlier_decisions": 30, "parked": 1.0, "sight": 1000.0, "delay": 10.0,
-    "position_noise": 100.0, "misses": 1.0,
+    "goal_spacing": 1000.0, "kerb_distance": 100.0, "earlier_decisions": 30, "parked": 1.0, "sight": 1000.0,
+    "delay": 10.0, "position_noise": 100.0, "misses": 1.0,
 }  # fmt: skip
 """Largest values of the fields. Larger ones make no sense on a street, and their tables could fill the memory."""
 
@@ -77,17 +78,9 @@ class SimConfig:
     """A pedestrian whose path enters a roadway within this distance is at the kerb [m]."""
     jaywalk_multiplier: float = 0.25
     """P(jaywalk | decision) = jaywalking tendency x this (equation 1)."""
-    hurried: float = 0.0
-    """Share of the people who are in a hurry: those whose first trait is highest. 0: everybody's jaywalking tendency is
-    that trait, and the next four mean nothing."""
-    hurried_tendency: float = 0.9
-    """Jaywalking tendency of people in a hurry."""
-    other_tendency: float = 0.02
-    """Jaywalking tendency of all others."""
-    slowest_hurry: float = 2.2
-    """Speed on a jaywalk of the slowest of the people in a hurry [m/s]."""
-    fastest_hurry: float = 3.0
-    """Speed on a jaywalk of the fastest of them [m/s]."""
+    kinds: tuple[PersonKind, ...] = ()
+    """Kinds of people in shares that are 1 together, by the first trait: the first kind has the lowest ones. Empty:
+    everybody's jaywalking tendency is that trait, and everybody walks at one speed."""
     pace_correlation: float = 0.0
     """How far people's pace tells of their jaywalking tendency: the correlation r of the normal scores of the first two
     traits, in [-1, 1] (a Gaussian copula; Nelsen 2006). Both stay uniform. Their rank correlation (Spearman's, and so
@@ -115,7 +108,7 @@ class SimConfig:
             "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
             "max_braking", "max_lateral",
             "collision_distance", "car_length", "car_width", "body_radius", "goal_distance", "kerb_distance",
-            "goal_spacing", "slowest_hurry", "sight",
+            "goal_spacing", "sight",
         )  # fmt: skip
         for name in positive:
             if not getattr(self, name) > 0:
@@ -123,8 +116,8 @@ class SimConfig:
         if self.contact not in get_args(ContactRule):
             raise ValueError(f"contact must be one of {', '.join(get_args(ContactRule))}, not {self.contact!r}")
         not_negative = (
-            "offroad_margin", "moving_speed", "start_clearance", "hurried", "hurried_tendency", "other_tendency",
-            "earlier_decisions", "parked", "delay", "position_noise", "misses",
+            "offroad_margin", "moving_speed", "start_clearance", "earlier_decisions", "parked", "delay",
+            "position_noise", "misses",
         )  # fmt: skip
         for name in not_negative:
             if not getattr(self, name) >= 0:
@@ -136,8 +129,7 @@ class SimConfig:
             raise ValueError(f"dt must be at least {SMALLEST_STEP:g} s, not {self.dt}")
         if not self.slowest_walk <= self.fastest_walk:
             raise ValueError(f"fastest_walk must be at least slowest_walk ({self.slowest_walk} m/s)")
-        if not self.slowest_hurry <= self.fastest_hurry:
-            raise ValueError(f"fastest_hurry must be at least slowest_hurry ({self.slowest_hurry} m/s)")
+        check_kinds(self.kinds)
         check_multiplier(self.jaywalk_multiplier)
         if not -1 <= self.pace_correlation <= 1:
             raise ValueError(f"pace_correlation must lie in [-1, 1], not {self.pace_correlation}")
@@ -146,18 +138,31 @@ class SimConfig:
         if not 0 < self.max_steering < 1.5:
             raise ValueError(f"max_steering must lie in (0, 1.5) rad, not {self.max_steering}")
 
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: Callable[[Any], Any]) -> Any:
+        """Return how pydantic reads it: files that were written before there were kinds too."""
+        from pydantic_core.core_schema import no_info_before_validator_function
+
+        return no_info_before_validator_function(with_kinds, handler(source))
+
+    @property
+    def walking(self) -> tuple[float, float]:
+        """Return the lowest and the highest walking speed of people [m/s]."""
+        paces = [kind.walk or (self.slowest_walk, self.fastest_walk) for kind in self.kinds]
+        slowest, fastest = zip(*paces or [(self.slowest_walk, self.fastest_walk)], strict=True)
+        return min(slowest), max(fastest)
+
     @property
     def fastest(self) -> float:
         """Return the highest speed of people [m/s]."""
-        return max(self.fastest_walk, self.fastest_hurry) if self.hurried else self.fastest_walk
+        return max([self.walking[1], *(kind.jaywalk[1] for kind in self.kinds if kind.jaywalk)])
 
     @property
     def tendencies(self) -> dict[float, float]:
         """Return the jaywalking tendencies with their shares of the people; {} where they are uniform in [0, 1]."""
-        if not self.hurried:
-            return {}
-        shares = {self.other_tendency: 1 - self.hurried}
-        shares[self.hurried_tendency] = shares.get(self.hurried_tendency, 0.0) + self.hurried
+        shares: dict[float, float] = {}
+        for kind in self.kinds:
+            shares[kind.tendency] = shares.get(kind.tendency, 0.0) + kind.share
         return shares
 
 
@@ -172,7 +177,9 @@ WORLDS = {
     "paper": SimConfig(),
     "paper-footprint": SimConfig(contact="footprint"),
     "town": TOWN,
-    "blind-corner": replace(TOWN, perception=True, parked=0.9, hurried=0.5, jaywalk_multiplier=1.0),
+    "blind-corner": replace(
+        TOWN, perception=True, parked=0.9, kinds=in_shares(calm=0.5, hurried=0.5), jaywalk_multiplier=1.0
+    ),
 }
 """Worlds by name. ``paper-footprint``: as the paper's, but a contact of the footprint is a collision. ``town``: so too,
 and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as cars do on dry roads; its longest
@@ -180,7 +187,7 @@ routes take 26 s without people, so an episode may last 60 s. ``blind-corner``: 
 buildings hide people, and half of the people are in a hurry: they jaywalk at nine of ten crossings."""
 OF_WORLD = (
     "contact", "horizon", "max_speed", "max_braking", "max_lateral", "parked", "perception", "jaywalk_multiplier",
-    "hurried",
+    "kinds",
 )  # fmt: skip
 """What a world decides; everything else is as usual."""
 

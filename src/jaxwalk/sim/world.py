@@ -17,10 +17,11 @@ from jaxwalk.maps import MapText, RoadMap, build_map, each_map, read_map, stack_
 from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
 from jaxwalk.sim.occluders import pack_occluders
 from jaxwalk.sim.parked_gaps import pack_parked_gaps
+from jaxwalk.sim.person_kind import PersonKind
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
 STATIC = (
-    "dt", "horizon", "pedestrians", "contact", "hurried", "pace_correlation", "earlier_decisions", "perception",
+    "dt", "horizon", "pedestrians", "contact", "kinds", "pace_correlation", "earlier_decisions", "perception",
     "delay", "position_noise", "misses",
 )  # fmt: skip
 """The rules that a compiled step contains as constants, because loops, shapes or its code depend on them."""
@@ -32,14 +33,14 @@ class Rules(eqx.Module):
     """The numbers of a `SimConfig`, which documents them and their units.
 
     Another value of an array needs no new compilation, unless ``fastest_walk`` or ``goal_spacing`` changes the length
-    of a scenario's tables (``fastest_hurry`` where people hurry), or ``parked`` becomes 0 or stops being 0.
+    of a scenario's tables, or ``parked`` becomes 0 or stops being 0.
     """
 
     dt: float = eqx.field(static=True)
     horizon: int = eqx.field(static=True)
     pedestrians: int = eqx.field(static=True)
     contact: ContactRule = eqx.field(static=True)
-    hurried: float = eqx.field(static=True)
+    kinds: tuple[PersonKind, ...] = eqx.field(static=True)
     pace_correlation: float = eqx.field(static=True)
     earlier_decisions: int = eqx.field(static=True)
     perception: bool = eqx.field(static=True)
@@ -66,10 +67,6 @@ class Rules(eqx.Module):
     goal_spacing: Float[Array, ""]
     kerb_distance: Float[Array, ""]
     jaywalk_multiplier: Float[Array, ""]
-    hurried_tendency: Float[Array, ""]
-    other_tendency: Float[Array, ""]
-    slowest_hurry: Float[Array, ""]
-    fastest_hurry: Float[Array, ""]
     parked: Float[Array, ""]
     sight: Float[Array, ""]
 
