@@ -1,0 +1,40 @@
+"""How far a car goes until it stands, when it would hit something, and how a person brakes."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+STILL = 1e-3
+"""Slower than this nothing comes nearer [m/s]."""
+
+
+def braking_distance(speed: Float[Array, "*batch"], braking: float, reaction: float = 0.0) -> Float[Array, "*batch"]:
+    """Return the way until a car stands [m]: v t + v2 / (2 b), with reaction time t [s] and braking b [m/s2]."""
+    return speed * reaction + speed * speed / (2 * braking)
+
+
+def time_to_collision(gap: Float[Array, "*batch"], closing: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    """Return the time until a gap is closed if both keep their speeds [s]; inf if it doesn't shrink.
+
+    Args:
+        gap: distance between the surfaces [m]; a negative one counts as 0.
+        closing: how fast the gap shrinks [m/s].
+    """
+    return jnp.where(closing > STILL, jnp.maximum(gap, 0) / jnp.maximum(closing, STILL), jnp.inf)
+
+
+def last_moment(speed: Float[Array, "*batch"], braking: float, spare: float) -> Float[Array, "*batch"]:
+    """Return the time to collision at which full braking still stops the car, ``spare`` seconds early: v / (2 b) + t.
+
+    Braking b [m/s2] from speed v takes v2 / (2 b) metres, which the unbraked car drives in v / (2 b) seconds.
+    """
+    return speed / (2 * braking) + spare
+
+
+def ramp(since: Float[Array, "*batch"], most: float, rise: float) -> Float[Array, "*batch"]:
+    """Return the deceleration ``since`` seconds after the foot met the brake [m/s2]: linear up to ``most`` in ``rise``.
+
+    The careful and competent human driver of UN R157 (annex 4, appendix 3) reaches 0.774 g = 7.59 m/s2 in 0.6 s.
+    """
+    return most * jnp.clip(since / rise, 0, 1)
