@@ -38,7 +38,7 @@ WRONG = {
     "test:1001": r"must lie in \[1, 1,000\], not 1,001",
     "test-17": "the numbers of test are 2000000000 to 2000999999",
     "training-72": "this number gives no street .roads meet beyond their junctions.: choose another one",
-    "moon:20": "SPLIT:COUNT or SPLIT-NUMBER, where SPLIT is one of training, validation, test, unseen-ranges",
+    "moon:20": "SPLIT:COUNT or SPLIT-NUMBER, where SPLIT is one of training, validation, test, unseen-ranges, arterial",
 }
 
 

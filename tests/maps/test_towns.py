@@ -13,7 +13,7 @@ import shapely
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from jaxwalk.maps.generated import LAYOUTS, SPLITS, TOWN, UNSEEN, Refusal, Split, Town, make_street
+from jaxwalk.maps.generated import ARTERIAL, LAYOUTS, SPLITS, TOWN, UNSEEN, Refusal, Split, Town, make_street
 from jaxwalk.maps.generated.check_town import TIGHTEST, refuse_faults
 from jaxwalk.maps.generated.lane_paths import smallest_radius
 from jaxwalk.maps.network import Lane, along
@@ -127,8 +127,14 @@ def test_a_junction_by_hand():
 def test_splits_never_meet():
     for one, other in combinations(SPLITS.values(), 2):
         assert not range(max(one.numbers[0], other.numbers[0]), min(one.numbers[-1], other.numbers[-1]) + 1)
-    assert {split.family.hash for name, split in SPLITS.items() if name != "unseen-ranges"} == {TOWN.hash}
-    assert SPLITS["unseen-ranges"].family == UNSEEN
+    families = {name: split.family for name, split in SPLITS.items()}
+    assert families == {
+        "training": TOWN,
+        "validation": TOWN,
+        "test": TOWN,
+        "unseen-ranges": UNSEEN,
+        "arterial": ARTERIAL,
+    }
 
 
 def test_unseen_ranges_meet_none_of_training():
@@ -138,6 +144,20 @@ def test_unseen_ranges_meet_none_of_training():
             assert high < other_low or other_high < low, field.name
             assert hull(field.name) == (min(low, other_low), max(high, other_high))
     assert not set(TOWN.speed_limits) & set(UNSEEN.speed_limits)
+
+
+def test_an_arterial_has_four_fast_lanes_and_crosswalks_far_apart():
+    """Its lanes are 3.25 m wide or more; what an island takes from the roadway, its median adds."""
+    for street, _ in zip(SPLITS["arterial"].streets(), range(15), strict=False):
+        network = street.network
+        lines = [shapely.LineString(lane.line) for lane in network.lanes]
+        assert {lane.speed_limit for lane in network.lanes} == {13.9}
+        ways = [shapely.LineString(network.walk.nodes[[x.nodes[0], x.nodes[-1]]]) for x in network.crossings]
+        crossed = [sum(line.crosses(way) for line in lines) for way in ways]
+        wide = [way for way, lanes in zip(ways, crossed, strict=True) if lanes == 4]
+        assert set(crossed) <= {2, 4} and 1 <= len(wide) <= 5
+        assert min(way.intersection(network.surface("roadway")).length for way in wide) >= 4 * 3.25
+        assert all(one.centroid.distance(other.centroid) > 25 for one, other in combinations(wide, 2))
 
 
 def test_refused_numbers_are_left_out_and_counted():

@@ -24,6 +24,7 @@ SUITES: Final = {
     "town": Where(("test:200",), "town", 12),
     "crowd": Where(("test:200",), "town", 72),
     "blind-corner": Where(("test:20",), "blind-corner", 48),
+    "arterial": Where(("arterial:20",), "arterial", 48),
     "unseen-ranges": Where(("unseen-ranges:200",), "town", 12),
 }
 """The suites by name. ``docs/suites.md`` says what each is for, and what rules and the oracle reach on it."""

@@ -35,7 +35,7 @@ class Tracks:
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
-    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
     out: Annotated[Path, option("tracks.parquet", "FILE")] = Path("tracks.parquet")
     """FILE.parquet; an existing file is replaced. Needs pip install "jaxwalk[data]"."""
 
@@ -82,6 +82,6 @@ class Scenario:
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
-    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
     out: Annotated[Path, option("scenario", "DIR")] = Path("scenario")
     """Folder for episode.xosc, map.xodr and commonroad.xml. Needs pip install "jaxwalk[scenarios]"."""

@@ -43,7 +43,7 @@ class Evaluate:
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[tuple[float, ...] | None, option("the world's", "X [X ...]")] = None
-    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds. Several: an
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25. Several: an
     evaluation with each."""
     driver_acts: Annotated[Acting, option("mode", "HOW")] = "mode"
     """How a learned driver chooses: mode, the likeliest action; sample, at random as in training."""
@@ -94,7 +94,7 @@ class Play:
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
-    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
     time: Annotated[float | None, option("the end", "S")] = None
     """The moment that a picture shows [s]."""
     html: Flag = False
@@ -140,7 +140,7 @@ class Report:
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
-    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
     out: Annotated[Path, option("runs/report", "DIR")] = Path("runs/report")
     """Folder for report.html, figures, tables and numbers; files of an earlier report are replaced."""
     trust: Flag = False

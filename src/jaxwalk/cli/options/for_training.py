@@ -37,7 +37,7 @@ class Train:
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car; town: that
     too, and a car for towns (50 km/h, harder brakes, slower in bends)."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
-    """P(jaywalk | decision) = jaywalking tendency x this: 1 in blind-corner, 0.25 in all other worlds."""
+    """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
     environments: Annotated[int | None, tuned("environments", "N")] = None
     """Environments side by side (fast with --single-agent: 512)."""
     steps: Annotated[int | None, tuned("steps", "N")] = None

@@ -138,3 +138,21 @@ UNSEEN = Town(
     speed_limits=(6.94, 9.72, 12.5),
 )
 """Streets none of whose ranges meets `TOWN`'s: for tests of what was never trained."""
+ARTERIAL = Town(
+    layouts=("straight", "tee", "cross", "staggered"),
+    main_length=(165.0, 178.0),
+    curvature=(0.0, 1 / 250),
+    lanes=(2,),
+    arm_lanes=(1,),
+    lane_width=(3.25, 3.5),
+    one_way=0.0,
+    median=0.5,
+    parking=0.8,
+    crosswalks=(0.0, 0.3),
+    middle_crosswalks=(0.2, 0.5),
+    unmarked=0.0,
+    raised=0.0,
+    zone_length=(30.0, 50.0),
+    speed_limits=(13.9,),
+)
+"""Wide, fast streets: two lanes in each direction, 50 km/h, few crosswalks, and people who cross far away from them."""
