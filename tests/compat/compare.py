@@ -24,11 +24,12 @@ import json
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from compat.fast_of_0_1 import fast_of_0_1
 from compat.record import (
     EVALUATIONS,
     PARTS,
@@ -46,10 +47,8 @@ from compat.record import (
     scenario_hash,
     updates_file,
 )  # fmt: skip
-from jaxwalk.learning.config import GLOBAL
-from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
+from jaxwalk.recipes import RECIPES, single_agent, with_training
 from jaxwalk.runs.folder import Run
-from jaxwalk.sim.sim_config import WORLDS
 
 RECORDED = Path(__file__).parent / "recorded"
 TRAINED = RECORDED / "trained"
@@ -143,15 +142,6 @@ def updates_of_0_1(name: str, *, folder: Path) -> list[dict]:
     run = Run.create(Path(tempfile.mkdtemp(dir=folder)) / "run", with_training(experiment, shards=int(shards), **sizes))
     jaxwalk("train", "--resume", run.path, folder=folder, flags=QUICK_TO_COMPILE)
     return metrics(run.path)
-
-
-def fast_of_0_1() -> Experiment:
-    """Return the recipe ``fast`` as it was: a collision was a disc's, and so were predictions."""
-    fast = RECIPES["fast"]
-    driver = replace(fast.train.roles["driver"], observes="route", critic_observes=("route", GLOBAL))
-    people = replace(fast.train.roles["pedestrian"], fixed=1 / 3)
-    roles = fast.train.roles | {"driver": driver, "pedestrian": people}
-    return replace(with_training(fast, roles=roles, discount=0.995), sim=WORLDS["paper"])
 
 
 def metrics_differ(before: list[dict], now: list[dict]) -> tuple[str, str]:

@@ -13,7 +13,7 @@ import shapely
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from jaxwalk.maps.generated import ARTERIAL, LAYOUTS, SPLITS, TOWN, UNSEEN, Refusal, Split, Town, make_street
+from jaxwalk.maps.generated import ARTERIAL, LAYOUTS, PARKED, SPLITS, TOWN, UNSEEN, Refusal, Split, Town, make_street
 from jaxwalk.maps.generated.check_town import TIGHTEST, refuse_faults
 from jaxwalk.maps.generated.lane_paths import smallest_radius
 from jaxwalk.maps.network import Lane, along
@@ -128,12 +128,10 @@ def test_splits_never_meet():
     for one, other in combinations(SPLITS.values(), 2):
         assert not range(max(one.numbers[0], other.numbers[0]), min(one.numbers[-1], other.numbers[-1]) + 1)
     families = {name: split.family for name, split in SPLITS.items()}
-    assert families == {
-        "training": TOWN,
-        "validation": TOWN,
-        "test": TOWN,
+    assert families == dict.fromkeys(("training", "validation", "test"), TOWN) | {
         "unseen-ranges": UNSEEN,
         "arterial": ARTERIAL,
+        **dict.fromkeys(("parked-training", "parked-test"), PARKED),
     }
 
 

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
+from pathlib import Path
 
 import jax
 
@@ -57,13 +58,21 @@ def simulator() -> tuple[Callable[[], None], int]:
     return work, ENVIRONMENTS * STEPS
 
 
+def experiment_of(recipe: str):
+    """A recipe of 0.1: the same work in every checkout. Of those, only ``fast`` has changed since."""
+    if recipe == "fast" and module("recipes").__name__ == NAMES["recipes"][0]:
+        sys.path.insert(0, str(Path(__file__).parents[1]))
+        return import_module("compat.fast_of_0_1").fast_of_0_1()
+    return module("recipes").RECIPES[recipe]
+
+
 def updates(recipe: str) -> tuple[Callable[[], None], int]:
     """Updates of a recipe at its own size."""
     from jaxwalk.learning import mappo
     from jaxwalk.rollout import TRAINING, seed_key
 
     street = module("street")
-    experiment = street.shared_out(module("recipes").RECIPES[recipe])
+    experiment = street.shared_out(experiment_of(recipe))
     environment, config = street.make_street(experiment), replace(experiment.train, updates=1)
     others = street.fixed_policies(experiment)
     learner = mappo.init(environment, config, seed_key(0, TRAINING), others=others)

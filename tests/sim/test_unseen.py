@@ -15,14 +15,14 @@ from jaxwalk.interfaces import Moment
 from jaxwalk.learning.casting import whole
 from jaxwalk.learning.critics import make_critics
 from jaxwalk.learning.experience import gather_views
+from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.recipes import FAST
-from jaxwalk.sim.map_tables import POINTS
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.observation import AWARE, FOOTPRINT, MEMORY, Observation, part
 from jaxwalk.sim.perceived import KEPT
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 from jaxwalk.sim.sight import in_sight
 from jaxwalk.sim.sim_config import SimConfig
-from jaxwalk.sim.unseen_features import SIDES
 from sim.hiding import BATCH, drawn, drive, hiding_street, play_on, x_ray
 
 
@@ -108,21 +108,18 @@ def test_who_was_last_seen_is_shown_where_that_was_and_fades(hiding, scenarios, 
 
 
 def test_hidden_sides_are_those_that_no_line_reaches(hiding, scenarios, played):
-    """Places beside the route, found again in the map's axes; where everybody is in sight none is hidden."""
+    """Places beyond the kerbs beside the points of the route ahead; where everybody is in sight none is hidden."""
     state, _ = played
-    hidden = seen_by(hiding, scenarios, state, AWARE, "hidden_sides").reshape(len(POINTS), len(SIDES), BATCH)
+    hidden = seen_by(hiding, scenarios, state, AWARE, "hidden_sides").reshape(len(POINTS), 2, BATCH)
     assert 0.05 < hidden.mean() < 0.95
-    course = jax.tree.map(np.asarray, state.vehicle.course)
-    x, y = (
-        np.vstack([at[None], ahead])
-        for at, ahead in ((state.vehicle.x, course.ahead_x), (state.vehicle.y, course.ahead_y))
-    )
-    dx, dy = np.diff(x, axis=0), np.diff(y, axis=0)
-    length = np.maximum(np.hypot(dx, dy), 1e-3)
-    for side, aside in enumerate(SIDES):
-        place_x, place_y = x[1:] - aside * dy / length, y[1:] + aside * dx / length
-        seen = np.asarray(in_sight(hiding.world, scenarios, state.vehicle, jnp.array(place_x), jnp.array(place_y)))
-        assert (hidden[:, side] == ~seen).mean() > 0.995
+    at = np.round(np.asarray(state.vehicle.along) / ROUTE_SPACING).astype(int)
+    for point, ahead in enumerate(POINTS):
+        index = at + int(ahead * POINT_SPACING / ROUTE_SPACING)
+        beside = np.asarray(hiding.world.kerbsides)[scenarios.map, scenarios.route, index]
+        for side in range(2):
+            x, y = jnp.array(beside[:, 2 * side])[None], jnp.array(beside[:, 2 * side + 1])[None]
+            seen = np.asarray(in_sight(hiding.world, scenarios, state.vehicle, x, y))[0]
+            assert (hidden[point, side] == ~seen).mean() > 0.95
     usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
     everybody, _ = eqx.filter_jit(play_on)(usual, scenarios)
     assert not seen_by(usual, scenarios, everybody, AWARE, "hidden_sides").any()

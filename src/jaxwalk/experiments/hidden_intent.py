@@ -34,13 +34,13 @@ from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import AWARE, BELIEF, FOOTPRINT, MEMORY, PLACEBO, TOLD, X_RAY
+from jaxwalk.sim.observation import AWARE, BELIEF, DECIDED, FOOTPRINT, MEMORY, PLACEBO, TOLD, X_RAY
 from jaxwalk.sim.suites import SUITES
 from jaxwalk.writing import write_whole
 
 INTENT = {BLIND: FOOTPRINT, "placebo": PLACEBO, "belief": BELIEF, "told": TOLD}
 """Cars and what they see. Their critics all see the same: only the drivers differ."""
-SIGHT = {"memory": MEMORY, "aware": AWARE, "x-ray": X_RAY}
+SIGHT = {"decided": DECIDED, "memory": MEMORY, "aware": AWARE, "x-ray": X_RAY}
 """More of them, where people can be hidden."""
 OFTEN = 1.0
 """A jaywalk multiplier of the evaluation beside that of the trainings: with it, intentions matter more."""
@@ -79,7 +79,8 @@ def hidden_intent(
 
     ``base``: what to train instead of only the car of the plan's recipe; its driver's observation set is replaced.
     """
-    work = IntentWork(folder, plan, console or Console(stderr=True), base or single_agent(RECIPES[plan.recipe]))
+    base = base or acquainted(single_agent(RECIPES[plan.recipe]))
+    work = IntentWork(folder, plan, console or Console(stderr=True), base)
     work.do(
         [
             ("training cars that know more or less", _train),
@@ -88,6 +89,16 @@ def hidden_intent(
         ]
     )
     return folder / PAGE
+
+
+def acquainted(experiment: Experiment) -> Experiment:
+    """Return the experiment where, if people can be hidden, the car saw one decision of each of them before.
+
+    Those who are in a hurry nearly always jaywalk and the others hardly ever, so one decision tells nearly all.
+    """
+    if not experiment.sim.perception:
+        return experiment
+    return replace(experiment, sim=replace(experiment.sim, earlier_decisions=1))
 
 
 def cars_of(experiment: Experiment) -> dict[str, str]:

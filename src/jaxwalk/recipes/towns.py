@@ -29,4 +29,10 @@ TOWN: Final = replace(
     crowds=(12, 3, 72, 36),
 )
 
-BLIND_CORNER: Final = replace(TOWN, recipe="blind-corner", sim=WORLDS["blind-corner"], crowds=(48, 12, 72, 24))
+BLIND_CORNER: Final = replace(
+    TOWN,
+    recipe="blind-corner",
+    maps=("parked-training:64",),
+    sim=WORLDS["blind-corner"],
+    crowds=(48, 12, 72, 24),
+)

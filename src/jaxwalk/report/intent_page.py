@@ -15,8 +15,10 @@ KNOWS = {
     BLIND: "sees where people are and how they move, as far as its car perceives them",
     "placebo": "is also told a number about each of the nearest people that decides nothing, so that it has as many "
     "inputs as the next two",
-    "belief": "is also told the posterior mean of their jaywalking tendencies, given the crossings that it saw",
+    "belief": "is also told the posterior mean of their jaywalking tendencies, given the crossings that it saw and, "
+    "where people can be hidden, one decision of each of them from before",
     "told": "is also told the tendencies",
+    "decided": "is also told who of them has decided to jaywalk, and where they will step out",
     "memory": "sees what `blind` sees, and who was last seen up to 3 s ago",
     "aware": "sees what `memory` sees, and which sides of its way are hidden",
     "x-ray": "sees what `blind` sees, but of everybody, hidden or not",

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
-from jaxwalk.sim import belief, future, prediction, vehicle, what_if
+from jaxwalk.sim import future, prediction, vehicle, what_if
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
 from jaxwalk.sim.geometry import to_frame
@@ -115,23 +115,6 @@ def _what_if(name: str, predict: Callable[[Moment, ContactRule], tuple[Array, Ar
     return Feature(name, len(MANOEUVRES) * (2 + len(MARGINS["footprint"])), share, predicted)
 
 
-def _of_nearest(moment: Moment, tendency: Float[Array, "ped *batch"]) -> Sequence[Array]:
-    """Return the tendencies of the nearest people, nearest first; the prior mean for neighbours who aren't there."""
-    prior = belief.prior_mean(moment.world)
-    unknown = jnp.full((NEIGHBOURS, *moment.state.step.shape), prior)
-    if moment.state.perceived is not None:
-        tendency = jnp.where(moment.state.perceived.now.seen, tendency, prior)
-    return (prediction.of_nearest(moment.state.foresight.people, tendency, unknown),)
-
-
-def _expected_tendencies(moment: Moment) -> Sequence[Array]:
-    world, scenario, state = moment.world, moment.scenario, moment.state
-    if state.perceived is None:
-        return _of_nearest(moment, belief.expected_tendency(world, scenario, state.pedestrian))
-    seen = state.perceived.crossings
-    return _of_nearest(moment, belief.expected_after(world, scenario, seen.jaywalks, seen.crosswalks))
-
-
 def _future_clearances(moment: Moment) -> Sequence[Array]:
     """Return how near people will be to the places ahead if everybody goes."""
     nearest = future.clearances(moment.world, moment.scenario, moment.state) / FAR
@@ -189,17 +172,6 @@ ROUTE_FOOTPRINT = (
 )
 """As `ROUTE`, but with clearances between the car's rectangle and people's bodies: 18 numbers if people walk on as they
 do, 18 if everybody beside the roadway turned to the car's route now, 18 if all who walk to a crosswalk took it."""
-
-TOLD_TENDENCIES = Feature(
-    "tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.jaywalking_tendency(m.world))
-)
-"""The jaywalking tendency of each of the nearest people."""
-
-PLACEBO = Feature("tendencies", NEIGHBOURS, share, lambda m: _of_nearest(m, m.scenario.traits[2]))
-"""A trait of each of the nearest people that decides nothing."""
-
-EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendencies)
-"""The posterior mean of the jaywalking tendency of each of the nearest people."""
 
 FUTURE_CLEARANCES = Feature("clearances", future.MOMENTS * future.PLACES, share, _future_clearances)
 """How near people will be to the places ahead, at each moment. Nobody can know this."""

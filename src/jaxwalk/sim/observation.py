@@ -12,12 +12,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
-from jaxwalk.sim import driver_features, pedestrian, pedestrian_features, vehicle
+from jaxwalk.sim import driver_features, intent_features, pedestrian, pedestrian_features, vehicle
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, joined, on_map
 from jaxwalk.sim.prediction import ABSENT, unhidden
 from jaxwalk.sim.surroundings import SURROUNDINGS
-from jaxwalk.sim.unseen_features import HIDDEN_SIDES, LAST_SEEN
+from jaxwalk.sim.unseen_features import HIDDEN_SIDES, LAST_SEEN, NEXT_CROSSWALK
 from jaxwalk.sim.world import World
 
 PRIVILEGED = "privileged"
@@ -28,17 +28,19 @@ TOLD = f"{FOOTPRINT}-told"
 """The same, and the jaywalking tendencies of the nearest people."""
 BELIEF = f"{FOOTPRINT}-belief"
 """The same, and what can be inferred about these tendencies (`jaxwalk.sim.belief`): nothing hidden."""
+DECIDED = f"{FOOTPRINT}-decided"
+"""The same, and who of the nearest people has decided to jaywalk, and where."""
 PLACEBO = f"{FOOTPRINT}-placebo"
 """The same, and as many numbers as in `TOLD` that say nothing, for comparisons."""
 MEMORY = f"{FOOTPRINT}-memory"
 """The same, and who was last seen."""
 AWARE = f"{FOOTPRINT}-aware"
-"""The same, who was last seen, and which sides of the car's way are hidden."""
+"""The same, who was last seen, which sides of the car's way are hidden, and how far the next crosswalk is."""
 X_RAY = f"{FOOTPRINT}-x-ray"
 """The same, but of everybody as they are, also of people who are not perceived."""
 UNHIDDEN = frozenset({X_RAY})
 """Sets that are computed as if nothing hid anybody."""
-HIDDEN = frozenset({PRIVILEGED, TOLD, PLACEBO, "route-told"}) | UNHIDDEN
+HIDDEN = frozenset({PRIVILEGED, TOLD, DECIDED, PLACEBO, "route-told"}) | UNHIDDEN
 """Sets that no real car could have."""
 INFERRED = frozenset({BELIEF, "route-belief"})
 """Sets that show what only an observer of everybody could infer."""
@@ -49,14 +51,15 @@ OBSERVATIONS: dict[str, dict[str, tuple[Feature, ...]]] = {
     "driver": {
         "paper": driver_features.PAPER,
         "route": driver_features.ROUTE,
-        "route-told": (*driver_features.ROUTE, driver_features.TOLD_TENDENCIES),
-        "route-belief": (*driver_features.ROUTE, driver_features.EXPECTED_TENDENCIES),
+        "route-told": (*driver_features.ROUTE, intent_features.TOLD_TENDENCIES),
+        "route-belief": (*driver_features.ROUTE, intent_features.EXPECTED_TENDENCIES),
         FOOTPRINT: driver_features.ROUTE_FOOTPRINT,
-        TOLD: (*driver_features.ROUTE_FOOTPRINT, driver_features.TOLD_TENDENCIES),
-        BELIEF: (*driver_features.ROUTE_FOOTPRINT, driver_features.EXPECTED_TENDENCIES),
-        PLACEBO: (*driver_features.ROUTE_FOOTPRINT, driver_features.PLACEBO),
+        TOLD: (*driver_features.ROUTE_FOOTPRINT, intent_features.TOLD_TENDENCIES),
+        BELIEF: (*driver_features.ROUTE_FOOTPRINT, intent_features.EXPECTED_TENDENCIES),
+        DECIDED: (*driver_features.ROUTE_FOOTPRINT, intent_features.TOLD_DECISIONS),
+        PLACEBO: (*driver_features.ROUTE_FOOTPRINT, intent_features.PLACEBO),
         MEMORY: (*driver_features.ROUTE_FOOTPRINT, LAST_SEEN),
-        AWARE: (*driver_features.ROUTE_FOOTPRINT, LAST_SEEN, HIDDEN_SIDES),
+        AWARE: (*driver_features.ROUTE_FOOTPRINT, LAST_SEEN, HIDDEN_SIDES, NEXT_CROSSWALK),
         X_RAY: driver_features.ROUTE_FOOTPRINT,
         "surroundings": SURROUNDINGS,
         PRIVILEGED: (*driver_features.ON_ROUTE, driver_features.FUTURE_CLEARANCES, driver_features.LIMITS),

@@ -23,7 +23,7 @@ SUITES: Final = {
     "paper-footprint": Where(("paper",), "paper-footprint", 12),
     "town": Where(("test:200",), "town", 12),
     "crowd": Where(("test:200",), "town", 72),
-    "blind-corner": Where(("test:20",), "blind-corner", 48),
+    "blind-corner": Where(("parked-test:20",), "blind-corner", 48),
     "arterial": Where(("arterial:20",), "arterial", 48),
     "unseen-ranges": Where(("unseen-ranges:200",), "town", 12),
 }

@@ -1,24 +1,22 @@
-"""What a car knows of what it doesn't see: who was there a moment ago, and which sides of its way are hidden."""
+"""What a car knows of what it doesn't see: who was there a moment ago, where its way is hidden, the next crosswalk."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import jax.numpy as jnp
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
+from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.sim.driver_features import person_bounds, person_rows
 from jaxwalk.sim.features import Bound, Feature, Limits, share
-from jaxwalk.sim.geometry import to_frame
-from jaxwalk.sim.map_tables import POINTS
+from jaxwalk.sim.kerbsides import FARTHEST
+from jaxwalk.sim.lookup import look_up_row
+from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.perceived import KEPT
 from jaxwalk.sim.prediction import NEIGHBOURS, nearest_and, nobody, perceived_people
 from jaxwalk.sim.sight import in_sight
-
-SIDES = (-5.0, 8.5)
-"""Offsets to the left of the route at which a car looks for hidden places [m]: beyond parked vehicles on its own side,
-and on a two-lane road beyond those on the other side."""
 
 
 def _last_seen(moment: Moment) -> Sequence[Array]:
@@ -41,25 +39,38 @@ def _last_seen_bounds(limits: Limits) -> Sequence[Bound]:
     return [*person_bounds(limits), (0.0, 1.0)]
 
 
-def _hidden_sides(moment: Moment) -> Sequence[Array]:
-    """Return 1 for each place beside the route ahead that something hides, or that is out of the range of sight.
+def _beside_the_route(moment: Moment) -> Float[Array, "column point *batch"]:
+    """Return the columns of `jaxwalk.sim.kerbsides` where the car is, and then at the points of its route ahead."""
+    table, scenario, car = moment.world.kerbsides, moment.scenario, moment.state.vehicle
+    assert table is not None
+    ahead = jnp.array((0, *POINTS)).reshape(-1, *(1,) * car.x.ndim) * (POINT_SPACING / ROUTE_SPACING)
+    index = jnp.clip(jnp.round(car.along / ROUTE_SPACING + ahead).astype(jnp.int32), 0, table.shape[-2] - 1)
+    return look_up_row(table, scenario.map, scenario.route, index)
 
-    The places are `SIDES` to the left of the points of the route, the nearest point first.
+
+def _hidden_sides(moment: Moment) -> Sequence[Array]:
+    """Return 1 for each place beyond a kerb beside the route ahead that is hidden, or out of the range of sight.
+
+    The nearest point of the route comes first, and its right side before its left one.
     """
-    world, car, seen = moment.world, moment.state.vehicle, moment.state.foresight
+    world, car = moment.world, moment.state.vehicle
     if moment.state.perceived is None:
-        return (jnp.zeros((len(SIDES) * len(POINTS), *car.x.shape)),)
-    ahead, left = seen.route_x, seen.route_y
-    dx, dy = (jnp.diff(along, axis=0, prepend=0) for along in (ahead, left))
-    length = jnp.maximum(jnp.sqrt(dx * dx + dy * dy), 1e-3)
-    aside = jnp.array(SIDES).reshape(1, -1, *(1,) * car.x.ndim)
-    place_ahead = (ahead[:, None] - aside * (dy / length)[:, None]).reshape(-1, *car.x.shape)
-    place_left = (left[:, None] + aside * (dx / length)[:, None]).reshape(-1, *car.x.shape)
-    x, y = to_frame(place_ahead, place_left, car.cos[None], -car.sin[None])
-    return (~in_sight(world, moment.scenario, car, car.x[None] + x, car.y[None] + y),)
+        return (jnp.zeros((2 * len(POINTS), *car.x.shape)),)
+    right_x, right_y, left_x, left_y, _ = _beside_the_route(moment)[:, 1:]
+    x, y = (jnp.stack(sides, axis=1).reshape(-1, *car.x.shape) for sides in ((right_x, left_x), (right_y, left_y)))
+    return (~in_sight(world, moment.scenario, car, x, y),)
+
+
+def _next_crosswalk(moment: Moment) -> Sequence[Array]:
+    """Return how far along the route the next crosswalk is."""
+    if moment.state.perceived is None:
+        return (jnp.ones(moment.state.step.shape),)
+    return (_beside_the_route(moment)[-1, 0] / FARTHEST,)
 
 
 LAST_SEEN = Feature("last_seen", 5 * NEIGHBOURS, _last_seen_bounds, _last_seen)
 """Who was last seen."""
-HIDDEN_SIDES = Feature("hidden_sides", len(SIDES) * len(POINTS), share, _hidden_sides)
+HIDDEN_SIDES = Feature("hidden_sides", 2 * len(POINTS), share, _hidden_sides)
 """Where the sides of the car's way are hidden."""
+NEXT_CROSSWALK = Feature("next_crosswalk", 1, share, _next_crosswalk)
+"""How far ahead the next crosswalk is."""

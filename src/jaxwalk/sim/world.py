@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from jaxwalk.maps import MapText, RoadMap, build_map, each_map, read_map, stack_maps
+from jaxwalk.sim.kerbsides import pack_kerbsides
 from jaxwalk.sim.map_tables import Tables, pack_tables, shortest_crossing
 from jaxwalk.sim.occluders import pack_occluders
 from jaxwalk.sim.parked_gaps import pack_parked_gaps
@@ -120,6 +121,8 @@ class World(eqx.Module):
     """What can hide people, by the car's place (`jaxwalk.sim.occluders`); None where everybody sees everybody."""
     parked_gaps: Float[Array, "map side vehicle 5"] | None = None
     """Where parked vehicles are in the way of jaywalks (`jaxwalk.sim.parked_gaps`); None where nobody ever parks."""
+    kerbsides: Float[Array, "map route point 5"] | None = None
+    """What lies beside the routes (`jaxwalk.sim.kerbsides`); None where everybody sees everybody."""
 
     @classmethod
     def create(cls, maps: Sequence[str | Path | MapText], config: SimConfig) -> World:
@@ -139,17 +142,18 @@ class World(eqx.Module):
             shortest = max(x for x in CROSSINGS if x <= max(shortest, CROSSINGS[0]))
         goals, crossings = table_sizes(config, shortest_crossing=shortest)
         numbers = {name: np.float32(getattr(config, name)) for name in _names_of_arrays()}
-        hides = pack_occluders(stacked, config.sight) if config.perception else None
+        hides, beside = None, None
+        if config.perception:
+            hides, beside = pack_occluders(stacked, config.sight), pack_kerbsides(stacked)
         slots = stacked.slots.shape[-2] if config.parked > 0 else 0
         in_the_way = pack_parked_gaps(stacked, packed, config.body_radius) if slots else None
-        on_host = (hides, in_the_way, stacked, packed, numbers, np.int32(len(texts)))
+        on_host = (hides, in_the_way, beside, stacked, packed, numbers, np.int32(len(texts)))
         # `jnp.asarray` compiles one program per shape
-        occluders, parked_gaps, road_map, tables, arrays, count = jax.device_put(on_host)
+        occluders, parked_gaps, kerbsides, road_map, tables, arrays, count = jax.device_put(on_host)
         static: dict[str, Any] = {name: getattr(config, name) for name in STATIC}
         rules = Rules(**static, **arrays)
-        return cls(
-            road_map, Tables(**tables), rules, goals, crossings, slots, count, MapTexts(texts), occluders, parked_gaps
-        )
+        sizes = (goals, crossings, slots, count, MapTexts(texts))
+        return cls(road_map, Tables(**tables), rules, *sizes, occluders, parked_gaps, kerbsides)
 
 
 def table_sizes(config: SimConfig, *, shortest_crossing: float) -> tuple[int, int]:

@@ -25,7 +25,7 @@ class Streets:
 
     split: Annotated[SplitName, option("training")] = "training"
     """Which numbers: training, validation and test never meet; unseen-ranges are streets whose parameters lie outside
-    those of all three, arterial wide and fast ones."""
+    those of all three, arterial wide and fast ones, parked-training and parked-test narrow ones."""
     first: Annotated[int, option("0", "N")] = 0
     """Begin at this place among the split's numbers, from 0."""
     count: Annotated[int, option("12", "N")] = 12

@@ -3,12 +3,13 @@
 from jaxwalk.maps.generated.named_streets import names_generated
 from jaxwalk.maps.generated.refusal import Refusal
 from jaxwalk.maps.generated.splits import SPLITS, Split
-from jaxwalk.maps.generated.town import ARTERIAL, LAYOUTS, TOWN, UNSEEN, Town
+from jaxwalk.maps.generated.town import ARTERIAL, LAYOUTS, PARKED, TOWN, UNSEEN, Town
 from jaxwalk.maps.generated.town_street import TownStreet, make_street
 
 __all__ = [
     "ARTERIAL",
     "LAYOUTS",
+    "PARKED",
     "SPLITS",
     "TOWN",
     "UNSEEN",

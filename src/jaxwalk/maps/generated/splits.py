@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from jaxwalk.maps.generated.refusal import Refusal
-from jaxwalk.maps.generated.town import ARTERIAL, TOWN, UNSEEN, Town
+from jaxwalk.maps.generated.town import ARTERIAL, PARKED, TOWN, UNSEEN, Town
 from jaxwalk.maps.generated.town_street import TownStreet, make_street
 
 
@@ -48,6 +48,8 @@ SPLITS = {
         Split("test", TOWN, range(2 * 10**9, 2 * 10**9 + 10**6)),
         Split("unseen-ranges", UNSEEN, range(3 * 10**9, 3 * 10**9 + 10**6)),
         Split("arterial", ARTERIAL, range(4 * 10**9, 4 * 10**9 + 10**6)),
+        Split("parked-test", PARKED, range(5 * 10**9, 5 * 10**9 + 10**6)),
+        Split("parked-training", PARKED, range(6 * 10**9, 6 * 10**9 + 10**6)),
     )
 }
 """The splits by name. They are fixed: a street that was trained on must never be one of a test."""

@@ -156,3 +156,14 @@ ARTERIAL = Town(
     speed_limits=(13.9,),
 )
 """Wide, fast streets: two lanes in each direction, 50 km/h, few crosswalks, and people who cross far away from them."""
+PARKED = Town(
+    lanes=(1,),
+    arm_lanes=(1,),
+    lane_width=(2.75, 3.0),
+    median=0.0,
+    parking=1.0,
+    zone_length=(18.0, 30.0),
+    speed_limits=(13.9,),
+)
+"""Narrow streets of two lanes between parking strips, where 50 km/h are allowed: parked vehicles hide whoever
+jaywalks, and stand close to the car."""
