@@ -18,6 +18,7 @@ from jaxtyping import Array, Bool, Key
 from jaxwalk.acting import Given, act, cast_of, step_key
 from jaxwalk.adapters.players import AdapterError, Weights, player, weights_of
 from jaxwalk.interfaces import Outcome, Policy, Roles
+from jaxwalk.policies import Groups
 from jaxwalk.rollout import Step, Stream, advance, environment_keys, restart, seed_key, start
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig, rules_of
@@ -60,6 +61,8 @@ class Game(eqx.Module):
     ) -> Game:
         """Return a game; ``driver`` and ``pedestrians`` are as for `player`, or None for a role played from outside.
 
+        Where people walk in groups, leaders of a named population decide for their group.
+
         Raise AdapterError for an unknown name, and the errors of `Street.create`.
         """
         maps = world.get("maps", ("paper",))
@@ -71,7 +74,11 @@ class Game(eqx.Module):
             **world,
         )
         chosen = {"driver": driver, "pedestrian": pedestrians}
-        return cls(street, {role: None if who is None else player(role, who) for role, who in chosen.items()})
+        policies = {role: None if who is None else player(role, who) for role, who in chosen.items()}
+        people = policies["pedestrian"]
+        if people is not None and isinstance(pedestrians, str | Path) and street.world.rules.grouped:
+            policies["pedestrian"] = Groups(people)
+        return cls(street, policies)
 
     def memory(self, count: int) -> Roles[tuple[Any, ...]]:
         """Return the policies' memories at the start of ``count`` episodes."""

@@ -24,7 +24,7 @@ from jaxwalk.policies.learned import LearnedPolicy
 from jaxwalk.policies.onnx_export import onnx_model
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 from jaxwalk.runs.contestant_names import policy_file
-from jaxwalk.runs.contestants import contestant, world_of
+from jaxwalk.runs.contestants import named_policy, world_of
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import write_whole
 
@@ -69,7 +69,7 @@ def export(name: str, out: Path, *, role: str) -> Parity:
     differently from the policy.
     """
     street = world_of([name])
-    policy = contestant(street, role, name, sample=False)
+    policy = named_policy(street, role, name, sample=False)
     if not isinstance(policy, LearnedPolicy):
         raise PolicyError(f"{name}: is a rule, not a trained policy; name a run folder, a policy file or a shipped one")
     file = policy_file(role, name)

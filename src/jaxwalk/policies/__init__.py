@@ -9,6 +9,7 @@ _HOMES = {
     "POPULATIONS": "pedestrians",
     "AlwaysGo": "pedestrians",
     "ConstantSpeed": "drivers",
+    "Groups": "groups",
     "LearnedPolicy": "learned",
     "Mixture": "mixture",
     "Oracle": "oracle",

@@ -16,6 +16,7 @@ from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.maps import map_labels
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
 from jaxwalk.policies.drivers import with_limits
+from jaxwalk.policies.groups import Groups
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.policies.mixture import Mixture
 from jaxwalk.policies.mixture_names import mixture_of
@@ -67,7 +68,7 @@ def _crowded(where: Where, rules: SimConfig) -> SimConfig:
 def contestant(
     street: Street, role: str, name: str, *, sample: bool | None = None, trust: bool = False, seconds: float = SECONDS
 ) -> Policy:
-    """Return the policy of that name for a role.
+    """Return the policy of that name for a role. Where people walk in groups, a population's leaders decide (`Groups`).
 
     Args:
         street: the world it is to act in.
@@ -78,9 +79,17 @@ def contestant(
         trust: also load what can run code that is hidden in a file.
         seconds: the limit of a driver that is not JAX for one step.
     """
+    policy = named_policy(street, role, name, sample=sample, trust=trust, seconds=seconds)
+    return Groups(policy) if role == "pedestrian" and street.world.rules.grouped else policy
+
+
+def named_policy(
+    street: Street, role: str, name: str, *, sample: bool | None = None, trust: bool = False, seconds: float = SECONDS
+) -> Policy:
+    """Return the policy of that name itself, as `contestant`: people decide for themselves, also in groups."""
     mixed = mixture_of(role, name)
     if mixed:
-        kinds = (contestant(street, role, kind, sample=sample) for kind in mixed)
+        kinds = (named_policy(street, role, kind, sample=sample) for kind in mixed)
         return Mixture(tuple(kinds), tuple(mixed.values()))
     rules: dict[str, Any] = MADE[role]
     if name in rules:

@@ -15,11 +15,15 @@ from jaxwalk.sim.lookup import look_up, look_up_each
 from jaxwalk.sim.map_tables import Hop, unpack_hop
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Leg, PedestrianState
+from jaxwalk.sim.walking_groups import behind
 from jaxwalk.sim.world import World
 
 
 def place(world: World, scenario: Scenario) -> PedestrianState:
-    """Return all pedestrians at their start waypoints, as if each had just finished a leg."""
+    """Return all pedestrians at their start waypoints, as if each had just finished a leg.
+
+    Who follows somebody starts later, by as many metres as it walks behind.
+    """
     x, y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, scenario.start)
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
@@ -28,8 +32,9 @@ def place(world: World, scenario: Scenario) -> PedestrianState:
         arrivals=none,
     )  # fmt: skip
     return PedestrianState(
-        leg=leg, following=leg, planned=no, remaining=zero, going=~no, on_roadway=no, on_crosswalk=no
-    )
+        leg=leg, following=leg, planned=no, remaining=zero if scenario.leader is None else behind(scenario.leader),
+        going=~no, on_roadway=no, on_crosswalk=no,
+    )  # fmt: skip
 
 
 def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Array, "ped *batch"]) -> PedestrianState:

@@ -9,11 +9,13 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.scipy.special import ndtr, ndtri
 from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.sim.lookup import look_up
 from jaxwalk.sim.person_kind import begins
+from jaxwalk.sim.walking_groups import groups_drawn, leaders
 from jaxwalk.sim.world import World
 
 TRAITS = 4
@@ -44,6 +46,8 @@ class Scenario(eqx.Module):
     """In which slots of the map (`jaxwalk.maps.RoadMap.slots`) a vehicle is parked; None where nobody ever parks."""
     earlier_draw: Float[Array, "earlier ped *batch"] | None = None
     """For each decision that the car saw before the episode: whether it was a jaywalk; None where it saw none."""
+    leader: Int[Array, "ped *batch"] | None = None
+    """The number of the leader of each pedestrian's group, its own if alone; None where nobody walks in groups."""
 
     def kind(self, world: World) -> Int[Array, "ped *batch"]:
         """Return the number in ``SimConfig.kinds`` of the kind that each pedestrian is of; 0 where there are none."""
@@ -99,7 +103,7 @@ def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Sce
 
 def dimensions(world: World) -> int:
     """Return how many uniform numbers a scenario is a function of."""
-    return 2 + (_rows(world) + world.rules.earlier_decisions) * world.rules.pedestrians + world.slots
+    return 2 + sum(_counts(world))
 
 
 def uniforms(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
@@ -118,7 +122,8 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
     The first two choose map and route. Then come the rows of a table with one column for each pedestrian: start,
     goals, traits, then one row of jaywalk draws and one of zone draws for each crossing, in the order of `Scenario`.
     With ``pace_correlation``, the second trait depends on the first one too. Then come those of parking slots, if
-    anybody parks: a vehicle is in a slot if its number is below ``parked``. The last ones are of earlier decisions.
+    anybody parks: a vehicle is in a slot if its number is below ``parked``. Then come those of earlier decisions. The
+    last ones are of groups, if there are any: who follows somebody has its numbers, but for the last two traits.
 
     Args:
         world: gives the tables to choose from.
@@ -126,11 +131,12 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         like: keep the map and the route of this scenario.
     """
     maps, correlation = world.maps, world.rules.pace_correlation
-    numbers, earlier_draw = _earlier(world, numbers)
-    of_people, of_slots = jnp.split(numbers[2:], (_rows(world) * world.rules.pedestrians,))
-    start_draw, goal_draws, traits, jaywalk_draw, zone_draw = jnp.split(
-        of_people.reshape(_rows(world), world.rules.pedestrians), _boundaries(world)
-    )
+    of_people, of_slots, earlier, of_groups = jnp.split(numbers[2:], np.cumsum(_counts(world))[:-1])
+    table, leader = of_people.reshape(_rows(world), world.rules.pedestrians), None
+    if world.rules.grouped:
+        leader = leaders(of_groups, world.rules.pedestrians, world.rules.grouped)
+        table = jnp.where(_shared(world), table[:, leader], table)
+    start_draw, goal_draws, traits, jaywalk_draw, zone_draw = jnp.split(table, _boundaries(world))
     if correlation:
         traits = traits.at[1].set(correlated(traits[0], traits[1], correlation))
     map_index = jnp.floor(numbers[0] * world.map_count).astype(jnp.int32)
@@ -155,7 +161,8 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         jaywalk_draw=jaywalk_draw,
         zone_draw=zone_draw,
         parked=_parked(world, map_index, of_slots) if world.slots else None,
-        earlier_draw=earlier_draw,
+        earlier_draw=earlier.reshape(-1, world.rules.pedestrians) if len(earlier) else None,
+        leader=leader,
     )
 
 
@@ -171,15 +178,18 @@ def correlated(
     return ndtr(correlation * first + math.sqrt(1 - correlation**2) * second)
 
 
-def _earlier(
-    world: World, numbers: Float[Array, " count"]
-) -> tuple[Float[Array, " others"], Float[Array, "earlier ped"] | None]:
-    """Return the numbers without those of earlier decisions, and these."""
-    earlier, people = world.rules.earlier_decisions, world.rules.pedestrians
-    if not earlier:
-        return numbers, None
-    others, last = jnp.split(numbers, (len(numbers) - earlier * people,))
-    return others, last.reshape(earlier, people)
+def _counts(world: World) -> tuple[int, int, int, int]:
+    """Return how many uniform numbers are of people, parking slots, earlier decisions, and groups."""
+    people = world.rules.pedestrians
+    groups = groups_drawn(people) if world.rules.grouped else 0
+    return _rows(world) * people, world.slots, world.rules.earlier_decisions * people, groups
+
+
+def _shared(world: World) -> Bool[np.ndarray, "row 1"]:
+    """Return which rows of the table of people are a leader's for all its group: all but the last two traits."""
+    _, traits, jaywalks, _ = _boundaries(world)
+    row = np.arange(_rows(world))[:, None]
+    return (row < traits + 2) | (row >= jaywalks)
 
 
 def _parked(world: World, map_index: Array, of_slots: Float[Array, " slot"]) -> Bool[Array, " slot"]:

@@ -19,8 +19,8 @@ LARGEST = {
     "max_acceleration": 100.0, "max_braking": 100.0, "max_lateral": 100.0, "offroad_margin": 100.0,
     "collision_distance": 100.0, "car_length": 100.0,
     "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
-    "goal_spacing": 1000.0, "kerb_distance": 100.0, "earlier_decisions": 30, "parked": 1.0, "sight": 1000.0,
-    "delay": 10.0, "position_noise": 100.0, "misses": 1.0,
+    "goal_spacing": 1000.0, "kerb_distance": 100.0, "earlier_decisions": 30, "grouped": 1.0, "parked": 1.0,
+    "sight": 1000.0, "delay": 10.0, "position_noise": 100.0, "misses": 1.0,
 }  # fmt: skip
 """Largest values of the fields. Larger ones make no sense on a street, and their tables could fill the memory."""
 
@@ -88,6 +88,8 @@ class SimConfig:
     earlier_decisions: int = 0
     """How many decisions of each person about crossings the car saw in encounters before the episode: beliefs start
     from them."""
+    grouped: float = 0.0
+    """Share of the people who walk in groups of two or three (`jaxwalk.sim.walking_groups`)."""
     parked: float = 0.0
     """Share of the slots of parking strips in which a vehicle is parked; the paper's street has none."""
     perception: bool = False
@@ -116,7 +118,7 @@ class SimConfig:
         if self.contact not in get_args(ContactRule):
             raise ValueError(f"contact must be one of {', '.join(get_args(ContactRule))}, not {self.contact!r}")
         not_negative = (
-            "offroad_margin", "moving_speed", "start_clearance", "earlier_decisions", "parked", "delay",
+            "offroad_margin", "moving_speed", "start_clearance", "earlier_decisions", "grouped", "parked", "delay",
             "position_noise", "misses",
         )  # fmt: skip
         for name in not_negative:

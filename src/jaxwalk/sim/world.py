@@ -22,8 +22,8 @@ from jaxwalk.sim.person_kind import PersonKind
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
 STATIC = (
-    "dt", "horizon", "pedestrians", "contact", "kinds", "pace_correlation", "earlier_decisions", "perception",
-    "delay", "position_noise", "misses",
+    "dt", "horizon", "pedestrians", "contact", "kinds", "pace_correlation", "earlier_decisions", "grouped",
+    "perception", "delay", "position_noise", "misses",
 )  # fmt: skip
 """The rules that a compiled step contains as constants, because loops, shapes or its code depend on them."""
 CROSSINGS = (1.25, 2.5, 5.0, 10.0, 20.0)
@@ -44,6 +44,7 @@ class Rules(eqx.Module):
     kinds: tuple[PersonKind, ...] = eqx.field(static=True)
     pace_correlation: float = eqx.field(static=True)
     earlier_decisions: int = eqx.field(static=True)
+    grouped: float = eqx.field(static=True)
     perception: bool = eqx.field(static=True)
     delay: float = eqx.field(static=True)
     position_noise: float = eqx.field(static=True)
