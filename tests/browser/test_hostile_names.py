@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from browser.pages import gallery_document, replay_document, watched
-from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
+from jaxwalk.provenance import Provenance
 from jaxwalk.report import Material, write_report
 from jaxwalk.viewer import replay_page
 from report.material import material

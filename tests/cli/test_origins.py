@@ -20,8 +20,8 @@ from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.maps import MapText, read_map, reference
 from jaxwalk.policies import save_policy
+from jaxwalk.provenance import commit, versions
 from jaxwalk.runs.policy_origins import policy_origin
-from jaxwalk.runs.provenance import commit, versions
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.observation import size
 

@@ -12,12 +12,12 @@ from rich.console import Console
 
 from conftest import SMALL
 from jaxwalk.evaluation import evaluate_grid
-from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.over_streets import StreetScores, StreetSet
 from jaxwalk.experiments import generalisation as module
 from jaxwalk.experiments import tournament
 from jaxwalk.experiments.generalisation import GeneralisationEffort, generalisation, own_streets
 from jaxwalk.maps import each_map
+from jaxwalk.provenance import Provenance
 from jaxwalk.recipes import TOWN, single_agent, with_training
 from jaxwalk.report import generalisation_page
 from jaxwalk.runs.folder import Run, RunError

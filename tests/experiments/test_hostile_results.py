@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from browser.pages import gallery_document, watched
 from hostile.judging import command, unfinished
 from hostile.mutations import as_json, contents, documents
-from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.experiments.reproduce import Plan
+from jaxwalk.provenance import Provenance
 from jaxwalk.recipes import RECIPES
 from jaxwalk.report import Gallery
 from jaxwalk.runs.folder import Run

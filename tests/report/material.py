@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from jaxwalk.evaluation import Cell, Match, Results, ScenarioSet, over_training_seeds, paired_over_seeds
-from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.metrics import measure, summarise
+from jaxwalk.provenance import Provenance
 from jaxwalk.report import DrawnEpisode, LearningCurve, Material, Trainings
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, trajectory

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation import Cell, Counterfactuals, Results, ScenarioSet, summarise_counterfactuals
-from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.metrics import Estimate, measure, summarise
 from jaxwalk.metrics.speed_differential import Placebo, SpeedBin, SpeedGap
+from jaxwalk.provenance import Provenance
 from jaxwalk.report.suite import suite
 from jaxwalk.report.surprise import FEWEST, four_ways, in_words
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK

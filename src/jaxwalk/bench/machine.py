@@ -10,7 +10,7 @@ from typing import Any
 import jax
 
 from jaxwalk.bench.benchmark_settings import Settings
-from jaxwalk.runs.provenance import cores, processor, provenance
+from jaxwalk.provenance import cores, processor, provenance
 
 
 def describe(settings: Settings) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from jaxwalk.provenance import cores
 from jaxwalk.runs.folder import RunError, check_writable
-from jaxwalk.runs.provenance import cores
 
 START = "import jax; jax.devices()"
 """A program that fails if JAX can't start."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, runtime_checkable
 
 from jaxwalk.maps import MapText, reference
 from jaxwalk.metrics import OverSeeds
@@ -143,19 +143,6 @@ class SeedNumbers:
     """Jaywalking's share of the crossings."""
     waited_share: OverSeeds
     """Share of the approaches with a dangerous moment in which the person waits through the first one."""
-
-
-@dataclass(frozen=True)
-class Provenance:
-    """The origin of results."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
-
-    commit: str | None
-    """Commit of the source code; None outside a checkout."""
-    hardware: str
-    versions: dict[str, str]
-    """Versions of Python and of the main packages."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ from jaxwalk.evaluation.document_parts import (
     PairedDelay,
     PairedSeeds,
     PolicyOrigin,
-    Provenance,
     ScenarioSet,
     SeedNumbers,
     StreetOrigin,
@@ -31,6 +30,7 @@ from jaxwalk.evaluation.settings import acts_by, jaywalk_multiplier
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import DELAY, OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
+from jaxwalk.provenance import Provenance
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jaxwalk.evaluation.document_parts import PolicyOrigin, Provenance
+from jaxwalk.evaluation.document_parts import PolicyOrigin
 from jaxwalk.evaluation.reading import Origin, as_results
 from jaxwalk.evaluation.results import Results
 from jaxwalk.experiments.evaluating import Evaluation, prepared
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import text_of
+from jaxwalk.provenance import Provenance
 from jaxwalk.runs.contestants import ContestantError
 from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.sim.environment import Street

@@ -15,12 +15,12 @@ from jaxwalk.experiments.curves import learning_curve
 from jaxwalk.experiments.tournament import Scenarios, play_rounds, results_of
 from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.metrics import Rows
+from jaxwalk.provenance import provenance
 from jaxwalk.report import Gallery, LearningCurve, Material, write_report
 from jaxwalk.runs.contestant_names import run_folders
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.policy_origins import policy_origin
-from jaxwalk.runs.provenance import provenance
 from jaxwalk.writing import together, write_whole
 
 MANY = 4

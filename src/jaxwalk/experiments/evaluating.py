@@ -35,10 +35,10 @@ from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
+from jaxwalk.provenance import provenance
 from jaxwalk.report.suite import suite
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
-from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.wording import counted

@@ -21,12 +21,12 @@ from jaxwalk.evaluation.reading import Origin, as_document
 from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds
 from jaxwalk.interfaces import Policy
 from jaxwalk.maps import each_map, map_labels
+from jaxwalk.provenance import provenance
 from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.generalisation_page import OWN, TEST, USUAL, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
-from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.study import Work
 from jaxwalk.sim.environment import Street
 from jaxwalk.wording import counted

@@ -24,13 +24,13 @@ from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, result
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
+from jaxwalk.provenance import provenance
 from jaxwalk.recipes import FAST, RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import ALWAYS_GO
 from jaxwalk.report.intent_document import IntentDocument, IntentPlan, IntentStreet, KnownIntent, as_intent_document
 from jaxwalk.report.intent_page import BLIND, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
-from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street

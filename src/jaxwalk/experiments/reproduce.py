@@ -22,13 +22,13 @@ from typing import Any, ClassVar
 from rich.console import Console
 
 from jaxwalk.evaluation import evaluate, write_rows
-from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.experiments.curves import learning_curve
 from jaxwalk.experiments.tournament import Scenarios, TrainedPolicies, ablation, load_trained, tournament
 from jaxwalk.experiments.two_outcomes import two_outcomes
 from jaxwalk.exports.drawn_episode import draw_episode
 from jaxwalk.exports.gallery import Cast, gallery
+from jaxwalk.provenance import Provenance, provenance
 from jaxwalk.recipes import LONGEST, RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import (
     ALWAYS_GO,
@@ -46,7 +46,6 @@ from jaxwalk.report import (
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run, RunError
-from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.study import Work, read_json, run_folder
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street

@@ -18,9 +18,9 @@ from jaxwalk.evaluation import (
 from jaxwalk.evaluation.document_parts import PairedSeeds, ScenarioSet, StreetOrigin
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS
+from jaxwalk.provenance import provenance
 from jaxwalk.report import ALWAYS_GO, CO_TRAINED, GAP_ACCEPTANCE, LEARNED, SINGLE_AGENT
 from jaxwalk.runs.contestants import contestant
-from jaxwalk.runs.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import HIDDEN

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from jaxwalk.evaluation.document_parts import Interval, Provenance
+from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.evaluation.over_streets import Counted, StreetScores, StreetSet, gap, share
 from jaxwalk.metrics import FEWEST_SEEDS
+from jaxwalk.provenance import Provenance
 from jaxwalk.report.table import NONE, Table, markdown_table, shown
 from jaxwalk.wording import counted
 

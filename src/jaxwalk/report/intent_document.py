@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
-from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.evaluation.results import Results
 from jaxwalk.metrics.identifiability import Identifiability
+from jaxwalk.provenance import Provenance
 
 
 @dataclass(frozen=True)

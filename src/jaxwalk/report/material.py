@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any, ClassVar
 
-from jaxwalk.evaluation.document_parts import Provenance, SeedNumbers
+from jaxwalk.evaluation.document_parts import SeedNumbers
 from jaxwalk.evaluation.results import Cell, Results
+from jaxwalk.provenance import Provenance
 from jaxwalk.report.watched import Gallery
 
 CO_TRAINED, SINGLE_AGENT = "co-trained", "single-agent"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from jaxwalk.evaluation.counterfactual import Avoidable, CounterfactualSummary
-from jaxwalk.evaluation.document_parts import Provenance
 from jaxwalk.evaluation.results import Cell, Results
 from jaxwalk.metrics import (
     ATTRIBUTION,
@@ -17,6 +16,7 @@ from jaxwalk.metrics import (
     scenarios_needed,
 )
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.provenance import Provenance
 from jaxwalk.report import driving_tables, surprise
 from jaxwalk.report.table import NONE, Table, by_type, markdown_table, shown
 

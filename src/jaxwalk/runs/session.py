@@ -15,10 +15,10 @@ from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.turns import update_in_turns
 from jaxwalk.maps import MapText
 from jaxwalk.policies import save_policy
+from jaxwalk.provenance import provenance
 from jaxwalk.runs.binding import bound_to, policy_bound_to
 from jaxwalk.runs.folder import MetricsLog, Run, RunError
 from jaxwalk.runs.progress import TrainingProgress
-from jaxwalk.runs.provenance import provenance
 from jaxwalk.runs.stop import Stop
 from jaxwalk.runs.street import on_devices
 from jaxwalk.runs.watch import WatchPage

@@ -5,21 +5,30 @@ from __future__ import annotations
 import os
 import platform
 import subprocess
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from jaxwalk.evaluation.document_parts import Provenance
+from typing import ClassVar
 
 VERSIONS = ("jaxwalk", "jax", "jaxlib", "numpy", "equinox", "optax")
 """Packages whose versions affect results."""
 
 
+@dataclass(frozen=True)
+class Provenance:
+    """The origin of results."""
+
+    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
+
+    commit: str | None
+    """Commit of the source code; None outside a checkout."""
+    hardware: str
+    versions: dict[str, str]
+    """Versions of Python and of the main packages."""
+
+
 def provenance() -> Provenance:
     """Return commit (None outside a checkout), hardware and versions."""
-    from jaxwalk.evaluation.document_parts import Provenance  # (JAX comes with it, and the number of cores before JAX)
-
     return Provenance(commit=commit(), hardware=hardware(), versions=versions())
 
 
