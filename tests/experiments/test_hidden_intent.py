@@ -115,7 +115,7 @@ def test_where_people_are_hidden_there_are_cars_that_see_more(tiny, tmp_path, mo
     (street,) = document["streets"]
     assert street["street"]["maps"][0]["name"] == "test-2000000003"
     seen = {cell["driver"]: cell["driver_observes"] for cell in street["cells"]}
-    assert list(seen) == ["blind", "placebo", "belief", "told", "memory", "aware", "x-ray"]
+    assert list(seen) == ["blind", "x-ray", "memory", "aware", "placebo", "belief", "told", "decided"]
     assert seen["x-ray"] == X_RAY
     assert "with the recipe `blind-corner`" in text
     assert "`x-ray` sees what `blind` sees, but of everybody, hidden or not." in text

@@ -40,8 +40,8 @@ from jaxwalk.writing import write_whole
 
 INTENT = {BLIND: FOOTPRINT, "placebo": PLACEBO, "belief": BELIEF, "told": TOLD}
 """Cars and what they see. Their critics all see the same: only the drivers differ."""
-SIGHT = {"decided": DECIDED, "memory": MEMORY, "aware": AWARE, "x-ray": X_RAY}
-"""More of them, where people can be hidden."""
+SIGHT = {BLIND: FOOTPRINT, "x-ray": X_RAY, "memory": MEMORY, "aware": AWARE, **INTENT, "decided": DECIDED}
+"""More of them, where people can be hidden: first those that tell what it costs that people are."""
 OFTEN = 1.0
 """A jaywalk multiplier of the evaluation beside that of the trainings: with it, intentions matter more."""
 AFTER = (1, 2, 5, 10, 20, 50)
@@ -103,14 +103,14 @@ def acquainted(experiment: Experiment) -> Experiment:
 
 def cars_of(experiment: Experiment) -> dict[str, str]:
     """Return the cars by name, and what they see."""
-    return INTENT | SIGHT if experiment.sim.perception else INTENT
+    return SIGHT if experiment.sim.perception else INTENT
 
 
 def _train(work: IntentWork) -> None:
-    for seed in work.plan.training_seeds:
-        for name, observes in cars_of(work.base).items():
-            roles = work.base.train.roles
-            roles = roles | {"driver": replace(roles["driver"], observes=observes)}
+    for name, observes in cars_of(work.base).items():
+        roles = work.base.train.roles
+        roles = roles | {"driver": replace(roles["driver"], observes=observes)}
+        for seed in work.plan.training_seeds:
             work.train(name, with_training(work.base, roles=roles, updates=work.plan.updates), seed)
 
 

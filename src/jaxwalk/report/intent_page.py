@@ -14,7 +14,7 @@ BLIND = "blind"
 KNOWS = {
     BLIND: "sees where people are and how they move, as far as its car perceives them",
     "placebo": "is also told a number about each of the nearest people that decides nothing, so that it has as many "
-    "inputs as the next two",
+    "inputs as `told`",
     "belief": "is also told the posterior mean of their jaywalking tendencies, given the crossings that it saw and, "
     "where people can be hidden, one decision of each of them from before",
     "told": "is also told the tendencies",
