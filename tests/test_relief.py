@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import types
 
 import jax
 import pytest
@@ -25,3 +26,16 @@ def test_programs_are_forgotten_only_when_there_are_too_many(monkeypatch):
     relief.relieve()
     assert double._cache_size() == 0
     assert double(2.0) == 4.0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux says how much memory a process takes")
+def test_only_a_large_process_gives_memory_back(monkeypatch):
+    assert 50e6 < relief.resident() < 50e9
+    trimmed = []
+    monkeypatch.setattr(relief.ctypes, "CDLL", lambda _: types.SimpleNamespace(malloc_trim=trimmed.append))
+    monkeypatch.setattr(relief, "resident", lambda: relief.MOST_RESIDENT)
+    relief.relieve()
+    assert not trimmed
+    monkeypatch.setattr(relief, "resident", lambda: relief.MOST_RESIDENT + 1)
+    relief.relieve()
+    assert trimmed == [0]

@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.encounters import Encounters
 from jaxwalk.metrics.footprint import reach
-from jaxwalk.sim.events import distance, to_rectangle
+from jaxwalk.sim.events import distance, to_rectangle, touches
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
@@ -60,15 +60,20 @@ def conflict_areas(
     overlap, take the nearest in time. Among equals, take pedestrian first, then the earliest.
     """
     lags, places = np.full(len(steps.first), np.nan), np.zeros(len(steps.first), np.int64)
-    earliest, latest = encounters.start[steps.encounter], trajectory.length[steps.episode]
-    limit = round(PET_LIMIT / trajectory.dt)
+    earliest = encounters.start[steps.encounter] - steps.frame
+    latest = trajectory.length[steps.episode] - steps.frame
+    columns = (trajectory.car_x, trajectory.car_y, trajectory.car_cos, trajectory.car_sin)
+    car_x, car_y, cos, sin = (column.ravel() for column in columns)
+    episodes, limit = len(trajectory.length), round(PET_LIMIT / trajectory.dt)
+    moment = steps.frame * episodes + steps.episode
     left = np.flatnonzero(_near_path(trajectory, encounters, steps, reach(config), limit))
     for lag in sorted(range(-limit, limit + 1), key=lambda lag: (abs(lag), -lag)):
-        car = steps.frame[left] + lag
-        there = (car >= earliest[left]) & (car <= latest[left])
-        here, car = left[there], (car[there], steps.episode[left[there]])
-        dx, dy = steps.x[here] - trajectory.car_x[car], steps.y[here] - trajectory.car_y[car]
-        ahead, aside = to_frame(dx, dy, trajectory.car_cos[car], trajectory.car_sin[car])
+        here = left[(earliest[left] <= lag) & (lag <= latest[left])]
+        car = moment[here] + lag * episodes
+        dx, dy = steps.x[here] - car_x[car], steps.y[here] - car_y[car]
+        near = touches(dx, dy, reach(config))  # few are: only these are turned into the car's frame
+        here, car = here[near], car[near]
+        ahead, aside = to_frame(dx[near], dy[near], cos[car], sin[car])
         place = here[to_rectangle(ahead, aside, config.car_length, config.car_width) < config.body_radius]
         if not len(place):
             continue

@@ -93,13 +93,21 @@ class SpeedBin:
     """The comparison with ghosts; all values are None without ghosts."""
 
 
-def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
-    """Measure the car's speed per frame and type; the nearest pedestrian of the type on a roadway gives the bin."""
+def measure_near_speeds(
+    trajectory: Trajectory, steps: RoadSteps, length: Int[np.ndarray, "episode"] | None = None
+) -> NearSpeeds:
+    """Measure the car's speed per frame and type; the nearest pedestrian of the type on a roadway gives the bin.
+
+    ``length``: the last frame of each episode that counts (default: its own last one).
+    """
     frames, episodes = trajectory.car_x.shape
     nearest, _ = nearest_of_type(steps, frames, episodes)
     close = np.flatnonzero(nearest < BINS * BIN_WIDTH)
     kind, rest = np.divmod(close, episodes * frames)
     episode, frame = np.divmod(rest, frames)
+    if length is not None:
+        counts = frame <= length[episode]
+        close, kind, episode, frame = close[counts], kind[counts], episode[counts], frame[counts]
     group = (episode * len(TYPES) + kind) * BINS + distance_bin(nearest[close])
     speed = trajectory.car_speed[frame, episode].astype(np.float64)
     shape = (episodes, len(TYPES), BINS)
@@ -109,7 +117,9 @@ def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
     return NearSpeeds(total.reshape(shape), count.reshape(shape))
 
 
-def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, config: SimConfig) -> PlaceboSpeeds:
+def measure_placebo(
+    trajectory: Trajectory, steps: RoadSteps, ghosts: Ghosts | None, config: SimConfig
+) -> PlaceboSpeeds:
     """Measure near speeds of people and of ghosts, up to the first frame in which the car touches either.
 
     An episode ends when the car touches a person, but the car would drive through a ghost. Both are cut at the first
@@ -125,14 +135,8 @@ def measure_placebo(trajectory: Trajectory, ghosts: Ghosts | None, config: SimCo
     cos, sin = trajectory.car_cos[..., None], trajectory.car_sin[..., None]
     touched = events.touching(config, dx, dy, cos, sin).any(axis=2) & real_frames(trajectory)
     length = np.where(touched.any(axis=0), touched.argmax(axis=0), trajectory.length)
-    people, unseen = (_until(one, length) for one in (trajectory, haunted))
+    people, unseen = (measure_near_speeds(trajectory, of, length) for of in (steps, find_crossings(haunted)[1]))
     return PlaceboSpeeds(people.speed_sum, people.frames, unseen.speed_sum, unseen.frames)
-
-
-def _until(trajectory: Trajectory, length: Int[np.ndarray, "episode"]) -> NearSpeeds:
-    """Return near speeds over episodes cut to these lengths."""
-    shortened = replace(trajectory, length=length)
-    return measure_near_speeds(shortened, find_crossings(shortened)[1])
 
 
 def speed_columns(rows: Rows) -> dict[str, np.ndarray]:
@@ -191,7 +195,10 @@ _PLACEBO = ("people_speed", "people_frames", "ghost_speed", "ghost_frames")
 
 PLACEBO = MetricTable(
     name="placebo",
-    measure=lambda recording: measure_placebo(recording.trajectory, recording.ghosts, recording.config),
+    measure=lambda recording: measure_placebo(
+        recording.trajectory, recording[ROAD][1], recording.ghosts, recording.config
+    ),
+    needs=(ROAD,),
 )
 SPEED_DIFFERENTIAL = Metric(
     name="speed_differential",
