@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Int, Key
 
-from jaxwalk.interfaces import Environment, Moment, Policy, Roles, View
+from jaxwalk.interfaces import Environment, Moment, Policy, Roles, View, is_shared
 
 SCENARIO_KEYS, FIRST_ACTION_KEY = 0, 1
 """An environment's key is folded with 0 for its scenarios and with 1 + step for its actions, so the two never meet."""
@@ -86,8 +86,14 @@ class Given(eqx.Module):
 
 
 def cast_of(policies: Mapping[str, Policy]) -> Cast:
-    """Return the cast in which each policy plays its role everywhere."""
-    return {role: (Player(policy, policy.view),) for role, policy in policies.items()}
+    """Return the cast in which each policy plays its role everywhere.
+
+    A policy that has a method ``decide``, which also returns a record, decides by it.
+    """
+    return {
+        role: (Player(policy, policy.view, decide=getattr(type(policy), "decide", follow)),)
+        for role, policy in policies.items()
+    }
 
 
 def fresh_memory(environment: Environment, cast: Cast, batch: tuple[int, ...]) -> Roles[tuple[Any, ...]]:
@@ -154,7 +160,9 @@ def _play(
 
 def part_of(tree: Any, columns: slice) -> Any:
     """Return the part of arrays ``(..., env)`` that belongs to those environments."""
-    return tree if columns == ALL else jax.tree.map(lambda x: x[..., columns], tree)
+    if columns == ALL:
+        return tree
+    return jax.tree.map(lambda x: x if is_shared(x) else x[..., columns], tree, is_leaf=is_shared)
 
 
 def _put(before: Any, after: Any, columns: slice) -> Any:

@@ -86,11 +86,23 @@ class Moment(eqx.Module):
     """The states; arrays ``(..., *batch)``."""
 
 
+class Shared(eqx.Module):
+    """A part of an observation that all environments have in common: its arrays have no batch axes."""
+
+    value: Any
+
+
+def is_shared(part: Any) -> bool:
+    """Return whether a part of an observation is `Shared`."""
+    return isinstance(part, Shared)
+
+
 @runtime_checkable
 class View(Protocol):
     """What a policy observes of a moment. Hashable, and equal to another view that shows the same.
 
-    A flat observation, ``(feature, *agents, *batch)``, is the usual kind; any pytree will do.
+    A flat observation, ``(feature, *agents, *batch)``, is the usual kind; any pytree will do. What has no batch axes
+    is `Shared`.
     """
 
     @property

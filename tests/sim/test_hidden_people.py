@@ -12,7 +12,7 @@ import pytest
 
 from jaxwalk import Street
 from jaxwalk.interfaces import Moment
-from jaxwalk.policies import DRIVERS
+from jaxwalk.policies import DRIVERS, SHIELDS, shielded
 from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, Observation
 from jaxwalk.sim.perception import first_perceived, perceive
 from jaxwalk.sim.sim_config import WORLDS
@@ -21,6 +21,7 @@ PEOPLE, BATCH, STEPS, AWAY = 24, 16, 40, 25.0
 RULES = replace(WORLDS["blind-corner"], pedestrians=PEOPLE, horizon=STEPS)
 VIEWS = [name for name in OBSERVATIONS["driver"] if name not in HIDDEN]
 RULE_BASED = {name: make() for name, make in DRIVERS.items() if make().view.name not in HIDDEN}
+SHIELDED = {name: shielded(DRIVERS["route-follower"](), name) for name in SHIELDS}
 PERFECT = {}
 DIALS = {"delay": 0.2, "position_noise": 0.1, "misses": 0.2}
 
@@ -52,6 +53,8 @@ def watch(street, scenarios, cars, people):
         for name, rule in RULE_BASED.items():
             key = jax.random.split(jax.random.fold_in(jax.random.key(77), number), BATCH)
             does[name], memories[name] = rule.act(key, memories[name], seen[rule.view.name])
+        for name, rule in SHIELDED.items():
+            does[name], *_ = rule.decide(key, None, rule.view(moment))
         return (knows, memories), (knows, seen, does)
 
     first = jax.tree.map(lambda x: x[0], (cars, people))

@@ -11,6 +11,8 @@ from jaxwalk.interfaces import Policy
 from jaxwalk.policies import DRIVERS, POPULATIONS, SHIPPED, load_policy, shipped_policy
 from jaxwalk.policies.mixture import Mixture
 from jaxwalk.policies.mixture_names import mixture_of
+from jaxwalk.policies.shield_names import unshielded
+from jaxwalk.policies.shielding import shielded
 from jaxwalk.recipes import RECIPES
 
 Weights = str | Mapping[str, float]
@@ -30,6 +32,9 @@ def player(role: str, who: str | Path | Policy) -> Policy:
     """
     if not isinstance(who, str | Path):
         return who
+    bare, shield = unshielded(role, str(who))
+    if shield is not None:
+        return shielded(player(role, bare), shield)
     if who in _RULES[role]:
         return _RULES[role][who]()
     mixed = mixture_of(role, str(who))

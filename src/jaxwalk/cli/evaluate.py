@@ -32,6 +32,7 @@ from jaxwalk.experiments.evaluating import Evaluation, evaluate_all, prepared
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.policies.shield_names import with_shield
 from jaxwalk.report.suite import said
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import world_of
@@ -73,14 +74,15 @@ def run(options: Evaluate) -> int:
 
 def _work(options: Evaluate) -> Evaluation:
     """Return what the options ask for, with all policies loaded."""
-    drivers = tuple(dict.fromkeys((*options.driver, *options.compare)))
+    compared = with_shield(options.compare, options.shield)
+    drivers = tuple(dict.fromkeys((*with_shield(options.driver, options.shield), *compared)))
     populations = tuple(dict.fromkeys(options.pedestrians))
     street = world_of([*drivers, *populations], place(options))
     asked = EvaluationOptions(
         jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier or (jaywalk_multiplier(street),))),
         driver_acts=options.driver_acts,
         pedestrians_act=options.pedestrians_act,
-        compare=(options.compare[0], options.compare[1]) if options.compare else None,
+        compare=(compared[0], compared[1]) if compared else None,
         counterfactuals=options.counterfactuals,
         encounters=options.encounters,
     )

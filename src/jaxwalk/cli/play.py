@@ -12,6 +12,7 @@ from jaxwalk.evaluation import named
 from jaxwalk.exports.drawn_episode import MOVING, draw_episode
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
+from jaxwalk.policies.shield_names import with_shield
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
@@ -26,8 +27,9 @@ STILL = (".png", ".svg", ".pdf")
 def run(options: Play) -> int:
     """Play the episodes and write them to the file."""
     out = check(options)
+    names = with_shield(options.driver, options.shield)
     street, drivers, people = cast(
-        options.driver, [options.pedestrians], options, trust=options.trust, seconds=options.driver_seconds
+        names, [options.pedestrians], options, trust=options.trust, seconds=options.driver_seconds
     )
     out.parent.mkdir(parents=True, exist_ok=True)
     show = _page if out.suffix.lower() == PAGE else _drawing

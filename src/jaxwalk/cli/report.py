@@ -13,6 +13,7 @@ from jaxwalk.cli.options import Report
 from jaxwalk.experiments.driver_report import driver_report
 from jaxwalk.experiments.reproduce import report as remake
 from jaxwalk.exports.gallery import Cast
+from jaxwalk.policies.shield_names import with_shield
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 
@@ -31,8 +32,9 @@ def run(options: Report) -> int:
         print(f"Open {_again(again[0])}")
         return 0
     check(options)
+    names = with_shield(options.runs, options.shield)
     street, drivers, people = cast(
-        options.runs, options.pedestrians, options, trust=options.trust, seconds=options.driver_seconds
+        names, options.pedestrians, options, trust=options.trust, seconds=options.driver_seconds
     )
     console = Console(stderr=True)
     evaluated = Cast(street, drivers, people, options.seed)

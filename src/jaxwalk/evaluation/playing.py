@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import count
 from typing import Any
 
@@ -17,6 +18,7 @@ from jaxwalk.evaluation.broken import ActionError
 from jaxwalk.evaluation.hosted import ask
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.policies.host import HostDriver
+from jaxwalk.policies.shielding import Intervention, Shielded
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.recording import Frame, frame, parked_boxes
@@ -51,6 +53,8 @@ class Underway(eqx.Module):
     touched: Bool[Array, "ped episode"]
     actions: Roles[Array]
     """The last actions. One that isn't in its space ends the episode."""
+    shield: Intervention | None
+    """What the driver's shield did in the last step; None without one."""
 
 
 def play(
@@ -92,6 +96,9 @@ def play(
     setup = Setup(street, compiled, scenarios, keys, jnp.asarray(last, jnp.int32))
     memory = fresh_memory(street, cast_of(compiled), keys.shape)
     game, first = _begin(street, memory, scenarios)
+    if isinstance(policies["driver"], Shielded):
+        game = replace(game, shield=Intervention(jnp.zeros_like(game.ended), jnp.zeros_like(game.ended)))
+        first |= _frame_of_shield(game)
     blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]
     rest = _play(setup, game) if host is None else _ask_and_play(setup, policies, host, game, numbers)
     for after, frames in rest:
@@ -156,7 +163,12 @@ def _begin(street: Street, memory: Roles[tuple[Any, ...]], scenarios: Scenario) 
     no = jnp.zeros(state.step.shape, bool)
     nobody = jnp.zeros(scenarios.start.shape, bool)
     actions = {role: spec.zeros(state.step.shape) for role, spec in street.roles.items()}
-    return Underway(state, memory, no, no, no, nobody, actions), frame(street.world, scenarios, state)
+    return Underway(state, memory, no, no, no, nobody, actions, None), frame(street.world, scenarios, state)
+
+
+def _frame_of_shield(game: Underway) -> Frame:
+    did = game.shield
+    return {} if did is None else {"shield_changed": did.changed, "shield_infeasible": did.infeasible}
 
 
 @eqx.filter_jit
@@ -165,7 +177,7 @@ def _play_block(setup: Setup, game: Underway, steps: int) -> tuple[Underway, Fra
 
     def body(game: Underway, _: None) -> tuple[Underway, Frame]:
         game = _step(setup, game)
-        return game, frame(setup.street.world, setup.scenarios, game.state)
+        return game, frame(setup.street.world, setup.scenarios, game.state) | _frame_of_shield(game)
 
     return jax.lax.scan(body, game, None, length=steps)
 
@@ -179,7 +191,8 @@ def _step(setup: Setup, game: Underway) -> Underway:
     sound = [spec.contains(acted.actions[role]) for role, spec in street.roles.items()]
     events, ended = outcome.events, outcome.ended | (state.step >= setup.until) | ~jnp.stack(sound).all(axis=0)
     actions = jax.tree.map(lambda new, old: new.astype(old.dtype), acted.actions, game.actions)
-    after = Underway(state, acted.memory, ended, events.goal, events.collision, events.touched, actions)
+    (did,) = acted.records["driver"]
+    after = Underway(state, acted.memory, ended, events.goal, events.collision, events.touched, actions, did)
     kept = jax.tree.map(lambda new, old: jnp.where(game.ended, old, new), after, game)
     return eqx.tree_at(lambda game: game.memory, kept, acted.memory, is_leaf=lambda x: x is None)
 

@@ -19,9 +19,12 @@ _HOMES = {
     "RuleBased": "drivers",
     "RuleBasedBraking": "drivers",
     "SHIPPED": "shipped",
+    "SHIELDS": "shielding",
+    "Shielded": "shielding",
     "load_policy": "learned",
     "read_metadata": "learned",
     "save_policy": "learned",
+    "shielded": "shielding",
     "shipped_policy": "shipped",
 }
 """Each public name, and the module of this package that defines it."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from jaxwalk.policies import SHIPPED, shipped_policy
 from jaxwalk.policies.mixture_names import MixtureError, mixture_of
 from jaxwalk.policies.policy_names import RULES, is_class, is_host_driver
+from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.runs.folder import Run, RunError
 
 
@@ -18,7 +19,8 @@ class ContestantError(ValueError):
 def run_folders(names: Iterable[str]) -> list[str]:
     """Return the names that are run folders. Names of rules and of shipped policies come first."""
     known = {name for role, rules in RULES.items() for name in (*rules, *SHIPPED[role])}
-    each = [kind for name in names for kind in (_kinds_named(name) or [name])]
+    bare = [unshielded("driver", name)[0] for name in names]
+    each = [kind for name in bare for kind in (_kinds_named(name) or [name])]
     return [name for name in each if name not in known and Path(name).is_dir()]
 
 
@@ -32,6 +34,7 @@ def _kinds_named(name: str) -> list[str]:
 
 def check_name(role: str, name: str) -> None:
     """Raise ContestantError, MixtureError or RunError if nothing has that name. What a file holds isn't checked."""
+    name, _ = unshielded(role, name)
     mixed = mixture_of(role, name)
     for kind in mixed:
         check_name(role, kind)

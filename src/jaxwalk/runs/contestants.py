@@ -20,6 +20,8 @@ from jaxwalk.policies.groups import Groups
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.policies.mixture import Mixture
 from jaxwalk.policies.mixture_names import mixture_of
+from jaxwalk.policies.shield_names import unshielded
+from jaxwalk.policies.shielding import shielded
 from jaxwalk.runs.binding import check_intact
 from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_folders
 from jaxwalk.runs.folder import Run
@@ -74,7 +76,7 @@ def contestant(
         street: the world it is to act in.
         role: ``driver`` or ``pedestrian``.
         name: of a rule, a shipped policy, a run folder, a policy file or, for a driver, what `load_host_driver` takes;
-            for pedestrians also a mixture (`mixture_of`).
+            for pedestrians also a mixture (`mixture_of`), for a driver also one behind a shield (`unshielded`).
         sample: it draws its actions at random (default: as `SAMPLES` says).
         trust: also load what can run code that is hidden in a file.
         seconds: the limit of a driver that is not JAX for one step.
@@ -87,6 +89,10 @@ def named_policy(
     street: Street, role: str, name: str, *, sample: bool | None = None, trust: bool = False, seconds: float = SECONDS
 ) -> Policy:
     """Return the policy of that name itself, as `contestant`: people decide for themselves, also in groups."""
+    bare, shield = unshielded(role, name)
+    if shield is not None:
+        driver = named_policy(street, role, bare, sample=sample, trust=trust, seconds=seconds)
+        return shielded(driver, shield)
     mixed = mixture_of(role, name)
     if mixed:
         kinds = (named_policy(street, role, kind, sample=sample) for kind in mixed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from jaxwalk.evaluation.document_parts import Kind, PolicyOrigin
 from jaxwalk.policies import shipped_policy
 from jaxwalk.policies.mixture_names import mixture_of
 from jaxwalk.policies.policy_names import RULES, is_class, is_host_driver
+from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.runs.contestant_names import policy_file
 
 HASH_DIGITS = 16
@@ -18,6 +20,9 @@ HASH_DIGITS = 16
 
 def policy_origin(role: str, name: str) -> PolicyOrigin:
     """Return the origin of a driver or a population that `contestant` accepts. Raises its errors; loads nothing."""
+    bare, shield = unshielded(role, name)
+    if shield is not None:
+        return replace(policy_origin(role, bare), name=name)
     mixed = mixture_of(role, name)
     if mixed:
         hashes = [policy_origin(role, kind).sha256 or kind for kind in mixed]

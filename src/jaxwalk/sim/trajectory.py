@@ -92,6 +92,12 @@ class Trajectory(Walks):
     last_seen_age: Float[np.ndarray, "frame episode ped"] | None = None
     """How long ago that was [s]. After `jaxwalk.sim.perceived.KEPT` the car has forgotten it."""
 
+    shield_changed: Bool[np.ndarray, "frame episode"] | None = None
+    """Whether a shield changed the driver's action in the step that led to the frame; this and the next is None where
+    the driver has no shield."""
+    shield_infeasible: Bool[np.ndarray, "frame episode"] | None = None
+    """Whether nothing that the shield could do then was safe by its rule."""
+
     def parked_in(self, episode: int) -> Float[np.ndarray, "vehicle column"]:
         """Return the boxes of the vehicles that are parked in an episode."""
         if self.parked is None:

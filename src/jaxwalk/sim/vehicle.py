@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 
 from jaxwalk.maps.road_field import BEYOND, CELL, UNIT
 from jaxwalk.maps.routes import ROUTE_SPACING
+from jaxwalk.safety.bicycle import slip
 from jaxwalk.sim.geometry import rotate, to_frame
 from jaxwalk.sim.lookup import look_up, look_up_row
 from jaxwalk.sim.map_tables import POINTS
@@ -33,8 +34,7 @@ def drive(world: World, scenario: Scenario, vehicle: VehicleState, action: Float
     """Move the car by one step of the bicycle model (Polack et al. 2017), then put it back onto the road.
 
     ``action`` holds acceleration (below 0: braking) and steering as shares of their limits, clipped to [-1, 1]. A car
-    above its top speed here brakes. The slip angle at the centre is beta = atan(0.5 tan delta), so cos beta and sin
-    beta need no arctangent.
+    above its top speed here brakes.
     """
     rules = world.rules
     pedal = jnp.clip(action[0], -1, 1)
@@ -42,9 +42,7 @@ def drive(world: World, scenario: Scenario, vehicle: VehicleState, action: Float
     steering = rules.max_steering * jnp.clip(action[1], -1, 1)
     top = jnp.maximum(top_speed(world, vehicle), vehicle.speed - rules.max_braking * rules.dt)
     speed = jnp.clip(vehicle.speed + acceleration * rules.dt, 0, top)
-    slip = 0.5 * jnp.tan(steering)
-    cos_slip = 1 / jnp.sqrt(1 + slip * slip)
-    sin_slip = slip * cos_slip
+    cos_slip, sin_slip = slip(steering)
     x = vehicle.x + speed * rules.dt * (vehicle.cos * cos_slip - vehicle.sin * sin_slip)
     y = vehicle.y + speed * rules.dt * (vehicle.sin * cos_slip + vehicle.cos * sin_slip)
     turn = speed * rules.dt * sin_slip / (0.5 * rules.wheelbase)

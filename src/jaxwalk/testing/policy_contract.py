@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Key
 
-from jaxwalk.interfaces import Discrete, Environment, Moment, Policy, View
+from jaxwalk.interfaces import Discrete, Environment, Moment, Policy, View, is_shared
 from jaxwalk.rollout import draw_batch
 from jaxwalk.testing.environment_contract import random_actions
 from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same
@@ -75,7 +75,8 @@ def _check_act(policy: Policy, keys: Key[Array, "episode"], memory: Any, seen: A
     action, after = policy.act(keys, memory, seen)
     again = policy.act(keys, memory, seen)
     require(same((action, after), again), "act: equal keys, memories and views must give equal actions")
-    batched = all(np.ndim(x) and np.shape(x)[-1] == BATCH for x in jax.tree.leaves((memory, seen)))
+    own = [x for x in jax.tree.leaves((memory, seen), is_leaf=is_shared) if not is_shared(x)]
+    batched = all(np.ndim(x) and np.shape(x)[-1] == BATCH for x in own)
     require(batched, "init, view: every array must end in the batch axis")
     one, _ = policy.act(keys[-1:], episode(memory, BATCH - 1), episode(seen, BATCH - 1))
     message = "act: an episode's action must be the same alone as in a batch; it may not look at other episodes"

@@ -8,6 +8,8 @@ import equinox as eqx
 import jax
 import numpy as np
 
+from jaxwalk.acting import part_of
+
 
 class ContractError(AssertionError):
     """A part doesn't do what others rely on; the message says what it does and what it should do."""
@@ -46,7 +48,7 @@ def finite(tree: Any) -> bool:
 
 def episode(tree: Any, number: int) -> Any:
     """Return one episode, as a batch of one, of arrays ``(..., episode)``."""
-    return jax.tree.map(lambda x: x[..., number : number + 1], tree)
+    return part_of(tree, slice(number, number + 1))
 
 
 def _close(x: np.ndarray, y: np.ndarray, tolerance: float) -> bool:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import tyro
 
+from jaxwalk.policies.shield_names import SHIELD_NAMES
 from jaxwalk.recipes import RECIPES
 from jaxwalk.sim.sim_config import WORLDS
 from jaxwalk.sim.suites import SUITES
@@ -16,13 +17,14 @@ Acting = Literal["mode", "sample"]
 """How a learned policy chooses its actions."""
 
 if TYPE_CHECKING:
-    Recipe = PaperRecipe = Suite = World = str
+    Recipe = PaperRecipe = ShieldName = Suite = World = str
 else:
     Recipe = Literal[tuple(RECIPES)]
     PaperRecipe = Literal[tuple(name for name, recipe in RECIPES.items() if recipe.maps == ("paper",))]
+    ShieldName = Literal[SHIELD_NAMES]
     Suite = Literal[tuple(SUITES)]
     World = Literal[tuple(WORLDS)]
-"""The name of a recipe, that of one on the paper's street, that of a suite, and that of a world."""
+"""The name of a recipe, that of one on the paper's street, that of a shield, that of a suite, and that of a world."""
 
 
 def option(default: str, kind: str | None = None, name: str | None = None) -> Any:

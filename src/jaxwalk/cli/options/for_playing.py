@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from jaxwalk.cli.options.declare import Acting, Flag, Suite, World, option
+from jaxwalk.cli.options.declare import Acting, Flag, ShieldName, Suite, World, option
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,9 @@ class Evaluate:
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
     """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo: docs/people.md); learned, town-learned and
     paper-learned, which come with jaxwalk; run folders or policy files; or a mixture, diffusion:0.7+learned:0.3."""
+    shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
+    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md). The
+    driver is then called co-trained+rss, and may also be named so."""
     compare: Annotated[tuple[str, ...], option("none", "A B")] = ()
     """Two drivers: say in words if B collides less often than A, and reaches the goal more often (paired tests)."""
     episodes: Annotated[int, option("2000", "N")] = 2000
@@ -76,6 +79,8 @@ class Play:
     driver: Annotated[tuple[str, ...], option("needed", "D [D ...]")] = ()
     """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder, a policy file or your
     own driver; several (on a page only) can be watched side by side."""
+    shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
+    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md)."""
     pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
     """always-go, learned, a run folder or a policy file."""
     scenario: Annotated[tuple[int, ...], option("0", "N [N ...]")] = (0,)
@@ -120,6 +125,8 @@ class Report:
     )  # fmt: skip
     """Drivers as in `jaxwalk evaluate`: names or run folders, the one that matters most first (default: three that come
     with jaxwalk). Or one folder of `jaxwalk reproduce`: its report is made again."""
+    shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
+    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go learned", "P [P ...]")] = ("always-go", "learned")
     """Up to three populations: always-go, learned, run folders or policy files."""
     episodes: Annotated[int, option("500", "N")] = 500

@@ -1,0 +1,64 @@
+"""Shielded drivers, played: what the predictive shield promises, and what is recorded of a shield."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from evaluation.test_hosted import hosted
+from jaxwalk import Street
+from jaxwalk.evaluation import play
+from jaxwalk.metrics import OUTCOMES, measure
+from jaxwalk.metrics.contacts import touched_while_moving
+from jaxwalk.policies import AlwaysGo, Random, RouteFollower, shielded
+from jaxwalk.policies.shields.predictive_shield import PredictiveShield
+from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.sim_config import WORLDS
+
+EPISODES = 256
+
+
+@pytest.fixture(scope="module")
+def footprint():
+    return Street.create(config=WORLDS["paper-footprint"])
+
+
+def played(street, driver, episodes=EPISODES, **more):
+    scenarios, keys = Drawn(street, 77).take(np.arange(episodes))
+    trajectory = play(street, {"driver": driver, "pedestrian": AlwaysGo()}, scenarios, keys, **more)
+    return trajectory, measure(trajectory, config=street.config)
+
+
+def test_the_predictive_shield_keeps_random_actions_from_touching_anybody(footprint):
+    """Nobody is faster than 2 m/s here, and everybody is seen: what the shield assumes."""
+    _, bare = played(footprint, Random())
+    trajectory, rows = played(footprint, shielded(Random(), "predictive"))
+    assert touched_while_moving(bare).sum() > 20
+    assert not touched_while_moving(rows).any()
+    assert rows[OUTCOMES].driven.sum() > 0.5 * bare[OUTCOMES].driven.sum()
+    assert trajectory.shield_changed.any()
+    assert not trajectory.shield_infeasible.any()
+
+
+def test_people_faster_than_it_assumes_break_the_predictive_shield(footprint):
+    """Everybody walks at 1 m/s or more."""
+    slow = shielded(RouteFollower(), PredictiveShield(reach_speed=0.3))
+    trajectory, rows = played(footprint, slow, episodes=64)
+    assert touched_while_moving(rows).any()
+    assert trajectory.shield_infeasible.any()
+    assert not touched_while_moving(played(footprint, shielded(RouteFollower(), "predictive"), episodes=64)[1]).any()
+
+
+def test_a_host_driver_is_shielded_as_the_same_driver_in_jax_is(street):
+    trajectory, _ = played(street, shielded(RouteFollower(), "rss"), episodes=16)
+    asked, _ = played(street, shielded(hosted(), "rss"), episodes=16)
+    for name in ("length", "goal", "collision", "decisions", "shield_changed", "shield_infeasible"):
+        np.testing.assert_array_equal(getattr(asked, name), getattr(trajectory, name), err_msg=name)
+    np.testing.assert_allclose(asked.car_x, trajectory.car_x, atol=1e-3)
+    assert trajectory.shield_changed.any()
+    assert not trajectory.shield_changed[0].any()
+
+
+def test_without_a_shield_nothing_is_recorded_of_one(street):
+    trajectory, _ = played(street, RouteFollower(), episodes=16)
+    assert trajectory.shield_changed is trajectory.shield_infeasible is None

@@ -1,0 +1,69 @@
+"""Scenes for shields, made by hand: a car on the paper's street with people around it, and a straight road."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxwalk import Street
+from jaxwalk.interfaces import Moment
+from jaxwalk.policies.shields.shield_scene import Around
+from jaxwalk.safety.bicycle import slip
+from jaxwalk.sim.events import to_rectangle
+from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.sim_config import WORLDS
+from jaxwalk.sim.state import Motion
+
+STREET = Street.create(config=WORLDS["paper-footprint"])
+RULES = STREET.config
+THROTTLE = np.array([1.0, 0.0], np.float32)
+
+
+def scenes(speed, people, steering=0.0):
+    """A batch of scenes at the start of a route. ``people``: ahead, left and velocities, ``(4, ped, episode)``."""
+    people = np.asarray(people, np.float32)
+    batch = people.shape[2:]
+    scenario = jax.vmap(STREET.draw, out_axes=-1)(jax.random.split(jax.random.key(7), 1))
+    scenario = jax.tree.map(lambda x: jnp.broadcast_to(x, (*x.shape[:-1], *batch)), scenario)
+    scene = Around()(Moment(STREET.world, scenario, STREET.reset(scenario)))
+    full = {"speed": speed, "steering": steering}
+    car = replace(scene.car, **{name: jnp.broadcast_to(jnp.float32(x), batch) for name, x in full.items()})
+    return replace(scene, car=car, people=Motion(*jnp.asarray(people)))
+
+
+def alone(*person, speed, action=THROTTLE, shield):
+    """What a shield says with one person around: ``person`` is ahead, left and velocities."""
+    scene = scenes(speed, np.array(person).reshape(4, 1, 1))
+    return shield.judge(jnp.asarray(action, jnp.float32)[:, None], scene)
+
+
+def drive_past(shield, walk, *, speed, seconds=8.0):
+    """Whether a car at full throttle on a straight road without end touches somebody while it moves.
+
+    ``walk(t, (x, y))`` returns place and velocity of the person at a time [s], with the car's centre there.
+    """
+    x = y = heading = delta = 0.0
+    judge = jax.jit(shield.judge) if shield else None
+    scene = scenes(speed, np.zeros((4, 1, 1)))
+    for step in range(round(seconds / RULES.dt)):
+        (px, py), (vx, vy) = walk(step * RULES.dt, (x, y))
+        cos, sin = np.cos(heading), np.sin(heading)
+        place = to_frame(px - x, py - y, cos, sin)
+        if speed >= RULES.moving_speed and to_rectangle(*place, RULES.car_length, RULES.car_width) < RULES.body_radius:
+            return True
+        action = THROTTLE
+        if judge:
+            people = Motion(*(jnp.full((1, 1), v, jnp.float32) for v in (*place, *to_frame(vx, vy, cos, sin))))
+            car = replace(scene.car, speed=jnp.full(1, speed, jnp.float32), steering=jnp.full(1, delta, jnp.float32))
+            verdict = judge(jnp.asarray(action)[:, None], replace(scene, car=car, people=people))
+            action = action if bool(verdict.safe[0]) else np.asarray(verdict.instead)[:, 0]
+        speed = float(np.clip(speed + 3.0 * action[0] * RULES.dt, 0, RULES.max_speed))
+        delta = RULES.max_steering * float(action[1])
+        cos_slip, sin_slip = (float(v) for v in slip(jnp.float32(delta)))
+        x += speed * RULES.dt * (cos * cos_slip - sin * sin_slip)
+        y += speed * RULES.dt * (sin * cos_slip + cos * sin_slip)
+        heading += speed * RULES.dt * sin_slip / (0.5 * RULES.wheelbase)
+    return False
