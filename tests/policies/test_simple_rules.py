@@ -7,10 +7,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxwalk.policies.cautious_rule import CautiousRule
 from jaxwalk.policies.clearance_rule import ClearanceRule
 from jaxwalk.policies.gap_acceptance import INTERCEPT, PER_SECOND, GapAccepting
+from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.manoeuvres import FAR
-from jaxwalk.sim.observation import FOOTPRINT, part, size
+from jaxwalk.sim.observation import AWARE, FOOTPRINT, part, size
 from jaxwalk.sim.pedestrian_features import KERB_CAR_DISTANCE
 
 KEYS = jax.random.split(jax.random.key(0), 2)
@@ -26,6 +28,28 @@ def test_the_clearance_rule_takes_the_fastest_that_is_clear(brake, hold, acceler
     seen[part("driver", FOOTPRINT, "route")] = np.tile([[1.0], [0.0]], (8, 1))
     action, _ = ClearanceRule().act(KEYS[:1], None, jnp.asarray(seen))
     assert action[:, 0].tolist() == [throttle, 0]
+
+
+@pytest.mark.parametrize(
+    ("hidden", "speed", "clear", "throttle"),
+    [
+        ((), 8.0, 5, 1),
+        ((7,), 8.0, 5, -1),
+        ((0,), 3.25, 5, -0.25),
+        ((0,), 2.0, 5, 1),
+        ((0,), 2.0, 0, -1),
+        ((8, 15), 8.0, 5, 1),
+    ],
+)
+def test_the_cautious_rule_slows_where_a_place_close_ahead_is_hidden(hidden, speed, clear, throttle):
+    """Places 0 to 7 are the right and left ones beside the first four points of the route; others are too far."""
+    seen = np.zeros((size("driver", AWARE), 1), np.float32)
+    seen[part("driver", AWARE, "clearance"), 0] = clear / FAR
+    seen[part("driver", AWARE, "speed")] = speed / SPEED
+    seen[part("driver", AWARE, "route")] = np.tile([[1.0], [0.0]], (8, 1))
+    seen[part("driver", AWARE, "hidden_sides").start + np.array(hidden, int), 0] = 1
+    action, _ = CautiousRule().act(KEYS[:1], None, jnp.asarray(seen))
+    assert action[:, 0].tolist() == pytest.approx([throttle, 0], abs=1e-6)
 
 
 def kerb(gap, *, deciding=True, speed=5.0, people=4000):

@@ -17,6 +17,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Policy, View
+from jaxwalk.policies.cautious_rule import CautiousRule
 from jaxwalk.policies.clearance_rule import ClearanceRule
 from jaxwalk.policies.oracle import Oracle
 from jaxwalk.policies.pursuit import pursue
@@ -187,6 +188,7 @@ DRIVERS: dict[str, Callable[[], Policy]] = {
     "rule-based-braking": RuleBasedBraking,
     "route-follower": RouteFollower,
     "clearance": ClearanceRule,
+    "cautious": CautiousRule,
     "oracle": Oracle,
 }
 """Rule-based drivers by name: call an entry to make the driver."""

@@ -5,7 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 RULES = {
-    "driver": ("random", "constant-speed", "rule-based", "rule-based-braking", "route-follower", "clearance", "oracle"),
+    "driver": (
+        "random",
+        "constant-speed",
+        "rule-based",
+        "rule-based-braking",
+        "route-follower",
+        "clearance",
+        "cautious",
+        "oracle",
+    ),
     "pedestrian": ("always-go", "gap-acceptance", "diffusion", "distracted", "pedsumo"),
 }
 """The rules of each role: the names in `DRIVERS` and `POPULATIONS`."""
