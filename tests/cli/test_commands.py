@@ -205,6 +205,17 @@ def test_drivers_are_shielded_by_an_option_or_by_their_names(place, capsys):
     assert main(["evaluate", "--again", "kept/results.json"]) == 0
 
 
+def test_a_driver_beside_itself_behind_a_shield_says_what_the_shield_changes(place, capsys):
+    assert (
+        main(["evaluate", "--driver", "random", "random+rss", "--episodes", "3", "--seed", "7", "--out", "kept"]) == 0
+    )
+    (one,) = json.loads((place / "kept" / "results.json").read_text())["shields"]
+    assert (one["driver"], one["shield"], one["scenarios"]) == ("random", "rss", 3)
+    assert one["in_words"] in capsys.readouterr().out.replace("\n", "")
+    assert one["in_words"] in (place / "kept" / "suite.md").read_text()
+    assert main(["evaluate", "--again", "kept/results.json"]) == 0
+
+
 def test_the_table_marks_who_sees_what_is_hidden():
     from jaxwalk.cli.evaluate import table
 

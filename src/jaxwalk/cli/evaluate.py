@@ -33,7 +33,7 @@ from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.policies.shield_names import with_shield
-from jaxwalk.report.suite import said
+from jaxwalk.report.suite import said, shields_said
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.effort import MOST_EPISODES
@@ -67,7 +67,7 @@ def run(options: Evaluate) -> int:
         console = Console()
         several = any(cell.by_map for cell in results.cells)
         console.width = max(console.width, WIDTH + several * MAP_WIDTH)  # a narrower terminal wraps the lines
-        lines = [*said(results), *cost_lines(results.cells), scenarios_line(results)]
+        lines = [*said(results), *shields_said(results), *cost_lines(results.cells), scenarios_line(results)]
         console.print(table(results.cells), *map(escape, lines), sep="\n")
     return 0
 

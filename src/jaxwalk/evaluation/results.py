@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any, ClassVar
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -27,6 +28,7 @@ from jaxwalk.evaluation.document_parts import (
 )
 from jaxwalk.evaluation.map_rates import MapRates, rates_by_map
 from jaxwalk.evaluation.settings import acts_by, jaywalk_multiplier
+from jaxwalk.evaluation.shield_effects import ShieldEffect
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import DELAY, OUTCOMES, Rows, Summary, summarise
 from jaxwalk.policies.host import DriverError, HostDriver
@@ -129,6 +131,8 @@ class Results:
     cells: tuple[Cell, ...]
     compared: tuple[ComparedEnding, ...] = ()
     """Two drivers of an evaluation, compared."""
+    shields: tuple[ShieldEffect, ...] = ()
+    """What shields change, whose drivers were evaluated without them too."""
     over_seeds: tuple[SeedNumbers, ...] = ()
     """Numbers over training seeds, for each driver, population and jaywalk multiplier; in reports only."""
     paired: tuple[PairedSeeds, ...] = ()
@@ -158,7 +162,7 @@ class Results:
         cells = [cell.as_dict() for cell in self.cells]
         if not self.over_seeds:
             cells = [{name: value for name, value in cell.items() if name != "training_seed"} for cell in cells]
-        lists = ("drivers", "populations", "over_seeds", "paired", "paired_delays", "compared")
+        lists = ("drivers", "populations", "over_seeds", "paired", "paired_delays", "compared", "shields")
         parts = {name: [asdict(one) for one in getattr(self, name)] for name in lists}
         return {
             "schema": SCHEMA,
@@ -243,8 +247,8 @@ def _joined(batches: Iterable[Rows], names: Roles[str]) -> tuple[Rows | None, Dr
 
 def _cost(driver: Policy) -> Float[np.ndarray, "2"]:
     """Return the time that a driver took so far [s], and its steps; zeros for a compiled driver."""
-    spent = (driver.seconds_spent, driver.steps_made) if isinstance(driver, HostDriver) else (0, 0)
-    return np.array(spent, float)
+    host = next((x for x in jax.tree.leaves(driver) if isinstance(x, HostDriver)), None)
+    return np.array((0, 0) if host is None else (host.seconds_spent, host.steps_made), float)
 
 
 def _ms_per_step(cost: Float[np.ndarray, "2"]) -> float | None:

@@ -32,6 +32,7 @@ from jaxwalk.evaluation import (
     write_rows,
 )
 from jaxwalk.evaluation.document_parts import EvaluationOptions
+from jaxwalk.evaluation.shield_effects import ShieldEffect, shield_effects
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import Rows
@@ -108,6 +109,7 @@ def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     results = replace(results, drivers=drivers, populations=populations, options=work.options, made=provenance())
     if work.options.compare is not None:
         results = replace(results, compared=_compared(work, work.options.compare, rows))
+    results = replace(results, shields=_shielded(work, rows))
     if work.out:
         with together():
             _keep_rows(work, work.out, rows)
@@ -153,6 +155,15 @@ def _compared(work: Evaluation, pair: tuple[str, str], rows: list[Played]) -> tu
         for people in work.populations
     ]
     return compare_endings(a, b, among)
+
+
+def _shielded(work: Evaluation, rows: list[Played]) -> tuple[ShieldEffect, ...]:
+    """Compare drivers behind shields with themselves, where both were evaluated."""
+    return tuple(
+        effect
+        for street, played in zip(work.streets, rows, strict=True)
+        for effect in shield_effects(played, jaywalk_multiplier(street), street.config.contact)
+    )
 
 
 def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tell: Tell) -> tuple[Cell, ...]:

@@ -37,7 +37,7 @@ class Measured:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the metrics of `jaxwalk.metrics.Summary` that can be computed, and why others are left out."""
-        found, left_out = _without(summarise(self.rows).as_dict(), ["delay"]), {}  # no file has unhindered times
+        found, left_out = _without(summarise(self.rows).as_dict(), ["delay", "shield"]), {}  # no file has these
         needs = {"jaywalk_rate": CHOICES, **dict.fromkeys(("waiting", "approaches", "gaps"), WAITING)}
         for name, columns in needs.items():
             if missing := [column for column in columns if column not in self.known]:

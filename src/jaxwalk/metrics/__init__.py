@@ -12,6 +12,7 @@ from jaxwalk.metrics.decisions import JAYWALK_RATE
 from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.gaps import GAPS
+from jaxwalk.metrics.interventions_by_shield import SHIELD_INTERVENTIONS
 from jaxwalk.metrics.measurement import Summary, measure, summarise
 from jaxwalk.metrics.meetings import MEETINGS
 from jaxwalk.metrics.metric import Finding, Metric, MetricTable, NoRows, Recording, Rows, Sums
@@ -44,6 +45,7 @@ __all__ = [
     "OUTCOMES",
     "PASSING",
     "PLACEBO",
+    "SHIELD_INTERVENTIONS",
     "SPEED_DIFFERENTIAL",
     "SURROGATES",
     "SURROGATE_DISTRIBUTIONS",

@@ -37,6 +37,8 @@ def suite(results: Results, made: Provenance) -> str:
     parts = ["# The suite", about, origin, *_named(results)]
     if results.compared:
         parts += ["## Compared", "\n".join(f"- {line}" for line in said(results))]
+    if results.shields:
+        parts += ["## Shields", "\n".join(f"- {line}" for line in shields_said(results))]
     for heading, text, table in _sections(cells):
         parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
     words = (f"- **{_name(cell)}**: {surprise.in_words(cell.summary[SPEED_DIFFERENTIAL])}" for cell in cells)
@@ -56,6 +58,13 @@ def said(results: Results) -> list[str]:
     several = len({one.jaywalk_multiplier for one in found}) > 1
     lines = [f"Multiplier {one.jaywalk_multiplier:g}: " * several + one.in_words for one in found]
     return [*lines, "(Pairs of the same scenarios; exact tests, p adjusted for their number.)"] if found else []
+
+
+def shields_said(results: Results) -> list[str]:
+    """Return in words what shields change, if any does and its driver was evaluated without it too."""
+    found = results.shields
+    several = len({one.jaywalk_multiplier for one in found}) > 1
+    return [f"Multiplier {one.jaywalk_multiplier:g}: " * several + one.in_words for one in found]
 
 
 def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
