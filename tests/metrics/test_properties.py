@@ -15,7 +15,10 @@ from hypothesis import strategies as st
 
 from jaxwalk import metrics
 from jaxwalk.metrics import ENCOUNTERS, PLACEBO, SPEED_DIFFERENTIAL, Rows, measure, summarise
+from jaxwalk.metrics.contacts import RULES
+from jaxwalk.metrics.footprint import near_car
 from jaxwalk.metrics.meetings import meeting_columns
+from jaxwalk.sim import events
 from jaxwalk.sim.sim_config import SimConfig
 from metrics.reference import encounters, near_speeds
 from metrics.scenes import ghosts_of, padded, pick, random_trajectory, turned
@@ -138,3 +141,20 @@ def test_ghosts_who_are_the_people_themselves_make_no_difference(recorded):
     np.testing.assert_array_equal(rows[PLACEBO].frames, rows[PLACEBO].ghost_frames)
     np.testing.assert_array_equal(rows[PLACEBO].speed_sum, rows[PLACEBO].ghost_speed_sum)
     assert (rows[PLACEBO].frames <= rows[SPEED_DIFFERENTIAL].frames).all()
+
+
+@few
+@given(trajectories, st.sampled_from(RULES))
+def test_whoever_is_touched_is_near(recorded, contact):
+    rules = SimConfig(contact=contact, collision_distance=3.0)
+    places = [(frame, e, p) for e, p, frame in np.ndindex(*np.roll(recorded.ped_x.shape, -1))]
+    touched = [place for place in places if place[0] <= recorded.length[place[1]] and touches(recorded, place, rules)]
+    near = [tuple(place) for place in np.stack(near_car(recorded, rules), axis=1).tolist()]
+    assert near == [place for place in places if place in set(near)]  # by episode, pedestrian and frame
+    assert set(touched) <= set(near)
+
+
+def touches(recorded, place, rules):
+    car = place[:2]
+    dx, dy = recorded.ped_x[place] - recorded.car_x[car], recorded.ped_y[place] - recorded.car_y[car]
+    return events.touching(rules, dx, dy, recorded.car_cos[car], recorded.car_sin[car])

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from itertools import chain
 
 import numpy as np
 
@@ -23,7 +22,8 @@ from jaxwalk.metrics import Rows, measure
 from jaxwalk.relief import relieve
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.trajectory import Trajectory, part_of
+from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.trajectory import Ghosts, Trajectory, part_of
 
 BATCH = 512
 """Default number of episodes played at once."""
@@ -65,12 +65,15 @@ def evaluate_batches(
     maps = np.array(map_labels(street.maps), object)
     times = unhindered_times(street)
 
-    def rows(first: int) -> Rows:
+    def recorded(first: int) -> tuple[Scenario, Trajectory, Ghosts]:
         numbers = (first + np.arange(batch)) % episodes
         scenarios, keys = source.take(numbers)
         trajectory = play(street, policies, scenarios, keys, numbers=numbers)
+        return scenarios, trajectory, walk_ghosts(street, scenarios, keys, frames=len(trajectory.car_x))
+
+    def rows(first: int) -> Rows:
+        scenarios, trajectory, ghosts = begun.pop(first) if first in begun else recorded(first)
         frames, asked = len(trajectory.car_x), slice(min(batch, episodes - first))
-        ghosts = walk_ghosts(street, scenarios, keys, frames=frames)
         measured = measure(
             part_of(trajectory, frames=frames, episodes=asked),
             part_of(ghosts, frames=frames, episodes=asked),
@@ -79,9 +82,9 @@ def evaluate_batches(
         known = with_delay(measured, times, scenarios)
         return replace(known, maps=maps[np.asarray(scenarios.map)[asked]])
 
+    begun = {0: recorded(0)}  # alone, so that its programs are compiled only once
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        compiled = rows(0)
-        for number, part in enumerate(chain([compiled], pool.map(rows, range(batch, episodes, batch))), 1):
+        for number, part in enumerate(pool.map(rows, range(0, episodes, batch)), 1):
             if progress is not None:
                 progress(min(number * batch, episodes), episodes)
             yield part

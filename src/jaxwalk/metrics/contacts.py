@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.counts import proportion
-from jaxwalk.metrics.crossings import crossing_type, real_frames
-from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, in_car_frame, reach, touched_part
+from jaxwalk.metrics.crossings import crossing_type
+from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, in_car_frame, near_car, touched_part
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.outcomes import CONTACTS, SIDEWALK
 from jaxwalk.metrics.statistics import Estimate, Rate, mean_of
@@ -55,7 +55,7 @@ class Contacts:
 
 def find_contacts(trajectory: Trajectory, config: SimConfig) -> Contacts:
     """Find the contacts of a trajectory; ``config`` has the sizes of the disc, the car and the body."""
-    frame, episode, ped = _near(trajectory, max(reach(config), config.collision_distance))
+    frame, episode, ped = near_car(trajectory, config)
     place = in_car_frame(trajectory, frame, episode, ped)
     rule, row = [], []
     for index, name in enumerate(RULES):
@@ -84,13 +84,6 @@ def find_contacts(trajectory: Trajectory, config: SimConfig) -> Contacts:
         part=part.astype(np.int8),
         hit_point=hit_point.astype(np.float32),
     )
-
-
-def _near(trajectory: Trajectory, metres: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return frame, episode and pedestrian wherever the centres are nearer than this [m], ordered by frame."""
-    dx, dy = (getattr(trajectory, f"ped_{x}") - getattr(trajectory, f"car_{x}")[..., None] for x in "xy")
-    frame, episode, ped = np.nonzero(events.touches(dx, dy, metres) & real_frames(trajectory)[..., None])
-    return frame, episode, ped
 
 
 def _part(trajectory, frame, episode, ped, config: SimConfig) -> tuple[np.ndarray, np.ndarray]:

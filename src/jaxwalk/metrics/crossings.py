@@ -75,6 +75,15 @@ def real_frames(trajectory: Trajectory) -> Bool[np.ndarray, "frame episode"]:
     return np.arange(len(trajectory.car_x))[:, None] <= trajectory.length
 
 
+def rows_of(chosen: Bool[np.ndarray, "frame episode ped"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return frame, episode and pedestrian wherever it is true, ordered by episode, pedestrian and frame."""
+    # (only few places are true: to sort those is cheaper than to turn the whole array round)
+    frames, episodes, people = chosen.shape
+    frame, walk = np.divmod(np.flatnonzero(chosen), episodes * people)
+    walk, frame = np.divmod(np.sort(walk * frames + frame), frames)
+    return frame, *np.divmod(walk, people)
+
+
 def crossing_type(decided: np.ndarray, on_crosswalk: np.ndarray) -> np.ndarray:
     """Return CROSSWALK or JAYWALK for people on a roadway: their decision, or the place if they never decided."""
     # (somebody may never have decided: who begins the episode on a roadway, or comes from a foreign recording)
@@ -84,7 +93,7 @@ def crossing_type(decided: np.ndarray, on_crosswalk: np.ndarray) -> np.ndarray:
 def find_crossings(trajectory: Trajectory) -> tuple[Crossings, RoadSteps]:
     """Find all crossings of a trajectory, and all their steps."""
     on_road = trajectory.on_roadway & real_frames(trajectory)[..., None]
-    episode, ped, frame = np.nonzero(np.ascontiguousarray(on_road.transpose(1, 2, 0)))
+    frame, episode, ped = rows_of(on_road)
     first, crossing = runs(episode, ped, frame)
     last = np.append(first[1:], len(frame))[: len(first)] - 1
     begin = frame[first], episode[first], ped[first]

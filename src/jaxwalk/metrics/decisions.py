@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from jaxwalk.metrics.counts import proportion
-from jaxwalk.metrics.crossings import real_frames
+from jaxwalk.metrics.crossings import real_frames, rows_of
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Rate
 from jaxwalk.sim.crossing_kind import JAYWALK, NO_CROSSING
@@ -49,7 +49,7 @@ def find_decisions(trajectory: Trajectory) -> Decisions:
     """Find all decisions: each is an increment of ``Trajectory.decisions`` (from 0 before frame 0)."""
     made = np.diff(trajectory.decisions, axis=0, prepend=np.zeros_like(trajectory.decisions[:1]))
     decided = (made > 0) & real_frames(trajectory)[..., None]
-    episode, ped, frame = np.nonzero(np.ascontiguousarray(decided.transpose(1, 2, 0)))
+    frame, episode, ped = rows_of(decided)
     return Decisions(
         episode=episode.astype(np.int32),
         ped=ped.astype(np.int16),

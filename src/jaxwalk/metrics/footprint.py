@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 from jaxtyping import Float, Int
 
+from jaxwalk.metrics.crossings import real_frames, rows_of
 from jaxwalk.sim.events import to_rectangle
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
@@ -89,6 +90,17 @@ def required_deceleration(ttc, speed):
     """
     ttc, speed = np.broadcast_arrays(ttc, speed)
     return np.divide(speed, 2 * ttc, out=np.full(speed.shape, np.nan), where=ttc > 0)
+
+
+def near_car(trajectory: Trajectory, config: SimConfig) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return frame, episode and pedestrian wherever they may touch by any rule, in the order of `rows_of`."""
+    # (two comparisons are enough to leave out nearly everybody, and hold only one large array at a time)
+    metres = max(reach(config), config.collision_distance)
+    near = real_frames(trajectory)[..., None]
+    for axis in "xy":
+        apart = getattr(trajectory, f"ped_{axis}") - getattr(trajectory, f"car_{axis}")[..., None]
+        near = near & (np.abs(apart, out=apart) < metres)
+    return rows_of(near)
 
 
 def in_car_frame(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from jaxwalk.metrics.crossings import real_frames, runs
+from jaxwalk.metrics.crossings import real_frames, rows_of, runs
 from jaxwalk.metrics.footprint import in_car_frame
 from jaxwalk.metrics.metric import Finding
 from jaxwalk.sim import events
@@ -58,9 +58,7 @@ def find_kerb(trajectory: Trajectory) -> Kerb:
     """Find all kerb moments of a trajectory."""
     at_kerb = trajectory.at_kerb[:-1] & trajectory.enters_roadway[:-1]
     played = real_frames(trajectory)[1:, :, None]
-    frame, episode, ped = np.nonzero(at_kerb & played)
-    order = np.lexsort((frame, ped, episode))  # (few stand there: cheaper than to turn the whole array round)
-    where = frame, episode, ped = frame[order], episode[order], ped[order]
+    where = frame, episode, ped = rows_of(at_kerb & played)
     ahead, left = in_car_frame(trajectory, *where)
     distance = events.distance(ahead, left)
     speed, miss = trajectory.car_speed[frame, episode], trajectory.predicted_miss[where]

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from jaxwalk.metrics.crossings import ROAD, TYPES, RoadSteps, find_crossings, real_frames
+from jaxwalk.metrics.footprint import in_car_frame, near_car
 from jaxwalk.metrics.meetings import (
     BIN_WIDTH,
     BINS,
@@ -93,22 +94,16 @@ class SpeedBin:
     """The comparison with ghosts; all values are None without ghosts."""
 
 
-def measure_near_speeds(
-    trajectory: Trajectory, steps: RoadSteps, length: Int[np.ndarray, "episode"] | None = None
-) -> NearSpeeds:
+def measure_near_speeds(trajectory: Trajectory, steps: RoadSteps) -> NearSpeeds:
     """Measure the car's speed per frame and type; the nearest pedestrian of the type on a roadway gives the bin.
 
-    ``length``: the last frame of each episode that counts (default: its own last one).
+    Steps after the trajectory's ``length`` are ignored.
     """
     frames, episodes = trajectory.car_x.shape
     nearest, _ = nearest_of_type(steps, frames, episodes)
-    close = np.flatnonzero(nearest < BINS * BIN_WIDTH)
-    kind, rest = np.divmod(close, episodes * frames)
-    episode, frame = np.divmod(rest, frames)
-    if length is not None:
-        counts = frame <= length[episode]
-        close, kind, episode, frame = close[counts], kind[counts], episode[counts], frame[counts]
-    group = (episode * len(TYPES) + kind) * BINS + distance_bin(nearest[close])
+    nearest = nearest.reshape(len(TYPES), episodes, frames)
+    kind, episode, frame = np.nonzero((nearest < BINS * BIN_WIDTH) & real_frames(trajectory).T)
+    group = (episode * len(TYPES) + kind) * BINS + distance_bin(nearest[kind, episode, frame])
     speed = trajectory.car_speed[frame, episode].astype(np.float64)
     shape = (episodes, len(TYPES), BINS)
     size = int(np.prod(shape))
@@ -131,11 +126,12 @@ def measure_placebo(
         none = np.zeros((len(trajectory.length), len(TYPES), BINS))
         return PlaceboSpeeds(none, none.astype(np.int32), none, none.astype(np.int32))
     haunted = replace(trajectory, **vars(ghosts))
-    dx, dy = (getattr(ghosts, f"ped_{axis}") - getattr(trajectory, f"car_{axis}")[..., None] for axis in "xy")
-    cos, sin = trajectory.car_cos[..., None], trajectory.car_sin[..., None]
-    touched = events.touching(config, dx, dy, cos, sin).any(axis=2) & real_frames(trajectory)
-    length = np.where(touched.any(axis=0), touched.argmax(axis=0), trajectory.length)
-    people, unseen = (measure_near_speeds(trajectory, of, length) for of in (steps, find_crossings(haunted)[1]))
+    near = frame, episode, _ = near_car(haunted, config)
+    touched = events.touching(config, *in_car_frame(haunted, *near), 1.0, 0.0)
+    length = trajectory.length.copy()
+    np.minimum.at(length, episode[touched], frame[touched])
+    shortened = replace(trajectory, length=length)
+    people, unseen = (measure_near_speeds(shortened, on_road) for on_road in (steps, find_crossings(haunted)[1]))
     return PlaceboSpeeds(people.speed_sum, people.frames, unseen.speed_sum, unseen.frames)
 
 

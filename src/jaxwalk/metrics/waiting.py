@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from jaxwalk.metrics.counts import clustered_share
-from jaxwalk.metrics.crossings import real_frames, runs
+from jaxwalk.metrics.crossings import real_frames, rows_of, runs
 from jaxwalk.metrics.kerb import DANGER, HARMLESS, KERB, NEAR, OTHER, SETTINGS, Kerb
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
@@ -133,9 +133,7 @@ def _walked(trajectory: Trajectory, played: Bool[np.ndarray, "step episode 1"]) 
 def _longest_stand(trajectory: Trajectory) -> Int[np.ndarray, "episode"]:
     """Return the longest time that anybody stood still on a roadway, in consecutive steps."""
     stood = trajectory.on_roadway & ~trajectory.going & real_frames(trajectory)[..., None]
-    frame, episode, ped = np.nonzero(stood)
-    order = np.lexsort((frame, ped, episode))  # (few stand there: cheaper than to turn the whole array round)
-    frame, episode, ped = frame[order], episode[order], ped[order]
+    frame, episode, ped = rows_of(stood)
     first, _ = runs(episode, ped, frame)
     longest = np.zeros(len(trajectory.length), np.int32)
     np.maximum.at(longest, episode[first], np.diff(first, append=len(frame)))
