@@ -129,6 +129,12 @@ BAD = {
     "nonsense as ONNX": ("evaluate --driver nonsense.onnx", "nonsense.onnx: damaged or no ONNX file"),
     "nonsense as an agent": ("evaluate --driver nonsense.zip", "damaged or no Stable-Baselines3 agent"),
     "pickled": ("evaluate --driver nonsense.pt", "can run any code while it is loaded"),
+    "export a shield": (
+        "export co-trained+rss --out r.onnx",
+        "co-trained+rss: a shield is no network; export co-trained",
+    ),
+    "a shield that isn't": ("evaluate --driver random+shield", "random+shield: no driver of that name"),
+    "another shield": ("evaluate --driver random --shield steel", "steel"),
     "export a rule": ("export route-follower --out r.onnx", "route-follower: is a rule, not a trained policy"),
     "export nobody": ("export nobody --out r.onnx", "nobody: no driver of that name"),
     "export to nowhere": ("export co-trained", "--out FILE.onnx is missing"),

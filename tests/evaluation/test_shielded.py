@@ -40,6 +40,14 @@ def test_the_predictive_shield_keeps_random_actions_from_touching_anybody(footpr
     assert not trajectory.shield_infeasible.any()
 
 
+def test_so_it_does_where_contacts_are_of_discs(street):
+    contact = street.config.contact
+    assert contact == "disc"
+    assert touched_while_moving(played(street, RouteFollower(), episodes=64)[1], contact).sum() > 20
+    behind = played(street, shielded(RouteFollower(), "predictive"), episodes=64)[1]
+    assert not touched_while_moving(behind, contact).any()
+
+
 def test_people_faster_than_it_assumes_break_the_predictive_shield(footprint):
     """Everybody walks at 1 m/s or more."""
     slow = shielded(RouteFollower(), PredictiveShield(reach_speed=0.3))

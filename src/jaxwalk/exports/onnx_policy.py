@@ -22,6 +22,7 @@ from jaxwalk.learning.actor import Held
 from jaxwalk.policies import AlwaysGo, PolicyError, RouteFollower, read_metadata
 from jaxwalk.policies.learned import LearnedPolicy
 from jaxwalk.policies.onnx_export import onnx_model
+from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 from jaxwalk.runs.contestant_names import policy_file
 from jaxwalk.runs.contestants import named_policy, world_of
@@ -68,6 +69,9 @@ def export(name: str, out: Path, *, role: str) -> Parity:
     Raises PolicyError if onnx or ONNX Runtime is missing, an action isn't in its space, or the network in ONNX acts
     differently from the policy.
     """
+    bare, shield = unshielded(role, name)
+    if shield is not None:
+        raise PolicyError(f"{name}: a shield is no network; export {bare}, and shield what was exported")
     street = world_of([name])
     policy = named_policy(street, role, name, sample=False)
     if not isinstance(policy, LearnedPolicy):
