@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from evaluation.test_hosted import hosted
 from jaxwalk import Street
 from jaxwalk.evaluation import play
+from jaxwalk.learning import mappo
 from jaxwalk.metrics import OUTCOMES, measure
 from jaxwalk.metrics.contacts import touched_while_moving
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower, shielded
 from jaxwalk.policies.shields.predictive_shield import PredictiveShield
+from jaxwalk.recipes import RECIPES, with_training
+from jaxwalk.rollout import TRAINING, seed_key
+from jaxwalk.runs.street import fixed_policies, make_street
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import WORLDS
 
@@ -70,3 +76,17 @@ def test_a_host_driver_is_shielded_as_the_same_driver_in_jax_is(street):
 def test_without_a_shield_nothing_is_recorded_of_one(street):
     trajectory, _ = played(street, RouteFollower(), episodes=16)
     assert trajectory.shield_changed is trajectory.shield_infeasible is None
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["predictive", "cbf"])
+def test_people_can_learn_among_shielded_cars(name):
+    """In half of the environments: a shield sees its own part of them, and all of the street."""
+    fast = RECIPES["fast"]
+    roles = fast.train.roles | {"driver": replace(fast.train.roles["driver"], fixed=0.5)}
+    experiment = with_training(fast, environments=8, steps=8, minibatches=2, roles=roles)
+    street = make_street(experiment)
+    others = fixed_policies(experiment) | {"driver": shielded(RouteFollower(), name)}
+    learner = mappo.init(street, experiment.train, seed_key(0, TRAINING), others=others)
+    _, metrics = mappo.update(street, experiment.train, learner)
+    assert metrics["finite"] == metrics["fixed/driver"] == 1
