@@ -87,6 +87,7 @@ pictures: install  ## the pictures of README and docs, and an animation for talk
 	$(BIN)/jaxwalk play $(EPISODE) --time 4 --out docs/images/episode.png
 	$(BIN)/jaxwalk play $(EPISODE) --out docs/images/episode.gif
 	$(BIN)/jaxwalk play --suite crowd --driver town --scenario 3 --time 6 --out docs/images/crowd.png
+	$(BIN)/jaxwalk play --suite blind-corner --driver clearance --scenario 3 --time 6 --out docs/images/blind-corner.png
 	$(BIN)/jaxwalk report --out runs/report
 	$(BIN)/python docs/screenshots.py runs/report/report.html docs/images
 
