@@ -17,8 +17,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Policy, View
+from jaxwalk.policies.careful_human import CarefulHuman, careful_human_with_aeb
 from jaxwalk.policies.cautious_rule import CautiousRule
 from jaxwalk.policies.clearance_rule import ClearanceRule
+from jaxwalk.policies.crosswalk_yield import CrosswalkYield
+from jaxwalk.policies.fuzzy_safety import FuzzySafety
+from jaxwalk.policies.idm_yield import IdmYield
 from jaxwalk.policies.oracle import Oracle
 from jaxwalk.policies.pursuit import pursue
 from jaxwalk.sim.features import SPEED
@@ -189,6 +193,11 @@ DRIVERS: dict[str, Callable[[], Policy]] = {
     "route-follower": RouteFollower,
     "clearance": ClearanceRule,
     "cautious": CautiousRule,
+    "careful-human": CarefulHuman,
+    "careful-human-aeb": careful_human_with_aeb,
+    "fuzzy-safety": FuzzySafety,
+    "crosswalk-yield": CrosswalkYield,
+    "idm-yield": IdmYield,
     "oracle": Oracle,
 }
 """Rule-based drivers by name: call an entry to make the driver."""

@@ -34,11 +34,11 @@ class FuzzyLimits:
 
 
 def proactive_fuzzy_safety(
-    gap: Float[Array, "*batch"],
-    speed: Float[Array, "*batch"],
-    leader_speed: Float[Array, "*batch"],
+    gap: Float[Array, "..."],
+    speed: Float[Array, "..."],
+    leader_speed: Float[Array, "..."],
     limits: FuzzyLimits,
-) -> Float[Array, "*batch"]:
+) -> Float[Array, "..."]:
     """Return PFS: 1 where the gap wouldn't do if the other one braked hard, 0 where it would with comfort, in [0, 1].
 
     Args:
@@ -55,12 +55,12 @@ def proactive_fuzzy_safety(
 
 
 def critical_fuzzy_safety(
-    gap: Float[Array, "*batch"],
-    speed: Float[Array, "*batch"],
-    leader_speed: Float[Array, "*batch"],
-    acceleration: Float[Array, "*batch"],
+    gap: Float[Array, "..."],
+    speed: Float[Array, "..."],
+    leader_speed: Float[Array, "..."],
+    acceleration: Float[Array, "..."],
     limits: FuzzyLimits,
-) -> Float[Array, "*batch"]:
+) -> Float[Array, "..."]:
     """Return CFS: 1 where the gap wouldn't do even if the other one kept its speed, in [0, 1]; 0 if none closes it.
 
     ``acceleration`` is the car's own now [m/s2]; the other arguments are those of `proactive_fuzzy_safety`.
@@ -75,20 +75,20 @@ def critical_fuzzy_safety(
 
 
 def fuzzy_braking(
-    proactive: Float[Array, "*batch"], critical: Float[Array, "*batch"], limits: FuzzyLimits
-) -> Float[Array, "*batch"]:
+    proactive: Float[Array, "..."], critical: Float[Array, "..."], limits: FuzzyLimits
+) -> Float[Array, "..."]:
     """Return how hard the driver wants to brake [m/s2]: by CFS between comfortable and hardest, else PFS of comfort."""
     emergency = limits.comfortable + critical * (limits.hardest - limits.comfortable)
     return jnp.where(critical > 0, emergency, proactive * limits.comfortable)
 
 
 def comes_into_the_way(
-    aside: Float[Array, "*batch"],
-    approach: Float[Array, "*batch"],
-    passing: Float[Array, "*batch"],
-    closing: Float[Array, "*batch"],
+    aside: Float[Array, "..."],
+    approach: Float[Array, "..."],
+    passing: Float[Array, "..."],
+    closing: Float[Array, "..."],
     headstart: float = FuzzyLimits.headstart,
-) -> Bool[Array, "*batch"]:
+) -> Bool[Array, "..."]:
     """Return whether somebody is in the car's way, or comes into it before the car is past: the model's lateral check.
 
     Args:

@@ -28,12 +28,12 @@ class FollowingStyle:
 
 
 def idm_acceleration(
-    speed: Float[Array, "*batch"],
-    desired: Float[Array, "*batch"] | float,
-    gap: Float[Array, "*batch"],
-    closing: Float[Array, "*batch"],
+    speed: Float[Array, "..."],
+    desired: Float[Array, "..."] | float,
+    gap: Float[Array, "..."],
+    closing: Float[Array, "..."],
     style: FollowingStyle,
-) -> Float[Array, "*batch"]:
+) -> Float[Array, "..."]:
     """Return the acceleration behind a leader [m/s2]: a (1 - (v / v0)^4 - (s* / s)^2).
 
     s* = s0 + max(0, v T + v dv / (2 sqrt(a b))). Nothing limits how hard the model brakes.
@@ -51,7 +51,7 @@ def idm_acceleration(
 
 
 def equilibrium_gap(
-    speed: Float[Array, "*batch"], desired: Float[Array, "*batch"] | float, style: FollowingStyle
-) -> Float[Array, "*batch"]:
+    speed: Float[Array, "..."], desired: Float[Array, "..."] | float, style: FollowingStyle
+) -> Float[Array, "..."]:
     """Return the gap at which a car as fast as its leader keeps its speed [m]: (s0 + v T) / sqrt(1 - (v / v0)^4)."""
     return (style.standstill + speed * style.headway) / jnp.sqrt(1 - (speed / desired) ** EXPONENT)

@@ -9,12 +9,12 @@ STILL = 1e-3
 """Slower than this nothing comes nearer [m/s]."""
 
 
-def braking_distance(speed: Float[Array, "*batch"], braking: float, reaction: float = 0.0) -> Float[Array, "*batch"]:
+def braking_distance(speed: Float[Array, "..."], braking: float, reaction: float = 0.0) -> Float[Array, "..."]:
     """Return the way until a car stands [m]: v t + v2 / (2 b), with reaction time t [s] and braking b [m/s2]."""
     return speed * reaction + speed * speed / (2 * braking)
 
 
-def time_to_collision(gap: Float[Array, "*batch"], closing: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+def time_to_collision(gap: Float[Array, "..."], closing: Float[Array, "..."]) -> Float[Array, "..."]:
     """Return the time until a gap is closed if both keep their speeds [s]; inf if it doesn't shrink.
 
     Args:
@@ -24,7 +24,7 @@ def time_to_collision(gap: Float[Array, "*batch"], closing: Float[Array, "*batch
     return jnp.where(closing > STILL, jnp.maximum(gap, 0) / jnp.maximum(closing, STILL), jnp.inf)
 
 
-def last_moment(speed: Float[Array, "*batch"], braking: float, spare: float) -> Float[Array, "*batch"]:
+def last_moment(speed: Float[Array, "..."], braking: float, spare: float) -> Float[Array, "..."]:
     """Return the time to collision at which full braking still stops the car, ``spare`` seconds early: v / (2 b) + t.
 
     Braking b [m/s2] from speed v takes v2 / (2 b) metres, which the unbraked car drives in v / (2 b) seconds.
@@ -32,7 +32,7 @@ def last_moment(speed: Float[Array, "*batch"], braking: float, spare: float) -> 
     return speed / (2 * braking) + spare
 
 
-def ramp(since: Float[Array, "*batch"], most: float, rise: float) -> Float[Array, "*batch"]:
+def ramp(since: Float[Array, "..."], most: float, rise: float) -> Float[Array, "..."]:
     """Return the deceleration ``since`` seconds after the foot met the brake [m/s2]: linear up to ``most`` in ``rise``.
 
     The careful and competent human driver of UN R157 (annex 4, appendix 3) reaches 0.774 g = 7.59 m/s2 in 0.6 s.

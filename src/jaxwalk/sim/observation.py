@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
 from jaxwalk.sim import driver_features, intent_features, pedestrian, pedestrian_features, vehicle
+from jaxwalk.sim.corridor import CORRIDOR as ON_CORRIDOR
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, joined, on_map
 from jaxwalk.sim.prediction import ABSENT, unhidden
@@ -38,6 +39,8 @@ AWARE = f"{FOOTPRINT}-aware"
 """The same, who was last seen, which sides of the car's way are hidden, and how far the next crosswalk is."""
 X_RAY = f"{FOOTPRINT}-x-ray"
 """The same, but of everybody as they are, also of people who are not perceived."""
+CORRIDOR = "corridor"
+"""The driver's set of the reference drivers: people in the frame of the route."""
 UNHIDDEN = frozenset({X_RAY})
 """Sets that are computed as if nothing hid anybody."""
 HIDDEN = frozenset({PRIVILEGED, TOLD, DECIDED, PLACEBO, "route-told"}) | UNHIDDEN
@@ -62,6 +65,7 @@ OBSERVATIONS: dict[str, dict[str, tuple[Feature, ...]]] = {
         AWARE: (*driver_features.ROUTE_FOOTPRINT, LAST_SEEN, HIDDEN_SIDES, NEXT_CROSSWALK),
         X_RAY: driver_features.ROUTE_FOOTPRINT,
         "surroundings": SURROUNDINGS,
+        CORRIDOR: ON_CORRIDOR,
         PRIVILEGED: (*driver_features.ON_ROUTE, driver_features.FUTURE_CLEARANCES, driver_features.LIMITS),
     },
     "pedestrian": {"paper": pedestrian_features.PAPER, "kerb": pedestrian_features.KERB},

@@ -191,22 +191,32 @@ def _present(nearest: Motion) -> Motion:
 def of_nearest(motion: Motion, of_all: T, absent: T) -> T:
     """Return values of the nearest `NEIGHBOURS` people, nearest first: arrays ``(neighbour, *batch)``.
 
-    It ranks people by counting who is nearer, because a sort is slow in this layout.
-
     Args:
         motion: everybody, ``(ped, *batch)``.
         of_all: a pytree with a value of everybody, arrays ``(ped, *batch)``.
         absent: the values of neighbours who aren't there, arrays ``(neighbour, *batch)``.
     """
-    squared = motion.ahead**2 + motion.left**2
-    people, *batch = squared.shape
-    keys = with_index(squared, jnp.arange(people).reshape(-1, *(1,) * len(batch)), people)
-    place = jnp.arange(NEIGHBOURS).reshape(-1, *(1,) * len(batch))
+    return of_lowest(motion.ahead**2 + motion.left**2, of_all, absent)
+
+
+def of_lowest(rank_by: Float[Array, "ped *batch"], of_all: T, absent: T) -> T:
+    """Return values of the people with the lowest numbers, lowest first, as many as ``absent`` has of them.
+
+    It ranks people by counting who is lower, because a sort is slow in this layout.
+
+    Args:
+        rank_by: a finite number of 0 or more for everybody.
+        of_all: a pytree with a value of everybody, arrays ``(ped, *batch)``.
+        absent: the values where there are fewer people, arrays ``(chosen, *batch)``.
+    """
+    people, *batch = rank_by.shape
+    keys = with_index(rank_by, jnp.arange(people).reshape(-1, *(1,) * len(batch)), people)
+    place = jnp.arange(len(jax.tree.leaves(absent)[0])).reshape(-1, *(1,) * len(batch))
 
     def count(key: Array, rank: Array) -> Array:
         return rank + (key < keys)
 
-    ranks = for_everybody(keys, count, jnp.zeros(squared.shape, jnp.int32))
+    ranks = for_everybody(keys, count, jnp.zeros(rank_by.shape, jnp.int32))
 
     def pick(one: tuple[Array, T], found: T) -> T:
         rank, person = one

@@ -37,7 +37,7 @@ def clearance_if_they_turn(moment: Moment, contact: ContactRule) -> tuple[Array,
     away = jnp.maximum(distance(ahead, left), 1e-2)
     speed = distance(seen.people.ahead_speed, seen.people.left_speed)
     pace = jnp.where(speed > WALKING, speed, SETTING_OUT) / away
-    stays = _walkers(moment).on_roadway
+    stays = walkers(moment).on_roadway
     turning = Motion(
         ahead=seen.people.ahead,
         left=seen.people.left,
@@ -70,7 +70,7 @@ def clearance_if_they_cross(moment: Moment, contact: ContactRule) -> tuple[Array
 
     They keep their pace. Who walks to several takes the nearest.
     """
-    car, people, seen = moment.state.vehicle, _walkers(moment), moment.state.foresight
+    car, people, seen = moment.state.vehicle, walkers(moment), moment.state.foresight
     vx, vy = people.velocity_x, people.velocity_y
     speed = distance(vx, vy)
     pace = jnp.maximum(speed, WALKING)
@@ -84,7 +84,7 @@ def clearance_if_they_cross(moment: Moment, contact: ContactRule) -> tuple[Array
         return jnp.where(nearer, along, found[0]), jnp.where(nearer, cos, found[1]), jnp.where(nearer, sin, found[2])
 
     begin = (far_away, jnp.zeros_like(speed), jnp.zeros_like(speed))
-    away, cos, sin = for_everybody(_crosswalks(moment), look_at, begin)
+    away, cos, sin = for_everybody(crosswalk_ends(moment), look_at, begin)
     turns = (speed > WALKING) & ~people.on_roadway
     turning = Turn(
         seen.people,
@@ -105,18 +105,21 @@ class Walkers(NamedTuple):
     velocity_y: Array
     on_roadway: Array
     """Whether they are between the kerbs."""
+    crossing: Array
+    """The `jaxwalk.sim.crossing_kind.CrossingKind` of the crossing; only of people on the roadway it can be seen."""
 
 
-def _walkers(moment: Moment) -> Walkers:
+def walkers(moment: Moment) -> Walkers:
     """Return people as perceived; who isn't perceived is nowhere near anyway (`jaxwalk.sim.prediction.AWAY`)."""
     if moment.state.perceived is not None:
         now = moment.state.perceived.now
-        return Walkers(now.x, now.y, now.velocity_x, now.velocity_y, now.on_roadway)
+        return Walkers(now.x, now.y, now.velocity_x, now.velocity_y, now.on_roadway, now.crossing)
     people = moment.state.pedestrian
-    return Walkers(people.x, people.y, *pedestrian.velocity(moment.world, moment.scenario, people), people.on_roadway)
+    velocity = pedestrian.velocity(moment.world, moment.scenario, people)
+    return Walkers(people.x, people.y, *velocity, people.on_roadway, people.crossing)
 
 
-def _crosswalks(moment: Moment) -> tuple[Array, ...]:
+def crosswalk_ends(moment: Moment) -> tuple[Array, ...]:
     """Return x and y of every end of a crosswalk [m] and the unit vector across; arrays ``(side, *batch)``.
 
     Padding is far away.
