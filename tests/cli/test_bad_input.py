@@ -167,6 +167,11 @@ BAD = {
     "intent untrained": ("hidden-intent --out r --updates 0", "updates must lie in [1, 2^31), not 0"),
     "intent without seeds": ("hidden-intent --out r --seeds 0", "seeds must lie in [1, 1,000], not 0"),
     "intent seed": ("hidden-intent --out r --seed -1", "seed must lie in [0, 2^31), not -1"),
+    "intent unknown car": (
+        "hidden-intent --out r --cars blind x-ray",
+        "no car 'x-ray' in recipe fast; there are: blind",
+    ),
+    "intent without blind": ("hidden-intent --out r --cars told", "the others are compared with blind; name it too"),
     "intent half a seed": ("hidden-intent --out r --seed 0.5", "0.5"),
     "co-training of one seed": (
         "co-training --out r --seeds 1",

@@ -11,7 +11,7 @@ from rich.console import Console
 from jaxwalk.evaluation import evaluate, evaluate_grid
 from jaxwalk.experiments import hidden_intent as module
 from jaxwalk.experiments import tournament
-from jaxwalk.experiments.hidden_intent import IntentEffort, hidden_intent
+from jaxwalk.experiments.hidden_intent import IntentEffort, cars_of, hidden_intent
 from jaxwalk.policies import read_metadata
 from jaxwalk.recipes import BLIND_CORNER, single_agent, with_training
 from jaxwalk.runs.folder import Run, RunError
@@ -109,13 +109,16 @@ def test_where_people_are_hidden_there_are_cars_that_see_more(tiny, tmp_path, mo
     roles = {"driver": replace(tiny.train.roles["driver"], critic_observes=(FOOTPRINT,))}
     small = with_training(tiny, roles=tiny.train.roles | roles)
     base = single_agent(replace(small, maps=("training:1",), sim=BLIND_CORNER.sim, crowds=(2, 3)))
-    plan = IntentEffort(updates=2, episodes=4, seed=3, seeds=1, recipe="blind-corner")
+    cars = ("x-ray", "blind", "aware", "decided")
+    plan = IntentEffort(updates=2, episodes=4, seed=3, seeds=1, recipe="blind-corner", cars=cars)
     text = hidden_intent(tmp_path / "out", plan, base=base, console=Console(file=io.StringIO())).read_text("utf-8")
     document = json.loads((tmp_path / "out" / "hidden-intent.json").read_text("utf-8"))
     (street,) = document["streets"]
     assert street["street"]["maps"][0]["name"] == "test-2000000003"
     seen = {cell["driver"]: cell["driver_observes"] for cell in street["cells"]}
-    assert list(seen) == ["blind", "x-ray", "memory", "aware", "placebo", "belief", "told", "decided"]
+    assert list(seen) == ["blind", "x-ray", "aware", "decided"]
+    assert list(cars_of(base)) == ["blind", "x-ray", "memory", "aware", "placebo", "belief", "told", "decided"]
+    assert document["plan"]["cars"] == list(cars)
     assert seen["x-ray"] == X_RAY
     assert "with the recipe `blind-corner`" in text
     assert "`x-ray` sees what `blind` sees, but of everybody, hidden or not." in text

@@ -57,6 +57,18 @@ class IntentEffort(Effort):
     updates: int = 200
     episodes: int = 2000
     seeds: int = 5
+    cars: tuple[str, ...] = ()
+    """The cars to train; none: all."""
+
+    def __post_init__(self) -> None:
+        """Raise ValueError for an impossible value."""
+        super().__post_init__()
+        known = cars_of(RECIPES[self.recipe])
+        for name in self.cars:
+            if name not in known:
+                raise ValueError(f"cars: no car '{name}' in recipe {self.recipe}; there are: {', '.join(known)}")
+        if self.cars and BLIND not in self.cars:
+            raise ValueError(f"cars: the others are compared with {BLIND}; name it too")
 
 
 class IntentWork(Work[IntentEffort]):
@@ -101,13 +113,14 @@ def acquainted(experiment: Experiment) -> Experiment:
     return replace(experiment, sim=replace(experiment.sim, earlier_decisions=1))
 
 
-def cars_of(experiment: Experiment) -> dict[str, str]:
-    """Return the cars by name, and what they see."""
-    return SIGHT if experiment.sim.perception else INTENT
+def cars_of(experiment: Experiment, chosen: Sequence[str] = ()) -> dict[str, str]:
+    """Return the cars by name, and what they see: all of them, or the chosen ones."""
+    cars = SIGHT if experiment.sim.perception else INTENT
+    return {name: observes for name, observes in cars.items() if not chosen or name in chosen}
 
 
 def _train(work: IntentWork) -> None:
-    for name, observes in cars_of(work.base).items():
+    for name, observes in cars_of(work.base, work.plan.cars).items():
         roles = work.base.train.roles
         roles = roles | {"driver": replace(roles["driver"], observes=observes)}
         for seed in work.plan.training_seeds:
@@ -121,7 +134,9 @@ def _evaluate(work: IntentWork) -> None:
     people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
     rounds: list[Round] = []
     for seed in work.plan.training_seeds:
-        drivers = {name: contestant(street, "driver", str(work.run(name, seed))) for name in cars_of(work.base)}
+        drivers = {
+            name: contestant(street, "driver", str(work.run(name, seed))) for name in cars_of(work.base, work.plan.cars)
+        }
         rounds.append((seed, drivers, people))
     streets = []
     for multiplier in dict.fromkeys((street.config.jaywalk_multiplier, OFTEN)):

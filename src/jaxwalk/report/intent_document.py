@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
@@ -29,6 +29,8 @@ class IntentPlan:
     """How many training seeds there are."""
     recipe: str = "fast"
     """The recipe; older documents don't name it."""
+    cars: Sequence[str] = ()
+    """The cars that were asked for; none: all."""
 
 
 @dataclass(frozen=True)

@@ -118,7 +118,7 @@ class Work(Generic[P]):
 
     def _check(self) -> None:
         """Raise RunError unless the folder can be started or continued. Writes nothing."""
-        asked, there = asdict(self.plan), self.json("plan.json")
+        asked, there = json.loads(json.dumps(asdict(self.plan))), self.json("plan.json")
         folder, other = self.folder, "name another folder"
         if there is None and folder.is_dir() and not is_empty(folder):
             raise RunError(f"{folder}: the folder is not empty and no `jaxwalk {self.command}` made it; {other}")

@@ -104,6 +104,8 @@ class HiddenIntent:
     """Folder for everything; read hidden-intent.md in it."""
     recipe: Literal["fast", "blind-corner"] = "fast"
     """Recipe of all trainings. fast: on the paper's street; blind-corner: where people are hidden, and in a hurry."""
+    cars: Annotated[tuple[str, ...], option("all", "CAR [CAR ...]")] = ()
+    """Train only these cars: blind and others that the page names."""
     seeds: Annotated[int, option("5", "N")] = 5
     """Number of training seeds: seed, seed + 1, and so on."""
     updates: Annotated[int, option("200", "N")] = 200
