@@ -79,7 +79,8 @@ def rows(observation):
 def test_the_nearest_people_ahead_are_watched(moments):
     _, (along, left, *_), observation = moments
     near = (along > 0) & (along < ABSENT) & (np.abs(left) < BESIDE)
-    expected = np.sort(np.where(near, along, ABSENT), axis=1)[:, :WATCHED]
+    order = np.argsort(np.where(near, np.hypot(along, left), np.inf), axis=1)[:, :WATCHED]
+    expected = np.take_along_axis(np.where(near, along, ABSENT), order, axis=1)
     shown = rows(observation)
     np.testing.assert_allclose(shown[0], expected, rtol=1e-3, atol=1e-2)
     absent = shown[0] > ABSENT - 1e-4

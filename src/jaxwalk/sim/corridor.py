@@ -23,7 +23,7 @@ from jaxwalk.sim.prediction import ABSENT, of_lowest
 from jaxwalk.sim.what_if import ASIDE, BEHIND, WALKING, crosswalk_ends, walkers
 
 WATCHED = 8
-"""The car watches this many people: the nearest ahead along its route."""
+"""The car watches this many people: the nearest of those ahead along its route."""
 BESIDE = 12.0
 """People farther beside the route than this are not watched [m]."""
 NEARING = 10.0
@@ -109,7 +109,7 @@ def way_to_crosswalk(
 
 
 def _watched(moment: Moment) -> Sequence[Array]:
-    """Return the nearest people ahead along the route, `PER_PERSON` numbers each, nearest first.
+    """Return the nearest of the people ahead along the route, `PER_PERSON` numbers each, nearest first.
 
     They are the way along the route and to its left, the speeds in these directions, and the way to a crosswalk. One
     who isn't there stands far ahead, beside the route.
@@ -122,7 +122,7 @@ def _watched(moment: Moment) -> Sequence[Array]:
     columns = (along, left, *speeds, way_to_crosswalk(moment, left, cos, sin))
     shown = tuple(jnp.where(near, column, away) for column, away in zip(columns, nobody, strict=True))
     absent = tuple(jnp.full((WATCHED, *batch), away) for away in nobody)
-    picked = of_lowest(shown[0] ** 2, shown, absent)
+    picked = of_lowest(shown[0] ** 2 + shown[1] ** 2, shown, absent)
     scaled = [column / scale for column, scale in zip(picked, (ABSENT, ABSENT, SPEED, SPEED, NEARING), strict=True)]
     return (jnp.stack(scaled, axis=1).reshape(-1, *batch),)
 
