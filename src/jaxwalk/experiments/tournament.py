@@ -24,7 +24,7 @@ from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.wording import counted
 
-COMPARED = ("random", "constant-speed", "rule-based", "rule-based-braking", "route-follower", "clearance")
+COMPARED = ["random", "constant-speed", "rule-based", "rule-based-braking", "route-follower", "clearance"]
 """Rules that are compared: the paper's four, the blind one, and the strong simple one."""
 MULTIPLIERS = (0.0, 0.1, 0.25, 0.6, 1.0)
 """Jaywalk multipliers of the ablation (paper, section IV-D)."""

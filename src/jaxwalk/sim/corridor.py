@@ -37,6 +37,9 @@ PER_PERSON = 5
 """Numbers shown of each."""
 SHORTEST = 1e-3
 """Pieces of the route shorter than this have no direction: the route has ended [m]."""
+SAME = 1e-3
+"""Where pieces of the route meet, both may be equally near: the first one counts unless a later is this much nearer
+[m2], so that rounding doesn't decide in which direction the route leads there."""
 
 
 def on_route(moment: Moment) -> tuple[Array, Array, Array, Array]:
@@ -60,7 +63,7 @@ def on_route(moment: Moment) -> tuple[Array, Array, Array, Array]:
         ahead, aside = to_frame(people.ahead - x, people.left - y, unit_x, unit_y)
         on_piece = jnp.clip(ahead, -jnp.inf if number == 0 else 0, jnp.where(ends_here, jnp.inf, length))
         squared = jnp.where(length < SHORTEST, jnp.inf, (ahead - on_piece) ** 2 + aside**2)
-        closer = squared < nearest
+        closer = squared < nearest - SAME
         away = jnp.where(aside < 0, -1.0, 1.0) * jnp.sqrt(squared)
         found = (begin + on_piece, away, unit_x, unit_y)
         along, left, cos, sin = (

@@ -31,7 +31,7 @@ class Tracks:
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people, many of whom run, are hidden (docs/perception.md).
+    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
@@ -79,7 +79,7 @@ class Scenario:
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people, many of whom run, are hidden (docs/perception.md).
+    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""

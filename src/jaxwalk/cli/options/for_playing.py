@@ -41,7 +41,7 @@ class Evaluate:
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people, many of whom run, are hidden (docs/perception.md).
+    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
     """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
@@ -95,7 +95,7 @@ class Play:
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people, many of whom run, are hidden (docs/perception.md).
+    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
     """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
@@ -144,7 +144,7 @@ class Report:
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people, many of whom run, are hidden (docs/perception.md).
+    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
     """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
