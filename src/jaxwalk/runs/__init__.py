@@ -1,1 +1,1 @@
-"""One training: its recipe, its run folder, the training loop, and the page that shows progress."""
+"""Run folders: training into them, studies of several, and drivers and populations found by name."""
