@@ -15,7 +15,7 @@ from jaxwalk import SimConfig, Street
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.evaluation.settings import jaywalk_multiplier
 from jaxwalk.maps.parking_slots import box_corners
-from jaxwalk.sim import belief, pedestrian
+from jaxwalk.sim import belief
 from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
 from jaxwalk.sim.jaywalk import into_gap
 from jaxwalk.sim.observation import BELIEF, TOLD, Observation, part
@@ -23,6 +23,7 @@ from jaxwalk.sim.parked_gaps import NO_SLOT
 from jaxwalk.sim.person_kind import HURRIED, in_shares
 from jaxwalk.sim.sim_config import WORLDS, rules_of
 from jaxwalk.sim.walking_paths import walking_paths
+from sim.passersby import drawn, walked
 
 STREETS, BATCH = ["validation-1000000003", "validation-1000000004"], 32
 RULES = replace(WORLDS["blind-corner"], kinds=in_shares(calm=0.7, hurried=0.3), horizon=300)
@@ -35,37 +36,12 @@ def hurrying():
 
 @pytest.fixture(scope="module")
 def scenarios(hurrying):
-    return drawn(hurrying)
-
-
-def drawn(street):
-    return jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
-
-
-@eqx.filter_jit
-def walked(street, scenarios):
-    """Every tenth of a second of 30 s in which everybody goes and the car stands."""
-
-    def step(people, _):
-        people = pedestrian.walk(street.world, scenarios, people, jnp.ones(people.going.shape, bool))
-        vx, vy = pedestrian.velocity(street.world, scenarios, people)
-        across = people.leg.kind == LegKind.ACROSS
-        return people, (
-            people.x,
-            people.y,
-            jnp.hypot(vx, vy),
-            across,
-            people.decisions,
-            people.crossing,
-            people.arrivals,
-        )
-
-    return jax.lax.scan(step, pedestrian.place(street.world, scenarios), None, length=300)[1]
+    return drawn(hurrying, BATCH)
 
 
 @pytest.fixture(scope="module")
 def frames(hurrying, scenarios):
-    return [np.asarray(column) for column in walked(hurrying, scenarios)]
+    return jax.tree.map(np.asarray, walked(hurrying, scenarios))
 
 
 def test_a_share_of_the_people_has_one_tendency_and_the_others_have_another(hurrying, scenarios):
@@ -75,23 +51,22 @@ def test_a_share_of_the_people_has_one_tendency_and_the_others_have_another(hurr
 
 
 def test_they_jaywalk_as_often_as_their_tendency_says(hurrying, scenarios, frames):
-    *_, decisions, crossing, _ = frames
     hurries = np.asarray(scenarios.kind(hurrying.world)) == 1
-    decided = np.diff(decisions, axis=0) == 1
-    jaywalks = crossing[1:] == JAYWALK
+    decided = np.diff(frames.decisions, axis=0) == 1
+    jaywalks = frames.crossing[1:] == JAYWALK
     for who, least, most in ((hurries, 0.6, 0.95), (~hurries, 0.0, 0.06)):  # some crossings have no zone beside them
         share = jaywalks[decided & who].mean()
         assert least < share < most
 
 
 def test_who_hurries_is_fast_on_a_jaywalk_and_nowhere_else(hurrying, scenarios, frames):
-    x, y, speed, across, *_ = frames
+    across = frames.leg == LegKind.ACROSS
     hurries, traits = np.asarray(scenarios.kind(hurrying.world)) == 1, np.asarray(scenarios.traits)
     fast = across & hurries
     expected = np.where(fast, 2.2 + 0.8 * traits[1], 1 + traits[1])
     assert fast.sum() > 1000 and (across & ~hurries).any()
-    np.testing.assert_allclose(speed, expected, rtol=1e-5)
-    moved = np.hypot(np.diff(x, axis=0), np.diff(y, axis=0))
+    np.testing.assert_allclose(frames.speed, expected, rtol=1e-5)
+    moved = np.hypot(np.diff(frames.x, axis=0), np.diff(frames.y, axis=0))
     straight = across[1:] & across[:-1]
     np.testing.assert_allclose(moved[straight], 0.1 * expected[1:][straight], atol=1e-3)
 
@@ -100,12 +75,12 @@ def test_tables_last_where_everybody_hurries_all_the_time():
     street = Street.create(
         STREETS, replace(RULES, kinds=(replace(HURRIED, tendency=1.0),), parked=0.0, perception=False)
     )
-    scenarios = drawn(street)
+    scenarios = drawn(street, BATCH)
     scenarios = eqx.tree_at(lambda s: s.traits, scenarios, jnp.ones_like(scenarios.traits))
-    *_, decisions, crossing, arrivals = (np.asarray(column) for column in walked(street, scenarios))
-    assert (crossing == JAYWALK).any()
-    assert decisions.max() < scenarios.jaywalk_draw.shape[0]
-    assert arrivals.max() + 1 < scenarios.goals.shape[0]
+    frames = walked(street, scenarios)
+    assert (frames.crossing == JAYWALK).any()
+    assert frames.decisions.max() < scenarios.jaywalk_draw.shape[0]
+    assert frames.arrivals.max() + 1 < scenarios.goals.shape[0]
 
 
 def ways(street, scenarios):

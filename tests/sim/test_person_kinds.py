@@ -20,6 +20,7 @@ from jaxwalk.sim.crossing_kind import LegKind
 from jaxwalk.sim.observation import Observation, bounds
 from jaxwalk.sim.person_kind import CALM, CHILD, HURRIED, KINDS, RUNNER, PersonKind, begins, in_shares
 from jaxwalk.sim.sim_config import WORLDS
+from sim.passersby import drawn, walked
 
 SHARES = {"calm": 0.4, "hurried": 0.25, "runner": 0.2, "child": 0.15}
 RULES = SimConfig(horizon=300, kinds=in_shares(**SHARES), jaywalk_multiplier=1.0)
@@ -36,23 +37,7 @@ def many():
 
 @pytest.fixture(scope="module")
 def scenarios(many):
-    return drawn(many)
-
-
-def drawn(street):
-    return jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
-
-
-@eqx.filter_jit
-def walked(street, scenarios):
-    """Every step of an episode in which everybody goes and the car stands."""
-
-    def step(people, _):
-        people = pedestrian.walk(street.world, scenarios, people, jnp.ones(people.going.shape, bool))
-        vx, vy = pedestrian.velocity(street.world, scenarios, people)
-        return people, (jnp.hypot(vx, vy), people.leg.kind, people.decisions, people.arrivals)
-
-    return jax.lax.scan(step, pedestrian.place(street.world, scenarios), None, length=street.world.rules.horizon)[1]
+    return drawn(many, BATCH)
 
 
 def test_each_kind_has_its_share_of_the_first_trait():
@@ -82,13 +67,14 @@ def test_who_stands_at_the_border_is_of_the_later_kind(many, scenarios):
 
 
 def test_each_kind_walks_and_jaywalks_at_its_own_pace(many, scenarios):
-    speed, leg, decisions, arrivals = (np.asarray(column) for column in walked(many, scenarios))
+    frames = jax.tree.map(np.asarray, walked(many, scenarios))
     kind, trait = np.asarray(scenarios.kind(many.world)), np.asarray(scenarios.traits[1])
-    across = leg == LegKind.ACROSS
+    across = frames.leg == LegKind.ACROSS
     slowest, fastest = np.moveaxis(np.where(across[..., None], ACROSS[kind], WALK[kind]), -1, 0)
-    np.testing.assert_allclose(speed, slowest + (fastest - slowest) * trait, rtol=1e-5)
+    np.testing.assert_allclose(frames.speed, slowest + (fastest - slowest) * trait, rtol=1e-5)
     assert all((across & (kind == number)).any() for number in range(4))
-    assert decisions.max() < scenarios.jaywalk_draw.shape[0] and arrivals.max() + 1 < scenarios.goals.shape[0]
+    assert frames.decisions.max() < scenarios.jaywalk_draw.shape[0]
+    assert frames.arrivals.max() + 1 < scenarios.goals.shape[0]
     np.testing.assert_array_equal(scenarios.walking_speed(many.world), pedestrian.pace(
         many.world, scenarios, pedestrian.place(many.world, scenarios)))  # fmt: skip
 
@@ -129,7 +115,7 @@ def test_kinds_that_walk_no_faster_change_no_scenario(street):
         config=SimConfig(kinds=(replace(CALM, share=0.5), replace(RUNNER, share=0.5, walk=(1.5, 2.0))))
     )
     assert Drawn(slow, 77, 16).hash() == Drawn(street, 77, 16).hash()
-    assert not np.asarray(drawn(street).kind(street.world)).any()
+    assert not np.asarray(drawn(street, BATCH).kind(street.world)).any()
 
 
 def test_scenarios_of_people_in_a_hurry_are_those_from_before_there_were_kinds():
