@@ -44,7 +44,8 @@ def evaluate(
         street: the world.
         policies: the policy of each role.
         source: the scenarios.
-        batch: episodes played at once, twice over (default: `BATCH`); memory grows with it, about 0.4 MB per episode.
+        batch: episodes in a batch (default: `BATCH`), of which `AT_ONCE` are in progress at a time; memory grows with
+            it, about 0.4 MB per episode.
         progress: called after every batch with the number of episodes played so far, and the total.
 
     Raises:

@@ -1,4 +1,4 @@
-"""What a broken policy is: one whose action isn't in its space. It ends what plays it, in words."""
+"""The error for a policy whose action isn't in its space: whatever plays it stops with a message that names it."""
 
 from __future__ import annotations
 

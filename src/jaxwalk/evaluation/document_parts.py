@@ -138,7 +138,7 @@ class SeedNumbers:
     mean_time_to_goal: OverSeeds
     """Mean time to goal [s]."""
     mean_delay: OverSeeds
-    """Mean of the seconds beyond untouchable full throttle [s]."""
+    """Mean delay [s]: how much later the car arrives than at full throttle where there is nobody."""
     jaywalk_share: OverSeeds
     """Jaywalking's share of the crossings."""
     waited_share: OverSeeds

@@ -19,7 +19,7 @@ from jaxwalk.interfaces import Moment, Policy, View
 from jaxwalk.sim.scenario import Scenario
 
 FULL_BRAKING = -1.0
-"""Acceleration as a share of ``max_acceleration``."""
+"""The first number of the action of a driver who brakes as hard as the car can."""
 WAIT = 0
 """The action of a pedestrian who stands."""
 

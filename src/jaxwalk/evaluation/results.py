@@ -91,7 +91,7 @@ class Cell:
 
     @property
     def mean_delay(self) -> Interval:
-        """The mean of the seconds beyond untouchable full throttle, of episodes that reach the goal [s]."""
+        """The mean delay of episodes that reach the goal [s]: beyond full throttle where there is nobody."""
         return Interval.of(self.summary[DELAY].mean)
 
     def headline(self) -> dict[str, dict[str, float | None]]:

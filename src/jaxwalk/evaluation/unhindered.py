@@ -16,7 +16,7 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.events import arrives
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
-from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.scenario import Scenario, without_people
 from jaxwalk.sim.state import VehicleState
 from jaxwalk.sim.world import World
 
@@ -41,7 +41,7 @@ def with_delay(rows: Rows, times: Float[np.ndarray, "map route"], scenarios: Sce
 def _steps(world: World) -> Int[Array, "map route"]:
     """Return the step in which the car arrives on each route, or one beyond the horizon."""
     maps, routes = world.tables.finish.shape[:2]
-    scenario = _empty_streets(*jnp.indices((maps, routes)))
+    scenario = without_people(*jnp.indices((maps, routes)))
     goal_x, goal_y = vehicle.goal(world, scenario)
     never = world.rules.horizon + 1
 
@@ -58,20 +58,6 @@ def _steps(world: World) -> Int[Array, "map route"]:
     start = vehicle.place(world, scenario)
     nowhere = jnp.full((maps, routes), never)
     return jax.lax.while_loop(under_way, drive, (jnp.zeros((), int), nowhere, start))[1]
-
-
-def _empty_streets(maps: Int[Array, "map route"], routes: Int[Array, "map route"]) -> Scenario:
-    """Return scenarios without people."""
-    nobody = jnp.zeros((0, *maps.shape))
-    return Scenario(
-        map=maps,
-        route=routes,
-        start=nobody.astype(int),
-        traits=nobody[None],
-        goals=nobody[None].astype(int),
-        jaywalk_draw=nobody[None],
-        zone_draw=nobody[None],
-    )
 
 
 def _full_throttle(car: VehicleState) -> Float[Array, "2 map route"]:

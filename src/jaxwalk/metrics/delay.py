@@ -26,7 +26,7 @@ class Unhindered:
 
 @dataclass(frozen=True)
 class Delay:
-    """Seconds beyond untouchable full throttle on the same scenario, over scenarios in which both arrive."""
+    """Seconds beyond full throttle on the same route without people, over scenarios in which both arrive."""
 
     mean: Estimate
     """The count is the number of those scenarios, here and below."""

@@ -1,4 +1,8 @@
-"""Finds drivers and populations by name: a rule, a shipped policy, a run folder or a policy file."""
+"""Finds drivers and populations by name, and the street to evaluate them on.
+
+A name is a rule, a shipped policy, a run folder, a policy file, a driver that isn't written in JAX, a mixture, or a
+driver behind a shield.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +35,7 @@ from jaxwalk.sim.sim_config import SimConfig, rules_of
 from jaxwalk.sim.suites import Where
 
 ANYWHERE = Where()
-"""Nothing is said."""
+"""No place is asked for: the run folders decide."""
 MADE = {"driver": DRIVERS, "pedestrian": POPULATIONS}
 """Rule-based policies of each role, by name."""
 

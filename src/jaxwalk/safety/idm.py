@@ -48,10 +48,3 @@ def idm_acceleration(
     approach = speed * closing / (2 * (style.acceleration * style.braking) ** 0.5)
     wanted = style.standstill + jnp.maximum(0, speed * style.headway + approach)
     return style.acceleration * (1 - (speed / desired) ** EXPONENT - (wanted / jnp.maximum(gap, CLOSEST)) ** 2)
-
-
-def equilibrium_gap(
-    speed: Float[Array, "..."], desired: Float[Array, "..."] | float, style: FollowingStyle
-) -> Float[Array, "..."]:
-    """Return the gap at which a car as fast as its leader keeps its speed [m]: (s0 + v T) / sqrt(1 - (v / v0)^4)."""
-    return (style.standstill + speed * style.headway) / jnp.sqrt(1 - (speed / desired) ** EXPONENT)

@@ -1,4 +1,4 @@
-"""How far a car goes until it stands, when it would hit something, and how a person brakes."""
+"""When a car would hit something, the last moment to brake, and how a person brakes."""
 
 from __future__ import annotations
 
@@ -7,11 +7,6 @@ from jaxtyping import Array, Float
 
 STILL = 1e-3
 """Slower than this nothing comes nearer [m/s]."""
-
-
-def braking_distance(speed: Float[Array, "..."], braking: float, reaction: float = 0.0) -> Float[Array, "..."]:
-    """Return the way until a car stands [m]: v t + v2 / (2 b), with reaction time t [s] and braking b [m/s2]."""
-    return speed * reaction + speed * speed / (2 * braking)
 
 
 def time_to_collision(gap: Float[Array, "..."], closing: Float[Array, "..."]) -> Float[Array, "..."]:

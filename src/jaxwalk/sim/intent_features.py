@@ -34,10 +34,10 @@ def _expected_tendencies(moment: Moment) -> Sequence[Array]:
 
 
 def _decisions(moment: Moment) -> Sequence[Array]:
-    """Return of each of the nearest people 1 if it has decided to jaywalk, and where it will step out, in 3 numbers.
+    """Return three numbers for each of the nearest people: 1 if it has decided to jaywalk, and where it will step out.
 
-    The place is in the car's frame. It is where somebody stands who is on the way across already, and far ahead for
-    all who haven't decided so.
+    The place is in the car's frame. For somebody who is on the way across already it is where they are; for those who
+    haven't decided to jaywalk it is far ahead.
     """
     world, scenario, car, people = moment.world, moment.scenario, moment.state.vehicle, moment.state.pedestrian
     across = people.leg.kind == LegKind.ACROSS

@@ -15,7 +15,7 @@ Pace = tuple[float, float]
 FASTEST = 20.0
 """Highest speed of people [m/s]."""
 ROUNDING = 1e-6
-"""Shares are 1 together, to this."""
+"""The sum of the shares may differ from 1 by this."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,12 @@ class PersonKind:
     tendency: float
     """Jaywalking tendency (tau of equation 1), the same for all of them."""
     walk: Pace | None = None
-    """How fast they walk: who has the lowest second trait and who has the highest [m/s]; None: as everybody."""
+    """How fast they walk [m/s]: whoever has a second trait of 0, and whoever has 1. None: as the world says."""
     jaywalk: Pace | None = None
     """How fast they are on the way across on a jaywalk [m/s]; None: as they walk."""
 
     def __post_init__(self) -> None:
-        """Refuse what nobody is."""
+        """Refuse an impossible share, tendency or speed."""
         if not 0 < self.share <= 1:
             raise ValueError(f"kinds: the share of {self.name!r} must be above 0 and at most 1, not {self.share}")
         if not 0 <= self.tendency <= 1:
@@ -71,7 +71,7 @@ def in_shares(**shares: float) -> tuple[PersonKind, ...]:
 
 
 def begins(kinds: Sequence[PersonKind]) -> tuple[float, ...]:
-    """Return from which first trait on people are of each kind: in the order of the kinds, each has its share."""
+    """Return the first trait at which each kind begins; kinds follow each other, each as wide as its share."""
     return tuple(accumulate((kind.share for kind in kinds[:-1]), initial=0.0))
 
 
@@ -87,7 +87,7 @@ def check_kinds(kinds: Sequence[PersonKind]) -> None:
 
 
 def with_kinds(document: Any) -> Any:
-    """Return the rules of a file with kinds of people as tuples, which strict validation behind a function wants.
+    """Return the rules read from a file, with kinds of people as tuples, as pydantic's strict mode wants them.
 
     Files from before there were kinds have fields about people in a hurry instead.
     """

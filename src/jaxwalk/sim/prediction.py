@@ -93,9 +93,9 @@ def foresee(
     """Return people as the car sees them, the route ahead, and what is predicted from now on.
 
     The predictions are the smallest clearance for each manoeuvre, at most 10 m, and the time until its first conflict,
-    at most 3 s (`jaxwalk.sim.manoeuvres`), by the world's contact; people keep their velocity. With ``perceived``, all
-    of it follows from that alone. One pedestrian after
-    the other is compared with all moments, so that no large array is stored.
+    at most 3 s (`jaxwalk.sim.manoeuvres`), by the world's contact; people keep their velocity. With ``perceived``,
+    everything is computed from what the car perceives. People are compared with all moments one after the other, so
+    that no large array is stored.
     """
     route = to_frame(car.course.ahead_x - car.x, car.course.ahead_y - car.y, car.cos, car.sin)
     contact = world.rules.contact
@@ -119,8 +119,8 @@ def foresee(
             jaywalker | (ahead & jaywalks),
         )
 
-    nobody = jnp.zeros((1, *car.x.shape), bool)
-    nothing = (far(car, contact), nobody, nobody)
+    no = jnp.zeros((1, *car.x.shape), bool)
+    nothing = (far(car, contact), no, no)
     closest, crosswalk_user, jaywalker = for_everybody((motion, on_crosswalk, jaywalking), compare, nothing)
     clearance, conflict = clearance_and_conflict(world, closest, contact)
     nearest = nearest_people(motion)
@@ -184,7 +184,7 @@ def nobody(batch: tuple[int, ...]) -> Motion:
 
 
 def _present(nearest: Motion) -> Motion:
-    """Return the nearest people, where who isn't perceived isn't there."""
+    """Return the nearest people; those who aren't perceived count as absent."""
     return Motion(jnp.where(nearest.ahead == AWAY, ABSENT, nearest.ahead), *jax.tree.leaves(nearest)[1:])
 
 

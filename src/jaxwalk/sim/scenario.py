@@ -96,6 +96,16 @@ class Scenario(eqx.Module):
         return self.jaywalks(world, self.earlier_draw).sum(axis=0)
 
 
+def without_people(maps: Int[Array, "*batch"], routes: Int[Array, "*batch"]) -> Scenario:
+    """Return scenarios of these maps and routes in which there is nobody but the car, and nobody parks."""
+    nobody = jnp.zeros((0, *maps.shape))
+    none = nobody.astype(jnp.int32)
+    return Scenario(
+        map=maps, route=routes, start=none, traits=nobody[None], goals=none[None], jaywalk_draw=nobody[None],
+        zone_draw=nobody[None],
+    )  # fmt: skip
+
+
 def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
     """Draw one scenario (no batch axes). ``like``: keep the map and the route of this one."""
     return from_uniforms(world, uniforms(key, dimensions(world)), like)

@@ -183,11 +183,17 @@ WORLDS = {
     "blind-corner": replace(HIDING, kinds=in_shares(calm=0.3, hurried=0.7)),
     "arterial": replace(HIDING, kinds=in_shares(calm=0.2, hurried=0.4, runner=0.2, child=0.2)),
 }
-"""Worlds by name. ``paper-footprint``: as the paper's, but a contact of the footprint is a collision. ``town``: so too,
-and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as cars do on dry roads; its longest
-routes take 26 s without people, so an episode may last 60 s. ``blind-corner``: as a town's, but parked vehicles and
-buildings hide people, and seven in ten people are in a hurry: they jaywalk at nine of ten crossings. ``arterial``: as
-that, but four in five people run on a jaywalk or everywhere, a quarter of them children."""
+"""Worlds by name.
+
+- ``paper``: the paper's.
+- ``paper-footprint``: the same, but a contact of the footprint is a collision.
+- ``town``: that too, and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as cars do on dry
+  roads. Its longest routes take 26 s without people, so an episode may last 60 s.
+- ``blind-corner``: as ``town``, but parked vehicles and buildings hide people, and seven in ten people are in a hurry:
+  they jaywalk at nine of ten crossings.
+- ``arterial``: as ``blind-corner``, but a fifth of the people are calm, two fifths in a hurry, a fifth runners, and a
+  fifth children.
+"""
 OF_WORLD = (
     "contact", "horizon", "max_speed", "max_braking", "max_lateral", "parked", "perception", "jaywalk_multiplier",
     "kinds",

@@ -62,7 +62,7 @@ class Leg(eqx.Module):
     node: Int[Array, "ped *batch"]
     """The node where it ends; for the way over the roadway of a jaywalk, the first one after it."""
     side: Int[Array, "ped *batch"]
-    """The side of a crossing about which was decided last."""
+    """The side of the crossing that was decided about last."""
     begin: Float[Array, "ped *batch"]
     """Where in that side's zone a jaywalk begins, in pieces of the zone's line."""
     road_end: Float[Array, "ped *batch"]

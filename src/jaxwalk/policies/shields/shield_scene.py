@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import equinox as eqx
-import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from jaxwalk.interfaces import Moment, Shared, View
-from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.scenario import Scenario, without_people
 from jaxwalk.sim.state import Motion, VehicleState
 from jaxwalk.sim.world import MapTexts, World
 
@@ -41,11 +40,7 @@ class Around:
     def __call__(self, moment: Moment) -> ShieldScene:
         """Return what the car knows."""
         state, scenario = moment.state, moment.scenario
-        nobody = jnp.zeros((0, *scenario.route.shape))
-        empty = Scenario(
-            map=scenario.map, route=scenario.route, start=nobody.astype(int), traits=nobody[None],
-            goals=nobody[None].astype(int), jaywalk_draw=nobody[None], zone_draw=nobody[None],
-        )  # fmt: skip
+        empty = without_people(scenario.map, scenario.route)
         world = replace(moment.world, map_texts=MapTexts())
         return ShieldScene(Shared(world), empty, state.vehicle, state.foresight.people)
 
