@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -24,7 +25,11 @@ THROTTLE = np.array([1.0, 0.0], np.float32)
 
 def scenes(speed, people, steering=0.0):
     """A batch of scenes at the start of a route. ``people``: ahead, left and velocities, ``(4, ped, episode)``."""
-    people = np.asarray(people, np.float32)
+    return _scenes(*(np.asarray(x, np.float32) for x in (speed, people, steering)))
+
+
+@jax.jit
+def _scenes(speed, people, steering):
     batch = people.shape[2:]
     scenario = jax.vmap(STREET.draw, out_axes=-1)(jax.random.split(jax.random.key(7), 1))
     scenario = jax.tree.map(lambda x: jnp.broadcast_to(x, (*x.shape[:-1], *batch)), scenario)
@@ -34,10 +39,16 @@ def scenes(speed, people, steering=0.0):
     return replace(scene, car=car, people=Motion(*jnp.asarray(people)))
 
 
+@eqx.filter_jit
+def judge(shield, action, scene):
+    """What a shield says."""
+    return shield.judge(action, scene)
+
+
 def alone(*person, speed, action=THROTTLE, shield):
     """What a shield says with one person around: ``person`` is ahead, left and velocities."""
     scene = scenes(speed, np.array(person).reshape(4, 1, 1))
-    return shield.judge(jnp.asarray(action, jnp.float32)[:, None], scene)
+    return judge(shield, jnp.asarray(action, jnp.float32)[:, None], scene)
 
 
 def drive_past(shield, walk, *, speed, seconds=8.0):
@@ -46,7 +57,6 @@ def drive_past(shield, walk, *, speed, seconds=8.0):
     ``walk(t, (x, y))`` returns place and velocity of the person at a time [s], with the car's centre there.
     """
     x = y = heading = delta = 0.0
-    judge = jax.jit(shield.judge) if shield else None
     scene = scenes(speed, np.zeros((4, 1, 1)))
     for step in range(round(seconds / RULES.dt)):
         (px, py), (vx, vy) = walk(step * RULES.dt, (x, y))
@@ -55,10 +65,10 @@ def drive_past(shield, walk, *, speed, seconds=8.0):
         if speed >= RULES.moving_speed and to_rectangle(*place, RULES.car_length, RULES.car_width) < RULES.body_radius:
             return True
         action = THROTTLE
-        if judge:
+        if shield:
             people = Motion(*(jnp.full((1, 1), v, jnp.float32) for v in (*place, *to_frame(vx, vy, cos, sin))))
             car = replace(scene.car, speed=jnp.full(1, speed, jnp.float32), steering=jnp.full(1, delta, jnp.float32))
-            verdict = judge(jnp.asarray(action)[:, None], replace(scene, car=car, people=people))
+            verdict = judge(shield, jnp.asarray(action)[:, None], replace(scene, car=car, people=people))
             action = action if bool(verdict.safe[0]) else np.asarray(verdict.instead)[:, 0]
         speed = float(np.clip(speed + 3.0 * action[0] * RULES.dt, 0, RULES.max_speed))
         delta = RULES.max_steering * float(action[1])

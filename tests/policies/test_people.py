@@ -22,6 +22,7 @@ PEOPLE = 4000
 DT = 0.1
 
 
+@eqx.filter_jit
 def kerb(ahead, speed, *, deciding=True, people=PEOPLE):
     """What people at a kerb see of a car [m, m/s], all alike, in an episode."""
     seen = jnp.zeros((size("pedestrian", "kerb"), people, 1))
@@ -30,6 +31,7 @@ def kerb(ahead, speed, *, deciding=True, people=PEOPLE):
     return seen.at[part("pedestrian", "kerb", "car_motion").start].set(speed / SPEED)
 
 
+@eqx.filter_jit
 def arrived(policy, ahead=60.0, speed=8.0):
     """Return the memory of people who are about to arrive at the kerb."""
     memory = policy.init((PEOPLE,), (1,))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -21,7 +22,7 @@ from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.sim.prediction import AWAY
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import check_driver
-from policies.shield_scenes import RULES, STREET, alone, drive_past, scenes
+from policies.shield_scenes import RULES, STREET, alone, drive_past, judge, scenes
 
 KINDS = [pytest.param(make(), id=name) for name, make in SHIELDS.items()]
 BATCH = 64
@@ -40,6 +41,7 @@ class Says:
         return self.action, memory
 
 
+@eqx.filter_jit
 def act(shield, action, scene):
     return Shielded(Says(action), shield).decide(jax.random.split(jax.random.key(0), BATCH), None, (None, scene))
 
@@ -58,7 +60,7 @@ def test_what_is_safe_by_its_rule_is_never_changed(shield):
     kept = 0
     for seed in range(3):
         action, scene = crowds(seed)
-        verdict = shield.judge(jnp.asarray(action), scene)
+        verdict = judge(shield, jnp.asarray(action), scene)
         does, _, record = act(shield, action, scene)
         safe = np.asarray(verdict.safe)
         np.testing.assert_array_equal(np.asarray(does)[:, safe], action[:, safe])
@@ -74,7 +76,7 @@ def test_without_anybody_every_action_is_safe(shield):
     people = np.zeros((4, 3, BATCH))
     people[0] = AWAY
     action = np.random.default_rng(0).uniform(-1, 1, (2, BATCH)).astype(np.float32)
-    assert shield.judge(jnp.asarray(action), scenes(8.0, people)).safe.all()
+    assert judge(shield, jnp.asarray(action), scenes(8.0, people)).safe.all()
 
 
 @pytest.mark.parametrize("shield", KINDS)
@@ -154,7 +156,7 @@ def test_the_barrier_lets_a_car_brake_beside_somebody():
 def test_where_no_action_is_feasible_the_barrier_takes_the_best_and_says_so():
     row = np.zeros((4, 7, 1))
     row[0], row[1, :, 0] = 6.0, np.arange(-6, 7, 2)
-    verdict = CbfShield().judge(jnp.array([[1.0], [0.0]]), scenes(8.0, row))
+    verdict = judge(CbfShield(), jnp.array([[1.0], [0.0]]), scenes(8.0, row))
     assert verdict.infeasible
     assert np.asarray(verdict.instead)[0, 0] == -1
     assert not alone(6.0, 0, 0, 0, speed=8.0, shield=CbfShield()).infeasible  # goes round one person

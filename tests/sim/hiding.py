@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxwalk import Street
 from jaxwalk.interfaces import Moment
+from jaxwalk.rollout import draw_batch
 from jaxwalk.sim.observation import X_RAY, Observation
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -21,7 +22,7 @@ def hiding_street():
 
 
 def drawn(street):
-    return jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
+    return eqx.filter_jit(draw_batch)(street, jax.random.split(jax.random.key(77), BATCH))
 
 
 @eqx.filter_jit
@@ -47,6 +48,12 @@ def play_on(street, scenarios):
     )
 
 
+@eqx.filter_jit
+def look(street, scenarios, state, name, role="driver"):
+    """What somebody sees, by the name of the set."""
+    return Observation(role, name)(Moment(street.world, scenarios, state))
+
+
 def x_ray(street, scenarios, state):
     """What a car sees that looks through everything."""
-    return np.asarray(Observation("driver", X_RAY)(Moment(street.world, scenarios, state)))
+    return np.asarray(look(street, scenarios, state, X_RAY))

@@ -22,7 +22,7 @@ from jaxwalk.sim.perceived import KEPT, Sighting
 from jaxwalk.sim.perception import _arrive, chance
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.trajectory import part_of
-from sim.hiding import BATCH, RULES, STEPS, drawn, drive, hiding_street, play_on, x_ray
+from sim.hiding import BATCH, RULES, STEPS, drawn, drive, hiding_street, look, play_on, x_ray
 
 VIEWS = [name for name in OBSERVATIONS["driver"] if name not in HIDDEN]
 
@@ -80,10 +80,10 @@ def test_no_driver_notices_what_hidden_people_do(hiding, scenarios, played):
 
 def test_told_tendencies_are_of_perceived_people_only(hiding, scenarios, played):
     state, _ = played
-    told = Observation("driver", "route-footprint-told")
+    told = "route-footprint-told"
     strangers = jnp.where(state.perceived.now.seen, scenarios.traits[0], 1 - scenarios.traits[0])
     others = replace(scenarios, traits=scenarios.traits.at[0].set(strangers))
-    one, other = (told(Moment(hiding.world, x, state)) for x in (scenarios, others))
+    one, other = (look(hiding, x, state, told) for x in (scenarios, others))
     np.testing.assert_array_equal(one, other)
 
 
@@ -99,11 +99,11 @@ def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios
     for name in VIEWS:
         if "belief" in name or name == AWARE:
             continue  # beliefs count crossings that were seen, the other ones those that were made; places stay hidden
-        before, after = (Observation("driver", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
+        before, after = (look(hiding, scenarios, x, name) for x in (other, one))
         np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
     np.testing.assert_allclose(x_ray(hiding, scenarios, one), x_ray(usual, scenarios, other), atol=2e-3)
     for name in OBSERVATIONS["pedestrian"]:
-        before, after = (Observation("pedestrian", name)(Moment(hiding.world, scenarios, x)) for x in (other, one))
+        before, after = (look(hiding, scenarios, x, name, "pedestrian") for x in (other, one))
         np.testing.assert_allclose(after, before, atol=2e-3, err_msg=name)
 
 
@@ -140,7 +140,7 @@ def test_last_seen_is_the_last_place_in_sight_and_is_kept_for_three_seconds(hidi
 
 def test_people_who_dont_see_the_car_have_nothing_to_decide(hiding, scenarios, played):
     state, _ = played
-    kerb = np.asarray(Observation("pedestrian", "kerb")(Moment(hiding.world, scenarios, state)))
+    kerb = np.asarray(look(hiding, scenarios, state, "kerb", "pedestrian"))
     unseen = ~np.asarray(state.perceived.in_sight)
     for name, value in {"decides": 0, "car_motion": 0, "direction": 0, "miss": 1}.items():
         assert (kerb[part("pedestrian", "kerb", name)][:, unseen] == value).all(), name
@@ -148,25 +148,26 @@ def test_people_who_dont_see_the_car_have_nothing_to_decide(hiding, scenarios, p
 
 def test_rewards_and_recordings_are_of_people_as_they_are(hiding, scenarios, played):
     state, _ = played
-    truth = foresee(hiding.world, scenarios, state.vehicle, state.pedestrian)
-    crosswalk_user, jaywalker = prediction.people_ahead(hiding.world, scenarios, state)
+    truth = eqx.filter_jit(foresee)(hiding.world, scenarios, state.vehicle, state.pedestrian)
+    crosswalk_user, jaywalker = eqx.filter_jit(prediction.people_ahead)(hiding.world, scenarios, state)
     np.testing.assert_array_equal(crosswalk_user, truth.crosswalk_user)
     np.testing.assert_array_equal(jaywalker, truth.jaywalker)
-    held = prediction.clearance_at_held_speed(hiding.world, scenarios, state)
+    held = eqx.filter_jit(prediction.clearance_at_held_speed)(hiding.world, scenarios, state)
     np.testing.assert_allclose(held, truth.clearance[1], atol=1e-5)
-    motion = prediction.motion_of_people(hiding.world, scenarios, state)
+    motion = eqx.filter_jit(prediction.motion_of_people)(hiding.world, scenarios, state)
     np.testing.assert_allclose(motion.ahead, truth.people.ahead, atol=1e-5)
 
 
 def test_chance_is_the_scenarios_and_looks_random(scenarios):
     steps = [jnp.full(BATCH, step) for step in range(40)]
-    numbers = np.stack([chance(scenarios, step, 0) for step in steps])
-    np.testing.assert_array_equal(numbers[3], chance(scenarios, steps[3], 0))  # a step stays deterministic
+    draw = eqx.filter_jit(chance)
+    numbers = np.stack([draw(scenarios, step, 0) for step in steps])
+    np.testing.assert_array_equal(numbers[3], draw(scenarios, steps[3], 0))  # a step stays deterministic
     flat = np.sort(numbers.ravel())
     assert abs(flat - np.arange(flat.size) / flat.size).max() < 2 / np.sqrt(flat.size)  # Kolmogorov-Smirnov
     for one, other in ((numbers[1:], numbers[:-1]), (numbers[:, 1:], numbers[:, :-1])):
         assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 4 / np.sqrt(one.size)
-    assert abs(np.corrcoef(numbers[0].ravel(), np.ravel(chance(scenarios, steps[0], 1)))[0, 1]) < 0.2
+    assert abs(np.corrcoef(numbers[0].ravel(), np.ravel(draw(scenarios, steps[0], 1)))[0, 1]) < 0.2
 
 
 def test_misses_noise_and_delay_are_as_large_as_they_say(hiding, scenarios):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import equinox as eqx
 import jax
@@ -11,19 +12,18 @@ import numpy as np
 import pytest
 
 from jaxwalk import Street
-from jaxwalk.interfaces import Moment
 from jaxwalk.learning.casting import whole
 from jaxwalk.learning.critics import make_critics
 from jaxwalk.learning.experience import gather_views
 from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.recipes import FAST
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
-from jaxwalk.sim.observation import AWARE, FOOTPRINT, MEMORY, Observation, part
+from jaxwalk.sim.observation import AWARE, FOOTPRINT, MEMORY, part
 from jaxwalk.sim.perceived import KEPT
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
 from jaxwalk.sim.sight import in_sight
 from jaxwalk.sim.sim_config import SimConfig
-from sim.hiding import BATCH, drawn, drive, hiding_street, play_on, x_ray
+from sim.hiding import BATCH, drawn, drive, hiding_street, look, play_on, x_ray
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def test_the_x_ray_set_is_what_a_car_sees_where_nobody_is_hidden(hiding, scenari
     """Played again without perception: the same people, and so the same set, which hides nobody there."""
     usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
     (state, _), (everybody, _) = played, eqx.filter_jit(play_on)(usual, scenarios)
-    blind, sees_all = (Observation("driver", FOOTPRINT)(Moment(usual.world, scenarios, x)) for x in (state, everybody))
+    blind, sees_all = (look(usual, scenarios, x, FOOTPRINT) for x in (state, everybody))
     np.testing.assert_allclose(x_ray(hiding, scenarios, state), sees_all, atol=2e-3)
     np.testing.assert_array_equal(x_ray(usual, scenarios, everybody), sees_all)
     assert (np.abs(np.asarray(blind - sees_all)).max(axis=0) > 0.1).mean() > 0.5
@@ -54,13 +54,13 @@ def test_the_x_ray_set_is_what_a_car_sees_where_nobody_is_hidden(hiding, scenari
 def test_critics_see_what_is_hidden_and_actors_do_not(hiding, scenarios, played):
     """Under names of their own, which the critics read; the reward goes by the same truth."""
     config, (state, _) = whole(replace(FAST.train, environments=BATCH)), played
-    views = gather_views(hiding, config, scenarios, state)
+    views = jax.jit(partial(gather_views, hiding, config))(scenarios, state)
     critics = make_critics(hiding, config.config, views, jax.random.key(0))
     driver, kerb = (critics[role].reads for role in ("driver", "pedestrian"))
     assert (len(driver), driver[1], len(kerb)) == (2, "global", 1)
     own = config.columns["driver"].own
     np.testing.assert_allclose(views["driver"][driver[0]], x_ray(hiding, scenarios, state)[:, own], atol=1e-4)
-    blind = Observation("driver", FOOTPRINT)(Moment(hiding.world, scenarios, state))
+    blind = look(hiding, scenarios, state, FOOTPRINT)
     np.testing.assert_allclose(views["driver"][FOOTPRINT], blind[:, own], atol=1e-4)
     own = config.columns["pedestrian"].own
     car = part("pedestrian", "kerb", "car_motion")
@@ -74,10 +74,10 @@ def test_critics_see_what_is_hidden_and_actors_do_not(hiding, scenarios, played)
 
 def test_where_nobody_is_hidden_critics_and_actors_share_what_they_see():
     street = Street.create(config=SimConfig(pedestrians=3))
-    scenario = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
-    state = street.reset(scenario)
+    scenario = drawn(street)
+    state = eqx.filter_jit(street.reset)(scenario)
     assert street.unhidden(scenario, state) is state
-    views = gather_views(street, whole(replace(FAST.train, environments=BATCH)), scenario, state)
+    views = jax.jit(partial(gather_views, street, whole(replace(FAST.train, environments=BATCH))))(scenario, state)
     assert {name: list(seen) for name, seen in views.items()} == {
         "driver": ["global", FOOTPRINT],
         "pedestrian": ["kerb"],
@@ -85,7 +85,7 @@ def test_where_nobody_is_hidden_critics_and_actors_share_what_they_see():
 
 
 def seen_by(street, scenarios, state, name, feature):
-    observed = np.asarray(Observation("driver", name)(Moment(street.world, scenarios, state)))
+    observed = np.asarray(look(street, scenarios, state, name))
     return observed[part("driver", name, feature)]
 
 
@@ -118,7 +118,7 @@ def test_hidden_sides_are_those_that_no_line_reaches(hiding, scenarios, played):
         beside = np.asarray(hiding.world.kerbsides)[scenarios.map, scenarios.route, index]
         for side in range(2):
             x, y = jnp.array(beside[:, 2 * side])[None], jnp.array(beside[:, 2 * side + 1])[None]
-            seen = np.asarray(in_sight(hiding.world, scenarios, state.vehicle, x, y))[0]
+            seen = np.asarray(eqx.filter_jit(in_sight)(hiding.world, scenarios, state.vehicle, x, y))[0]
             assert (hidden[point, side] == ~seen).mean() > 0.95
     usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
     everybody, _ = eqx.filter_jit(play_on)(usual, scenarios)

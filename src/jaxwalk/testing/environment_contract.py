@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -19,6 +19,10 @@ BATCH = 4
 """Number of episodes that are checked together."""
 ROUNDING = 1e-5
 """Tolerance between an episode played alone and in a batch, which may round differently."""
+
+Seen = tuple[list[Array], Array]
+Look = Callable[[Any, Any], Seen]
+StepOnce = Callable[..., tuple[Any, Outcome]]
 
 
 def check_environment(
@@ -42,20 +46,27 @@ def check_environment(
         require(isinstance(spec, RoleSpec), f"roles: {role} must be a RoleSpec, not {type(spec).__name__}")
     draw_key, action_key = jax.random.split(jax.random.key(seed))
     keys = jax.random.split(draw_key, BATCH)
-    scenario = draw_batch(environment, keys)
-    require(same(scenario, draw_batch(environment, keys)), "draw: equal keys must give equal scenarios")
+    scenario = _compiled(draw_batch)(environment, keys)
+    require(same(scenario, _compiled(draw_batch)(environment, keys)), "draw: equal keys must give equal scenarios")
     _check_batch("draw", scenario)
-    state = environment.reset(scenario)
-    require(same(state, environment.reset(scenario)), "reset: it must be deterministic")
+    state = _compiled(environment.reset)(scenario)
+    require(same(state, _compiled(environment.reset)(scenario)), "reset: it must be deterministic")
     _check_batch("reset", state)
     _check_unknown_view(environment)
+    look = _compiled(_looks(environment, views))
+    steps_twice = _compiled(environment.step), _compiled(environment.step)
     for number in range(steps):
-        _check_views(environment, views, scenario, state)
+        _check_seen(environment, views, look(scenario, state))
         unhidden = environment.unhidden(scenario, state)
         if unhidden is not state:
-            _check_views(environment, views, scenario, unhidden, of="unhidden, ")
+            _check_seen(environment, views, look(scenario, unhidden), of="unhidden, ")
         actions = random_actions(roles, jax.random.fold_in(action_key, number), BATCH)
-        state = _check_step(environment, scenario, state, actions)
+        state = _check_step(environment, steps_twice, scenario, state, actions)
+
+
+def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the function, compiled anew by each call of this: so chance from elsewhere than its keys comes out."""
+    return eqx.filter_jit(lambda *arguments: function(*arguments))
 
 
 def random_actions(roles: Roles[RoleSpec], key: Key[Array, ""], batch: int) -> Roles[Array]:
@@ -86,28 +97,40 @@ def _check_unknown_view(environment: Environment) -> None:
     raise ContractError("view: it must raise ValueError for a name that there isn't")
 
 
-def _check_views(
-    environment: Environment, views: Mapping[str, Sequence[str]], scenario: Any, state: Any, of: str = ""
-) -> None:
-    for role, names in views.items():
-        agents = environment.roles[role].agents
-        for name in names:
-            view = environment.view(role, name)
-            require(view == environment.view(role, name), f"view: {role} {name} must equal itself when made again")
-            seen = environment.observe(scenario, state, view)
-            wanted = (*agents, BATCH)
-            shape = f"(feature, {', '.join(map(str, wanted))})"
-            require(seen.shape[1:] == wanted, f"{of}observe: {role} {name} has shape {seen.shape}; it must be {shape}")
-            require(finite(seen), f"{of}observe: {role} {name} has a number that isn't finite")
-    whole = environment.global_state(scenario, state)
+def _looks(environment: Environment, views: Mapping[str, Sequence[str]]) -> Look:
+    """Return the function that gives the views one after the other, and the global state."""
+    made = [environment.view(role, name) for role, name in _names(views)]
+    for view, (role, name) in zip(made, _names(views), strict=True):
+        require(view == environment.view(role, name), f"view: {role} {name} must equal itself when made again")
+
+    def look(scenario: Any, state: Any) -> Seen:
+        return [environment.observe(scenario, state, view) for view in made], environment.global_state(scenario, state)
+
+    return look
+
+
+def _names(views: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
+    return [(role, name) for role, names in views.items() for name in names]
+
+
+def _check_seen(environment: Environment, views: Mapping[str, Sequence[str]], everything: Seen, of: str = "") -> None:
+    found, whole = everything
+    for seen, (role, name) in zip(found, _names(views), strict=True):
+        wanted = (*environment.roles[role].agents, BATCH)
+        shape = f"(feature, {', '.join(map(str, wanted))})"
+        require(seen.shape[1:] == wanted, f"{of}observe: {role} {name} has shape {seen.shape}; it must be {shape}")
+        require(finite(seen), f"{of}observe: {role} {name} has a number that isn't finite")
     require(whole.shape[1:] == (BATCH,), f"global_state: it has shape {whole.shape}; it must be (feature, {BATCH})")
     require(finite(whole), "global_state: it has a number that isn't finite")
 
 
-def _check_step(environment: Environment, scenario: Any, state: Any, actions: Roles[Array]) -> Any:
-    """Check one step; return the state after it."""
-    after, outcome = environment.step(scenario, state, actions)
-    again, outcome_again = environment.step(scenario, state, actions)
+def _check_step(
+    environment: Environment, steps: tuple[StepOnce, StepOnce], scenario: Any, state: Any, actions: Roles[Array]
+) -> Any:
+    """Check one step, given twice; return the state after it."""
+    step, step_again = steps
+    after, outcome = step(scenario, state, actions)
+    again, outcome_again = step_again(scenario, state, actions)
     require(
         same((after, outcome), (again, outcome_again)), "step: it must be deterministic; all chance is in the scenario"
     )
@@ -116,7 +139,7 @@ def _check_step(environment: Environment, scenario: Any, state: Any, actions: Ro
     )
     _check_outcome(environment, outcome)
     one = (episode(x, BATCH - 1) for x in (scenario, state, actions))
-    alone, _ = environment.step(*one)
+    alone, _ = step(*one)
     message = "step: an episode must come out the same alone as in a batch; it may not look at other episodes"
     require(same(alone, episode(after, BATCH - 1), tolerance=ROUNDING), message)
     return after

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -18,6 +19,14 @@ BATCH = 4
 """Number of episodes that are checked together."""
 ROUNDING = 1e-5
 """Tolerance between an episode played alone and in a batch, which may round differently."""
+
+# What is played is always compiled, and a check is several times as quick so. What acts again is compiled on its own:
+# so chance from elsewhere than the keys comes out.
+_draw = eqx.filter_jit(draw_batch)
+_reset = eqx.filter_jit(lambda environment, scenario: environment.reset(scenario))
+_observe = eqx.filter_jit(lambda environment, scenario, state, view: environment.observe(scenario, state, view))
+_step = eqx.filter_jit(lambda environment, *now: environment.step(*now))
+_act, _act_again = (eqx.filter_jit(lambda policy, *now: policy.act(*now)) for _ in range(2))
 
 
 def check_driver(policy: Policy, environment: Environment, *, steps: int = 8, seed: int = 0) -> None:
@@ -46,18 +55,18 @@ def check_policy(policy: Policy, environment: Environment, role: str, *, steps: 
     spec = environment.roles[role]
     _check_view(policy.view)
     root = jax.random.key(seed)
-    scenario = draw_batch(environment, jax.random.split(root, BATCH))
-    state, memory = environment.reset(scenario), policy.init(spec.agents, (BATCH,))
+    scenario = _draw(environment, jax.random.split(root, BATCH))
+    state, memory = _reset(environment, scenario), policy.init(spec.agents, (BATCH,))
     require(same(memory, policy.init(spec.agents, (BATCH,))), "init: it must always give the same memory")
     for number in range(steps):
         own = jax.random.fold_in(root, number)
-        seen = environment.observe(scenario, state, policy.view)
+        seen = _observe(environment, scenario, state, policy.view)
         action, after = _check_act(policy, jax.random.split(own, BATCH), memory, seen)
         _check_action(action, environment, role)
         message = "act: the memory must keep its structure, shapes and types, for a scan over time"
         require(form(after) == form(memory), message)
         others = random_actions(environment.roles, own, BATCH)
-        state, _ = environment.step(scenario, state, others | {role: action})
+        state, _ = _step(environment, scenario, state, others | {role: action})
         memory = after
 
 
@@ -72,13 +81,13 @@ def _check_view(view: View) -> None:
 
 def _check_act(policy: Policy, keys: Key[Array, "episode"], memory: Any, seen: Any) -> tuple[Array, Any]:
     """Check one call of ``act``; return its result."""
-    action, after = policy.act(keys, memory, seen)
-    again = policy.act(keys, memory, seen)
+    action, after = _act(policy, keys, memory, seen)
+    again = _act_again(policy, keys, memory, seen)
     require(same((action, after), again), "act: equal keys, memories and views must give equal actions")
     own = [x for x in jax.tree.leaves((memory, seen), is_leaf=is_shared) if not is_shared(x)]
     batched = all(np.ndim(x) and np.shape(x)[-1] == BATCH for x in own)
     require(batched, "init, view: every array must end in the batch axis")
-    one, _ = policy.act(keys[-1:], episode(memory, BATCH - 1), episode(seen, BATCH - 1))
+    one, _ = _act(policy, keys[-1:], episode(memory, BATCH - 1), episode(seen, BATCH - 1))
     message = "act: an episode's action must be the same alone as in a batch; it may not look at other episodes"
     require(same(one, action[..., -1:], tolerance=ROUNDING), message)
     return action, after
