@@ -13,7 +13,7 @@ from jaxwalk.cli import main
 from jaxwalk.evaluation import evaluate
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
-from jaxwalk.policies.drivers import with_limits
+from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS

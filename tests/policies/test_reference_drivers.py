@@ -14,9 +14,9 @@ from jaxwalk import Street
 from jaxwalk.policies import DRIVERS
 from jaxwalk.policies.careful_human import CarefulHuman
 from jaxwalk.policies.crosswalk_yield import CrosswalkYield
-from jaxwalk.policies.drivers import with_limits
 from jaxwalk.policies.fuzzy_safety import FuzzySafety
 from jaxwalk.policies.idm_yield import IdmYield
+from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.corridor import NEARING
 from jaxwalk.sim.sim_config import WORLDS

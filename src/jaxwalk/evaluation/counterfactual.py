@@ -22,7 +22,7 @@ from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import CROSSINGS, OUTCOMES, Rate, Rows, proportion
 from jaxwalk.metrics.outcomes import SIDEWALK, Episodes, measure_outcomes
 from jaxwalk.policies import Oracle
-from jaxwalk.policies.drivers import with_limits
+from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.relief import relieve
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK

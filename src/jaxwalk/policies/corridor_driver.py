@@ -10,13 +10,13 @@ from jaxtyping import Array, Bool, Float
 
 from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
+from jaxwalk.policies.world_numbers import from_world
 from jaxwalk.safety.fuzzy import comes_into_the_way
 from jaxwalk.safety.stopping import time_to_collision
 from jaxwalk.sim.corridor import NEARING, PER_PERSON, WATCHED
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.observation import CORRIDOR, Observation, part
 from jaxwalk.sim.prediction import ABSENT
-from jaxwalk.sim.sim_config import SimConfig
 
 WANDERING = 0.375
 """The car's way is wider than the car by this on each side [m]: the wandering of vehicles in UN R157."""
@@ -55,21 +55,21 @@ class Ahead(NamedTuple):
 class CorridorDriver(eqx.Module):
     """A driver that follows its route by pure pursuit and sees people in the route's frame; its speed is another's."""
 
-    max_acceleration: float = eqx.field(static=True, default=SimConfig.max_acceleration)
+    max_acceleration: float = from_world("max_acceleration")
     """The car's largest acceleration [m/s2]."""
-    max_braking: float = eqx.field(static=True, default=SimConfig.max_braking)
+    max_braking: float = from_world("max_braking")
     """Its largest braking [m/s2]."""
-    max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
+    max_steering: float = from_world("max_steering")
     """Its largest steering angle [rad]."""
-    wheelbase: float = eqx.field(static=True, default=SimConfig.wheelbase)
+    wheelbase: float = from_world("wheelbase")
     """Distance between its axles [m]."""
-    car_length: float = eqx.field(static=True, default=SimConfig.car_length)
+    car_length: float = from_world("car_length")
     """Its length [m]."""
-    car_width: float = eqx.field(static=True, default=SimConfig.car_width)
+    car_width: float = from_world("car_width")
     """Its width [m]."""
-    body_radius: float = eqx.field(static=True, default=SimConfig.body_radius)
+    body_radius: float = from_world("body_radius")
     """Radius of a pedestrian's body [m]."""
-    dt: float = eqx.field(static=True, default=SimConfig.dt)
+    dt: float = from_world("dt")
     """Time between two decisions [s]."""
     view: View = eqx.field(static=True, default=Observation("driver", CORRIDOR))
     """What it sees."""

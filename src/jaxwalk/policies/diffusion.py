@@ -22,7 +22,7 @@ from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.interfaces import View
 from jaxwalk.policies.kerb_gap import KERB_VIEW, STANDS, Column, drawn, kerb_gap
-from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.policies.world_numbers import from_world
 
 BY_DISTANCE, BY_BRAKING = 0.752, 0.585
 """Weights of distance and of braking in the apparent time."""
@@ -65,7 +65,7 @@ class Diffusion(eqx.Module):
     always on the roadway. Source and equation are in the module `jaxwalk.policies.diffusion`.
     """
 
-    dt: float = eqx.field(static=True, default=SimConfig.dt)
+    dt: float = from_world("dt")
     """Duration of a step [s]; evidence grows in parts of about 1/30 s."""
     view: View = eqx.field(static=True, default=KERB_VIEW)
     """What it sees."""

@@ -17,7 +17,7 @@ from jaxtyping import Array, Float, Int, Key
 from jaxwalk.interfaces import View
 from jaxwalk.policies.diffusion import THRESHOLD, Apparent, Diffusion, Gathered, acceleration, gather
 from jaxwalk.policies.kerb_gap import KERB_VIEW, Column, drawn, kerb_gap
-from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.policies.world_numbers import from_world
 
 SHORTEST, LONGEST = 1.0, 2.0
 """For how long people don't look after they have arrived at a kerb [s]: uniform between these; our assumption."""
@@ -42,7 +42,7 @@ class Distracted(eqx.Module):
     Until then, evidence comes from the gap on arrival. So people start later, into a gap that has become shorter.
     """
 
-    dt: float = eqx.field(static=True, default=SimConfig.dt)
+    dt: float = from_world("dt")
     """Duration of a step [s]."""
     view: View = eqx.field(static=True, default=KERB_VIEW)
     """What it sees."""

@@ -1,15 +1,13 @@
 """Rule-based drivers: `DRIVERS` are baselines for trained ones, and pedestrians train among `Careless`.
 
 An action is (acceleration, steering), each a share of its limit in [-1, 1]; positive steering is to the left. The
-rules assume the car's default limits (`SimConfig`); `with_limits` gives them those of another world.
+rules assume the car's default limits (`SimConfig`); `world_numbers.with_limits` gives them those of another world.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import fields, replace
-from typing import TypeVar
 
 import equinox as eqx
 import jax
@@ -25,6 +23,7 @@ from jaxwalk.policies.fuzzy_safety import FuzzySafety
 from jaxwalk.policies.idm_yield import IdmYield
 from jaxwalk.policies.oracle import Oracle
 from jaxwalk.policies.pursuit import pursue
+from jaxwalk.policies.world_numbers import from_world
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.observation import Observation, part
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
@@ -35,7 +34,6 @@ FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
 
 Features = Float[Array, "feature *batch"]
 Action = Float[Array, "2 *batch"]
-P = TypeVar("P")
 
 
 class Random(eqx.Module):
@@ -88,7 +86,7 @@ class RuleBased(eqx.Module):
     It observes neither lanes nor people. Where the road bends, it meets the kerb and slides along it.
     """
 
-    max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
+    max_steering: float = from_world("max_steering")
     """The car's largest steering angle [rad]."""
     view: View = eqx.field(static=True, default=Observation("driver", "paper"))
     """What it sees."""
@@ -114,7 +112,7 @@ class RuleBasedBraking(eqx.Module):
     """Length of the cone [m]."""
     cone_half_angle: float = eqx.field(static=True, default=20.0)
     """Largest bearing to either side [degrees]."""
-    max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
+    max_steering: float = from_world("max_steering")
     """The car's largest steering angle [rad]."""
     view: View = eqx.field(static=True, default=Observation("driver", "paper"))
     """What it sees."""
@@ -133,9 +131,9 @@ class RuleBasedBraking(eqx.Module):
 class RouteFollower(eqx.Module):
     """Follows its lane route at full throttle, also through turns, and ignores people (pure pursuit, 2.5 m ahead)."""
 
-    wheelbase: float = eqx.field(static=True, default=SimConfig.wheelbase)
+    wheelbase: float = from_world("wheelbase")
     """Distance between the car's axles [m]."""
-    max_steering: float = eqx.field(static=True, default=SimConfig.max_steering)
+    max_steering: float = from_world("max_steering")
     """The car's largest steering angle [rad]."""
     point: int = eqx.field(static=True, default=0)
     """The point of the route to steer to: an index of ``jaxwalk.sim.map_tables.POINTS``."""
@@ -201,14 +199,6 @@ DRIVERS: dict[str, Callable[[], Policy]] = {
     "oracle": Oracle,
 }
 """Rule-based drivers by name: call an entry to make the driver."""
-
-
-def with_limits(policy: P, config: SimConfig) -> P:
-    """Return the rule for a world's car: with the limits that it knows of, such as its top speed, from the rules."""
-    if not isinstance(policy, eqx.Module):
-        return policy
-    limits = {x.name: getattr(config, x.name) for x in fields(policy) if hasattr(config, x.name)}
-    return replace(policy, **limits)
 
 
 def _action(acceleration: Array, steering: Array) -> Action:

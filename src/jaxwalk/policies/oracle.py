@@ -18,6 +18,7 @@ from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
+from jaxwalk.policies.world_numbers import from_world
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.manoeuvres import FAR
@@ -58,11 +59,11 @@ class Oracle(eqx.Module):
     (0.6 s) and plans again. If people may wait, the future that it observes is only a guess.
     """
 
-    max_speed: float = eqx.field(static=True, default=SimConfig.max_speed)
+    max_speed: float = from_world("max_speed")
     """The car's top speed [m/s]."""
-    max_acceleration: float = eqx.field(static=True, default=SimConfig.max_acceleration)
+    max_acceleration: float = from_world("max_acceleration")
     """Its largest acceleration [m/s2]."""
-    max_braking: float = eqx.field(static=True, default=SimConfig.max_braking)
+    max_braking: float = from_world("max_braking")
     """Its largest braking [m/s2]."""
     view: View = eqx.field(static=True, default=Observation("driver", PRIVILEGED))
     """What it sees."""

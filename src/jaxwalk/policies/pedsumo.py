@@ -16,8 +16,8 @@ from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.interfaces import View
 from jaxwalk.policies.kerb_gap import KERB_VIEW, STANDS, Column, KerbGap, drawn, kerb_gap
+from jaxwalk.policies.world_numbers import from_world
 from jaxwalk.sim.everybody import for_everybody
-from jaxwalk.sim.sim_config import SimConfig
 
 USUAL = 0.4
 """Chance to cross in front of an automated car, before all factors."""
@@ -58,7 +58,7 @@ class PedSumo(eqx.Module):
     Who has decided to cross goes. A car that stands or has passed is in nobody's way: people go.
     """
 
-    dt: float = eqx.field(static=True, default=SimConfig.dt)
+    dt: float = from_world("dt")
     """Duration of a step [s]."""
     view: View = eqx.field(static=True, default=KERB_VIEW)
     """What it sees."""

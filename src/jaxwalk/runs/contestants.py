@@ -19,13 +19,13 @@ from jaxwalk.interfaces import Box, Discrete, Policy
 from jaxwalk.learning.actor import DISCRETE, GATED, Actor
 from jaxwalk.maps import map_labels
 from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy, read_metadata
-from jaxwalk.policies.drivers import with_limits
 from jaxwalk.policies.groups import Groups
 from jaxwalk.policies.host import SECONDS, is_host_driver, load_host_driver
 from jaxwalk.policies.mixture import Mixture
 from jaxwalk.policies.mixture_names import mixture_of
 from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.policies.shielding import shielded
+from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.runs.binding import check_intact
 from jaxwalk.runs.contestant_names import ContestantError, policy_file, run_folders
 from jaxwalk.runs.folder import Run
