@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from jaxwalk.interfaces import Box, Discrete
-from jaxwalk.learning.actor import CHOSEN_PART, decide, make_actor, run_where
+from jaxwalk.learning import actor as actors
+from jaxwalk.learning.actor import CHOSEN_PART, run_where
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.rollout import environment_keys
 
 AGENTS, BATCH = 12, 16
 KEYS = environment_keys(jax.random.key(1), 0, BATCH)
+decide, make_actor = eqx.filter_jit(actors.decide), eqx.filter_jit(actors.make_actor)
 
 
 def gated(hold=1):

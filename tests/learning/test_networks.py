@@ -1,14 +1,18 @@
 from __future__ import annotations
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from jaxwalk.interfaces import Box, Discrete
-from jaxwalk.learning.actor import make_actor
+from jaxwalk.learning import actor as actors
+from jaxwalk.learning import networks
 from jaxwalk.learning.config import RoleConfig
-from jaxwalk.learning.networks import MLP, make_mlp, orthogonal
+from jaxwalk.learning.networks import MLP
+
+make_actor, make_mlp, orthogonal = map(eqx.filter_jit, (actors.make_actor, networks.make_mlp, networks.orthogonal))
 
 
 def test_by_hand():

@@ -140,9 +140,10 @@ def test_whoever_has_nothing_to_decide_goes(name):
     ],
 )
 def test_pedsumo_multiplies_its_factors(seconds, group, phone, waited, expected):
-    gap = kerb_gap(kerb(8 * seconds, 8.0, people=1))
+    gap = eqx.filter_jit(kerb_gap)(kerb(jnp.float32(8 * seconds), jnp.float32(8), people=1))
     whole = jnp.ones((1, 1))
-    assert chance(gap, whole * group, whole * phone > 0, whole * waited).item() == pytest.approx(expected, rel=1e-4)
+    found = eqx.filter_jit(chance)(gap, whole * group, whole * phone > 0, whole * waited)
+    assert found.item() == pytest.approx(expected, rel=1e-4)
 
 
 def test_pedsumo_draws_once_a_second():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -56,7 +57,7 @@ def test_episodes_end_at_the_first_contact_by_the_worlds_rule(played):
 @pytest.mark.parametrize("rule", RULES)
 def test_clearances_of_a_standing_car_by_hand(played, rule):
     street, scenarios, _ = played
-    state = street.reset(scenarios)
+    state = eqx.filter_jit(street.reset)(scenarios)
     clearance, conflict = jax.jit(prediction.clearance_by, static_argnums=1)(
         Moment(street.world, scenarios, state), rule
     )
@@ -78,7 +79,7 @@ def test_clearances_of_a_standing_car_by_hand(played, rule):
 
 def test_a_car_in_motion_comes_nearer_with_its_front_than_with_its_centre(played):
     street, scenarios, _ = played
-    state = street.reset(scenarios)
+    state = eqx.filter_jit(street.reset)(scenarios)
     moment = Moment(street.world, scenarios, state)
     (centre, _), (front, _) = (prediction.clearance_by(moment, rule) for rule in RULES)
     assert (front <= centre).all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -55,7 +56,7 @@ def test_who_waits_is_taken_to_start_now(street, paid_street, scenarios, midway)
 
 
 def test_it_knows_jaywalks_that_nobody_has_decided_yet(street, scenarios):
-    start = street.reset(scenarios)
+    start = eqx.filter_jit(street.reset)(scenarios)
     never, always = (with_jaywalk_multiplier(street, x) for x in (0.0, 1e9))
     with_none, with_all = clearances(never, scenarios, start), clearances(always, scenarios, start)
     differs = (np.abs(with_none - with_all) > 1).any(axis=(0, 1))

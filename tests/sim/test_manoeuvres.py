@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -76,7 +77,7 @@ def test_people_beside_the_roadway_may_turn_to_the_route():
     """They stand when an episode begins, as the car does."""
     street = Street.create(config=RULES)
     scenarios, _ = Drawn(street, 5, 32).take(np.arange(32))
-    state = street.reset(scenarios)
+    state = eqx.filter_jit(street.reset)(scenarios)
     moment = Moment(street.world, scenarios, state)
     clearance, _ = jax.jit(what_if.clearance_if_they_turn, static_argnums=1)(moment, "footprint")
     seen, people = state.foresight, np.stack([state.foresight.people.ahead, state.foresight.people.left])
@@ -102,8 +103,8 @@ def with_numbers(of, **numbers):
 def test_people_who_walk_to_a_crosswalk_may_take_it(aside, turns):
     """The car stands half-way between the crosswalk's ends, beyond it by 6 m; one person is 2 m before an end."""
     street = Street.create(config=replace(RULES, pedestrians=1))
-    scenario = street.draw(jax.random.key(1))
-    state, maps = street.reset(scenario), street.world.maps
+    scenario = eqx.filter_jit(street.draw)(jax.random.key(1))
+    state, maps = eqx.filter_jit(street.reset)(scenario), street.world.maps
     ends = np.stack([maps.node_x[0], maps.node_y[0]], -1)[maps.side_landing[0, :2]]
     across = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
     along = np.array([across[1], -across[0]])  # the way beside the road
@@ -115,9 +116,13 @@ def test_people_who_walk_to_a_crosswalk_may_take_it(aside, turns):
     ahead = [jnp.array(seat[i] + AWAY * along[i]) for i in (0, 1)]
     course = replace(with_numbers(state.vehicle.course, x=seat[0], y=seat[1]), ahead_x=ahead[0], ahead_y=ahead[1])
     driven = with_numbers(replace(state.vehicle, course=course), x=seat[0], y=seat[1], cos=along[0], sin=along[1])
-    seen = foresee(street.world, scenario, driven, people)
-    moment = Moment(street.world, scenario, replace(state, vehicle=driven, pedestrian=people, foresight=seen))
-    clearance, conflict = what_if.clearance_if_they_cross(moment, "footprint")
+
+    @eqx.filter_jit
+    def if_they_cross(world):
+        known = replace(state, vehicle=driven, pedestrian=people, foresight=foresee(world, scenario, driven, people))
+        return what_if.clearance_if_they_cross(Moment(world, scenario, known), "footprint")
+
+    clearance, conflict = if_they_cross(street.world)
 
     pace, time = float(scenario.walking_speed(street.world)[0]), np.array(MOMENTS["footprint"])
     straight = begin + np.minimum(pace * time, 2.0 if turns else 99)[:, None] * along

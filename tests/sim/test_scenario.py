@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.rollout import EVALUATION, TRAINING, environment_keys, seed_key
+from jaxwalk.rollout import EVALUATION, TRAINING, draw_batch, environment_keys, seed_key
 from jaxwalk.sim import scenario
 from sim.play import ENVIRONMENTS, columns, play, reset
 
@@ -115,18 +115,18 @@ def test_tables_last_however_close_the_goals_are(street, scenarios):
 
 def test_a_scenario_is_a_function_of_its_uniform_numbers(street):
     world, keys = street.world, jax.random.split(jax.random.key(5), 8)
-    numbers = np.stack([scenario.uniforms(key, scenario.dimensions(world)) for key in keys])
+    numbers = np.asarray(jax.jit(jax.vmap(lambda key: scenario.uniforms(key, scenario.dimensions(world))))(keys))
     assert ((numbers > 0) & (numbers < 1)).all()
     assert_equal(
-        jax.vmap(lambda u: scenario.from_uniforms(world, u), out_axes=-1)(jnp.asarray(numbers)),
-        jax.vmap(lambda key: scenario.draw(world, key), out_axes=-1)(keys),
+        jax.jit(jax.vmap(lambda u: scenario.from_uniforms(world, u), out_axes=-1))(jnp.asarray(numbers)),
+        eqx.filter_jit(draw_batch)(street, keys),
     )
 
 
 def test_every_corner_of_the_unit_cube_is_a_scenario(street):
     world = street.world
     for corner in (0.0, np.nextafter(np.float32(1), np.float32(0))):
-        drawn = scenario.from_uniforms(world, jnp.full(scenario.dimensions(world), corner))
+        drawn = eqx.filter_jit(scenario.from_uniforms)(world, jnp.full(scenario.dimensions(world), corner))
         assert 0 <= drawn.route < world.maps.route_count[0]
         stops = np.concatenate([drawn.start[None], drawn.goals])
         assert not np.asarray(world.maps.node_is_midpoint[0])[stops].any()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -11,10 +12,13 @@ import pytest
 from scipy import stats
 
 from jaxwalk import SimConfig, Street
-from jaxwalk.sim.scenario import correlated, dimensions, draw, from_uniforms
+from jaxwalk.rollout import draw_batch
+from jaxwalk.sim import scenario
+from jaxwalk.sim.scenario import dimensions
 
 MANY = 40_000
 random = np.random.default_rng(0)
+correlated, from_uniforms = eqx.filter_jit(scenario.correlated), eqx.filter_jit(scenario.from_uniforms)
 ONE, OTHER = (jnp.asarray(random.random(MANY), jnp.float32) for _ in range(2))
 
 
@@ -60,8 +64,13 @@ def test_only_the_pace_of_a_scenario_depends_on_it(telling):
 
 def test_who_jaywalks_more_walks_faster(telling):
     keys = jax.random.split(jax.random.key(77), 200)
-    drawn = jax.vmap(lambda key: draw(telling.world, key), out_axes=-1)(keys)
-    tau, pace = drawn.jaywalking_tendency(telling.world), drawn.walking_speed(telling.world)
+
+    @eqx.filter_jit
+    def traits(street):
+        drawn = draw_batch(street, keys)
+        return drawn.jaywalking_tendency(street.world), drawn.walking_speed(street.world)
+
+    tau, pace = traits(telling)
     found = stats.spearmanr(np.ravel(tau), np.ravel(pace)).statistic
     assert found == pytest.approx(6 / np.pi * np.arcsin(0.45), abs=0.03)
 

@@ -44,7 +44,7 @@ def test_a_driver_acts_in_onnx_as_it_did(tmp_path, noise):
     name = _write(tmp_path / "driver.onnx", onnx_model(actor, role="driver", metadata={"jaxwalk.seed": "3"}))
     driver = load_host_driver(name)
     seen = jax.random.normal(jax.random.key(2), (ROUTE, 7))
-    expected, _ = LearnedPolicy(actor, "driver").act(jax.random.split(jax.random.key(5), 7), None, seen)
+    expected, _ = eqx.filter_jit(LearnedPolicy(actor, "driver").act)(jax.random.split(jax.random.key(5), 7), None, seen)
     found, _ = driver.act(None, None, seen)
     assert np.ptp(expected) > 0.5
     np.testing.assert_allclose(found, expected, atol=1e-6)
@@ -56,7 +56,7 @@ def test_a_driver_acts_in_onnx_as_it_did(tmp_path, noise):
 def test_pedestrians_choose_in_onnx_as_they_did():
     actor = _louder(make_actor(jax.random.key(4), 3, Discrete(2), RoleConfig(actor_hidden=(8,))), 100.0)
     seen = jax.random.normal(jax.random.key(2), (3, 12, 7))
-    expected, _ = LearnedPolicy(actor, "driver").act(jax.random.split(jax.random.key(5), 7), None, seen)
+    expected, _ = eqx.filter_jit(LearnedPolicy(actor, "driver").act)(jax.random.split(jax.random.key(5), 7), None, seen)
     action, logits = _run(actor, {"observation": np.asarray(seen).reshape(3, -1).T})
     assert 0 < expected.mean() < 1
     np.testing.assert_array_equal(action, np.asarray(expected).ravel())
