@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hostile.judging import refused
 from hostile.targets import MAKERS, NEEDS, play
 
-CASES = 25
+CASES = 15
 few = settings(
     max_examples=CASES, deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate],
     suppress_health_check=list(HealthCheck),
