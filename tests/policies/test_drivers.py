@@ -20,8 +20,8 @@ KEYS = jax.random.split(jax.random.key(3), 7)
 SIZES = {name: size("driver", name) for name in OBSERVATIONS["driver"]}
 
 
-@pytest.mark.parametrize("name", DRIVERS)
-def test_every_driver_keeps_the_contract(name):
+@pytest.mark.parametrize("name", [name for name, make in DRIVERS.items() if make().view.name in SIZES])
+def test_every_driver_of_an_observation_set_keeps_the_contract(name):
     driver = DRIVERS[name]()
     assert isinstance(driver, Policy)
     seen = jax.random.normal(jax.random.key(1), (SIZES[driver.view.name], 7))

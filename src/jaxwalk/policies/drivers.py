@@ -15,6 +15,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Policy, View
+from jaxwalk.policies.belief_planner import BeliefPlanner, chance_planner, cvar_planner
 from jaxwalk.policies.careful_human import CarefulHuman, careful_human_with_aeb
 from jaxwalk.policies.cautious_rule import CautiousRule
 from jaxwalk.policies.clearance_rule import ClearanceRule
@@ -196,6 +197,9 @@ DRIVERS: dict[str, Callable[[], Policy]] = {
     "fuzzy-safety": FuzzySafety,
     "crosswalk-yield": CrosswalkYield,
     "idm-yield": IdmYield,
+    "belief-planner": BeliefPlanner,
+    "belief-planner-chance": chance_planner,
+    "belief-planner-cvar": cvar_planner,
     "oracle": Oracle,
 }
 """Rule-based drivers by name: call an entry to make the driver."""

@@ -39,7 +39,7 @@ def _last_seen_bounds(limits: Limits) -> Sequence[Bound]:
     return [*person_bounds(limits), (0.0, 1.0)]
 
 
-def _beside_the_route(moment: Moment) -> Float[Array, "column point *batch"]:
+def beside_the_route(moment: Moment) -> Float[Array, "column point *batch"]:
     """Return the columns of `jaxwalk.sim.kerbsides` where the car is, and then at the points of its route ahead."""
     table, scenario, car = moment.world.kerbsides, moment.scenario, moment.state.vehicle
     assert table is not None
@@ -56,7 +56,7 @@ def _hidden_sides(moment: Moment) -> Sequence[Array]:
     world, car = moment.world, moment.state.vehicle
     if moment.state.perceived is None:
         return (jnp.zeros((2 * len(POINTS), *car.x.shape)),)
-    right_x, right_y, left_x, left_y, _ = _beside_the_route(moment)[:, 1:]
+    right_x, right_y, left_x, left_y, _ = beside_the_route(moment)[:, 1:]
     x, y = (jnp.stack(sides, axis=1).reshape(-1, *car.x.shape) for sides in ((right_x, left_x), (right_y, left_y)))
     return (~in_sight(world, moment.scenario, car, x, y),)
 
@@ -65,7 +65,7 @@ def _next_crosswalk(moment: Moment) -> Sequence[Array]:
     """Return how far along the route the next crosswalk is."""
     if moment.state.perceived is None:
         return (jnp.ones(moment.state.step.shape),)
-    return (_beside_the_route(moment)[-1, 0] / FARTHEST,)
+    return (beside_the_route(moment)[-1, 0] / FARTHEST,)
 
 
 LAST_SEEN = Feature("last_seen", 5 * NEIGHBOURS, _last_seen_bounds, _last_seen)
