@@ -23,8 +23,13 @@ BEYOND_GOAL = 30.0
 """Length by which every route continues past its goal, at least [m]."""
 
 
-def lay_out(network: Network, *, goal_spacing: float, start_clearance: float) -> RoadMap:
-    """Return the arrays (numpy, float32, int32 and bool) of a network that has passed the checks."""
+def lay_out(
+    network: Network, routes: list[SampledRoute] | None = None, *, goal_spacing: float, start_clearance: float
+) -> RoadMap:
+    """Return the arrays (numpy, float32, int32 and bool) of a network that has passed the checks.
+
+    ``routes``, if given, stand for the network's own; they have equally many points.
+    """
     graph, roadway = graph_of(network.walk), network.surface("roadway")
     shapely.prepare(roadway)
     arrays: dict[str, Any] = {
@@ -35,7 +40,7 @@ def lay_out(network: Network, *, goal_spacing: float, start_clearance: float) ->
         **_hiding(network),
         **_walking(graph, goal_spacing),
         **_crossings(network, roadway),
-        **driving(_routes(network), graph, start_clearance),
+        **_driving(_routes(network) if routes is None else routes, graph, start_clearance),
     }
     compacted: dict[str, Any] = {name: compact(value) for name, value in arrays.items()}
     return RoadMap(**compacted)
@@ -119,7 +124,7 @@ def points_for(lengths: list[float]) -> int:
     return int(np.ceil((max(lengths) + BEYOND_GOAL) / ROUTE_SPACING)) + 1
 
 
-def driving(routes: list[SampledRoute], graph: Graph, start_clearance: float) -> dict[str, Any]:
+def _driving(routes: list[SampledRoute], graph: Graph, start_clearance: float) -> dict[str, Any]:
     """Return the car's routes, and the waypoints where pedestrians may start on each."""
     places, tangents = np.stack([x.points for x in routes]), np.stack([x.tangents for x in routes])
     choices, count = _table([start_choices(graph, tuple(place[0]), start_clearance) for place in places])

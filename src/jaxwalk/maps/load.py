@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+from functools import lru_cache
 from pathlib import Path
 
 from jaxwalk.maps.layout import lay_out
@@ -9,6 +11,9 @@ from jaxwalk.maps.map_reading import checked, map_content
 from jaxwalk.maps.network import Network
 from jaxwalk.maps.road_map import RoadMap
 from jaxwalk.maps.tables import build
+
+KEPT = 16
+"""How many maps are kept: a large one takes 3 MB."""
 
 
 def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clearance: float = 10.0) -> RoadMap:
@@ -21,9 +26,17 @@ def load_map(name_or_path: str | Path, *, goal_spacing: float = 20.0, start_clea
     return build_map(text, source, goal_spacing=goal_spacing, start_clearance=start_clearance)
 
 
+@lru_cache(maxsize=KEPT)
 def build_map(text: str, source: str, *, goal_spacing: float, start_clearance: float) -> RoadMap:
-    """Return the arrays of a file's text, as `load_map` does. ``source`` names the map in a MapError."""
+    """Return the arrays of a file's text, as `load_map` does. ``source`` names the map in a MapError.
+
+    They are kept, because worlds of the same map are made several times, and so can't be written to.
+    """
     found = checked(text, source, goal_spacing=goal_spacing, start_clearance=start_clearance)
     if isinstance(found, Network):
-        return lay_out(found, goal_spacing=goal_spacing, start_clearance=start_clearance)
-    return build(found, goal_spacing=goal_spacing, start_clearance=start_clearance)
+        arrays = lay_out(found, goal_spacing=goal_spacing, start_clearance=start_clearance)
+    else:
+        arrays = build(found, goal_spacing=goal_spacing, start_clearance=start_clearance)
+    for field in fields(arrays):
+        getattr(arrays, field.name).flags.writeable = False
+    return arrays

@@ -50,13 +50,14 @@ def network_of(file: MapFile) -> Network:
     areas += _areas("crosswalk", {name: crosswalk.area for name, crosswalk in file.crosswalks.items()})
     pieces = _pieces(file)
     lanes = _lanes(file, pieces)
+    shapes = _shapes(lanes)
     return Network(
         size=file.size,
         lanes=tuple(lanes),
         areas=tuple(areas),
         walk=WalkGraph(nodes=graph.points, edges=graph.edges, waypoints=graph.waypoints),
         crossings=tuple(_crossings(file, first)),
-        routes=tuple(_route(route, length, lanes) for route, length in pieces),
+        routes=tuple(_route(route, length, lanes, shapes) for route, length in pieces),
     )
 
 
@@ -153,29 +154,56 @@ def _direction(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return (b - a) / np.linalg.norm(b - a)
 
 
-def _route(pieces: list[RoutePiece], length: float, lanes: list[Lane]) -> LaneRoute:
-    """Return the lanes that a route takes: from lane to lane, the one that the route is nearest to."""
+class _Shapes(NamedTuple):
+    """What routes ask of all lanes."""
+
+    begins: np.ndarray
+    """(lane, 2) [m]."""
+    ahead: np.ndarray
+    """Unit vectors of travel where the lanes begin, (lane, 2)."""
+    straight: np.ndarray
+    """Length of each straight lane [m]; 0 for an arc."""
+    lengths: list[float]
+    """Length of each lane [m]."""
+    middles: np.ndarray
+    """The point half-way along each lane, (lane, 2) [m]."""
+
+
+def _shapes(lanes: list[Lane]) -> _Shapes:
+    lines = [lane.line for lane in lanes]
+    lengths = [lane.length() for lane in lanes]
+    halves = [
+        [np.interp(length / 2, along(line), line[:, k]) for k in (0, 1)]
+        for line, length in zip(lines, lengths, strict=True)
+    ]
+    return _Shapes(
+        begins=np.array([line[0] for line in lines]),
+        ahead=np.array([_direction(line[0], line[1]) for line in lines]),
+        straight=np.array([np.linalg.norm(line[-1] - line[0]) if len(line) == 2 else 0.0 for line in lines]),
+        lengths=lengths,
+        middles=np.array(halves),
+    )
+
+
+def _route(pieces: list[RoutePiece], length: float, lanes: list[Lane], shapes: _Shapes) -> LaneRoute:
+    """Return the lanes that a route takes: from lane to lane, the one whose middle the route is nearest to."""
     (begin,), (direction,) = sample(pieces, np.zeros(1))
-    starting = [x for x in range(len(lanes)) if _holds(lanes[x].line, begin, direction)]
-    first = starting[-1]  # of two that meet there, the one that begins
+    first = _first_lane(begin, direction, shapes)
     taken, start = [first], float(np.linalg.norm(begin - lanes[first].line[0]))
-    reached = lanes[first].length() - start
+    reached = shapes.lengths[first] - start
     while reached < length - NEARLY:
-        taken.append(min(lanes[taken[-1]].successors, key=lambda x: _away(pieces, reached, lanes[x])))
-        reached += lanes[taken[-1]].length()
-    return LaneRoute(lanes=tuple(taken), start=start, goal=lanes[taken[-1]].length() - (reached - length))
+        onward = np.array(lanes[taken[-1]].successors)
+        there, _ = sample(pieces, reached + np.take(shapes.lengths, onward) / 2)
+        taken.append(int(onward[np.hypot(*(there - shapes.middles[onward]).T).argmin()]))
+        reached += shapes.lengths[taken[-1]]
+    return LaneRoute(lanes=tuple(taken), start=start, goal=shapes.lengths[taken[-1]] - (reached - length))
 
 
-def _holds(line: np.ndarray, point: np.ndarray, direction: np.ndarray) -> bool:
-    """Return whether a point lies on a straight line, before its end, and the line leads in a direction."""
-    ahead = _direction(line[0], line[1])
-    here, end = (point - line[0]) @ ahead, np.linalg.norm(line[-1] - line[0])
-    aside = np.linalg.norm(point - line[0] - here * ahead)
-    return bool(len(line) == 2 and ahead @ direction > 0.99 and aside < MET and -MET < here < end - MET)
-
-
-def _away(pieces: list[RoutePiece], reached: float, lane: Lane) -> float:
-    """Return the distance from a lane's middle to the route, where the route has been driven for ``reached`` metres."""
-    half = lane.length() / 2
-    middle = [np.interp(half, along(lane.line), lane.line[:, k]) for k in (0, 1)]
-    return float(np.linalg.norm(sample(pieces, np.array([reached + half]))[0][0] - middle))
+def _first_lane(point: np.ndarray, direction: np.ndarray, shapes: _Shapes) -> int:
+    """Return the straight lane that a point lies on, before its end, and that leads in a direction."""
+    offset = point - shapes.begins
+    here = (offset * shapes.ahead).sum(axis=1)
+    aside = np.hypot(*(offset - here[:, None] * shapes.ahead).T)
+    on = (aside < MET) & (here > -MET) & (here < shapes.straight - MET)
+    onward = shapes.ahead @ direction > 0.99
+    return int(np.flatnonzero(on & onward)[-1])  # of two that meet there, the one that begins

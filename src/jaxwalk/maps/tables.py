@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.maps.file import MapFile
-from jaxwalk.maps.layout import compact, driving, lay_out, points_for
+from jaxwalk.maps.layout import compact, lay_out, points_for
 from jaxwalk.maps.map_network import network_of
-from jaxwalk.maps.navigation import build_graph
 from jaxwalk.maps.network_routes import SampledRoute
 from jaxwalk.maps.road_field import MOST_UNITS
 from jaxwalk.maps.road_map import RoadMap
@@ -31,10 +30,10 @@ def build(file: MapFile, *, goal_spacing: float, start_clearance: float) -> Road
 
     They are those of its network, but for its routes, whose arcs are exact.
     """
-    laid_out = lay_out(network_of(file), goal_spacing=goal_spacing, start_clearance=start_clearance)
+    routes = _routes(file)
+    laid_out = lay_out(network_of(file), routes, goal_spacing=goal_spacing, start_clearance=start_clearance)
     own = {
         "half_width": min(make_road(name, area).width for name, area in file.roads.items()) / 2,
-        **driving(_routes(file), build_graph(file), start_clearance),
         "route_places": file.car.pairs(),
     }
     compacted: dict[str, Any] = {name: compact(value) for name, value in own.items()}
