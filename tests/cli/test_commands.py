@@ -83,6 +83,16 @@ def test_compiled_code_is_kept_where_the_platform_has_its_caches(platform, given
     assert os.environ["JAX_COMPILATION_CACHE_DIR"] == str(place / folder)
 
 
+@pytest.mark.parametrize(("given", "kept"), [(None, "0"), ("0.3", "0.3")])
+def test_programs_that_compile_quickly_are_kept_too_unless_the_user_says_otherwise(given, kept, place, monkeypatch):
+    name = "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"
+    monkeypatch.setenv(name, given or "")
+    if given is None:
+        monkeypatch.delenv(name)
+    assert main(["observations"]) == 0
+    assert os.environ[name] == kept
+
+
 def test_help_loads_no_jax():
     code = "import sys; from jaxwalk.cli import main; main(['train', '--help']); assert 'jax' not in sys.modules"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0

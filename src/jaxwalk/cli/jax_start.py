@@ -119,9 +119,8 @@ def _keep_compiled_code() -> None:
         print(f"jaxwalk: compiled code isn't kept, for want of a folder ({error}); {advice}", file=sys.stderr)
         os.environ[ENABLED] = "false"
         return
-    if not given:
-        os.environ[FOLDER] = str(folder)
-        os.environ.setdefault(SECONDS, "0")
+    os.environ[FOLDER] = str(folder)
+    os.environ.setdefault(SECONDS, "0")
 
 
 def _cache_folder() -> Path:
