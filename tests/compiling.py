@@ -138,10 +138,13 @@ class Relief:
         if self.trimmed > max(self.FORGET, self.forgot + self.GROWTH):
             self._forget()
 
+    def pytest_collection_finish(self) -> None:
+        _settle()
+
     def _forget(self) -> None:
         FORGOTTEN.append(memory())
         jax.clear_caches()
-        gc.collect()
+        _settle()
         self._give_back()
         self.forgot = self.trimmed
 
@@ -149,6 +152,12 @@ class Relief:
         if self.trim is not None:
             self.trim(0)
         self.trimmed = memory()
+
+
+def _settle() -> None:
+    """Collect garbage. What stays (modules, types, fixtures) is never looked at again: that took seconds each time."""
+    gc.collect()
+    gc.freeze()
 
 
 FORGOTTEN: list[float] = []
