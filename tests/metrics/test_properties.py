@@ -23,7 +23,7 @@ from jaxwalk.sim.sim_config import SimConfig
 from metrics.reference import encounters, near_speeds
 from metrics.scenes import ghosts_of, padded, pick, random_trajectory, turned
 
-few = settings(max_examples=25, deadline=None)
+few = settings(max_examples=15, deadline=None)
 trajectories = st.builds(
     random_trajectory,
     st.integers(0, 2**32 - 1),
