@@ -75,7 +75,7 @@ def check_costs(environment: Environment, config: TrainConfig) -> None:
 def constrained(
     advantage: Float[Array, "..."], of_costs: Iterable[tuple[Float[Array, ""], Float[Array, "..."]]]
 ) -> Float[Array, "..."]:
-    """Return (A - sum of lambda A_c) / (1 + sum of lambda): Stooke 2020, section 6.
+    """Return (A - sum of lambda A_c) / (1 + sum of lambda): Stooke 2020, section 5.2.
 
     ``of_costs`` holds lambda and A_c, the advantage of what is charged, for each limit.
     """
