@@ -174,6 +174,13 @@ def play(game, config, updates=200, last=40):
     return learner, {name: float(np.mean([line[name] for line in lines[-last:]])) for name in lines[0]}
 
 
+def test_costs_without_a_limit_change_nothing():
+    """To the bit, and no number about them is logged."""
+    _, charged = play(TOLL, CONFIG, updates=2, last=1)
+    _, free = play(games.game("bandit"), CONFIG, updates=2, last=1)
+    assert charged == free
+
+
 def test_what_pays_and_costs_is_done_as_often_as_the_limit_allows():
     """Half of the scenarios cost 4 if one takes the 1 that action 1 pays, the others nothing, and it is seen which.
 
@@ -217,6 +224,7 @@ def test_without_an_episode_s_end_nothing_changes():
     config = limited(CostLimit("fine", limit=0.4))
     learner, metrics = update(game, config, init(game, config, jax.random.key(0), others=OTHERS))
     assert float(metrics["episodes"]) == 0
+    assert float(metrics["cost/driver/fine"]) == 0
     assert eqx.tree_equal(learner.multipliers, fresh_multipliers(config))
 
 

@@ -102,6 +102,8 @@ def measured(
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Return the mean cost of an episode, or with a tail its conditional value at risk; and the share beyond the tail.
 
+    Both are 0 if no episode ended.
+
     Args:
         limit: the limit.
         multiplier: its multiplier, which has the threshold.
@@ -111,8 +113,8 @@ def measured(
     """
     spent = jax.lax.psum(jnp.sum(charge(limit, multiplier, cost)), axis) / limit.worth
     beyond = jax.lax.psum(jnp.sum(cost > multiplier.threshold, dtype=jnp.float32), axis)
-    each = jnp.maximum(episodes, 1.0)
-    return multiplier.threshold + spent / each, beyond / each
+    each, any_ended = jnp.maximum(episodes, 1.0), episodes > 0
+    return jnp.where(any_ended, multiplier.threshold + spent / each, 0.0), jnp.where(any_ended, beyond / each, 0.0)
 
 
 def controlled(limit: CostLimit, multiplier: Multiplier, cost: Float[Array, ""]) -> Multiplier:
