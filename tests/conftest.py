@@ -192,12 +192,15 @@ def driven(street, scenarios):
 
 @pytest.fixture(scope="session")
 def paid_street():
-    """The paper's street, with weight 1 for every reward term."""
+    """The paper's street, with weight 1 for every reward term, and every cost."""
     from jaxwalk import Street
+    from jaxwalk.sim.cost import DRIVER_COSTS
     from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 
     return Street.create(
-        driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0), pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0)
+        driver_weights=dict.fromkeys(DRIVER_TERMS, 1.0),
+        pedestrian_weights=dict.fromkeys(PEDESTRIAN_TERMS, 1.0),
+        driver_costs=tuple(DRIVER_COSTS),
     )
 
 

@@ -128,6 +128,9 @@ class Outcome(eqx.Module):
     """Whether the episode is over. It ends for all agents at once."""
     events: Any
     """The environment's own events, as a pytree of arrays."""
+    costs: Roles[dict[str, Float[Array, "..."]]] = eqx.field(default_factory=dict)
+    """Named costs of 0 or more, counted beside the reward and in no part of it. Each ``(*agents, *batch)``. A role
+    that is left out has none."""
 
 
 @runtime_checkable

@@ -81,6 +81,39 @@ def test_a_reward_is_the_sum_of_its_terms(env):
     assert info["rewards"]["progress"] > 0 and info["rewards"]["time"] == pytest.approx(-0.06)
 
 
+def test_a_contact_costs_1_in_its_step_and_nothing_before_it(env):
+    """A blind car: scenario by scenario, until it hits somebody and until it arrives."""
+    ends = set()
+    for scenario in range(24):
+        env.reset(seed=7, options={"scenario": scenario})
+        costs, over = [], False
+        while not over:
+            *_, terminated, truncated, info = env.step(FULL_THROTTLE)
+            costs.append(info["cost"])
+            over = terminated or truncated
+            assert info["costs"] == {"contact": info["cost"]}
+        assert costs == [0.0] * (len(costs) - 1) + [float(info["collision"])]
+        ends.add(info["collision"])
+        if len(ends) == 2:
+            break
+    assert ends == {True, False}
+
+
+def test_the_cost_is_the_sum_of_the_costs_asked_for():
+    envs = make_many(costs=("contact", "impact_speed"))
+    envs.reset(seed=7)
+    speeds = set()
+    while not speeds:
+        *_, info = envs.step(np.tile(FULL_THROTTLE, (3, 1)))
+        if not info:  # all of them began an episode
+            continue
+        hit = info["_cost"] & info["collision"]
+        np.testing.assert_array_equal(info["costs"]["contact"], hit)
+        np.testing.assert_allclose(info["cost"], info["costs"]["contact"] + info["costs"]["impact_speed"])
+        speeds |= set(info["costs"]["impact_speed"][hit].tolist())
+    assert all(0 < speed <= RULES.max_speed + 1e-4 for speed in speeds)
+
+
 def test_pictures_show_the_episode_as_it_goes(env):
     env.reset(seed=0)
     before = env.render()
@@ -204,6 +237,7 @@ def test_a_population_may_be_any_object_that_is_a_policy():
         ({"observation": "lidar"}, "no observation set 'lidar' for the driver"),
         ({"reward": "generous"}, "no recipe 'generous' to pay the driver by; there are: fast, paper"),
         ({"reward": {"luck": 1.0}}, "rewards.driver.luck is no reward term"),
+        ({"costs": ("noise",)}, "costs.driver.noise is no cost; there are: contact, impact_speed, critical_time"),
         ({"jaywalk_multiplier": -1.0}, "jaywalk_multiplier must be a finite number of 0 or more"),
     ],
 )

@@ -113,7 +113,7 @@ def test_places_tell_who_crosses_how(episodes, recorded, areas, street):
         "episodes", "kilometres", "hours", "speed_differential", "encounters", "surrogates", "surrogate_distributions",
         "contacts", "comfort", "near_misses", "left_out",
     }  # fmt: skip
-    assert "ending" in document["left_out"]["outcomes, attribution, passing, yielded, those who were hit"]
+    assert "ending" in document["left_out"]["outcomes, attribution, passing, impact_tail, yielded, those who were hit"]
     assert "fatal" not in document["surrogates"]["jaywalk"]
 
 

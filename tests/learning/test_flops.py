@@ -8,7 +8,7 @@ import pytest
 
 from jaxwalk import Street
 from jaxwalk.learning.actor import CHOSEN_PART
-from jaxwalk.learning.config import RoleConfig, TrainConfig
+from jaxwalk.learning.config import CostLimit, RoleConfig, TrainConfig
 from jaxwalk.learning.flops import Sizes, fit_flops, forward_flops, network_flops, passes, sizes_of
 from jaxwalk.recipes import FAST, PAPER
 from learning.games import ROLES, with_roles
@@ -71,6 +71,14 @@ def test_stand_ins_leave_fewer_rows():
 def test_a_role_that_does_not_learn_costs_nothing():
     alone = TrainConfig(ROLES | {"pedestrian": RoleConfig(fixed=1.0)}, **SMALL)
     assert set(network_flops(alone, SIZES).fits) == {"driver", "driver critic"}
+
+
+def test_a_limit_costs_another_critic():
+    limited = RoleConfig(limits=(CostLimit("contact", limit=0.01),))
+    plain, found = (network_flops(TrainConfig(ROLES | {"driver": x}, **SMALL), SIZES) for x in (RoleConfig(), limited))
+    assert found.fits == plain.fits | {"driver contact critic": plain.fits["driver critic"]}
+    assert found.acting == plain.acting
+    assert found.judging - plain.judging == pytest.approx(9 / 8 * forward_flops((5, 128, 128, 1)))
 
 
 def test_the_paper_recipe(street):

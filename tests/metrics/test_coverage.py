@@ -21,6 +21,7 @@ def test_intervals_of_counts_cover(name):
         "rate over training seeds, 5 seeds, 10 in each",
         "its test: no difference found, 5 seeds, 10 in each, scenarios differ",
         "contacts extrapolated from near misses, 10 of 2000, shape 0",
+        "speed in the worst contacts, 20 contacts of 2000",
     ],
 )
 def test_simulated_intervals_cover(name):

@@ -4,13 +4,25 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 
 from jaxwalk.cli.options import Train
 from jaxwalk.cli.train import make_experiment
 from jaxwalk.learning.config import GLOBAL
-from jaxwalk.recipes import BLIND_CORNER, FAST, PAPER, RECIPES, TOWN, single_agent
+from jaxwalk.metrics.injury import monfort_mueller_mais3
+from jaxwalk.recipes import (
+    BLIND_CORNER,
+    BLIND_CORNER_CVAR,
+    BLIND_CORNER_LAGRANGIAN,
+    FAST,
+    PAPER,
+    RECIPES,
+    TOWN,
+    single_agent,
+    with_limits,
+)
 from jaxwalk.sim.manoeuvres import AHEAD
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
@@ -34,7 +46,8 @@ def test_fast_networks_are_no_smaller_than_the_papers():
 
 
 def test_every_recipe_is_registered_under_its_name_and_pays_by_terms_that_exist():
-    assert list(RECIPES) == ["fast", "paper", "town", "blind-corner"]
+    limited = ["blind-corner-lagrangian", "blind-corner-cvar"]
+    assert list(RECIPES) == ["fast", "paper", "town", "blind-corner", *limited]
     for name, recipe in RECIPES.items():
         assert recipe.recipe == name
         assert recipe.driver_weights.keys() <= DRIVER_TERMS.keys()
@@ -50,6 +63,20 @@ def test_the_car_of_town_sees_further_than_it_needs_to_stop():
     stops_after = TOWN.sim.max_speed / TOWN.sim.max_braking
     assert stops_after < AHEAD
     assert TOWN.sim.max_speed * stops_after / 2 < POINTS[-1] * POINT_SPACING
+
+
+def test_recipes_with_limits_are_blind_corner_but_for_them():
+    for recipe in (BLIND_CORNER_LAGRANGIAN, BLIND_CORNER_CVAR):
+        assert replace(with_limits(recipe), recipe="blind-corner") == BLIND_CORNER
+        assert not recipe.train.roles["pedestrian"].limits
+    contact, critical = BLIND_CORNER_LAGRANGIAN.train.roles["driver"].limits
+    assert (contact.cost, contact.limit, critical.cost, critical.limit) == ("contact", 0.01, "critical_time", 0.1)
+    # a multiplier of 1 doubles what a contact costs
+    assert contact.worth == -BLIND_CORNER.driver_weights["collision"] * BLIND_CORNER.train.reward_scale
+    (tail,) = BLIND_CORNER_CVAR.train.roles["driver"].limits
+    assert (tail.cost, tail.limit, tail.tail) == ("impact_speed", 5.0, 0.99)
+    assert tail.worth * 15 / (1 - tail.tail) == pytest.approx(contact.worth)  # of a contact at 15 m/s
+    assert monfort_mueller_mais3(tail.limit) == pytest.approx(0.069, abs=5e-4)
 
 
 @pytest.mark.parametrize("recipe", [TOWN, BLIND_CORNER])

@@ -21,6 +21,7 @@ import numpy as np
 from scipy import stats
 
 from jaxwalk.metrics import clustered_share, crossed_mean, over_seeds, paired_difference, proportion, rate, rate_ratio
+from jaxwalk.metrics.impact_tail import LEVEL, tail_mean
 from jaxwalk.metrics.near_misses import THRESHOLDS, extrapolate
 from jaxwalk.metrics.statistics import episode_sums, ratio
 
@@ -59,6 +60,23 @@ def regimes() -> Iterator[Regime]:
     yield from _of_clusters()
     yield from _of_seeds()
     yield from _of_near_misses()
+    for expected in (10, 20, 60, 200):
+        data = f"{expected} contacts of {SCENARIOS}"
+        yield Regime("speed in the worst contacts", data, _worst(expected), (NEAR[0], 1.0))
+
+
+def _worst(expected: float) -> Callable[[np.random.Generator], bool]:
+    """Speeds of contacts are uniform; simulations with fewer than `FEW` contacts have no interval and count as held."""
+    rate, slowest, fastest = expected / SCENARIOS, 1.0, 12.0
+    edge = max(fastest - (fastest - slowest) * (1 - LEVEL) / rate, slowest)
+    truth = (edge + fastest) / 2 * min(rate / (1 - LEVEL), 1.0)
+
+    def covers(rng: np.random.Generator) -> bool:
+        hit = rng.random(SCENARIOS) < rate
+        found = tail_mean(np.where(hit, rng.uniform(slowest, fastest, SCENARIOS), 0))
+        return found.low is None or found.high is None or found.low <= truth <= found.high
+
+    return covers
 
 
 def _of_counts() -> Iterator[Regime]:

@@ -17,10 +17,13 @@ from jaxwalk.learning.critics import make_critics
 from jaxwalk.learning.experience import gather_views
 from jaxwalk.maps.routes import ROUTE_SPACING
 from jaxwalk.recipes import FAST
+from jaxwalk.sim.cost import counted
+from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.observation import AWARE, FOOTPRINT, MEMORY, part
 from jaxwalk.sim.perceived import KEPT
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
+from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, foresee
+from jaxwalk.sim.reward import Transition
 from jaxwalk.sim.sight import in_sight
 from jaxwalk.sim.sim_config import SimConfig
 from sim.hiding import BATCH, drawn, drive, hiding_street, look, play_on, x_ray
@@ -70,6 +73,34 @@ def test_critics_see_what_is_hidden_and_actors_do_not(hiding, scenarios, played)
     assert {name: list(seen) for name, seen in views.items()} == {
         "driver": ["global", FOOTPRINT, driver[0]], "pedestrian": ["kerb", kerb[0]]
     }  # fmt: skip
+
+
+def test_costs_go_by_the_truth(hiding, scenarios, played):
+    """Somebody stands 8 m ahead of a car at 12 m/s, and isn't seen: the car is charged all the same."""
+    (state, _), ahead = played, 8.0
+    car, leg, left = state.vehicle, state.pedestrian.leg, state.pedestrian.remaining[0]
+    end_x = leg.end_x.at[0].set(car.x + ahead * car.cos + leg.cos[0] * left)
+    end_y = leg.end_y.at[0].set(car.y + ahead * car.sin + leg.sin[0] * left)
+    nobody = jnp.zeros_like(state.perceived.now.seen)
+    fast = eqx.tree_at(
+        lambda s: (s.vehicle.speed, s.pedestrian.leg.end_x, s.pedestrian.leg.end_y, s.pedestrian.going,
+                   s.perceived.now.seen),
+        state, (jnp.full(BATCH, 12.0), end_x, end_y, jnp.zeros_like(state.pedestrian.going), nobody),
+    )  # fmt: skip
+
+    @eqx.filter_jit
+    def charged(state):
+        step = Transition(hiding.world, scenarios, state, state, None)
+        truth = foresee(hiding.world, scenarios, state.vehicle, state.pedestrian)
+        seen = foresee(hiding.world, scenarios, state.vehicle, state.pedestrian, state.perceived)
+        return counted(("critical_time",), step)["critical_time"], truth.conflict[HOLD], seen.conflict[HOLD]
+
+    cost, true, seen = map(np.asarray, charged(fast))
+    np.testing.assert_allclose(cost, 0.1 * (true < 1.5), rtol=1e-6)
+    # 2.25 m to the bumper, 0.25 m of body, 0.3 m of margin: 5.2 m in 0.43 s; it is looked at after 0.4 and 0.55 s
+    assert (true[true < 1.5] == np.float32(0.55)).all()
+    assert (true < 1.5).sum() > 8, "where the route doesn't turn off before them"
+    assert (seen == 3).all()
 
 
 def test_where_nobody_is_hidden_critics_and_actors_share_what_they_see():

@@ -86,7 +86,16 @@ class Line:
             "walker": {"pay": after * 1.0},
             "dog": {"pay": dogs[0] * 1.0 if self.broken == "pay" else dogs * 1.0},
         }
-        return after, Outcome(rewards, terminated, truncated, over, None)
+        return after, Outcome(rewards, terminated, truncated, over, None, self.costs(after))
+
+    def costs(self, after: Any) -> Any:
+        """What each broken one charges; the sound one charges the walker for its place."""
+        return {
+            "cost": {"dog": {"noise": jnp.abs(after)}},
+            "negative cost": {"walker": {"place": -1.0 - jnp.abs(after)}},
+            "whose cost": {"cat": {"place": jnp.abs(after)}},
+            "no cost": {},
+        }.get(self.broken, {"walker": {"place": jnp.abs(after) * 1.0}})
 
 
 class Sleepy(eqx.Module):
@@ -187,7 +196,8 @@ def test_our_sources_pass(small):
 
 
 def test_a_sound_environment_and_policy_pass():
-    check_environment(Line(), {"walker": ["place"], "dog": ["place"]})
+    for sound in ("", "no cost"):
+        check_environment(Line(sound), {"walker": ["place"], "dog": ["place"]})
     check_policy(Sleepy(), Line(), "walker")
 
 
@@ -204,6 +214,9 @@ def test_a_sound_environment_and_policy_pass():
         ("ended", "ended: an episode ends for everybody at once, but not for dog"),
         ("both", "an agent of walker is both at once"),
         ("pay", r"rewards: dog pay has shape \(4,\); it must be \(2, 4\)"),
+        ("cost", r"costs: dog noise has shape \(4,\); it must be \(2, 4\)"),
+        ("negative cost", "costs: walker place must be finite numbers of 0 or more"),
+        ("whose cost", "costs: it must have roles of walker, dog only"),
     ],
 )
 def test_a_broken_environment_is_told_what_it_breaks(broken, message):

@@ -57,9 +57,12 @@ class Game(eqx.Module):
         pedestrians: str | Path | Policy | None,
         driver_reward: Weights = "fast",
         pedestrian_reward: Weights = "fast",
+        driver_costs: Sequence[str] = (),
         **world: Unpack[WorldOptions],
     ) -> Game:
         """Return a game; ``driver`` and ``pedestrians`` are as for `player`, or None for a role played from outside.
+
+        ``driver_costs``: names of costs to count (`jaxwalk.sim.cost.DRIVER_COSTS`).
 
         Where people walk in groups, leaders of a named population decide for their group.
 
@@ -71,6 +74,7 @@ class Game(eqx.Module):
         street = Street.create(
             driver_weights=weights_of("driver", driver_reward),
             pedestrian_weights=weights_of("pedestrian", pedestrian_reward),
+            driver_costs=driver_costs,
             **world,
         )
         chosen = {"driver": driver, "pedestrian": pedestrians}

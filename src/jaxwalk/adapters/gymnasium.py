@@ -6,7 +6,7 @@ options of `StreetEnv` and `StreetVectorEnv`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -52,6 +52,7 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         observation: str = "route",
         pedestrians: str | Path | Policy = "always-go",
         reward: Weights = "fast",
+        costs: Sequence[str] = ("contact",),
         render_mode: str | None = None,
         **world: Unpack[WorldOptions],
     ) -> None:
@@ -61,6 +62,7 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             observation: the driver's observation set (``docs/adapters.md``).
             pedestrians: a rule or shipped policy by name, a policy file or a `Policy`.
             reward: name of the recipe that defines the car's reward, or weights of reward terms.
+            costs: names of the costs whose sum is ``info["cost"]`` (`jaxwalk.sim.cost.DRIVER_COSTS`).
             render_mode: ``rgb_array`` or None.
             world: ``maps``, ``jaywalk_multiplier`` and ``config`` (`WorldOptions`).
 
@@ -69,7 +71,7 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise AdapterError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
-        game = _game(pedestrians, reward, world)
+        game = _game(pedestrians, reward, costs, world)
         self.seat = Seat(game, 1, observation=observation, autoreset=NEVER)
         self.observation_space, self.action_space = _spaces(self.seat)
         self.render_mode = render_mode
@@ -99,6 +101,8 @@ class StreetEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             self.camera.add(self.seat.stream, seen.events)
         info: dict[str, Any] = dict(zip(EVENTS, seen.events[:, 0].tolist(), strict=True))
         info["rewards"] = dict(zip(self.seat.terms, seen.terms[:, 0].tolist(), strict=True))
+        info["costs"] = dict(zip(self.seat.costs, seen.costs[:, 0].tolist(), strict=True))
+        info["cost"] = float(seen.cost[0])
         ends = bool(seen.terminated[0]), bool(seen.truncated[0])
         return seen.observation[0], float(seen.reward[0]), *ends, info
 
@@ -124,6 +128,7 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         observation: str = "route",
         pedestrians: str | Path | Policy = "always-go",
         reward: Weights = "fast",
+        costs: Sequence[str] = ("contact",),
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **world: Unpack[WorldOptions],
     ) -> None:
@@ -137,7 +142,7 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             raise AdapterError(f"autoreset_mode must be NextStep or SameStep, not {mode.value}")
         self.metadata = {**self.metadata, "autoreset_mode": mode}
         self.num_envs = num_envs
-        game = _game(pedestrians, reward, world)
+        game = _game(pedestrians, reward, costs, world)
         self.seat = Seat(game, num_envs, observation=observation, autoreset=_MODES[mode])
         self.single_observation_space, self.single_action_space = _spaces(self.seat)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -160,8 +165,11 @@ class StreetVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return seen.observation, seen.reward, seen.terminated, seen.truncated, infos
 
 
-def _game(pedestrians: str | Path | Policy, reward: Weights, world: WorldOptions) -> Game:
-    return Game.create(driver=None, pedestrians=pedestrians, driver_reward=reward, pedestrian_reward={}, **world)
+def _game(pedestrians: str | Path | Policy, reward: Weights, costs: Sequence[str], world: WorldOptions) -> Game:
+    return Game.create(
+        driver=None, pedestrians=pedestrians, driver_reward=reward, pedestrian_reward={},
+        driver_costs=(costs,) if isinstance(costs, str) else costs, **world,
+    )  # fmt: skip
 
 
 def _spaces(seat: Seat) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
@@ -184,9 +192,11 @@ def _infos(seat: Seat, seen: Seen, mask: np.ndarray) -> dict[str, Any]:
     """Return the info in Gymnasium's layout: each column with a mask, 0 where the mask is false."""
     if not mask.any():
         return {}
-    events = zip(EVENTS, seen.events & mask, strict=True)
+    columns = [*zip(EVENTS, seen.events & mask, strict=True), ("cost", seen.cost * mask)]
     terms = zip(seat.terms, seen.terms * mask, strict=True)
-    return _masked(events, mask) | {"rewards": _masked(terms, mask), "_rewards": mask}
+    costs = zip(seat.costs, seen.costs * mask, strict=True)
+    parts = {"rewards": _masked(terms, mask), "_rewards": mask, "costs": _masked(costs, mask), "_costs": mask}
+    return _masked(columns, mask) | parts
 
 
 def _masked(columns: Iterable[tuple[str, np.ndarray]], mask: np.ndarray) -> dict[str, np.ndarray]:

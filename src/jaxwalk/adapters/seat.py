@@ -34,6 +34,8 @@ class Seen(NamedTuple):
     """Observation of the state after the step, with SAME_STEP only."""
     terms: Float[np.ndarray, "term env"]
     """Rewards of the step, in the order of `Seat.terms`."""
+    costs: Float[np.ndarray, "cost env"]
+    """Costs of the step, in the order of `Seat.costs`."""
     events: Bool[np.ndarray, "event env"]
     """How the episode ended, if it did, in the order of `EVENTS`."""
     valid: Bool[np.ndarray, "env"]
@@ -43,6 +45,11 @@ class Seen(NamedTuple):
     def reward(self) -> Float[np.ndarray, "env"]:
         """The sum of the terms."""
         return self.terms.sum(axis=0)
+
+    @property
+    def cost(self) -> Float[np.ndarray, "env"]:
+        """The sum of the costs."""
+        return self.costs.sum(axis=0)
 
     @property
     def terminated(self) -> Bool[np.ndarray, "env"]:
@@ -90,7 +97,7 @@ class Seat:
         if count < 1:
             raise AdapterError(f"the number of environments must be at least 1, not {count}")
         self.count, street = count, game.street
-        self.terms = tuple(street.weights["driver"])
+        self.terms, self.costs = tuple(street.weights["driver"]), street.costs
         self.low, self.high = bounds(street.world, "driver", observation)
         self.rules = SeatProgram(game, observation, autoreset)
         self.structure = jax.tree.structure(None)
@@ -135,8 +142,8 @@ class Seat:
         """
         features = len(self.low)
         both = self.rules.autoreset == SAME_STEP
-        blocks = np.split(packed, np.cumsum([features, features * both, len(self.terms), len(EVENTS)]))
-        observation, final, terms, events, (valid, broken) = blocks
+        sizes = [features, features * both, len(self.terms), len(self.costs), len(EVENTS)]
+        observation, final, terms, costs, events, (valid, broken) = np.split(packed, np.cumsum(sizes))
         if broken.any():
             where = f"environment {broken.argmax()}"
             raise AdapterError(f"pedestrians: an action isn't in its space ({where}); {ADVICE}")
@@ -144,6 +151,7 @@ class Seat:
             observation=observation.T.copy(),
             final=final.T.copy() if both else None,
             terms=terms.astype(np.float64),
+            costs=costs.astype(np.float64),
             events=events > 0,
             valid=valid > 0,
         )
@@ -173,7 +181,9 @@ def _step(
     if rules.autoreset != NEVER:
         stream = renew(rules.game, stream, stream.ended if final else stream.shown)
     terms, events = step.outcome.rewards["driver"], step.outcome.events
-    earned = [*terms.values(), *(getattr(events, name) for name in EVENTS), step.valid, ~step.record]
+    costs = [step.outcome.costs["driver"][name] for name in rules.game.street.costs]
+    ends = (getattr(events, name) for name in EVENTS)
+    earned = [*terms.values(), *costs, *ends, step.valid, ~step.record]
     rows = jnp.stack([row * step.valid for row in earned]).astype(jnp.float32)
     return jax.tree.leaves(_raw(stream)), jnp.concatenate([_observe(rules, stream), *final, rows])
 

@@ -142,7 +142,7 @@ def paired_over_seeds(ending: Ending, a: Sequence[Match], b: Sequence[Match]) ->
         ValueError: A and B have different training seeds, or the same ones in another order, or they did not play the
             same scenarios.
     """
-    a, b = _matched(a, b)
+    a, b = matched(a, b)
     ends_a, ends_b = (np.stack([_ended(match.rows, ending) for match in side]) for side in (a, b))
     difference, p = _difference(ends_a, ends_b)
     return PairedSeeds(
@@ -165,7 +165,7 @@ def paired_delay(a: Sequence[Match], b: Sequence[Match]) -> PairedDelay:
     Neither interval nor p-value with fewer training seeds than `FEWEST_SEEDS`. Raises ValueError as
     `paired_over_seeds` does.
     """
-    a, b = _matched(a, b)
+    a, b = matched(a, b)
     later = np.stack([delays(of_b.rows) - delays(of_a.rows) for of_a, of_b in zip(a, b, strict=True)])
     over, under = _known(later)
     found = over_seeds(over, under)
@@ -181,7 +181,7 @@ def paired_delay(a: Sequence[Match], b: Sequence[Match]) -> PairedDelay:
     )
 
 
-def _matched(a: Sequence[Match], b: Sequence[Match]) -> tuple[list[Match], list[Match]]:
+def matched(a: Sequence[Match], b: Sequence[Match]) -> tuple[list[Match], list[Match]]:
     """Return both sides with equally many matches: the only one of a side stands for every training seed.
 
     Raises:

@@ -45,9 +45,9 @@ class Measured:
                 del found[name]
         outcomes = found["outcomes"]
         if not {"ending", "touched"} <= self.known:
-            name = "outcomes, attribution, passing, yielded, those who were hit"
+            name = "outcomes, attribution, passing, impact_tail, yielded, those who were hit"
             left_out[name] = "the table has no column ending, touched"
-            del found["outcomes"], found["attribution"], found["passing"]
+            del found["outcomes"], found["attribution"], found["passing"], found["impact_tail"]
             found.get("approaches", {}).pop("yielded", None)
             for kind in found["encounters"]:
                 del found["encounters"][kind]["collided"]

@@ -67,13 +67,20 @@ def generalised_advantage(
     return found
 
 
-def normalised(x: Float[Array, "..."], weight: Float[Array, "..."], axis: Axis = ()) -> Float[Array, "..."]:
+def normalised(
+    x: Float[Array, "..."], weight: Float[Array, "..."], axis: Axis = (), unit: Float[Array, "..."] | None = None
+) -> Float[Array, "..."]:
     """Return the array shifted and scaled to weighted mean 0 and standard deviation 1; 0 where the weight is 0.
 
-    With ``axis``, mean and deviation are over the arrays of all shards.
+    With ``axis``, mean and deviation are over the arrays of all shards. With ``unit``, its standard deviation is the
+    divisor instead of the array's own.
     """
     weight = jnp.broadcast_to(weight, x.shape)
     total = jnp.maximum(jax.lax.psum(jnp.sum(weight), axis), 1.0)
-    mean = jax.lax.psum(jnp.sum(weight * x), axis) / total
-    variance = jax.lax.psum(jnp.sum(weight * (x - mean) ** 2), axis) / total
+
+    def mean_of(y: Array) -> Array:
+        return jax.lax.psum(jnp.sum(weight * y), axis) / total
+
+    mean = mean_of(x)
+    variance = mean_of((x - mean) ** 2 if unit is None else (unit - mean_of(unit)) ** 2)
     return jnp.where(weight > 0, (x - mean) * jax.lax.rsqrt(variance + 1e-8), 0.0)

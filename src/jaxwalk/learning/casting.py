@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Int
 
 from jaxwalk.acting import Cast, Player
-from jaxwalk.interfaces import Environment, Policy, Roles
+from jaxwalk.interfaces import Discrete, Environment, Policy, Roles
 from jaxwalk.learning.actor import Actor, Choice, decide
 from jaxwalk.learning.config import SNAPSHOTS, TrainConfig
 
@@ -60,6 +60,25 @@ def _columns(config: TrainConfig, role: str) -> Columns:
     if role != next(iter(config.roles)):
         parts = [slice(count - part.stop, count - part.start) for part in parts]
     return Columns(parts[0], tuple(parts[1:-1]), parts[-1])
+
+
+def check_roles(environment: Environment, config: TrainConfig, others: Roles[Policy | None]) -> None:
+    """Raise ValueError unless the roles are the environment's, and a policy is given where one is needed."""
+    wanted = list(environment.roles)
+    if list(config.roles) != wanted:
+        raise ValueError(f"roles must be the environment's, {', '.join(wanted)}, not {', '.join(config.roles)}")
+    for role in others:
+        if role not in wanted:
+            raise ValueError(f"others: no role is called {role}; there are: {', '.join(wanted)}")
+    for role, choice in config.roles.items():
+        given, share = others[role] is not None, choice.fixed
+        action = environment.roles[role].action
+        if choice.gated and not (isinstance(action, Discrete) and action.n == 2):
+            raise ValueError(f"gated: the {role} doesn't choose between 0 and 1, so it can't be gated")
+        if given and not share:
+            raise ValueError(f"others: the {role} learns everywhere (fixed is 0), so no fixed policy can play it")
+        if share and not given:
+            raise ValueError(f"others: a fixed policy must play the {role} (fixed is {share:g})")
 
 
 def learning_cast(

@@ -21,6 +21,39 @@ LAYERS = f"must be at most {MOST_LAYERS} numbers, each in [1, {MOST_UNITS}]"
 
 
 @dataclass(frozen=True)
+class CostLimit:
+    """A limit of one of the environment's costs, for each agent and episode. A PID controller enforces it.
+
+    ``docs/learning.md#limits`` has the formulas. An impossible value raises ValueError, which names the field.
+    """
+
+    cost: str
+    """Name of the cost in `jaxwalk.interfaces.Outcome.costs`."""
+    limit: float
+    """The largest mean cost of an episode, or with ``tail`` the largest mean over the worst episodes."""
+    worth: float = 1.0
+    """What a unit of the cost is worth at a multiplier of 1, in rewards as the learner sees them."""
+    tail: float = 0.0
+    """Above 0: the limit is one of the conditional value at risk at this level, the mean over the worst 1 - ``tail`` of
+    the episodes. Only for a cost that an episode has in no more than one step."""
+    proportional: float = 0.1
+    """Gain of the smoothed excess over the limit (OmniSafe, CPPOPID.yaml, as the next two) ..."""
+    integral: float = 0.01
+    """... of the sum of excesses ..."""
+    derivative: float = 0.01
+    """... and of the cost's rise."""
+
+    def __post_init__(self) -> None:
+        """Raise ValueError for a limit that can't be enforced."""
+        _require(self, bool(self.cost), "cost", "must name a cost")
+        for name in ("limit", "worth"):
+            _require(self, 0 < getattr(self, name) < math.inf, name, "must be a finite number above 0")
+        for name in ("proportional", "integral", "derivative"):
+            _require(self, 0 <= getattr(self, name) < math.inf, name, "must be a finite number of 0 or more")
+        _require(self, 0 <= self.tail < 1, "tail", "must lie in [0, 1)")
+
+
+@dataclass(frozen=True)
 class RoleConfig:
     """How one role learns. An impossible value raises ValueError, which names the field."""
 
@@ -52,6 +85,8 @@ class RoleConfig:
     action clipped to [-1, 1]. ``tanh``: noise is added first, then the sum is squashed. The paper does not say."""
     initial_std: float = 0.6
     """Continuous actions only: standard deviation of the noise at the start of training (the paper does not say)."""
+    limits: tuple[CostLimit, ...] = ()
+    """Limits of costs, each with a critic and a multiplier of its own. None: the role is paid only its reward."""
 
     def __post_init__(self) -> None:
         """Raise ValueError for a field that cannot be trained."""
@@ -67,6 +102,8 @@ class RoleConfig:
         _require(self, self.noise in ("clipped", "tanh"), "noise", 'must be "clipped" or "tanh"')
         _require(self, bool(self.observes) and self.observes != GLOBAL, "observes", "must name an observation set")
         _require(self, len(self.critic_observes) > 0, "critic_observes", "must name at least one observation set")
+        once = len({limit.cost for limit in self.limits}) == len(self.limits)
+        _require(self, once, "limits", "must be of different costs", None)
         for name in ("actor_hidden", "critic_hidden"):
             _require(self, _possible_layers(getattr(self, name)), name, LAYERS)
 
@@ -136,6 +173,8 @@ class TrainConfig:
         _require(self, alone, "fixed", "between 0 and 1 goes with individual credit only", None)
         alone = self.credit == "individual" or all(self.roles[role].early == 0 for role in self.roles)
         _require(self, alone, "early", "goes with individual credit only", None)
+        alone = self.credit == "individual" or not any(self.roles[role].limits for role in self.roles)
+        _require(self, alone, "limits", "go with individual credit only", None)
         divides = self.steps % self.minibatches == 0
         _require(self, divides, "minibatches", f"must divide steps ({self.steps})")
         divides = self.environments % self.shards == 0
@@ -154,6 +193,12 @@ class TrainConfig:
     def learning_roles(self) -> tuple[str, ...]:
         """Names of the roles that are trained."""
         return tuple(role for role, config in self.roles.items() if config.learns)
+
+    @property
+    def limits(self) -> dict[str, tuple[str, CostLimit]]:
+        """The limits of learning roles, each with its role, by the name of their critic: role and cost."""
+        pairs = ((role, limit) for role in self.learning_roles for limit in self.roles[role].limits)
+        return {f"{role} {limit.cost}": (role, limit) for role, limit in pairs}
 
 
 def own_environments(config: TrainConfig, role: str) -> int:

@@ -19,6 +19,7 @@ from jaxwalk.learning.experience import Views, critic_reads
 from jaxwalk.learning.fit import map_chunks, plan_chunks, take_rows
 from jaxwalk.learning.monitor import by_agent
 from jaxwalk.learning.networks import MLP, make_mlp
+from jaxwalk.learning.risk import Multiplier, charge
 from jaxwalk.rollout import Step
 
 FORWARD_CHUNKS = 4
@@ -36,6 +37,8 @@ class Critic(eqx.Module):
     """Observation sets of the role, and ``"global"``: names in the role's `Views`."""
     agents: tuple[int, ...] = eqx.field(static=True)
     """The agent axes of its values."""
+    cost: str | None = eqx.field(static=True, default=None)
+    """Name of the role's cost that it predicts; None: it predicts the reward."""
 
     def __call__(self, views: Views) -> Float[Array, "..."]:
         """Return the values ``(*agents, *batch)``."""
@@ -75,21 +78,26 @@ def critic_input(
 
 
 def make_critics(environment: Environment, config: TrainConfig, views: Views, key: Key[Array, ""]) -> dict[str, Critic]:
-    """Return untrained critics by name."""
+    """Return untrained critics by name: of the rewards, then of the costs that have limits."""
     shared = config.credit == "shared"
-    names = (SHARED,) if shared else config.learning_roles
+    of_rewards = {role: (role, None) for role in ((SHARED,) if shared else config.learning_roles)}
+    wanted = of_rewards | {name: (role, limit.cost) for name, (role, limit) in config.limits.items()}
     critics = {}
-    for name, k in zip(names, jax.random.split(key, len(names)), strict=True):
-        reads = (GLOBAL,) if shared else critic_reads(config.roles[name].critic_observes, views[name])
-        agents = () if shared else environment.roles[name].agents
-        hidden = config.shared_critic_hidden if shared else config.roles[name].critic_hidden
-        size = critic_input(views[name], reads, agents).shape[0]
-        critics[name] = Critic(make_mlp(k, (size, *hidden, 1), final_scale=1.0), name, reads, agents)
+    for (name, (role, cost)), k in zip(wanted.items(), jax.random.split(key, len(wanted)), strict=True):
+        reads = (GLOBAL,) if shared else critic_reads(config.roles[role].critic_observes, views[role])
+        agents = () if shared else environment.roles[role].agents
+        hidden = config.shared_critic_hidden if shared else config.roles[role].critic_hidden
+        size = critic_input(views[role], reads, agents).shape[0]
+        critics[name] = Critic(make_mlp(k, (size, *hidden, 1), final_scale=1.0), role, reads, agents, cost)
     return critics
 
 
-def estimate_advantages(shard: Shard, critic: Critic, played: Step, final: Views) -> Estimates:
+def estimate_advantages(
+    shard: Shard, name: str, critic: Critic, played: Step, final: Views, multipliers: dict[str, Multiplier]
+) -> Estimates:
     """Estimate the values of the rollout's states and of the ``final`` one after it, and the advantages.
+
+    ``name`` is the critic's. ``multipliers`` say what costs are charged.
 
     For a gated role, values are estimated only at decisions and at the ends of episodes. From those states alone a
     critic would learn nothing about others, in which a rollout may end: so it also learns from the rollout's first
@@ -105,7 +113,12 @@ def estimate_advantages(shard: Shard, critic: Critic, played: Step, final: Views
         final_shown = jnp.roll(played.valid & played.outcome.ended, 1, axis=0)
         values = _sparse_values(critic, views, decided, final_shown[:, own])
     valid = by_agent(played.valid[:, own], values)
-    reward = jnp.where(valid, _reward(config, critic.role, played, own), 0.0)
+    if critic.cost is None:
+        reward = _reward(config, critic.role, played, own)
+    else:
+        cost = played.outcome.costs[critic.role][critic.cost][..., own]
+        reward = charge(config.limits[name][1], multipliers[name], cost)
+    reward = jnp.where(valid, reward, 0.0)
     terminated, truncated = (end[..., own] for end in _ends(critic.role, played.outcome))
     found = generalised_advantage(
         Transitions(reward, terminated, truncated, valid, decided),

@@ -75,11 +75,12 @@ def network_flops(config: TrainConfig, sizes: Sizes) -> NetworkFlops:
         layers = _actor_layers(config, sizes, role)
         acting += acted_rows(config, sizes, role) * forward_flops(layers)
         fits[role] = passes(config, config.roles[role].epochs) * fitted_rows(config, sizes, role) * fit_flops(layers)
-    for name in (SHARED,) if config.credit == "shared" else config.learning_roles:
-        layers = _critic_layers(config, sizes, name)
-        epochs = max(config.roles[role].epochs for role in (config.learning_roles if name == SHARED else (name,)))
-        judging += judged_rows(config, sizes, name) * forward_flops(layers)
-        rows = 1 if name == SHARED else fitted_rows(config, sizes, name)
+    observers = {name: name for name in ((SHARED,) if config.credit == "shared" else config.learning_roles)}
+    for name, of in (observers | {name: role for name, (role, _) in config.limits.items()}).items():
+        layers = _critic_layers(config, sizes, of)
+        epochs = max(config.roles[role].epochs for role in (config.learning_roles if of == SHARED else (of,)))
+        judging += judged_rows(config, sizes, of) * forward_flops(layers)
+        rows = 1 if of == SHARED else fitted_rows(config, sizes, of)
         fits[f"{name} critic"] = passes(config, epochs) * rows * fit_flops(layers)
     return NetworkFlops(acting, judging, fits)
 

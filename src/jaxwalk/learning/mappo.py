@@ -10,6 +10,7 @@ Networks are the same on all devices, since sums go over all shards.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -21,16 +22,17 @@ from jax.sharding import PartitionSpec
 from jaxtyping import Array, Int, Key
 
 from jaxwalk.acting import ALL, fresh_memory, part_of
-from jaxwalk.interfaces import Discrete, Environment, Policy, Roles
+from jaxwalk.interfaces import Environment, Policy, Roles
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
-from jaxwalk.learning.casting import Shard, learning_cast, remember, shard_of, snapshots, whole
+from jaxwalk.learning.casting import Shard, check_roles, learning_cast, remember, shard_of, snapshots, whole
 from jaxwalk.learning.config import SHARED, TrainConfig
 from jaxwalk.learning.critics import Critic, Estimates, estimate_advantages, make_critics
 from jaxwalk.learning.experience import gather_views, recording_act
 from jaxwalk.learning.fit import Entries, Fit, fit, gated_part, learning_rate, optimiser, pack_weighted
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
 from jaxwalk.learning.monitor import all_finite, all_true, by_agent, episode_metrics, reward_metrics
+from jaxwalk.learning.risk import Multiplier, check_costs, constrained, fresh_multipliers, next_multipliers
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, waiting
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
 
@@ -44,7 +46,7 @@ class Learner(eqx.Module):
     actors: dict[str, Actor]
     """Actors by role, only of roles that learn."""
     critics: dict[str, Critic]
-    """Critics by role, or the one named ``shared``."""
+    """Critics by role, or the one named ``shared``; then those of costs, by role and cost."""
     early: dict[str, tuple[Actor, ...]]
     """By role, the actor as it was after each of `SNAPSHOTS` updates; empty if it plays nowhere."""
     actor_memories: dict[str, optax.OptState]
@@ -63,6 +65,8 @@ class Learner(eqx.Module):
     """Updates in the whole training, for annealing: `init` takes it from the configuration."""
     parked: tuple[Stream, ...] = ()
     """The episodes of further environments that train in turns with the first one (`jaxwalk.learning.turns`)."""
+    multipliers: dict[str, Multiplier] = eqx.field(default_factory=dict)
+    """The multipliers of limits, by the names of their critics (`TrainConfig.limits`)."""
 
 
 def init(
@@ -73,13 +77,15 @@ def init(
     ``others``: the policy of a role where its learner does not play; a role that is left out learns everywhere.
 
     Raises:
-        ValueError: the configuration's roles are not the environment's; a gated role does not choose between 0 and 1;
-            or ``others`` names a role that does not exist, lacks a policy that is needed, or has one that is not.
+        ValueError: the configuration's roles are not the environment's; a gated role does not choose between 0 and 1; a
+            cost that has a limit doesn't exist; or ``others`` names a role that does not exist, lacks a policy that is
+            needed, or has one that is not.
         ShardsError: there are fewer devices than shards.
     """
     given = others or {}
     others = {role: given.get(role) for role in config.roles}
-    _check_roles(environment, config, {**given, **others})
+    check_roles(environment, config, {**given, **others})
+    check_costs(environment, config)
     mesh = mesh_of(config.shards)
     learner = _untrained(environment, config, key, others)
     return place(learner, _partition_specs(learner), mesh)
@@ -113,6 +119,7 @@ def _untrained(
         key=shuffle_key,
         updates=jnp.zeros((), jnp.int32),
         planned=jnp.asarray(config.updates, jnp.int32),
+        multipliers=fresh_multipliers(config),
     )
     return jax.tree.map(_strongly_typed, learner)
 
@@ -149,11 +156,15 @@ def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[L
     act = recording_act(environment, shard, cast)
     stream, played = rollout(environment, act, learner.stream, config.steps, fresh_memory=memory)
     final = gather_views(environment, shard, stream.scenario, stream.state)
-    estimates = {name: estimate_advantages(shard, critic, played, final) for name, critic in learner.critics.items()}
-
+    multipliers, limit_metrics = next_multipliers(shard, learner.multipliers, played)
+    learner = replace(learner, multipliers=multipliers)
+    estimates = {
+        name: estimate_advantages(shard, name, critic, played, final, multipliers)
+        for name, critic in learner.critics.items()
+    }
     actors, actor_memories, actor_metrics = _improve_actors(environment, shard, learner, played, estimates)
     critics, critic_memories, critic_metrics = _improve_critics(config, learner, played, estimates)
-    metrics = actor_metrics | critic_metrics
+    metrics = actor_metrics | critic_metrics | limit_metrics
     metrics |= _rollout_metrics(shard, played)
     metrics["learning_rate"] = learning_rate(config, learner.updates, learner.planned)
     updates = learner.updates + 1
@@ -163,7 +174,7 @@ def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[L
     early = {role: remember(learner.early[role], actor, updates) for role, actor in actors.items()}
     learner = Learner(
         actors, critics, early, actor_memories, critic_memories, learner.others, stream, learner.key, updates,
-        learner.planned,
+        learner.planned, multipliers=multipliers,
     )  # fmt: skip
     return learner, metrics
 
@@ -201,24 +212,6 @@ def _sound_metrics(shard: Shard, played: Step, others: Roles[Policy | None]) -> 
     return metrics
 
 
-def _check_roles(environment: Environment, config: TrainConfig, others: Roles[Policy | None]) -> None:
-    wanted = list(environment.roles)
-    if list(config.roles) != wanted:
-        raise ValueError(f"roles must be the environment's, {', '.join(wanted)}, not {', '.join(config.roles)}")
-    for role in others:
-        if role not in wanted:
-            raise ValueError(f"others: no role is called {role}; there are: {', '.join(wanted)}")
-    for role, choice in config.roles.items():
-        given, share = others[role] is not None, choice.fixed
-        action = environment.roles[role].action
-        if choice.gated and not (isinstance(action, Discrete) and action.n == 2):
-            raise ValueError(f"gated: the {role} doesn't choose between 0 and 1, so it can't be gated")
-        if given and not share:
-            raise ValueError(f"others: the {role} learns everywhere (fixed is 0), so no fixed policy can play it")
-        if share and not given:
-            raise ValueError(f"others: a fixed policy must play the {role} (fixed is {share:g})")
-
-
 def _strongly_typed(x: Any) -> Any:
     """Return the array without JAX's weak type: the first `update` would lose it, and the second compile again."""
     numeric = eqx.is_array(x) and not jnp.issubdtype(x.dtype, jax.dtypes.prng_key)
@@ -237,7 +230,10 @@ def _improve_actors(
     config = shard.config
     actors, memories, metrics = {}, {}, {}
     for (role, actor), key in zip(learner.actors.items(), _shuffle_keys(learner, 0, len(learner.actors)), strict=True):
-        advantage = estimates[SHARED if config.credit == "shared" else role].advantage
+        of_reward = advantage = estimates[SHARED if config.credit == "shared" else role].advantage
+        limits = [name for name, (limited, _) in config.limits.items() if limited == role]
+        if limits:
+            advantage = constrained(advantage, [(learner.multipliers[x].value, estimates[x].advantage) for x in limits])
         choice, own = played.record.choices[role], shard.columns[role].own
         counts = by_agent(played.valid[:, own].astype(jnp.float32), advantage)
         counts = counts if choice.decided is None else counts * choice.decided
@@ -245,7 +241,7 @@ def _improve_actors(
             observation=played.record.views[role][actor.observes],
             raw=choice.raw,
             log_prob=choice.log_prob,
-            advantage=normalised(advantage, counts, SHARDS),
+            advantage=normalised(advantage, counts, SHARDS, of_reward if limits else None),
             weight=counts,
         )
         loss = partial(actor_loss, clip=config.clip, entropy=config.roles[role].entropy)
@@ -268,11 +264,11 @@ def _improve_critics(
         learner.critics.items(), _shuffle_keys(learner, 1, len(learner.critics)), strict=True
     ):
         found = estimates[name]
-        roles = config.learning_roles if name == SHARED else (name,)
+        roles = config.learning_roles if name == SHARED else (critic.role,)
         loss = partial(critic_loss, coefficient=config.value_coefficient)
         data = Targets(critic.select(played.record.views), found.target, found.weight)
         settings = _fit_settings(config, learner, max(config.roles[role].epochs for role in roles), critic.agents, data)
-        if name != SHARED and config.roles[name].gated:
+        if name != SHARED and config.roles[critic.role].gated:
             data, settings = _only_decisions(data, settings)
         critics[name], memories[name], report = fit(settings, loss, critic, learner.critic_memories[name], data, key)
         metrics |= {f"{name}/critic_{key}": x for key, x in report.items()}

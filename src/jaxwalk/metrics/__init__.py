@@ -12,6 +12,7 @@ from jaxwalk.metrics.decisions import JAYWALK_RATE
 from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.gaps import GAPS
+from jaxwalk.metrics.impact_tail import IMPACT_TAIL
 from jaxwalk.metrics.interventions_by_shield import SHIELD_INTERVENTIONS
 from jaxwalk.metrics.measurement import Summary, measure, summarise
 from jaxwalk.metrics.meetings import MEETINGS
@@ -38,6 +39,7 @@ __all__ = [
     "ENCOUNTERS",
     "FEWEST_SEEDS",
     "GAPS",
+    "IMPACT_TAIL",
     "JAYWALK_RATE",
     "MEETINGS",
     "METRICS",

@@ -12,6 +12,7 @@ from jaxwalk.metrics.decisions import JAYWALK_RATE
 from jaxwalk.metrics.delay import DELAY
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.gaps import GAPS
+from jaxwalk.metrics.impact_tail import IMPACT_TAIL
 from jaxwalk.metrics.interventions_by_shield import SHIELD_INTERVENTIONS
 from jaxwalk.metrics.metric import Metric
 from jaxwalk.metrics.near_misses import NEAR_MISSES
@@ -39,6 +40,7 @@ METRICS: tuple[Metric[Any, Any], ...] = (
     MEASURED_CONTACTS,
     NEAR_MISSES,
     SHIELD_INTERVENTIONS,
+    IMPACT_TAIL,
 )
 """Add new metrics at the end: the last bit of a sum depends on the position of its column, and published numbers must
 not change."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from jaxwalk.learning.config import TrainConfig, own_environments
+from jaxwalk.learning.config import CostLimit, TrainConfig, own_environments
 from jaxwalk.sim.sim_config import SimConfig, check_multiplier
 
 LONGEST = 1_000_000
@@ -85,3 +85,9 @@ def with_training(experiment: Experiment, **changes: Any) -> Experiment:
     """Return the same experiment with other values in its `TrainConfig`. None leaves a field unchanged."""
     changes = {name: value for name, value in changes.items() if value is not None}
     return replace(experiment, train=replace(experiment.train, **changes))
+
+
+def with_limits(experiment: Experiment, *limits: CostLimit) -> Experiment:
+    """Return the same experiment with these limits of the car's costs."""
+    roles = experiment.train.roles
+    return with_training(experiment, roles={**roles, "driver": replace(roles["driver"], limits=limits)})

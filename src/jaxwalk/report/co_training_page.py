@@ -9,8 +9,8 @@ from jaxwalk.evaluation.results import Results
 from jaxwalk.evaluation.training_seeds import Ending
 from jaxwalk.metrics import FEWEST_SEEDS, holm
 from jaxwalk.report.material import ALWAYS_GO
-from jaxwalk.report.seed_tables import paired_table
-from jaxwalk.report.table import Table, markdown_table, p_value, shown
+from jaxwalk.report.seed_tables import delay_table, paired_table
+from jaxwalk.report.table import Table, markdown_table, shown
 from jaxwalk.wording import counted
 
 ALONE, PURE, MIXED, STAND_INS = "alone", "pure", "mixed", "-stand-ins"
@@ -59,7 +59,11 @@ def page(results: Results, *, updates: int) -> str:
     for people in _populations(results):
         parts += [f"## Among {people}", _markdown(_drivers(results, people))]
     against, factors = ([x for x in results.paired if (x.a.driver == ALONE) == alone] for alone in (True, False))
-    parts += ["## Against the car alone", _markdown(paired_table(against)), _markdown(_delays(results))]
+    parts += [
+        "## Against the car alone",
+        _markdown(paired_table(against)),
+        _markdown(delay_table(results.paired_delays)),
+    ]
     parts += ["## One treatment at a time", _markdown(paired_table(factors))]
     return "\n\n".join(parts) + "\n"
 
@@ -141,16 +145,6 @@ def _drivers(results: Results, people: str) -> Table:
         each = ", ".join(f"{100 * value:.2f}" for value in touched.each if value is not None)
         rates = shown(touched.mean, digits=2), each, shown(found.goal_rate.mean, digits=2)
         rows.append((found.driver, *rates, shown(found.mean_delay.mean, 1.0, 2), shown(found.waited_share.mean)))
-    return Table(columns, tuple(rows))
-
-
-def _delays(results: Results) -> Table:
-    columns = ("of", "A", "B", "people", "B minus A [s]", "p", "p, Holm")
-    adjusted = iter(holm([x.p for x in results.paired_delays if x.p is not None]))
-    rows = []
-    for found in results.paired_delays:
-        tested = p_value(found.p), p_value(None if found.p is None else next(adjusted))
-        rows.append(("delay", found.a, found.b, found.pedestrians, shown(found.difference, 1.0, 2), *tested))
     return Table(columns, tuple(rows))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from jaxwalk.evaluation.document_parts import Interval, PairedSeeds
+from jaxwalk.evaluation.document_parts import Interval, PairedDelay, PairedSeeds
 from jaxwalk.metrics import ATTRIBUTION, DELAY, SPEED_DIFFERENTIAL, holm
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.material import CO_TRAINED, SINGLE_AGENT, Material
@@ -41,6 +41,17 @@ def paired_table(paired: Sequence[PairedSeeds]) -> Table:
     columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p", "p, Holm")
     adjusted = iter(holm([found.p for found in paired if found.p is not None]))
     rows = ((*_pair(found), p_value(None if found.p is None else next(adjusted))) for found in paired)
+    return Table(columns, tuple(rows))
+
+
+def delay_table(paired: Sequence[PairedDelay]) -> Table:
+    """Return a row for each result of `jaxwalk.evaluation.paired_delay`; Holm's p covers all tests."""
+    columns = ("of", "A", "B", "people", "B minus A [s]", "p", "p, Holm")
+    adjusted = iter(holm([found.p for found in paired if found.p is not None]))
+    rows = []
+    for found in paired:
+        tested = p_value(found.p), p_value(None if found.p is None else next(adjusted))
+        rows.append(("delay", found.a, found.b, found.pedestrians, shown(found.difference, 1.0, 2), *tested))
     return Table(columns, tuple(rows))
 
 

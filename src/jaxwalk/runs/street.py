@@ -13,6 +13,7 @@ from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.recipes import Experiment, with_training
 from jaxwalk.shards import everywhere, mesh_of
+from jaxwalk.sim.cost import DRIVER_COSTS, PAID_ONCE
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import OBSERVATIONS
 
@@ -32,9 +33,10 @@ def make_street(experiment: Experiment, maps: Sequence[MapText] | None = None) -
 
     Raises:
         MapError: a map is wrong.
-        WorldError: what agents are paid for, or are shown, doesn't exist.
+        WorldError: what agents are paid for, are shown, or have a limit of, doesn't exist.
     """
     _check_sets(experiment)
+    _check_limits(experiment)
     try:
         return _street(experiment, experiment.maps if maps is None else maps)
     except MapError:
@@ -57,12 +59,14 @@ def on_devices(street: Street, experiment: Experiment) -> tuple[Street, ...]:
 
 
 def _street(experiment: Experiment, maps: Sequence[str | MapText]) -> Street:
+    """Return the street, which counts the costs that have limits."""
     return Street.create(
         maps,
         experiment.sim,
         jaywalk_multiplier=experiment.jaywalk_multiplier,
         driver_weights=experiment.driver_weights,
         pedestrian_weights=experiment.pedestrian_weights,
+        driver_costs=[limit.cost for _, limit in experiment.train.limits.values()],
     )
 
 
@@ -80,10 +84,18 @@ def _check_sets(experiment: Experiment) -> None:
         raise WorldError(f"crowds: train.credit must be individual, as the shared critic sees {GLOBAL!r}, {COUNTS}")
 
 
+def _check_limits(experiment: Experiment) -> None:
+    """Raise WorldError for limits of what the street doesn't count, and tails of costs that aren't paid once."""
+    for role, limit in experiment.train.limits.values():
+        _check_named(f"train.roles.{role}.limits", [limit.cost], DRIVER_COSTS if role == "driver" else ())
+        if limit.tail and limit.cost not in PAID_ONCE:
+            raise WorldError(f"train.roles.{role}.limits: tail must be 0 but for {', '.join(PAID_ONCE)}")
+
+
 def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> None:
     for name in names:
         if name not in known:
-            raise WorldError(f"{field} must be one of {', '.join(known)}, not {name!r}")
+            raise WorldError(f"{field} must be one of {', '.join(known) or 'none'}, not {name!r}")
 
 
 def shared_out(experiment: Experiment) -> Experiment:

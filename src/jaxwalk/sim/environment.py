@@ -15,7 +15,7 @@ from jaxtyping import Array, Float, Key
 
 from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec, View
 from jaxwalk.maps import MapText
-from jaxwalk.sim import observation, pedestrian, reward, scenario, vehicle
+from jaxwalk.sim import cost, observation, pedestrian, reward, scenario, vehicle
 from jaxwalk.sim.events import Events, arrives, touching
 from jaxwalk.sim.perceived import Perceived
 from jaxwalk.sim.perception import first_perceived, perceive
@@ -32,6 +32,8 @@ class Street(eqx.Module):
     world: World
     weights: Roles[dict[str, Float[Array, ""]]]
     """The weights of the reward terms that are paid, by role and name."""
+    costs: tuple[str, ...] = eqx.field(static=True, default=())
+    """Names of the car's costs that are counted (`jaxwalk.sim.cost.DRIVER_COSTS`)."""
 
     @classmethod
     def create(
@@ -42,22 +44,24 @@ class Street(eqx.Module):
         jaywalk_multiplier: float | None = None,
         driver_weights: Mapping[str, float] | None = None,
         pedestrian_weights: Mapping[str, float] | None = None,
+        driver_costs: Sequence[str] = (),
     ) -> Street:
-        """Return a street on the maps that pays the given reward terms (default: none).
+        """Return a street on the maps that pays the given reward terms and counts the given costs (default: none).
 
         Maps are bundled names, files, generated streets (``test:20``, ``test-2000000003``; docs/streets.md) or texts.
         A ``jaywalk_multiplier`` replaces that of ``config``.
 
-        Raise MapError for a wrong map, and ValueError for a reward term that doesn't exist, a negative multiplier, or
-        roads that are too narrow for ``offroad_margin``.
+        Raise MapError for a wrong map, and ValueError for a reward term or a cost that doesn't exist, a negative
+        multiplier, or roads that are too narrow for ``offroad_margin``.
         """
         weights = {"driver": dict(driver_weights or {}), "pedestrian": dict(pedestrian_weights or {})}
         reward.check_weights(weights["driver"], weights["pedestrian"])
+        cost.check_costs(driver_costs)
         rules = config or SimConfig()
         if jaywalk_multiplier is not None:
             rules = replace(rules, jaywalk_multiplier=jaywalk_multiplier)
         world = World.create(maps, rules)
-        return cls(world, jax.device_put(jax.tree.map(np.float32, weights)))
+        return cls(world, jax.device_put(jax.tree.map(np.float32, weights)), tuple(driver_costs))
 
     @property
     def config(self) -> SimConfig:
@@ -139,6 +143,7 @@ class Street(eqx.Module):
             truncated={"driver": events.timeout, "pedestrian": ended[None] & ~events.touched},
             ended=ended,
             events=events,
+            costs={"driver": cost.counted(self.costs, transition)} if self.costs else {},
         )
 
     def _state(

@@ -59,10 +59,23 @@ def motion_of_people(world: World, scenario: Scenario, state: State) -> Motion:
 
 def clearance_at_held_speed(world: World, scenario: Scenario, state: State) -> Array:
     """Return the clearance predicted if the car holds its speed [m], from people as they are: ``(*batch)``."""
+    return _predicted_from_truth(world, scenario, state)[0][HOLD]
+
+
+def conflict_at_held_speed(world: World, scenario: Scenario, state: State) -> Array:
+    """Return the time until the first conflict if the car holds its speed [s], from people as they are: ``(*batch)``.
+
+    It is at most `jaxwalk.sim.manoeuvres.AHEAD`.
+    """
+    return _predicted_from_truth(world, scenario, state)[1][HOLD]
+
+
+def _predicted_from_truth(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:
+    """Return ``clearance`` and ``conflict`` of a `Foresight` from people as they are."""
     if state.perceived is None:
-        return state.foresight.clearance[HOLD]
+        return state.foresight.clearance, state.foresight.conflict
     moment = Moment(world, scenario, state)
-    return predict(moment, motion_of_people(world, scenario, state), world.rules.contact)[0][HOLD]
+    return predict(moment, motion_of_people(world, scenario, state), world.rules.contact)
 
 
 def people_ahead(world: World, scenario: Scenario, state: State) -> tuple[Array, Array]:

@@ -151,8 +151,12 @@ def _check_outcome(environment: Environment, outcome: Outcome) -> None:
     for part in ("rewards", "terminated", "truncated"):
         found = getattr(outcome, part)
         require(set(found) == set(roles), f"{part}: it must have the roles {', '.join(roles)}, not {', '.join(found)}")
+    require(set(outcome.costs) <= set(roles), f"costs: it must have roles of {', '.join(roles)} only")
     for role, spec in roles.items():
         shape = (*spec.agents, BATCH)
+        for name, cost in outcome.costs.get(role, {}).items():
+            require(cost.shape == shape, f"costs: {role} {name} has shape {cost.shape}; it must be {shape}")
+            require(finite(cost) and (cost >= 0).all(), f"costs: {role} {name} must be finite numbers of 0 or more")
         for name, term in outcome.rewards[role].items():
             require(term.shape == shape, f"rewards: {role} {name} has shape {term.shape}; it must be {shape}")
             require(finite(term), f"rewards: {role} {name} has a number that isn't finite")

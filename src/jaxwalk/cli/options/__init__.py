@@ -5,9 +5,9 @@ from jaxwalk.cli.options.for_drivers import Export, Observations
 from jaxwalk.cli.options.for_exchange import Measure, Scenario, Tracks
 from jaxwalk.cli.options.for_playing import Evaluate, Play, Report, Share
 from jaxwalk.cli.options.for_streets import Streets
-from jaxwalk.cli.options.for_training import CoTraining, Generalisation, HiddenIntent, Reproduce, Train
+from jaxwalk.cli.options.for_training import CoTraining, Generalisation, HiddenIntent, Reproduce, RiskAware, Train
 
 __all__ = [
     "Bench", "CoTraining", "Evaluate", "Export", "Generalisation", "HiddenIntent", "Measure", "Observations", "Play",
-    "Report", "Reproduce", "Scenario", "Share", "Streets", "Tracks", "Train",
+    "Report", "Reproduce", "RiskAware", "Scenario", "Share", "Streets", "Tracks", "Train",
 ]  # fmt: skip

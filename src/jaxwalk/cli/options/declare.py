@@ -34,5 +34,7 @@ def option(default: str, kind: str | None = None, name: str | None = None) -> An
 
 def tuned(name: str, kind: str) -> Any:
     """Return how ``--help`` shows an option that is a field of `TrainConfig`: its default is the recipe's."""
-    values = ", ".join(f"{recipe} {getattr(experiment.train, name):g}" for recipe, experiment in RECIPES.items())
-    return option(f"the recipe's: {values}", kind)
+    values = {recipe: f"{getattr(experiment.train, name):g}" for recipe, experiment in RECIPES.items()}
+    usual = next(iter(values.values()))
+    others = (f"{recipe} {value}" for recipe, value in values.items() if value != usual)
+    return option(f"the recipe's: {', '.join((usual, *others))}", kind)

@@ -22,7 +22,8 @@ class Train:
     """Resume the training in this run folder, with its own configuration."""
     recipe: Recipe = "fast"
     """fast: whatever learns best; paper: the paper's networks, rewards and numbers; town: fast on 64 generated streets,
-    in the world town."""
+    in the world town; blind-corner: the same where people are hidden, -lagrangian with limits of contacts, -cvar of the
+    speed in the worst ones."""
     seed: Annotated[int, option("0", "N")] = 0
     """Seed of networks, scenarios and actions."""
     updates: Annotated[int | None, tuned("updates", "N")] = None
@@ -158,3 +159,24 @@ class Generalisation:
     """Scenarios for each driver and set of streets."""
     seed: Annotated[int, option("60", "N")] = 60
     """Seed of the scenarios, and the first training seed; nothing was tuned on 60."""
+
+
+@dataclass(frozen=True)
+class RiskAware:
+    """Does learning with limits of costs make a car whose worst contacts are slower?
+
+    Trains recipe blind-corner without limits, with limits of contacts (blind-corner-lagrangian) and with one of the
+    speed in the worst contacts (blind-corner-cvar), equally long for each training seed, and plays all of them and the
+    clearance rule on the same scenarios. Run it again to continue after an interruption: what is finished is kept.
+    """
+
+    out: Annotated[Path, option("runs/risk-aware", "DIR")] = Path("runs/risk-aware")
+    """Folder for everything; read risk-aware.md in it."""
+    seeds: Annotated[int, option("5", "N")] = 5
+    """Number of training seeds: seed, seed + 1, and so on; fewer than 5 judge nothing."""
+    updates: Annotated[int, option("300", "N")] = 300
+    """Updates of each training."""
+    episodes: Annotated[int, option("4000", "N")] = 4000
+    """Scenarios for each driver; a hundredth of them are the worst ones."""
+    seed: Annotated[int, option("90", "N")] = 90
+    """Seed of the scenarios, and the first training seed; nothing was tuned on 90."""

@@ -1,0 +1,89 @@
+"""Measure how fast the car is in the contacts of its worst episodes: a rare fast one counts as much as many slow ones.
+
+The conditional value at risk (Rockafellar and Uryasev, 2000) of the car's speed in the contact that ends an episode; an
+episode without a contact has 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Shaped
+from scipy import stats
+
+from jaxwalk.metrics.counts import FEW
+from jaxwalk.metrics.metric import Metric, NoRows, Rows, Sums
+from jaxwalk.metrics.outcomes import OUTCOMES
+from jaxwalk.metrics.statistics import CONFIDENCE, Estimate
+
+LEVEL = 0.99
+"""The tail is the worst 1 - this of the episodes."""
+
+
+@dataclass(frozen=True)
+class ImpactTail:
+    """The speeds of the car in contacts, over all episodes."""
+
+    worst_hundredth: Estimate
+    """Mean over the worst hundredth of the episodes, those with the fastest contacts [m/s]; 0 without any. The count is
+    the number of them with a contact."""
+    exceeded_by_a_hundredth: float
+    """The value at risk: the slowest speed of those episodes [m/s]."""
+    mean: float
+    """Mean over all episodes [m/s]."""
+
+
+def impact_speeds(rows: Rows) -> Float[np.ndarray, "episode"]:
+    """Return the speed of the car in the contact that ends each episode [m/s]; 0 where none does."""
+    return np.nan_to_num(rows[OUTCOMES].impact_speed.astype(np.float64))
+
+
+def value_at_risk(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> float:
+    """Return the smallest of the largest 1 - ``level`` of the values."""
+    edge = len(values) - _beyond(len(values), level)
+    return float(np.partition(values, edge)[edge])
+
+
+def _beyond(count: int, level: float) -> int:
+    """Return how many of a number of values are at least partly among the largest 1 - ``level``."""
+    return max(math.ceil(count * (1 - level) - 1e-9), 1)
+
+
+def tail_parts(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> Float[np.ndarray, "episode"]:
+    """Return what each value adds to the mean of the largest 1 - ``level`` of them, which is the mean of these parts.
+
+    With v the value at risk: v + max(x - v, 0) / (1 - level) (Rockafellar and Uryasev 2000, theorem 1). A value at the
+    edge of the tail counts by the share of it that is in the tail.
+    """
+    edge = value_at_risk(values, level)
+    return edge + np.maximum(np.asarray(values, np.float64) - edge, 0) / (1 - level)
+
+
+def tail_mean(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> Estimate:
+    """Return the mean of the largest 1 - ``level`` of independent values, which are 0 or more, with its interval.
+
+    The count is the number of values above 0 among them. The interval is Student's of `tail_parts` on the scale of
+    logarithms, with the degrees of freedom of that number: the rest of the values says nothing about the tail's spread.
+    There is none for fewer than `FEW`.
+    """
+    values = np.asarray(values, np.float64)
+    parts = tail_parts(values, level)
+    count, mean = min(int((values > 0).sum()), _beyond(len(values), level)), float(parts.mean())
+    if count < FEW or np.ptp(parts) == 0:
+        return Estimate(mean, None, None, count)
+    error = float(parts.std(ddof=1)) / math.sqrt(len(parts))
+    half = float(stats.t.ppf((1 + CONFIDENCE) / 2, count - 1)) * error / mean
+    return Estimate(mean, mean * math.exp(-half), mean * math.exp(half), count)
+
+
+def summarise_impacts(rows: Rows, sums: Sums) -> ImpactTail:
+    """Return the speeds in the contacts of the worst episodes."""
+    speeds = impact_speeds(rows)
+    return ImpactTail(tail_mean(speeds), value_at_risk(speeds), float(speeds.mean()))
+
+
+IMPACT_TAIL = Metric(
+    name="impact_tail", measure=lambda recording: NoRows(), needs=(OUTCOMES,), summarise=summarise_impacts
+)
