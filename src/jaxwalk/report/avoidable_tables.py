@@ -41,7 +41,7 @@ def judged(cells: Named) -> Table:
     """Return which driver in the car's place would have avoided the collisions."""
     columns = (
         "driver", "contact", "replayed", "preventable %", "only by an oracle %", "unavoidable %", "seen for [s]",
-        "from the start: preventable %", "only by an oracle %", "unavoidable %",
+        "from the start: preventable %", "from the start: only by an oracle %", "from the start: unavoidable %",
     )  # fmt: skip
     rows = [
         (name, kind, count, *_judgements(part.judged), shown(part.seen_for, 1.0), *_judgements(part.judged_from_start))
