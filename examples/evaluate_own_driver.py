@@ -49,3 +49,5 @@ hits = find_hits(slow).first(8)
 found = summarise_counterfactuals(counterfactuals(street, cautious, scenarios, hits, batch=64))
 shares = ", ".join(f"{label} {rate.successes}" for label, rate in found.all.labels.items())
 print(f"of {found.replayed} collisions replayed, avoidable by: {shares}")
+judged = found.all.judged
+print(f"a careful human would have avoided {judged.human.successes}, only an oracle {judged.oracle.successes}")

@@ -106,7 +106,7 @@ def test_an_evaluation_repeats_itself(place, capsys):
     assert capsys.readouterr().out == first
     assert (place / "kept" / "results.json").read_text() == first
     document = json.loads(first)
-    assert document["schema"] == 4
+    assert document["schema"] == 5
     assert document["scenarios"].keys() == {"seed", "count", "hash"}
     assert document["cells"][0]["goal_rate"].keys() == {"value", "low", "high"}
     rows = (place / "kept" / "episodes.csv").read_text().splitlines()
@@ -194,6 +194,12 @@ def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys)
     assert "| rule-based among always-go |" in suite and "Made at commit" in suite
     document = json.loads((place / "kept" / "results.json").read_text())
     assert all("counterfactuals" in cell for cell in document["cells"])
+    for cell in document["cells"]:
+        judged = cell["counterfactuals"]["all"]["judged"]["human"]
+        assert cell["preventable_share"] == {name: judged[name] for name in ("value", "low", "high")}
+    assert "preventable %" in out
+    assert out.count("no contact was replayed") == suite.count("no contact was replayed") > 0
+    assert "## Would a careful human have avoided it?" in suite
     compared = document["compared"]
     for one in compared:
         assert one["in_words"] in suite and one["in_words"] in out
@@ -233,7 +239,7 @@ def test_play_makes_a_page_of_several_drivers_and_scenarios(place, capsys):
 
 @pytest.mark.long
 def test_a_report_on_a_driver(place, capsys):
-    command = "report route-follower --pedestrians always-go --episodes 40 --incidents 3 --out mine"
+    command = "report route-follower --pedestrians always-go --episodes 40 --incidents 3 --counterfactuals 2 --out mine"
     assert main(command.split()) == 0
     assert capsys.readouterr().out == "Open mine/report.html\n"
     folder = place / "mine"

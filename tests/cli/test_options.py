@@ -13,6 +13,7 @@ COUNTS = {
     "counterfactuals": "evaluate --driver random --counterfactuals",
     "tracks": "tracks --driver random --episodes",
     "report": "report random --episodes",
+    "report counterfactuals": "report random --counterfactuals",
     "incidents": "report random --incidents",
     "reproduce": "reproduce --out r --episodes",
     "reproduce updates": "reproduce --out r --updates",

@@ -19,7 +19,7 @@ from jaxwalk.evaluation import (
     play,
     with_jaywalk_multiplier,
 )
-from jaxwalk.evaluation.counterfactual import find_hits
+from jaxwalk.evaluation.hits import find_hits
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.metrics.crossings import CROSSINGS
@@ -215,6 +215,20 @@ def test_nearly_all_could_be_avoided(table):
     assert not table.brake[table.notice < 0.5].any()
 
 
+def test_a_careful_human_takes_over_when_somebody_is_seen(table, hits):
+    """Who is seen in frame 0 is seen from the start: then both replays are the same one."""
+    steps = hits[OUTCOMES].steps[hits[OUTCOMES].collision]
+    assert ((table.seen_for >= 0) & (table.seen_for * 10 <= steps + 1e-6)).all()
+    at_once = np.isclose(table.seen_for * 10, steps)
+    assert 0 < at_once.sum() < len(at_once)
+    for driver in ("human", "planner"):
+        when_seen, from_start = getattr(table, f"{driver}_when_seen"), getattr(table, f"{driver}_from_start")
+        np.testing.assert_array_equal(when_seen[at_once], from_start[at_once])
+    assert 0.2 < table.human_when_seen.mean() < 1
+    assert {"human", "oracle"} <= set(table.judged)
+    assert set(table.judged_from_start) == {"human", "oracle"}, "the oracle avoids all of them"
+
+
 def assert_same_rows(a, b, order=slice(None)):
     for name in COLUMNS:
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name)[order], err_msg=name)
@@ -271,6 +285,7 @@ def test_who_steps_out_right_before_the_car_cannot_be_spared(often):
     assert not (found.brake | found.planner).any()
     assert found.wait.mean() > 0.7
     assert set(found.label) <= {"pedestrian", "unavoidable"}
+    assert found.human_when_seen.mean() < 0.5, "it doesn't brake for who stands at the kerb"
 
 
 @pytest.mark.long

@@ -11,7 +11,7 @@ import shapely
 from jaxwalk import Street
 from jaxwalk.cli import main
 from jaxwalk.evaluation import counterfactuals, evaluate, play, walk_ghosts, with_jaywalk_multiplier
-from jaxwalk.evaluation.counterfactual import find_hits
+from jaxwalk.evaluation.hits import find_hits
 from jaxwalk.exports.drawn_episode import draw_episode
 from jaxwalk.exports.replays import recording
 from jaxwalk.exports.scenario_files import export_scenario

@@ -25,7 +25,7 @@ def test_the_document_is_as_promised(compared):
     results, rows = compared
     document = json.loads(results.to_json(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
     assert list(document) == ["schema", "scenarios", "street", "cells"]
-    assert document["schema"] == 4
+    assert document["schema"] == 5
     assert document["scenarios"] == {"seed": 7, "count": 24, "hash": results.scenarios.hash}
     assert document["street"]["maps"] == [{"name": "paper", "hash": read_map("paper").hash}]
     assert document["street"]["sim"] == json.loads(json.dumps(asdict(SimConfig())))
@@ -43,6 +43,7 @@ def test_the_document_is_as_promised(compared):
         assert cell[name]["low"] <= cell[name]["value"] <= cell[name]["high"]
     assert cell["goal_rate"]["value"] == rows["route-follower", "always-go"][OUTCOMES].goal.mean()
     assert sum(cell[name]["value"] for name in ("goal_rate", "collision_rate", "timeout_rate")) == pytest.approx(1)
+    assert cell["preventable_share"] == {"value": None, "low": None, "high": None}, "nothing was replayed"
     assert {"outcomes", "speed_differential", "attribution", "encounters", "jaywalk_rate", "waiting"} < set(cell)
 
 

@@ -94,6 +94,10 @@ def _of_schema_3(document):
     document["schema"] = 3
 
 
+def _another_judgement(document):
+    document["cells"][0]["counterfactuals"]["all"]["judged"]["human"]["value"] = 0.5
+
+
 def _of_words(document):
     document["cells"][3]["outcomes"]["goal"]["value"] = "0.5"
 
@@ -144,10 +148,11 @@ def _no_seed(document):
         ("results", _without_a_metric, "results.json: of another version (it lacks the metric waiting)"),
         ("results", _a_cell_without_a_metric, "results.json: damaged (cells.1.waiting: Field required)"),
         ("results", _another_headline, "results.json: damaged (cells.1.goal_rate: differs from the same number"),
+        ("results", _another_judgement, "(cells.0.preventable_share: differs from the same number"),
         ("results", _few_quarters, "results.json: damaged (cells.2.jaywalk_rate.quarters: has 3 entries, not 4)"),
         ("results", _uneven_curve, "(cells.0.surrogate_distributions.jaywalk.pet: has 11 entries, not 10)"),
         ("results", _unknown_field, "results.json: damaged (cells.0.waiting.patience: "),
-        ("ablation", _of_schema_3, "ablation.json: of another version (its schema is not 4)"),
+        ("ablation", _of_schema_3, "ablation.json: of another version (its schema is not 5)"),
         ("episode", _no_seed, "episode.json: damaged (seed: "),
     ],
 )  # fmt: skip

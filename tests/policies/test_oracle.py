@@ -30,17 +30,25 @@ CASES = 41
 KEYS = jax.random.split(jax.random.key(0), CASES)
 
 
-def observation(along, speed, time, person, limit):
+def apart(contact, person, along):
+    """The distance by this contact of a person's centre to a car at a place of the lane [m]."""
+    ahead, left = person[0] - along, person[1]
+    if contact == "disc":
+        return jnp.hypot(ahead, left)
+    return jnp.hypot(jnp.maximum(jnp.abs(ahead) - 2.25, 0), jnp.maximum(jnp.abs(left) - 0.9, 0))
+
+
+def observation(contact, along, speed, time, person, limit):
     """On a straight road of 90 m; ``person(time)`` is (ahead of the start, left of the lane) [m], ``(..., case)``."""
     times = time + 0.1 * STEPS * jnp.arange(1, MOMENTS + 1)
     places = along + SPACING * jnp.arange(PLACES)[:, None]
-    ahead, left = person(times[:, None, None])
+    away = apart(contact, person(times[:, None, None]), places)
     seen = jnp.zeros((SIZE, CASES))
     for name, value in (("speed", speed / SPEED), ("to_go", (LENGTH - along) / ABSENT), ("heading", [[1.0], [0.0]])):
         seen = seen.at[part("driver", PRIVILEGED, name)].set(value)
     seen = seen.at[part("driver", PRIVILEGED, "route")].set(jnp.tile(jnp.array([1.0, 0.0]), 8)[:, None])
     seen = seen.at[part("driver", PRIVILEGED, "limits")].set(limit / SPEED)
-    table = jnp.minimum(jnp.hypot(places - ahead, left), FAR) / FAR
+    table = jnp.minimum(away, FAR) / FAR
     return seen.at[part("driver", PRIVILEGED, "clearances")].set(table.reshape(-1, CASES))
 
 
@@ -49,12 +57,12 @@ def drive(driver, person, limit=8.33):
 
     def body(car, step):
         along, speed, memory = car
-        action, memory = driver.act(KEYS, memory, observation(along, speed, 0.1 * step, person, limit))
+        action, memory = driver.act(KEYS, memory, observation(driver.contact, along, speed, 0.1 * step, person, limit))
         largest = jnp.where(action[0] < 0, driver.max_braking, driver.max_acceleration)
         speed = jnp.clip(speed + 0.1 * largest * action[0], 0, limit)
         along = along + 0.1 * speed
-        ahead, left = person(0.1 * (step + 1))
-        return (along, speed, memory), (along, speed, jnp.hypot(along - ahead, left), action[1])
+        away = apart(driver.contact, person(0.1 * (step + 1)), along)
+        return (along, speed, memory), (along, speed, away, action[1])
 
     begin = (jnp.zeros(CASES), jnp.zeros(CASES), driver.init((), (CASES,)))
     _, played = jax.jit(lambda: jax.lax.scan(body, begin, jnp.arange(STEPS_PLAYED)), compiler_options=AS_SHIPPED)()
@@ -120,9 +128,30 @@ def test_in_town_it_is_as_fast_as_the_limit_allows(limit):
 @pytest.mark.parametrize("limit", [13.9, 8.33])
 def test_in_town_it_gets_by_and_brakes_as_it_plans(limit):
     along, speed, away = drive(IN_TOWN, crossing, limit)
-    assert away[under_way(along)].min() > 1.8
+    assert away[under_way(along)].min() > 0.55, "a body of 0.25 m, and 0.4 m for leaving the route, but for rounding"
     assert (along[-1] > LENGTH - 3).all()
     assert np.diff(speed, axis=0).min() > -0.31, "2.8 m/s2, not the 7.6 that its brakes could"
+
+
+def test_by_footprint_it_stops_before_its_front_touches():
+    """By the paper's disc, 1.8 m from the centre would do, which is inside the car."""
+    _, speed, away = drive(IN_TOWN, lying)
+    assert (speed[-1] == 0).all()
+    assert away.min() > 0.55
+    assert away[-1].max() < 7
+
+
+def beside(time):
+    """At the lane's edge, 1.6 m from its middle: 0.45 m from a car that passes."""
+    return 20 + 0.5 * jnp.arange(CASES) + 0 * time, jnp.full(CASES, 1.6)
+
+
+def test_by_footprint_it_passes_where_the_disc_would_not():
+    along, _, away = drive(IN_TOWN, beside, 8.33)
+    assert (along[-1] > LENGTH - 3).all()
+    assert away.min() == pytest.approx(0.7), "from its side to the middle of the person"
+    stays, _, _ = drive(Oracle(), beside)
+    assert under_way(stays[-1]).all()
 
 
 def test_it_stops_before_who_stays():

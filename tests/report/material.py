@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from jaxwalk.evaluation import Cell, Match, Results, ScenarioSet, over_training_seeds, paired_over_seeds
+import numpy as np
+
+from jaxwalk.evaluation import (
+    Cell,
+    Counterfactuals,
+    Match,
+    Results,
+    ScenarioSet,
+    over_training_seeds,
+    paired_over_seeds,
+    summarise_counterfactuals,
+)
 from jaxwalk.metrics import measure, summarise
 from jaxwalk.provenance import Provenance
 from jaxwalk.report import DrawnEpisode, LearningCurve, Material, Trainings
@@ -28,6 +39,16 @@ REACHED = Scene(50, PEOPLE, goal=True)
 HIT = Scene(50, [Walk(25.0, 0.0, crossings=[(20, 50, JAYWALK)]), PEOPLE[0]], touched=[0])
 SCENES = {5: (REACHED, HIT, REACHED), 6: (REACHED, HIT, HIT), 7: (HIT, HIT, HIT)}
 """What every driver met, by training seed."""
+
+YES, NO = np.array([True]), np.array([False])
+REPLAYED = summarise_counterfactuals(
+    Counterfactuals(
+        collisions=1, scenario=np.array([1]), contact=np.array([JAYWALK]), moving=YES, seen_for=np.array([4.0]),
+        notice=np.array([3.0]), crosswalk_applies=YES, wait_applies=YES, crosswalk=YES, wait=YES, brake=NO, planner=NO,
+        planner_from_start=YES, human_when_seen=YES, human_from_start=NO, brake_when_seen=NO, planner_when_seen=NO,
+    )
+)  # fmt: skip
+"""A careful human would have avoided it, though not from the start."""
 
 
 def material(seeds):
@@ -58,7 +79,7 @@ def _results(rows, drivers, multipliers):
         Match(
             Cell(
                 driver, people, "mode", "sample", multiplier, summaries[seed], "route", "kerb",
-                training_seed=seed,
+                training_seed=seed, counterfactuals=REPLAYED,
             ),
             rows[seed],
         )

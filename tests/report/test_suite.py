@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from jaxwalk.evaluation import Cell, Counterfactuals, Results, ScenarioSet, summarise_counterfactuals
+from jaxwalk.evaluation import Cell, Results, ScenarioSet
 from jaxwalk.metrics import Estimate, measure, summarise
 from jaxwalk.metrics.speed_differential import Placebo, SpeedBin, SpeedGap
 from jaxwalk.provenance import Provenance
@@ -13,6 +12,7 @@ from jaxwalk.report.suite import suite
 from jaxwalk.report.surprise import FEWEST, four_ways, in_words
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import Scene, Walk, ghosts_of, trajectory
+from report.material import REPLAYED
 
 MADE = Provenance(commit="abc123", hardware="an abacus", versions={"jax": "0.10.2"})
 
@@ -73,13 +73,7 @@ def page():
     hit = Scene(50, [Walk(25.0, 0.0, crossings=[(20, 50, JAYWALK)]), people[0]], touched=[0])
     recorded = trajectory(Scene(50, people, goal=True), hit)
     summary = summarise(measure(recorded, ghosts_of(recorded)), resamples=20)
-    yes, no = np.array([True]), np.array([False])
-    table = Counterfactuals(
-        collisions=1, scenario=np.array([1]), contact=np.array([JAYWALK]), moving=yes, notice=np.array([3.0]),
-        crosswalk_applies=yes, wait_applies=yes, crosswalk=yes, wait=yes, brake=no, planner=no, planner_from_start=yes,
-    )  # fmt: skip
-    replayed = summarise_counterfactuals(table)
-    mine = Cell("mine", "always-go", "mode", "sample", 0.25, summary, "route", "kerb", counterfactuals=replayed)
+    mine = Cell("mine", "always-go", "mode", "sample", 0.25, summary, "route", "kerb", counterfactuals=REPLAYED)
     other = Cell("other", "always-go", "mode", "sample", 1.0, summary, "route", "kerb")
     return suite(Results(ScenarioSet(count=2, hash="0123456789abcdef", seed=5), (mine, other)), MADE)
 
@@ -93,12 +87,14 @@ def test_every_table_is_there_and_has_as_many_cells_as_columns(page):
         "Encounters",
         "Contacts foretold by near misses",
         "Whose collisions",
+        "Preventable",
         "Could it have been avoided?",
+        "Would a careful human have avoided it?",
         "In words",
     ):
         assert f"\n## {heading}\n" in page
     tables = [part.splitlines() for part in page.split("\n\n") if part.startswith("| ")]
-    assert len(tables) == 11
+    assert len(tables) == 12
     for lines in tables:
         assert len({line.count(" | ") for line in lines}) == 1, lines[0]
         assert len(lines) >= 3
@@ -116,6 +112,12 @@ def test_what_stands_in_it(page):
         "| mine among always-go | jaywalk | 1 | 0.00 [0.00, 97.50] | 0.00 [0.00, 97.50] | 100.00 [2.50, 100.00]"
     )
     assert by_pedestrian in page
+    said = "a careful human would have avoided 1 of 1 contact (100.00 [2.50, 100.00] %) from when the person was first"
+    assert f"- mine among always-go: {said} seen, only an oracle 0, neither 0; from the start 0, 1 and 0" in page
+    never = "0.00 [0.00, 97.50]"
+    assert (
+        f"| mine among always-go | all | 1 of 1 | 100.00 [2.50, 100.00] | {never} | {never} | 4.0 | {never} |" in page
+    )
     assert (
         "| mine among always-go | 0 | – | 50.00 [1.26, 98.74] | – | cannot be extrapolated: few near misses |" in page
     )

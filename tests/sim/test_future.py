@@ -48,6 +48,24 @@ def test_the_table_is_what_happens_when_everybody_goes(street, scenarios, midway
     assert (seen < 1.5).mean() > 0.005
 
 
+def test_by_footprint_the_table_is_about_the_cars_rectangle(scenarios, midway, always_go):
+    """At points of the route the rectangle faces as the route does there."""
+    town = Street.create(config=WORLDS["paper-footprint"])
+    seen = clearances(town, scenarios, with_car(midway, along=0.0))
+    steps = 150 + STEPS * np.arange(1, MOMENTS + 1)
+    maps = town.world.maps
+    for env in range(0, ENVIRONMENTS, 5):
+        x, y, cos, sin = (
+            np.asarray(column)[0, scenarios.route[env], :PLACES]
+            for column in (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)
+        )
+        dx, dy = (always_go[name][steps][:, None, :, env] - at[:, None] for name, at in (("x", x), ("y", y)))
+        ahead, left = dx * cos[:, None] + dy * sin[:, None], dy * cos[:, None] - dx * sin[:, None]
+        away = np.hypot(np.maximum(abs(ahead) - 2.25, 0), np.maximum(abs(left) - 0.9, 0)).min(axis=2)
+        np.testing.assert_allclose(seen[:, : len(x), env], np.minimum(away, FAR), atol=1e-4)
+    assert (seen == 0).any()
+
+
 def test_who_waits_is_taken_to_start_now(street, paid_street, scenarios, midway):
     waiting = midway
     for _ in range(10):

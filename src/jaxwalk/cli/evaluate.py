@@ -33,7 +33,7 @@ from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.policies.shield_names import with_shield
-from jaxwalk.report.suite import said, shields_said
+from jaxwalk.report.suite import preventable_said, said, shields_said
 from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.effort import MOST_EPISODES
@@ -44,8 +44,10 @@ from jaxwalk.wording import counted, first_of
 
 TOUCHED = "disc / footprint %"
 """The shares of the episodes in which the moving car touched somebody, by either rule."""
-WIDTH, MAP_WIDTH = 172, 18
-"""What the table needs [characters], and what the column of maps needs more."""
+WIDTH, MAP_WIDTH, PREVENTABLE_WIDTH = 172, 18, 24
+"""What the table needs [characters], and what the columns of maps and of preventable contacts need more."""
+PREVENTABLE = "preventable %"
+"""The share of the replayed collisions that a careful human would have avoided."""
 MOST_MAPS = 12
 """Most maps in the table of a cell; of more, it shows those with the most collisions."""
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
@@ -66,9 +68,11 @@ def run(options: Evaluate) -> int:
     else:
         console = Console()
         several = any(cell.by_map for cell in results.cells)
-        console.width = max(console.width, WIDTH + several * MAP_WIDTH)  # a narrower terminal wraps the lines
-        lines = [*said(results), *shields_said(results), *cost_lines(results.cells), scenarios_line(results)]
-        console.print(table(results.cells), *map(escape, lines), sep="\n")
+        replayed = any(cell.counterfactuals for cell in results.cells)
+        needed = WIDTH + several * MAP_WIDTH + replayed * PREVENTABLE_WIDTH
+        console.width = max(console.width, needed)  # a narrower terminal wraps the lines
+        lines = [*said(results), *shields_said(results), *preventable_said(results), *cost_lines(results.cells)]
+        console.print(table(results.cells), *map(escape, [*lines, scenarios_line(results)]), sep="\n")
     return 0
 
 
@@ -164,13 +168,16 @@ def table(cells: Sequence[Cell]) -> Table:
         made.caption = f"the {MOST_MAPS} maps with the most collisions; --json and --out have all"
     if several:
         made.add_column("map", overflow="fold")
-    for name in ("goal %", "collision %", "timeout %", "time to goal [s]", "delay [s]", TOUCHED):
+    replayed = any(cell.counterfactuals for cell in cells)
+    numbers = ("goal %", "collision %", "timeout %", "time to goal [s]", "delay [s]", TOUCHED)
+    for name in (*numbers, *[PREVENTABLE] * replayed):
         made.add_column(escape(name), justify="right", no_wrap=True)
     for cell in cells:
         extra = [f"{cell.jaywalk_multiplier:g}"] if len(multipliers) > 1 else []
         observes = cell.driver_observes
+        judged = [escape(shown(cell.preventable_share))] if replayed else []
         names = cell.driver + (f" ({observes})" if observes in HIDDEN else ""), cell.pedestrians
-        made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell), touched(cell))
+        made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell), touched(cell), *judged)
         for found in _shown_maps(cell):
             made.add_row("", "", *[""] * len(extra), escape(found.map), *_rates(found))
     return made

@@ -14,6 +14,7 @@ from jaxwalk.experiments.driver_report import driver_report
 from jaxwalk.experiments.reproduce import report as remake
 from jaxwalk.exports.gallery import Cast
 from jaxwalk.policies.shield_names import with_shield
+from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 
@@ -39,7 +40,7 @@ def run(options: Report) -> int:
     console = Console(stderr=True)
     evaluated = Cast(street, drivers, people, options.seed)
     page = driver_report(
-        options.out, evaluated, episodes=options.episodes, most=options.incidents,
+        options.out, evaluated, episodes=options.episodes, most=options.incidents, replays=options.counterfactuals,
         say=lambda line: console.print(line, soft_wrap=True, markup=False),
     )  # fmt: skip
     print(f"Open {page}")
@@ -58,6 +59,7 @@ def check(options: Report) -> None:
         raise UsageError(f"--pedestrians takes 1 to {MOST_POPULATIONS} populations, not {len(options.pedestrians)}")
     check_episodes(options.episodes)
     check_count("--incidents", options.incidents, 0, MOST_INCIDENTS)
+    check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
     check_driver_seconds(options.driver_seconds)
     check_seed(options.seed)
     check_writable(options.out)

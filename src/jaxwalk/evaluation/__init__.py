@@ -1,20 +1,15 @@
 """Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them."""
 
+from jaxwalk.evaluation.avoidable import CounterfactualSummary, summarise_counterfactuals
 from jaxwalk.evaluation.batches import BATCH, evaluate, replay
 from jaxwalk.evaluation.broken import ActionError, named
 from jaxwalk.evaluation.comparison import EndingCounts, PairedEndings, compare_endings, paired
-from jaxwalk.evaluation.counterfactual import (
-    Counterfactuals,
-    CounterfactualSummary,
-    ReplayError,
-    counterfactuals,
-    find_hits,
-    summarise_counterfactuals,
-)
+from jaxwalk.evaluation.counterfactual import Counterfactuals, ReplayError, counterfactuals
 from jaxwalk.evaluation.document_parts import ComparedEnding, ScenarioSet
 from jaxwalk.evaluation.encounter_file import check_parquet, write_encounters
 from jaxwalk.evaluation.episode_file import write_rows
 from jaxwalk.evaluation.ghosts import walk_ghosts
+from jaxwalk.evaluation.hits import find_hits
 from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.results import Cell, Results, Stopped, evaluate_grid

@@ -130,7 +130,7 @@ def _check_headline(written: Mapping[str, Any], cell: Cell, origin: Origin) -> N
     """Raise DocumentError if the headline in the file differs from the summary."""
     for name, number in cell.headline().items():
         if written.get(name) != number:
-            raise origin.damaged((name,), "differs from the same number in outcomes")
+            raise origin.damaged((name,), "differs from the same number in the rest of the cell")
 
 
 def _check_sizes(cell: Cell, origin: Origin) -> None:

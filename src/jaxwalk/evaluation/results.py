@@ -12,9 +12,9 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from jaxwalk.evaluation.avoidable import CounterfactualSummary
 from jaxwalk.evaluation.batches import evaluate_batches
 from jaxwalk.evaluation.broken import ActionError
-from jaxwalk.evaluation.counterfactual import CounterfactualSummary
 from jaxwalk.evaluation.document_parts import (
     ComparedEnding,
     EvaluationOptions,
@@ -36,10 +36,10 @@ from jaxwalk.provenance import Provenance
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 
-SCHEMA = 4
+SCHEMA = 5
 """Version of the JSON document; it changes when reports need something new."""
 
-HEADLINE = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal", "mean_delay")
+HEADLINE = ("goal_rate", "collision_rate", "timeout_rate", "mean_time_to_goal", "mean_delay", "preventable_share")
 """Numbers of a cell that the document repeats at the top."""
 
 
@@ -93,6 +93,12 @@ class Cell:
     def mean_delay(self) -> Interval:
         """The mean delay of episodes that reach the goal [s]: beyond full throttle where there is nobody."""
         return Interval.of(self.summary[DELAY].mean)
+
+    @property
+    def preventable_share(self) -> Interval:
+        """The share of the replayed collisions that a careful human would have avoided; None if none was replayed."""
+        replayed = self.counterfactuals
+        return Interval(None, None, None) if replayed is None else Interval.of(replayed.preventable)
 
     def headline(self) -> dict[str, dict[str, float | None]]:
         """Return the numbers of `HEADLINE`, each with its interval."""

@@ -12,6 +12,7 @@ from jaxwalk.evaluation import Match, ReplayError, paired_over_seeds, write_rows
 from jaxwalk.evaluation.document_parts import PairedSeeds
 from jaxwalk.evaluation.training_seeds import ENDINGS
 from jaxwalk.experiments.curves import learning_curve
+from jaxwalk.experiments.evaluating import replayed_cell
 from jaxwalk.experiments.tournament import Scenarios, play_rounds, results_of
 from jaxwalk.exports.gallery import Cast, gallery
 from jaxwalk.metrics import Rows
@@ -21,13 +22,16 @@ from jaxwalk.runs.contestant_names import run_folders
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.policy_origins import policy_origin
+from jaxwalk.scenarios import Drawn
 from jaxwalk.writing import together, write_whole
 
 MANY = 4
 """Number of drivers at the top of the page; its tables have the others too."""
 
 
-def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Callable[[str], None]) -> Path:
+def driver_report(
+    folder: Path, cast: Cast, *, episodes: int, most: int, say: Callable[[str], None], replays: int = 0
+) -> Path:
     """Evaluate every driver among every population, and write report, figures, tables and numbers into the folder.
 
     Args:
@@ -36,23 +40,27 @@ def driver_report(folder: Path, cast: Cast, *, episodes: int, most: int, say: Ca
         episodes: number of scenarios for each driver and population.
         most: number of incidents of each kind in the gallery, for each driver and population; 0: no gallery.
         say: called with a line of text as the work progresses.
+        replays: most collisions of each driver and population that are replayed with one thing changed, for a table.
 
     Returns:
         The path of the page.
 
     Raises:
         InUseError: another process is writing into the folder.
+        ReplayError: ``replays`` is above 0, and a driver does not do the same again in the same scenario.
     """
     with held(folder):
-        return _report(folder, cast, episodes, most, say)
+        return _report(folder, cast, episodes, most, replays, say)
 
 
-def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[str], None]) -> Path:
+def _report(folder: Path, cast: Cast, episodes: int, most: int, replays: int, say: Callable[[str], None]) -> Path:
     """Do the work of `driver_report`, once the folder is locked."""
     began = time.monotonic()
     curves = _curves(cast.drivers)
     round_ = (None, cast.drivers, cast.populations)
     scenarios, matches = play_rounds(cast.street, [round_], Scenarios(episodes, cast.seed), say)
+    if replays:
+        matches = [_replayed(cast, match, replays, say) for match in matches]
     results = replace(
         results_of(cast.street, scenarios, matches, paired=_pairs(cast, matches)),
         drivers=tuple(policy_origin("driver", name) for name in cast.drivers),
@@ -73,6 +81,15 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, say: Callable[[s
         write_rows(folder / "episodes.csv", [(*match.names, match.rows) for match in matches])
         write_whole(folder / "results.json", results.to_json())
         return write_report(folder, material)
+
+
+def _replayed(cast: Cast, match: Match, replays: int, say: Callable[[str], None]) -> Match:
+    """Return a match whose cell knows what would have avoided its first collisions."""
+    driver, people = match.names
+    say(f"    collisions of {driver} among {people}: would a careful human have avoided them?")
+    policies = {"driver": cast.drivers[driver], "pedestrian": cast.populations[people]}
+    source = Drawn(cast.street, cast.seed, match.rows.episodes)
+    return replace(match, cell=replayed_cell(cast.street, policies, source, match, replays))
 
 
 def _gallery(cast: Cast, played: dict[tuple[str, str], Rows], most: int, say: Callable[[str], None]) -> Gallery | None:

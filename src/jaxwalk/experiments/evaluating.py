@@ -17,6 +17,7 @@ from typing import Any
 from jaxwalk.evaluation import (
     Cell,
     ComparedEnding,
+    Match,
     Results,
     Stopped,
     compare_endings,
@@ -34,13 +35,13 @@ from jaxwalk.evaluation import (
 from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.evaluation.shield_effects import ShieldEffect, shield_effects
 from jaxwalk.experiments.tournament import Scenarios
-from jaxwalk.interfaces import Policy
+from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import Rows
 from jaxwalk.provenance import provenance
 from jaxwalk.report.suite import suite
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
-from jaxwalk.scenarios import Drawn
+from jaxwalk.scenarios import Drawn, Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.wording import counted
 from jaxwalk.writing import together, write_whole
@@ -177,11 +178,16 @@ def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tel
     for number, (cell, (street, driver, people, found)) in enumerate(zip(cells, played, strict=True)):
         tell(f"replaying collisions of {driver} among {people}", number, len(cells))
         policies = {"driver": work.drivers[driver], "pedestrian": work.populations[people]}
-        source, hits = Drawn(street, work.seed, work.episodes), find_hits(found).first(work.options.counterfactuals)
-        with named({"driver": driver, "pedestrian": people}):
-            table = counterfactuals(street, policies, source, hits)
-        replayed.append(replace(cell, counterfactuals=summarise_counterfactuals(table)))
+        source = Drawn(street, work.seed, work.episodes)
+        replayed.append(replayed_cell(street, policies, source, Match(cell, found), work.options.counterfactuals))
     return tuple(replayed)
+
+
+def replayed_cell(street: Street, policies: Roles[Policy], source: Source, match: Match, most: int) -> Cell:
+    """Return the cell with what would have avoided its first ``most`` collisions. Raises as `counterfactuals` does."""
+    with named({"driver": match.cell.driver, "pedestrian": match.cell.pedestrians}):
+        table = counterfactuals(street, policies, source, find_hits(match.rows).first(most))
+    return replace(match.cell, counterfactuals=summarise_counterfactuals(table))
 
 
 def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:

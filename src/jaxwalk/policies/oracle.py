@@ -24,7 +24,7 @@ from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, Observation, part
 from jaxwalk.sim.prediction import ABSENT
-from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
 LEVEL = SimConfig.max_speed / 5
 """Difference between neighbouring speeds, the levels [m/s]: 6 of them up to 8.33 m/s, 9 up to 13.9 m/s."""
@@ -36,10 +36,10 @@ SEEN = HELD // STEPS
 """Moments at which the future is shown during a manoeuvre."""
 ARRIVED = SimConfig.goal_distance - 0.1
 """With this much of the route left, the car has arrived [m]."""
-MARGIN = 1.9
-"""Safety margin [m]: 1.5 m is a collision, and the car leaves its route by up to 0.35 m in a turn."""
-COMFORT = 3.0
-"""Comfortable distance [m]: more distance has no value. People on the sidewalk pass the middle of the lane at 3 m."""
+MARGIN = 0.4
+"""Safety margin [m], beyond the distance of a contact: the car leaves its route by up to 0.35 m in a turn."""
+COMFORT = 1.5
+"""Comfortable margin [m]: more has no value. People on the sidewalk pass the middle of the lane at 3 m."""
 MARGIN_COST, COMFORT_COST = 1000.0, 1.0
 """Cost at each moment of each metre inside the margin [s/m], and of each square metre inside the comfortable distance
 [s/m2]."""
@@ -65,6 +65,12 @@ class Oracle(eqx.Module):
     """Its largest acceleration [m/s2]."""
     max_braking: float = from_world("max_braking")
     """Its largest braking [m/s2]."""
+    contact: ContactRule = from_world("contact")
+    """What counts as a contact, by which the future is shown."""
+    collision_distance: float = from_world("collision_distance")
+    """Centres closer than this collide by ``disc`` [m]."""
+    body_radius: float = from_world("body_radius")
+    """Radius of a pedestrian's body, which collides with the car's rectangle by ``footprint`` [m]."""
     view: View = eqx.field(static=True, default=Observation("driver", PRIVILEGED))
     """What it sees."""
 
@@ -90,7 +96,8 @@ class Oracle(eqx.Module):
         limits = observation[part("driver", PRIVILEGED, "limits")] * SPEED
         levels = 1 + int((self.max_speed + ROUNDING) / LEVEL)
         level = jnp.clip(jnp.round(speed / LEVEL).astype(jnp.int32), 0, levels - 1)
-        closeness = _closeness(clearances.reshape(MOMENTS, PLACES, *speed.shape))
+        touching = self.collision_distance if self.contact == "disc" else self.body_radius
+        closeness = _closeness(clearances.reshape(MOMENTS, PLACES, *speed.shape), touching)
         rest = _time_to_goal(to_go, levels, self.max_speed)
         change = _plan(closeness, _arrived(to_go), _too_fast(limits, levels), rest)
         gained = (level + jnp.take_along_axis(change, level[None], axis=0)[0]) * LEVEL - speed
@@ -98,11 +105,15 @@ class Oracle(eqx.Module):
         return jnp.clip(gained / largest, -1, 1)
 
 
-def _closeness(clearances: Float[Array, "moment place *batch"]) -> Float[Array, "moment place *batch"]:
-    """Return the cost of being anywhere between a place and the next one at a moment [s]."""
+def _closeness(clearances: Float[Array, "moment place *batch"], touching: float) -> Float[Array, "moment place *batch"]:
+    """Return the cost of being anywhere between a place and the next one at a moment [s].
+
+    A clearance below ``touching`` [m] is a contact.
+    """
+    margin, comfort = touching + MARGIN, touching + COMFORT
     nearest = jnp.minimum(clearances[:, :-1], clearances[:, 1:])
     nearest = jnp.concatenate([nearest, clearances[:, -1:]], axis=1)
-    return MARGIN_COST * jnp.maximum(MARGIN - nearest, 0) + COMFORT_COST * jnp.maximum(COMFORT - nearest, 0) ** 2
+    return MARGIN_COST * jnp.maximum(margin - nearest, 0) + COMFORT_COST * jnp.maximum(comfort - nearest, 0) ** 2
 
 
 def _arrived(to_go: Float[Array, "*batch"]) -> Bool[Array, "place *batch"]:

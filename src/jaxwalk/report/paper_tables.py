@@ -8,7 +8,7 @@ from itertools import product
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.evaluation.results import Cell
 from jaxwalk.metrics import ATTRIBUTION, ENCOUNTERS, JAYWALK_RATE, OUTCOMES, SPEED_DIFFERENTIAL, WAITING, OverSeeds
-from jaxwalk.report import driving_tables, published, surprise, verdicts
+from jaxwalk.report import avoidable_tables, driving_tables, published, surprise, verdicts
 from jaxwalk.report.figures.people import SHARES
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material
 from jaxwalk.report.seed_tables import pairs, training_seeds
@@ -271,6 +271,7 @@ TABLES: dict[str, Callable[[Material], Table]] = {
     "waiting": waiting,
     "kerb": lambda material: driving_tables.kerb(_first_seed(material)),
     "driving": lambda material: driving_tables.driving(_first_seed(material)),
+    "preventable": lambda material: avoidable_tables.judged(_first_seed(material)),
     "approach": approach,
     "braking": braking,
     "ablation": ablation,

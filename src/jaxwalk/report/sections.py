@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from jaxwalk.metrics import FEWEST_SEEDS
-from jaxwalk.report import driving_tables
+from jaxwalk.report import avoidable_tables, driving_tables
 from jaxwalk.report.material import ALWAYS_GO, Material
 from jaxwalk.report.published import TRAINED
 
@@ -159,6 +159,13 @@ SECTIONS = (
         "waiting",
         "waiting",
         applies=lambda m: m.crowd != ALWAYS_GO and ALWAYS_GO in m.populations,
+    ),
+    Section(
+        "Would a careful human have avoided it?",
+        "",
+        avoidable_tables.JUDGED,
+        table="preventable",
+        applies=lambda m: any(cell.counterfactuals for cell in m.results.cells),
     ),
     Section("Who goes first at the kerb", "", driving_tables.KERB, table="kerb"),
     Section("How the car drives", "", driving_tables.DRIVING, table="driving"),

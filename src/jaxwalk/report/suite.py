@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from jaxwalk.evaluation.counterfactual import Avoidable, CounterfactualSummary
 from jaxwalk.evaluation.results import Cell, Results
 from jaxwalk.metrics import (
     ATTRIBUTION,
@@ -18,7 +17,7 @@ from jaxwalk.metrics import (
 )
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.provenance import Provenance
-from jaxwalk.report import driving_tables, surprise
+from jaxwalk.report import avoidable_tables, driving_tables, surprise
 from jaxwalk.report.table import NONE, Table, by_type, markdown_table, shown
 
 TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
@@ -40,6 +39,8 @@ def suite(results: Results, made: Provenance) -> str:
         parts += ["## Compared", "\n".join(f"- {line}" for line in said(results))]
     if results.shields:
         parts += ["## Shields", "\n".join(f"- {line}" for line in shields_said(results))]
+    if any(cell.counterfactuals for cell in cells):
+        parts += ["## Preventable", "\n".join(f"- {line}" for line in preventable_said(results))]
     for heading, text, table in _sections(cells):
         parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
     words = (f"- **{_name(cell)}**: {surprise.in_words(cell.summary[SPEED_DIFFERENTIAL])}" for cell in cells)
@@ -68,6 +69,11 @@ def shields_said(results: Results) -> list[str]:
     return [f"Multiplier {one.jaywalk_multiplier:g}: " * several + one.in_words for one in found]
 
 
+def preventable_said(results: Results) -> list[str]:
+    """Return in words how many of each cell's replayed contacts a careful human would have avoided."""
+    return avoidable_tables.said((_name(cell), cell) for cell in results.cells)
+
+
 def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "Outcomes", "", outcomes(cells)
     if any(cell.by_map for cell in cells):
@@ -80,7 +86,8 @@ def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
     yield "Contacts foretold by near misses", NEAR_MISS_CAPTION, near_misses(cells)
     yield "Whose collisions", ATTRIBUTION_CAPTION, attribution(cells)
     if any(cell.counterfactuals for cell in cells):
-        yield "Could it have been avoided?", COUNTERFACTUALS, avoidable(cells)
+        yield "Could it have been avoided?", avoidable_tables.BY_WHOM, avoidable_tables.by_whom(named)
+        yield "Would a careful human have avoided it?", avoidable_tables.JUDGED, avoidable_tables.judged(named)
     yield "How soon the car brakes", BRAKING, braking(cells)
     yield "Speed near jaywalkers and near crosswalk users", SPEEDS, speeds(cells)
     yield "How many scenarios it takes", POWER, power()
@@ -110,11 +117,6 @@ ATTRIBUTION_CAPTION = (
     "Collisions with people on a roadway: jaywalking's share of them, beside its share of the crossings; and how many "
     "times more collisions there are for each jaywalk than for each crossing on a crosswalk, and for each second on "
     "the road. 1: no more dangerous."
-)
-COUNTERFACTUALS = (
-    "Collisions replayed with one thing changed. Avoidable by the driver: by braking fully, or by a planner that knows "
-    "the future, from the moment the pedestrian entered the road; by the pedestrian: by waiting at the kerb, or by "
-    "crossing on the crosswalk. (The label of a person hit on a sidewalk: docs/metrics.md.)"
 )
 BRAKING = (
     "From a pedestrian's road entry to the car's braking onset: Kaplan-Meier median, which counts those who never "
@@ -240,29 +242,6 @@ def attribution(cells: Sequence[Cell]) -> Table:
         shares = (shown(number) for number in (found.share, found.per_crossing.share))
         rows.append((_name(cell), ", ".join(f"{c.moving + c.standing:,}" for c in counts), *shares, *ratios))
     return Table(columns, tuple(rows))
-
-
-def avoidable(cells: Sequence[Cell]) -> Table:
-    """Return who could have avoided the collisions."""
-    columns = (
-        "driver", "contact", "replayed", "by either %", "only by the driver %", "only by the pedestrian %",
-        "unavoidable %", "braking avoids %", "planner avoids %", "planner all the way avoids %",
-    )  # fmt: skip
-    rows = []
-    replayed = ((cell, cell.counterfactuals) for cell in cells)
-    for cell, found in ((cell, found) for cell, found in replayed if found):
-        for kind, part in _replayed(found).items():
-            labels = (shown(part.labels[name]) for name in ("either", "driver", "pedestrian", "unavoidable"))
-            avoided = (shown(part.avoided[name]) for name in ("brake", "planner", "planner_from_start"))
-            of = f" of {found.collisions:,}" if kind == "all" else ""
-            rows.append((_name(cell), kind, f"{part.collisions:,}{of}", *labels, *avoided))
-    return Table(columns, tuple(rows))
-
-
-def _replayed(found: CounterfactualSummary) -> dict[str, Avoidable]:
-    """Return the contact types with replayed collisions; all of them together come first."""
-    parts = {"all": found.all, "crosswalk": found.crosswalk, "jaywalk": found.jaywalk, "sidewalk": found.sidewalk}
-    return {kind: part for kind, part in parts.items() if part.collisions}
 
 
 def braking(cells: Sequence[Cell]) -> Table:

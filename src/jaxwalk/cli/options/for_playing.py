@@ -59,7 +59,8 @@ class Evaluate:
     driver_seconds: Annotated[float, option("10", "S")] = 10.0
     """Time limit of a driver that is not JAX for one step of its batch."""
     counterfactuals: Annotated[int, option("0", "N")] = 0
-    """Replay up to N collisions of each cell with other actions: who could have avoided them? About 0.2 s each."""
+    """Replay up to N collisions of each cell with other actions: who could have avoided them, and would a careful human
+    have? About 0.3 s each."""
     out: Annotated[Path | None, option("none", "DIR")] = None
     """Folder for results.json (all metrics), suite.md (the same as tables) and episodes.csv (a row per episode)."""
     encounters: Flag = False
@@ -136,6 +137,9 @@ class Report:
     """Scenarios for each driver and population."""
     incidents: Annotated[int, option("40", "N")] = 40
     """Show the N worst collisions and N nearest misses of each driver and population; 0: none."""
+    counterfactuals: Annotated[int, option("0", "N")] = 0
+    """Also replay up to N collisions of each driver and population: a table says which a careful human would have
+    avoided."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
