@@ -29,7 +29,8 @@ def clearances(world: World, scenario: Scenario, state: State) -> Float[Array, "
     """Return the distance from each place ahead to the nearest person at each moment to come, at most `FAR` [m].
 
     The simulator itself walks on with the scenario's own draws, so jaywalks that are not yet decided are known too.
-    Everybody is assumed to go from now on, also people who wait now.
+    Everybody is assumed to go from now on, also people who wait now; but scripted people who wait for the car don't
+    set out.
     """
     place_x, place_y = _places(world, scenario, state)
     go = jnp.ones(state.pedestrian.going.shape, bool)
@@ -48,6 +49,7 @@ def limits(world: World, scenario: Scenario, state: State) -> Float[Array, "plac
     """Return the car's top speed at each place ahead [m/s]: of the lane, of the bend, and its own."""
     _, point = _ahead(world, state)
     limit = look_up(world.tables.course, scenario.map, scenario.route, point, jnp.int32(LIMIT))
+    limit = limit if scenario.script is None else jnp.minimum(limit, scenario.script.limit)
     return jnp.minimum(limit, world.rules.max_speed)
 
 
