@@ -51,9 +51,9 @@ class ScriptedPerson:
     hit: Number | None = None
     """The unbraked car meets the person here: per cent of its width, 0 at the right edge. It decides when they set
     out."""
-    after: NotNegative | None = None
-    """The person walks from the start, and the unbraked car meets them after this way [m]. It decides where the car
-    begins."""
+    walks: bool | None = None
+    """Whether the person walks already when the test begins, so that the unbraked car meets them where their path comes
+    to the place of the meeting."""
     time: NotNegative | None = None
     """The person sets out at this time [s]."""
     distance: Number | None = None
@@ -121,7 +121,8 @@ class ScriptedTest:
     heading: Number | None = None
     """The direction in which paths lead ahead, to the left of east [degrees]; by default the route's there."""
     start: Positive = 4.0
-    """The unbraked car begins at least this long before the meeting [s], and a second before anybody sets out."""
+    """The unbraked car begins at least this long before the meeting [s], and a second before anybody sets out. Where
+    people walk already, it begins just so long before."""
     layer: Name = STANDARD
     """The layer of the suite to which it belongs."""
     people: tuple[ScriptedPerson, ...] = ()
@@ -222,8 +223,6 @@ def _test_faults(test: ScriptedTest) -> Iterator[str]:
     for field, count, most in (("people", len(test.people), MOST_PEOPLE), ("parked", len(test.parked), MOST_BOXES)):
         if count > most:
             yield f"{field}: {count} are too many; a test has at most {most}"
-    if sum(person.after is not None for person in test.people) > 1:
-        yield "people: several have after, which decides where the car begins; give it to one"
     for number, person in enumerate(test.people):
         for fault in _person_faults(person):
             yield f"people[{number}].{fault}"
@@ -248,7 +247,7 @@ def _by_speed(table: dict) -> dict:
 
 
 def _person_faults(person: ScriptedPerson) -> Iterator[str]:
-    given = [name for name in ("hit", "after", "time", "distance", "time_to_collision") if _given(person, name)]
+    given = [name for name in ("hit", "walks", "time", "distance", "time_to_collision") if _given(person, name)]
     if len(given) > 1:
         yield f"{given[0]}: {given[1]} decides that too; leave one of them out"
     if not 1 <= len(person.path) <= MOST_POINTS:
@@ -261,9 +260,11 @@ def _person_faults(person: ScriptedPerson) -> Iterator[str]:
         yield "path: who stands has a speed of 0 and one point, who walks has two points or more; correct one of them"
     if person.hit is not None and not 0 <= person.hit <= 100:
         yield f"hit: {person.hit:g} is no share of the car's width; write 0 to 100 per cent"
+    if person.walks and (person.run_up or person.path[0][0] >= 0 or person.path[-1][0] < 0):
+        yield "walks: the path must lead from behind the place of the meeting to ahead of it, without run_up; correct"
     if person.speed == 0 and given:
         yield f"{given[0]}: somebody who stands doesn't set out; leave it out"
 
 
 def _given(person: ScriptedPerson, name: str) -> bool:
-    return getattr(person, name) is not None
+    return getattr(person, name) not in (None, False)

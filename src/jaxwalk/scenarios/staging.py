@@ -105,8 +105,8 @@ class Stage:
         people = tuple(self._known_person(case, frame, rails, number, variant) for number in range(len(test.people)))
         late = origin - self.rules.car_length / 2
         firsts = [person for person in people if not np.isnan(person.met_after)]
-        met, after = (firsts[0].place, firsts[0].met_after) if firsts else (late, 0.0)
-        if all(person.after is None for person in test.people):
+        met, after = firsts[0].place if firsts else late, test.start
+        if not any(person.walks for person in test.people):
             after = max([test.start, *(person.met_after + BEFORE for person in firsts)])
         start = met - speed * after
         if start < 0:
@@ -155,31 +155,41 @@ class Stage:
         pace = (person.speed + variant.speed) / KMH
         if pace <= 0:
             raise self._error(case, f"its people would walk at {pace * KMH:g} km/h; let them be faster")
-        met = self._met(case, rails, person, way)
+        met = self._walking(case, person, pace) if person.walks else self._met(case, rails, person, way)
         if met is not None:
-            way = way.turned(np.radians(variant.heading), way.at(met)).from_place(variant.start * met)
-            met = self._met(case, rails, person, way)
+            way = way.turned(np.radians(variant.heading), way.at(met))
+            way = way.from_place(met - pace * case.test.start if person.walks else variant.start * met)
+            met = pace * case.test.start if person.walks else self._met(case, rails, person, way)
         enters = way.enters(self.roadway)
         staged = StagedPerson(way, pace, person.run_up, enters, place=frame.along - self.rules.car_length / 2)
         if met is not None:
             seconds = time_to_walk(met, pace, person.run_up)
             place = float(self._meetings(rails, way.at(met)[None]).along[0])
-            waits = {"trigger": Trigger.TIME_TO_COLLISION, "waits_for": seconds} if person.after is None else {}
+            if np.isnan(place):
+                raise self._error(case, "path: the car's front doesn't come there; correct it")
+            waits = {} if person.walks else {"trigger": Trigger.TIME_TO_COLLISION, "waits_for": seconds}
             return staged._replace(place=place, met_after=seconds, **waits)
         for name in ("time", "distance", "time_to_collision"):
             if getattr(person, name) is not None:
                 return staged._replace(trigger=Trigger[name.upper()], waits_for=getattr(person, name))
         return staged
 
+    def _walking(self, case: Case, person: ScriptedPerson, pace: float) -> float:
+        """Return how far along its path somebody who walks already comes to the place of the meeting [m]."""
+        path = Way(np.array(person.path))
+        passed = np.flatnonzero(path.points[:, 0] >= 0)[0]
+        (before, _), (after, _) = path.points[passed - 1], path.points[passed]
+        share = before / (before - after)
+        met = path.along[passed - 1] + share * (path.along[passed] - path.along[passed - 1])
+        if met < pace * case.test.start:
+            way = pace * case.test.start
+            raise self._error(
+                case, f"path: {way:.1f} m lead to the meeting, and only {met:.1f} m are there; begin earlier"
+            )
+        return float(met)
+
     def _met(self, case: Case, rails: Rails, person: ScriptedPerson, way: Way) -> float | None:
         """Return how far somebody has walked when the unbraked car should meet them [m]; None if nothing is asked."""
-        if person.after is not None:
-            met = person.after
-            if met > way.along[-1]:
-                raise self._error(case, f"after: the path is only {way.along[-1]:.1f} m long; write less")
-            if np.isnan(self._meetings(rails, way.at(met)[None]).along[0]):
-                raise self._error(case, "after: the car's front doesn't come there; correct the path")
-            return met
         if person.hit is None:
             return None
         tried = np.append(np.arange(0, way.along[-1], FINELY), way.along[-1])
