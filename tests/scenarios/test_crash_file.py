@@ -69,7 +69,7 @@ def test_tests_are_timed_by_hand(scripted):
 
     The car's centre is 2.25 m before the meeting then; it begins 6 s before. Hurried people have 1.8333 m/s.
     """
-    script = scripted.scenarios.script
+    script = scripted.script
     assert np.asarray(script.trigger)[:, 0].tolist() == [Trigger.TIME_TO_COLLISION, Trigger.DISTANCE]
     np.testing.assert_allclose(script.waits_for[0], [5, 5, 5 / 1.83333, 5 / 1.83333], rtol=1e-4)
     np.testing.assert_allclose(script.waits_for[1], 15.0)
@@ -169,7 +169,7 @@ def test_somebody_who_walks_already_is_met_after_the_test_s_time():
         ("path = [[0.0, -4.0], [0.0, 5.0]]", "path = [[-10.0, 0.0], [30.0, 0.0]]"), ("run_up = 1.0\n", ""),
         ("hit = 50.0", "walks = true"),
     )  # fmt: skip
-    script = Scripted.of(parse_crash_suite(walks, "own.toml"), "own.toml").scenarios.script
+    script = Scripted.of(parse_crash_suite(walks, "own.toml"), "own.toml").script
     np.testing.assert_allclose(script.path_x[0, 0], 121, atol=1e-3)
     np.testing.assert_allclose(script.start, 117.75 - np.array([20, 30]) / 3.6 * 4, rtol=1e-5)
     assert replace(parse_crash_suite(walks, "own.toml"), name="own").tests[0].people[0].walks

@@ -68,7 +68,7 @@ def walked(time, pace, run_up):
 
 def meeting(suite, number, line):
     """When the reference point meets the front of the unbraked car [s], and where [% of its width]."""
-    script = suite.scenarios.script
+    script = suite.script
     value = {name: np.asarray(getattr(script, name), float)[..., number] for name in vars(script)}
     time = np.arange(0, 12, FINE)
     along = value["start"] + value["speed"] * time
@@ -99,7 +99,7 @@ def test_the_unbraked_car_meets_people_where_and_when_the_tests_say(suite, lines
         case = suite.cases[number]
         line = lines[int(suite.scenarios.route[number])]
         time, hit = meeting(suite, number, line)
-        script = suite.scenarios.script
+        script = suite.script
         due = float(script.place[0, number] - script.start[number]) / float(script.speed[number])
         assert abs(hit - stated(case.test)) / 100 * WIDTH < AT, (case.name, case.speed, hit)
         assert abs(time - due) < WHEN, (case.name, case.speed, time, due)
@@ -127,7 +127,7 @@ def test_a_child_between_parked_cars_is_hidden_by_them_as_by_hand():
     """The nearer car's front is 1.149 m before the child's way, the other one a metre behind it, both a metre aside."""
     suite = Scripted.load("euro-ncap-style")
     number = next(n for n, case in enumerate(suite.cases) if case.test.name == "CPNCO-50")
-    boxes = np.asarray(suite.scenarios.script.boxes)[..., number]
+    boxes = np.asarray(suite.script.boxes)[..., number]
     x, y, cos, _, half_length, half_width = boxes.T
     assert cos == pytest.approx([1, 1])
     assert 130 - (x + half_length) == pytest.approx([1.149, 1.149 + 4.25 + 1.0], abs=1e-3)

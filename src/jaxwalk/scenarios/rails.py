@@ -108,7 +108,7 @@ class Way(NamedTuple):
     def enters(self, surface: shapely.geometry.base.BaseGeometry) -> float:
         """Return where the way enters a surface [m]; inf if it doesn't, or begins on it."""
         tried = np.arange(0, self.along[-1] + FINELY, FINELY)
-        inside = shapely.covers(surface, shapely.points(self.at(tried)))
+        inside = np.asarray(shapely.covers(surface, shapely.points(self.at(tried))))
         return float(tried[inside.argmax()]) if inside.any() and not inside[0] else np.inf
 
 

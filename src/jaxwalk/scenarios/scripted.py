@@ -58,6 +58,13 @@ class Scripted:
         staged = [stage.staged(case, suite.variants.get(case.variant or "", Variant())) for case in cases]
         return cls(street, suite, cases, _scenarios(street, staged))
 
+    @property
+    def script(self) -> Script:
+        """Return the script of all scenarios."""
+        script = self.scenarios.script
+        assert script is not None
+        return script
+
     def __len__(self) -> int:
         """Return the number of runs."""
         return len(self.cases)

@@ -89,15 +89,14 @@ def _between(before: Moved, after: Moved, share: Float[Array, "*batch"]) -> Move
     def mixed(old: Array, new: Array) -> Array:
         return old + share * (new - old)
 
-    def moving(car: VehicleState) -> list[Array]:
-        return [car.x, car.y, car.cos, car.sin, car.speed, car.along]
-
+    moving = ("x", "y", "cos", "sin", "speed", "along")
+    car = {name: mixed(getattr(before.car, name), getattr(after.car, name)) for name in moving}
     old, new = before.people, after.people
     same = (old.leg.end_x == new.leg.end_x) & (old.leg.end_y == new.leg.end_y)
     remaining = jnp.where(same, mixed(old.remaining, new.remaining), new.remaining)
     since = None if old.since is None or new.since is None else mixed(old.since, new.since)
     return Moved(
-        eqx.tree_at(moving, after.car, list(map(mixed, moving(before.car), moving(after.car)))),
+        replace(after.car, **car),
         replace(new, remaining=remaining, since=since),
         after.touched,
     )
