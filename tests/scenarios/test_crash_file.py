@@ -153,7 +153,7 @@ def test_a_test_that_cannot_take_place_is_refused_in_words(case):
     layers = ("standard", "hurried") if message else ("extended",)
     with pytest.raises(CrashFileError) as error:
         Scripted.of(suite, "own.toml", layers=layers)
-    assert (message or "no test is of layer extended; there are hurried, standard") in str(error.value)
+    assert (message or "no test is of layer extended; there are standard, hurried") in str(error.value)
 
 
 def test_an_unknown_suite_names_those_that_there_are(tmp_path):

@@ -14,7 +14,7 @@ from jaxtyping import Array, Int, Key
 from jaxwalk.rollout import EVALUATION, environment_keys, seed_key
 from jaxwalk.scenarios.crash_file import STANDARD, CrashFileError, CrashSuite, Variant, load_crash_suite
 from jaxwalk.scenarios.source import source_hash
-from jaxwalk.scenarios.staging import FAR_AWAY, NOBODY, Case, Stage, Staged, StagedPerson, cases_of
+from jaxwalk.scenarios.staging import FAR_AWAY, NOBODY, Case, Stage, Staged, StagedPerson, cases_of, layers_of
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import TRAITS, Scenario
 from jaxwalk.sim.script import Script
@@ -50,8 +50,8 @@ class Scripted:
         """Return the runs of a suite; ``source`` names it in errors, which are those of `load`."""
         cases = cases_of(suite.tests, layers)
         if not cases:
-            known = sorted({case.layer for case in cases_of(suite.tests, _all_layers(suite))})
-            raise CrashFileError(f"{source}: no test is of layer {', '.join(layers)}; there are {', '.join(known)}")
+            known = ", ".join(layers_of(suite))
+            raise CrashFileError(f"{source}: no test is of layer {', '.join(layers)}; there are {known}")
         people = max(1, *(len(case.test.people) for case in cases))
         street = Street.create((suite.track,), replace(WORLDS[CRASH_WORLD], pedestrians=people))
         stage = Stage(street, source)
@@ -83,10 +83,6 @@ class Scripted:
     def describe(self) -> dict[str, Any]:
         """Return the suite, the count and the hash."""
         return {"kind": "scripted", "suite": self.suite.name, "count": len(self), "hash": self.hash()}
-
-
-def _all_layers(suite: CrashSuite) -> tuple[str, ...]:
-    return (*{test.layer for test in suite.tests}, *suite.variants)
 
 
 def _scenarios(street: Street, staged: list[Staged]) -> Scenario:

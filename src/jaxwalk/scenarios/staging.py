@@ -13,6 +13,7 @@ from jaxwalk.maps.test_track import ROUTES, TEST_TRACK
 from jaxwalk.scenarios.crash_file import (
     STANDARD,
     CrashFileError,
+    CrashSuite,
     ParkedBox,
     ScriptedPerson,
     ScriptedTest,
@@ -244,3 +245,9 @@ def cases_of(tests: tuple[ScriptedTest, ...], layers: tuple[str, ...] = (STANDAR
         Case(test, speed, variant) for test in tests for variant in (None, *test.variants) for speed in test.speeds
     ]
     return tuple(case for case in every if case.layer in layers)
+
+
+def layers_of(suite: CrashSuite) -> tuple[str, ...]:
+    """Return the layers of a suite: those of its tests, and those of its variants."""
+    variants = (name for test in suite.tests for name in test.variants)
+    return tuple(dict.fromkeys((STANDARD, *(test.layer for test in suite.tests), *variants)))
