@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -37,13 +38,15 @@ def run(options: Crashtest) -> int:
     required = check(options)
     with bad_values():
         work = _work(options)
+    for requirement in required:
+        requirement.check(work.source.cases)
     console = Console(stderr=True)
     with held(options.out):
         results = run_crash_tests(work, lambda name: console.print(f"testing {name}", markup=False))
     shown = Console()
     for driver in results.drivers:
         if not driver.beside:
-            shown.print(table(driver))
+            shown.print(f"{driver.name}: impact speed [km/h]; -: no contact", table(driver), sep="\n", markup=False)
     lines = list(shortfalls(results, required))
     shown.print(*map(escape, lines), f"Open {options.out / 'crashtest.html'}", sep="\n", soft_wrap=True)
     return DIFFERS if lines else 0
@@ -53,7 +56,7 @@ def _work(options: Crashtest) -> CrashTests:
     suite = load_crash_suite(options.suite)
     layers = _layers(options, suite)
     source = Scripted.of(suite, options.suite, layers=layers)
-    named = with_shield(options.driver, options.shield)
+    named = with_shield(options.drivers, options.shield)
     beside = tuple(name for name in dict.fromkeys(options.beside) if name not in (*named, NONE))
     loading = {"trust": options.trust, "seconds": options.driver_seconds}
     drivers = {name: contestant(source.street, "driver", name, **loading) for name in (*named, *beside)}
@@ -76,7 +79,7 @@ def table(driver: DriverUnderTest) -> Table:
         name = outcome.test if outcome.variant is None else f"{outcome.test}, {outcome.variant}"
         text = SHORT.get(outcome.result, "") if outcome.impact is None else f"{outcome.impact:.0f}"
         rows.setdefault(name, {})[outcome.speed] = text
-    found = Table(title=escape(f"{driver.name}: impact speed [km/h]; -: no contact"), box=SIMPLE, title_justify="left")
+    found = Table(box=SIMPLE)
     for heading in ("test", *(f"{speed:g}" for speed in speeds)):
         found.add_column(heading, justify="left" if heading == "test" else "right")
     for name, cells in rows.items():
@@ -86,19 +89,18 @@ def table(driver: DriverUnderTest) -> Table:
 
 def shortfalls(results: CrashResults, required: list[CrashRequirement]) -> Iterator[str]:
     """Yield a line for each driver and requirement that it falls short of."""
-    for driver in (driver for driver in results.drivers if not driver.beside):
-        for requirement in required:
-            missed = requirement.shortfalls(driver.outcomes)
-            if missed:
-                more = len(missed) - SHOWN
-                tail = f" and {more} more" if more > 0 else ""
-                runs = counted(len(missed), "run")
-                yield f"{driver.name} falls short of {requirement.text} in {runs}: {'; '.join(missed[:SHOWN])}{tail}"
+    tested = [driver for driver in results.drivers if not driver.beside]
+    for driver, requirement in product(tested, required):
+        missed = requirement.shortfalls(driver.outcomes)
+        if missed:
+            tail = f" and {len(missed) - SHOWN} more" if len(missed) > SHOWN else ""
+            runs = counted(len(missed), "run")
+            yield f"{driver.name} falls short of {requirement.text} in {runs}: {'; '.join(missed[:SHOWN])}{tail}"
 
 
 def check(options: Crashtest) -> list[CrashRequirement]:
     """Raise an error for impossible options; return what is required."""
-    if not options.driver:
+    if not options.drivers:
         raise UsageError("no driver: name one such as co-trained or careful-human, a run folder or a policy file")
     check_driver_seconds(options.driver_seconds)
     if not options.layers:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import shapely
 
 from jaxwalk.evaluation.playing import play
 from jaxwalk.interfaces import Policy, Roles
@@ -57,12 +58,24 @@ class CrashOutcome:
     """The car's lowest speed in the test [km/h]."""
     hardest: float
     """The hardest braking in the test: the largest loss of speed in a step, over its duration [m/s2]."""
+    aside: float
+    """How far the car was beside its route, at most [m]."""
     ends: float
     """When the test ended: with a contact, or when the car stood, or was at its goal [s]."""
     passed: bool | None
     """Whether the driver did what the test asks for; None where it asks for nothing."""
     touched_later: bool
     """Whether the car touched somebody after it had stood, when the test was over."""
+
+    @property
+    def test_name(self) -> str:
+        """Return the name of the test."""
+        return self.test
+
+    @property
+    def asks(self) -> bool:
+        """Return whether the test asks for anything."""
+        return self.passed is not None
 
     @property
     def fails(self) -> bool:
@@ -98,7 +111,8 @@ def play_tests(policies: Roles[Policy], source: Scripted) -> Iterator[Trajectory
 def crash_outcomes(source: Scripted, trajectory: Trajectory) -> list[CrashOutcome]:
     """Return what the driver did in each episode of a trajectory of a source."""
     cases, config = [source.cases[number] for number in trajectory.scenario], source.street.config
-    return [_outcome(case, trajectory, episode, config) for episode, case in enumerate(cases)]
+    outcomes = [_outcome(case, trajectory, episode, config) for episode, case in enumerate(cases)]
+    return [replace(one, aside=_aside(source, trajectory, episode, one)) for episode, one in enumerate(outcomes)]
 
 
 def _outcome(case: Case, trajectory: Trajectory, episode: int, config: SimConfig) -> CrashOutcome:
@@ -107,7 +121,7 @@ def _outcome(case: Case, trajectory: Trajectory, episode: int, config: SimConfig
     away = np.hypot(x - x[:1], y - y[:1]) > SET_OUT
     begun = (away | ~np.array([person.speed > 0 for person in people], bool)).all(axis=1)
     speed = trajectory.car_speed[: last + 1, episode]
-    over = begun & (speed < STANDS) & (not case.test.no_brake)
+    over = begun & (speed < STANDS) & (not case.no_brake)
     end = int(over.argmax()) if over.any() else last
     touches = bool(trajectory.collision[episode])
     contact = touches and end == last and speed[last] >= STANDS
@@ -120,16 +134,25 @@ def _outcome(case: Case, trajectory: Trajectory, episode: int, config: SimConfig
         test=case.test.name,
         variant=case.variant,
         layer=case.layer,
-        no_brake=case.test.no_brake,
+        no_brake=case.no_brake,
         speed=case.speed,
         result=result,
         impact=impact,
         hit_point=_hit_point(trajectory, episode, config) if contact else None,
+        aside=0.0,
         ends=round(end * trajectory.dt, 6),
         passed=_passed(case, result, impact),
         touched_later=touches and not contact,
         **of_car,
     )
+
+
+def _aside(source: Scripted, trajectory: Trajectory, episode: int, outcome: CrashOutcome) -> float:
+    """Return how far the car was beside its route until the end of a test, at most [m]."""
+    route = source.route(outcome.scenario)
+    frames = slice(round(outcome.ends / trajectory.dt) + 1)
+    places = shapely.points(trajectory.car_x[frames, episode], trajectory.car_y[frames, episode])
+    return float(shapely.distance(route, places).max())
 
 
 def _result(case: Case, impact: float | None, met: bool, of_car: dict[str, float], arrived: bool) -> CrashResult:
@@ -144,7 +167,7 @@ def _result(case: Case, impact: float | None, met: bool, of_car: dict[str, float
 
 def _passed(case: Case, result: CrashResult, impact: float | None) -> bool | None:
     """Return whether the driver did what a test asks for; None where it asks for nothing."""
-    if case.test.no_brake:
+    if case.no_brake:
         return result == "kept"
     most = case.test.passes.most_impact(case.speed)
     if most is None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from jaxwalk.evaluation.crash_outcomes import CrashOutcome
+from jaxwalk.scenarios.staging import Case
 
 FORMS = "avoid<=KMH, impact<=KMH, keep, pass, or one of them for some tests, such as CPNCO:avoid<=30"
 _FORM = re.compile(r"(?:(?P<tests>[^:]+):)?(?P<what>avoid|impact|keep|pass)(?:<=(?P<limit>[0-9]+(?:\.[0-9]+)?))?")
@@ -40,19 +41,21 @@ class CrashRequirement:
         return cls(text, found["what"], limit, found["tests"] or "")
 
     def shortfalls(self, outcomes: Sequence[CrashOutcome]) -> list[str]:
-        """Return in words where outcomes fall short. Raises RequirementError if it is about none of them."""
-        about = [x for x in outcomes if self._about(x)]
-        if not about:
-            raise RequirementError(f"--require {self.text}: no test of the suite is of that kind; check the names")
-        return [_in_words(x) for x in about if not self._met(x)]
+        """Return in words where outcomes fall short."""
+        return [_in_words(x) for x in outcomes if self._is_about(x) and not self._met(x)]
 
-    def _about(self, outcome: CrashOutcome) -> bool:
-        if not outcome.test.replace(" ", "").startswith(self.tests):
+    def check(self, cases: Sequence[Case]) -> None:
+        """Raise RequirementError if it is about none of the runs."""
+        if not any(self._is_about(case) for case in cases):
+            raise RequirementError(f"--require {self.text}: no test of the suite is of that kind; check the names")
+
+    def _is_about(self, run: Case | CrashOutcome) -> bool:
+        if not run.test_name.replace(" ", "").startswith(self.tests):
             return False
         if self.what == "pass":
-            return outcome.passed is not None
-        slow_enough = self.what != "avoid" or self.limit is None or outcome.speed <= self.limit
-        return outcome.no_brake == (self.what == "keep") and slow_enough
+            return run.asks
+        slow_enough = self.what != "avoid" or self.limit is None or run.speed <= self.limit
+        return run.no_brake == (self.what == "keep") and slow_enough
 
     def _met(self, outcome: CrashOutcome) -> bool:
         if self.what == "impact":

@@ -37,7 +37,7 @@ LIMIT = 40.0
 """Speed limit [m/s]: so high that tests set the speed."""
 
 
-class Turn(NamedTuple):
+class ClothoidTurn(NamedTuple):
     """A turn by 90 degrees: curvature rises evenly to an arc, and falls as it rose."""
 
     radius: float
@@ -62,10 +62,10 @@ class Turn(NamedTuple):
 
 
 TURNS = {
-    "left-10": Turn(9.0, 20.62, 1),
-    "left-15": Turn(11.75, 20.93, 1),
-    "left-20": Turn(14.75, 21.79, 1),
-    "right-10": Turn(8.0, 22.85, -1),
+    "left-10": ClothoidTurn(9.0, 20.62, 1),
+    "left-15": ClothoidTurn(11.75, 20.93, 1),
+    "left-20": ClothoidTurn(14.75, 21.79, 1),
+    "right-10": ClothoidTurn(8.0, 22.85, -1),
 }
 """The turns of the track's routes, by side and speed [km/h]."""
 ROUTES = ("straight", *TURNS)
@@ -165,7 +165,7 @@ def _cuts(lines: dict[str, np.ndarray]) -> dict[str, list[tuple[float, float]]]:
     }
 
 
-def _placed(turn: Turn) -> np.ndarray:
+def _placed(turn: ClothoidTurn) -> np.ndarray:
     """Return the points of a turn (point, 2) [m] where it leads from the eastbound lane to its lane of the road."""
     line, half = turn.line(), LANE / 2
     placed = line + np.array([ROAD_X + turn.side * half - line[-1, 0], STREET_Y - half])

@@ -80,7 +80,7 @@ def meetings(rails: Rails, places: Float[np.ndarray, "place 2"], *, half_length:
     return Meeting(along, left[rows, first] + share * (left[rows, first + 1] - left[rows, first]))
 
 
-class Way(NamedTuple):
+class Footpath(NamedTuple):
     """A polyline of a person, in the map [m]."""
 
     points: np.ndarray
@@ -95,15 +95,15 @@ class Way(NamedTuple):
         """Return the places at some metres of the way, (..., 2)."""
         return np.stack([np.interp(metres, self.along, self.points[:, k]) for k in (0, 1)], axis=-1)
 
-    def from_place(self, metres: float) -> Way:
+    def from_place(self, metres: float) -> Footpath:
         """Return the way from a place on [m]."""
         after = self.points[self.along > metres + FINELY / 10]
-        return Way(np.concatenate([self.at(metres)[None], after]))
+        return Footpath(np.concatenate([self.at(metres)[None], after]))
 
-    def turned(self, angle: float, about: np.ndarray) -> Way:
+    def turned(self, angle: float, about: np.ndarray) -> Footpath:
         """Return the way turned to the left by an angle [rad] about a place (2,) [m]."""
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        return Way(about + (self.points - about) @ turn.T)
+        return Footpath(about + (self.points - about) @ turn.T)
 
     def enters(self, surface: shapely.geometry.base.BaseGeometry) -> float:
         """Return where the way enters a surface [m]; inf if it doesn't, or begins on it."""

@@ -9,10 +9,12 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+import shapely
 from jaxtyping import Array, Int, Key
 
 from jaxwalk.rollout import EVALUATION, environment_keys, seed_key
 from jaxwalk.scenarios.crash_file import STANDARD, CrashFileError, CrashSuite, Variant, load_crash_suite
+from jaxwalk.scenarios.rails import Rails
 from jaxwalk.scenarios.source import source_hash
 from jaxwalk.scenarios.staging import FAR_AWAY, NOBODY, Case, Stage, Staged, StagedPerson, cases_of, layers_of
 from jaxwalk.sim.environment import Street
@@ -64,6 +66,11 @@ class Scripted:
         script = self.scenarios.script
         assert script is not None
         return script
+
+    def route(self, number: int) -> shapely.LineString:
+        """Return the car's route in a scenario [m]."""
+        rails = Rails.of(self.street.world.maps, 0, int(self.scenarios.route[number]))
+        return shapely.LineString(np.column_stack([rails.x, rails.y]))
 
     def __len__(self) -> int:
         """Return the number of runs."""

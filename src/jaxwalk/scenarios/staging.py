@@ -19,7 +19,7 @@ from jaxwalk.scenarios.crash_file import (
     ScriptedTest,
     Variant,
 )
-from jaxwalk.scenarios.rails import FINELY, Rails, Way, meetings, time_to_walk
+from jaxwalk.scenarios.rails import FINELY, Footpath, Rails, meetings, time_to_walk
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.script import Trigger
 
@@ -42,6 +42,21 @@ class Case:
     """Which variant it is; None for the test itself."""
 
     @property
+    def test_name(self) -> str:
+        """Return the name of the test."""
+        return self.test.name
+
+    @property
+    def no_brake(self) -> bool:
+        """Return whether the driver is asked not to brake."""
+        return self.test.no_brake
+
+    @property
+    def asks(self) -> bool:
+        """Return whether the test asks for anything."""
+        return self.no_brake or self.test.passes.most_impact(self.speed) is not None
+
+    @property
     def layer(self) -> str:
         """Return the layer of the suite: the test's, or the variant."""
         return self.test.layer if self.variant is None else self.variant
@@ -55,7 +70,7 @@ class Case:
 class StagedPerson(NamedTuple):
     """A person's numbers, with the fields of `jaxwalk.sim.script.Script`."""
 
-    way: Way
+    way: Footpath
     pace: float = 0.0
     run_up: float = 0.0
     kerb: float = np.inf
@@ -66,7 +81,7 @@ class StagedPerson(NamedTuple):
     """Time from setting out to the meeting with the unbraked car [s]; NaN where none is asked for."""
 
 
-NOBODY = StagedPerson(Way(np.full((2, 2), FAR_AWAY)))
+NOBODY = StagedPerson(Footpath(np.full((2, 2), FAR_AWAY)))
 """Somebody who isn't there."""
 
 
@@ -150,7 +165,7 @@ class Stage:
         self, case: Case, frame: _Frame, rails: Rails, person: ScriptedPerson, variant: Variant
     ) -> StagedPerson:
         """Return somebody's numbers."""
-        way = Way(frame.places(np.array(person.path if len(person.path) > 1 else person.path * 2)))
+        way = Footpath(frame.places(np.array(person.path if len(person.path) > 1 else person.path * 2)))
         if not person.speed:
             return StagedPerson(way)
         pace = (person.speed + variant.speed) / KMH
@@ -177,7 +192,7 @@ class Stage:
 
     def _walking(self, case: Case, person: ScriptedPerson, pace: float) -> float:
         """Return how far along its path somebody who walks already comes to the place of the meeting [m]."""
-        path = Way(np.array(person.path))
+        path = Footpath(np.array(person.path))
         passed = np.flatnonzero(path.points[:, 0] >= 0)[0]
         (before, _), (after, _) = path.points[passed - 1], path.points[passed]
         share = before / (before - after)
@@ -189,7 +204,7 @@ class Stage:
             )
         return float(met)
 
-    def _met(self, case: Case, rails: Rails, person: ScriptedPerson, way: Way) -> float | None:
+    def _met(self, case: Case, rails: Rails, person: ScriptedPerson, way: Footpath) -> float | None:
         """Return how far somebody has walked when the unbraked car should meet them [m]; None if nothing is asked."""
         if person.hit is None:
             return None

@@ -22,7 +22,7 @@ DEPTH = 1e-3
 
 
 class Moved(eqx.Module):
-    """Where everybody is, and whom the car touched."""
+    """Where everybody is, and who was touched by the car."""
 
     car: VehicleState
     people: PedestrianState
@@ -51,7 +51,7 @@ def move(world: World, scenario: Scenario, state: State, actions: Roles[Array]) 
 
 
 def touched_by(rules: Rules, car: VehicleState, people: PedestrianState) -> Bool[Array, "ped *batch"]:
-    """Return whom the car touches, by the contact that ends episodes."""
+    """Return who is touched by the car, by the contact that ends episodes."""
     return touching(rules, people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
 
 

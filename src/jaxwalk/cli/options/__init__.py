@@ -8,6 +8,6 @@ from jaxwalk.cli.options.for_streets import Streets
 from jaxwalk.cli.options.for_training import CoTraining, Generalisation, HiddenIntent, Reproduce, Train
 
 __all__ = [
-    "Bench", "CoTraining", "Crashtest", "Evaluate", "Export", "Generalisation", "HiddenIntent", "Measure", "Observations",
-    "Play", "Report", "Reproduce", "Scenario", "Share", "Streets", "Tracks", "Train",
+    "Bench", "CoTraining", "Crashtest", "Evaluate", "Export", "Generalisation", "HiddenIntent", "Measure",
+    "Observations", "Play", "Report", "Reproduce", "Scenario", "Share", "Streets", "Tracks", "Train",
 ]  # fmt: skip

@@ -188,7 +188,7 @@ class Crashtest:
     For example: jaxwalk crashtest co-trained --suite euro-ncap-style --require 'avoid<=40'
     """
 
-    driver: Annotated[tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="DRIVER [DRIVER ...]")] = ()
+    drivers: Annotated[tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="DRIVER [DRIVER ...]")] = ()
     """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder, a policy file or your
     own driver."""
     suite: Annotated[str, option("euro-ncap-style", "SUITE")] = "euro-ncap-style"
