@@ -30,7 +30,7 @@ def file(tmp_path_factory):
         outcome(217, "nobody", 20.0, "braked", no_brake=True, passed=False),
     )
     careful = (
-        outcome(7, "crossing", 20.0, "avoided", passed=True),
+        outcome(7, "crossing", 20.0, "avoided", passed=True, aside=1.25),
         outcome(9, "crossing", 40.0, "not met"),
         outcome(217, "nobody", 20.0, "kept", no_brake=True, passed=True),
     )
@@ -48,7 +48,7 @@ def file(tmp_path_factory):
 def test_cells_say_what_happened(file, open_file):
     page = open_file(file)
     words = [button.inner_text() for button in page.query_selector_all("td button")]
-    assert words == ["17 ✗", "40", "brakes ✗", "avoids ✓", "not met", "keeps ✓"]
+    assert words == ["17 ✗", "40", "brakes ✗", "avoids ↔ ✓", "not met", "keeps ✓"]
     assert page.get_attribute("td button", "aria-label") == (
         "rash, crossing at 20 km/h: hit, at 17.4 km/h, 40 % of the front; fails"
     )
@@ -61,7 +61,10 @@ def test_a_cell_plays_its_run_and_closes(file, open_file):
     page = open_file(file)
     page.click("td button >> nth=3")
     page.wait_for_selector("dialog .stage canvas")
-    assert page.text_content("#watched") == "careful, crossing at 20 km/h: avoids the contact; passes"
+    assert (
+        page.text_content("#watched")
+        == "careful, crossing at 20 km/h: avoids the contact; 1.2 m beside its route; passes"
+    )
     assert page.text_content("figcaption").startswith("careful among always-go, scenario 7")
     page.click("text=Close")
     assert not page.is_visible("dialog")

@@ -48,7 +48,7 @@ def test_a_driver_is_tested(mine, capsys):
     words = ["crashtest", "careful-human", "--suite", "mine.toml", "--beside", "none", "--out", "there"]
     assert main([*words, "--require", "avoid<=20", "keep"]) == 0
     said = capsys.readouterr().out
-    assert "careful-human: impact speed [km/h]; -: no contact" in said
+    assert "careful-human: impact speed [km/h]; -: no contact; ~: left its lane" in said
     assert said.endswith("Open there/crashtest.html\n")
     assert main([*words, "--require", "pass", "keep"]) == 1
     said = " ".join(capsys.readouterr().out.split())

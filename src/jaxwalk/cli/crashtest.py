@@ -46,7 +46,12 @@ def run(options: Crashtest) -> int:
     shown = Console()
     for driver in results.drivers:
         if not driver.beside:
-            shown.print(f"{driver.name}: impact speed [km/h]; -: no contact", table(driver), sep="\n", markup=False)
+            shown.print(
+                f"{driver.name}: impact speed [km/h]; -: no contact; ~: left its lane",
+                table(driver),
+                sep="\n",
+                markup=False,
+            )
     lines = list(shortfalls(results, required))
     shown.print(*map(escape, lines), f"Open {options.out / 'crashtest.html'}", sep="\n", soft_wrap=True)
     return DIFFERS if lines else 0
@@ -78,6 +83,7 @@ def table(driver: DriverUnderTest) -> Table:
     for outcome in driver.outcomes:
         name = outcome.test if outcome.variant is None else f"{outcome.test}, {outcome.variant}"
         text = SHORT.get(outcome.result, "") if outcome.impact is None else f"{outcome.impact:.0f}"
+        text += " ~" if outcome.swerves else ""
         rows.setdefault(name, {})[outcome.speed] = text
     found = Table(box=SIMPLE)
     for heading in ("test", *(f"{speed:g}" for speed in speeds)):

@@ -25,6 +25,8 @@ SET_OUT = 1e-3
 """Who is farther than this from where they began has set out [m]."""
 UNSLOWED = 1.0
 """An impact less than this below the speed of the test is one of a car that didn't slow down [km/h]."""
+OUT_OF_LANE = 0.85
+"""A car farther than this beside its route leaves a lane of 3.5 m with its side [m]."""
 ON_FRONT = 0.05
 """A body touches the front if its centre is at most this far behind it [m]."""
 
@@ -76,6 +78,11 @@ class CrashOutcome:
     def asks(self) -> bool:
         """Return whether the test asks for anything."""
         return self.passed is not None
+
+    @property
+    def swerves(self) -> bool:
+        """Return whether the car left its lane: it may have avoided a contact by that."""
+        return self.aside > OUT_OF_LANE
 
     @property
     def fails(self) -> bool:

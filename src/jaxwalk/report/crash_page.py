@@ -54,7 +54,7 @@ def _cell(outcome: CrashOutcome, driver: DriverUnderTest, episode: int) -> Crash
     asked = {None: "", True: "; passes", False: "; fails"}[outcome.passed]
     return CrashCell(
         kind=outcome.result.replace(" ", "-") if outcome.impact is None or not outcome.no_brake else "unslowed",
-        text=text + {None: "", True: " ✓", False: " ✗"}[outcome.passed],
+        text=text + (" ↔" if outcome.swerves else "") + {None: "", True: " ✓", False: " ✗"}[outcome.passed],
         about=f"{driver.name}, {outcome.test} at {outcome.speed:g} km/h: {in_words(outcome)}{asked}",
         share=min((outcome.impact or 0.0) / WORST, 1.0),
         episode=episode,
@@ -64,15 +64,17 @@ def _cell(outcome: CrashOutcome, driver: DriverUnderTest, episode: int) -> Crash
 
 def in_words(outcome: CrashOutcome) -> str:
     """Return what a driver did in words."""
+    aside = f"; {outcome.aside:.1f} m beside its route" if outcome.swerves else ""
     if outcome.impact is not None:
         where = "" if outcome.hit_point is None else f", {outcome.hit_point:.0f} % of the front"
         how = "hit" if outcome.result == "slowed" else "hit without having slowed down"
-        return f"{how}, at {outcome.impact:.1f} km/h{where}"
+        return f"{how}, at {outcome.impact:.1f} km/h{where}{aside}"
     if outcome.no_brake:
         how = f"hardest braking {outcome.hardest:.1f} m/s², lowest speed {outcome.slowest:.0f} km/h"
-        return f"{'keeps its speed' if outcome.result == 'kept' else 'brakes without need'}: {how}"
+        return f"{'keeps its speed' if outcome.result == 'kept' else 'brakes without need'}: {how}{aside}"
     later = "; touches them later, when the test is over" if outcome.touched_later else ""
-    return f"{'avoids the contact' if outcome.result == 'avoided' else 'never comes near, so nobody sets out'}{later}"
+    what = "avoids the contact" if outcome.result == "avoided" else "never comes near, so nobody sets out"
+    return f"{what}{later}{aside}"
 
 
 def write_crash_page(path: Path, results: CrashResults, document: dict[str, Any]) -> None:
