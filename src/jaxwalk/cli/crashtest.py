@@ -29,6 +29,8 @@ ALL, NONE = "all", "none"
 """Words for all layers, and for no driver beside the others."""
 SHOWN = 8
 """Shortfalls that are shown of each driver."""
+WIDTH = 120
+"""What the table needs [characters]."""
 SHORT = {"avoided": "-", "not met": "not met", "kept": "keeps", "braked": "brakes"}
 """What the table shows where there is no impact."""
 
@@ -44,6 +46,7 @@ def run(options: Crashtest) -> int:
     with held(options.out):
         results = run_crash_tests(work, lambda name: console.print(f"testing {name}", markup=False))
     shown = Console()
+    shown.width = max(shown.width, WIDTH)  # a narrower terminal wraps the lines
     for driver in results.drivers:
         if not driver.beside:
             shown.print(
