@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -173,3 +174,10 @@ def test_somebody_who_walks_already_is_met_after_the_test_s_time():
     np.testing.assert_allclose(script.path_x[0, 0], 121, atol=1e-3)
     np.testing.assert_allclose(script.start, 117.75 - np.array([20, 30]) / 3.6 * 4, rtol=1e-5)
     assert replace(parse_crash_suite(walks, "own.toml"), name="own").tests[0].people[0].walks
+
+
+def test_the_file_of_the_documentation_can_be_played():
+    page = (Path(__file__).parents[2] / "docs" / "crash-tests.md").read_text()
+    text = page.split("```toml\n")[1].split("```")[0]
+    found = Scripted.of(parse_crash_suite(text, "the docs"), "the docs", layers=("standard", "hurried"))
+    assert len(found) == 8
