@@ -95,7 +95,7 @@ def test_a_page_has_the_maps_of_its_episodes_only(town, network):
     two = Street.create([town.maps[0], "paper"], town.config)
     maps = np.asarray(Drawn(two, 0).take(np.arange(8))[0].map)
     numbers = np.flatnonzero(maps == 0)[:2].tolist()
-    document = recording(two, {"blind": BLIND["driver"]}, {"all": AlwaysGo()}, {"all": numbers}, seed=0)
+    document = recording(two, {"blind": BLIND["driver"]}, {"all": AlwaysGo()}, {"all": numbers}, Drawn(two, 0))
     (drawn,) = document["maps"]
     assert (drawn["width"], drawn["height"]) == network.size
     assert [entry["map"] for entry in document["episodes"]] == [0, 0]

@@ -25,7 +25,7 @@ WORKERS = (
     "jaxwalk.cli.play._page", "jaxwalk.cli.play._drawing", "jaxwalk.experiments.driver_report.play_rounds",
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
-    "jaxwalk.maps.generated.splits.make_street",
+    "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
 )  # fmt: skip
 """Where the work begins that a good command line asks for: a case ends there."""
 PEOPLE = ["always-go", "learned", "mine.safetensors", "run", "nobody", "bad.safetensors"]
@@ -54,13 +54,15 @@ STRANGE = [
 ]
 NUMBERS = ["1", "2", "3", "0", "-1", "2147483647", "2147483648", "9" * 30, "0.5", "1e308", "1e999", "nan", "-inf", "٣"]
 LIKELY = {
-    "driver": DRIVERS, "runs": DRIVERS, "policy": DRIVERS, "compare": DRIVERS, "pedestrians": PEOPLE, "out": OUTS,
+    "driver": DRIVERS, "drivers": DRIVERS, "beside": DRIVERS, "runs": DRIVERS, "policy": DRIVERS, "compare": DRIVERS,
+    "pedestrians": PEOPLE, "out": OUTS,
     "run_folder": ["new", *OUTS], "resume": ["run", "half", "file"], "map": ["paper", "town.toml", "nowhere"],
     "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"], "recipe": ["fast", "paper"],
     "role": ["driver", "pedestrian"], "only": ["env", "train"], "areas": ["file", "nowhere"],
+    "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
 }  # fmt: skip
 """By the name of an option; all others take numbers, or nothing."""
-POSITIONAL = ("runs", "policy", "files")
+POSITIONAL = ("runs", "policy", "files", "drivers")
 
 
 def commands() -> list[type]:

@@ -227,7 +227,7 @@ def test_a_file_that_is_not_text_is_refused(write):
 
 
 def test_an_unknown_name_lists_the_bundled_maps():
-    with pytest.raises(MapError, match=r"map papr has 1 fault:\n.*bundled one \(paper\)"):
+    with pytest.raises(MapError, match=r"map papr has 1 fault:\n.*bundled one \(paper, test-track\)"):
         load_map("papr")
 
 

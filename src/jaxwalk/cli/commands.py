@@ -32,6 +32,7 @@ class Command:
 COMMANDS = (
     Command("train", options.Train, "jaxwalk.cli.train"),
     Command("evaluate", options.Evaluate, "jaxwalk.cli.evaluate"),
+    Command("crashtest", options.Crashtest, "jaxwalk.cli.crashtest"),
     Command("play", options.Play, "jaxwalk.cli.play"),
     Command("reproduce", options.Reproduce, "jaxwalk.cli.reproduce"),
     Command("report", options.Report, "jaxwalk.cli.report"),

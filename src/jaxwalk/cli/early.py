@@ -49,8 +49,9 @@ def check_names(options: Any) -> None:
 
 def _named(options: Any) -> Iterator[tuple[str, str]]:
     """Yield role and name of each driver and population."""
-    for field in ("driver", "compare", "runs"):
+    for field in ("driver", "drivers", "compare", "runs"):
         yield from (("driver", name) for name in _many(options, field) if not (Path(name) / PLAN).is_file())
+    yield from (("driver", name) for name in _many(options, "beside") if name != "none")
     yield from (("pedestrian", name) for name in _many(options, "pedestrians") if isinstance(name, str))
     yield from ((options.role, name) for name in _many(options, "policy"))
     if isinstance(options, Share):

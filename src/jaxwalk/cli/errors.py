@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 DIFFERS, BAD_INPUT, INTERRUPTED = 1, 2, 130
-"""Exit codes: for results that don't come out again, for input that can't be used, and for Ctrl-C."""
+"""Exit codes: for results that don't come out again or fall short of what is required, for input that can't be used,
+and for Ctrl-C."""
 ADVICE = {
     errno.ENOSPC: "make room on the disk, or name another place",
     errno.EDQUOT: "make room on the disk, or name another place",

@@ -51,7 +51,7 @@ def _page(options: Play, out: Path, street: Street, drivers: Policies, people: P
 
     numbers = list(dict.fromkeys(options.scenario))
     name = options.pedestrians
-    document = recording(street, drivers, {name: people}, {name: numbers}, seed=options.seed)
+    document = recording(street, drivers, {name: people}, {name: numbers}, Drawn(street, options.seed))
     among = f"{', '.join(drivers)} among {name}"
     replay_page(document, out, title=f"jaxwalk: {among}")
     return f"{counted(len(document['episodes']), 'episode')} of seed {options.seed}, {among}; open it in a browser"

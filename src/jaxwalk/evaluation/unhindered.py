@@ -32,9 +32,13 @@ def unhindered_times(street: Street) -> Float[np.ndarray, "map route"]:
 
 
 def with_delay(rows: Rows, times: Float[np.ndarray, "map route"], scenarios: Scenario) -> Rows:
-    """Return rows that know the unhindered time of each of their episodes, the first ones of ``scenarios``."""
+    """Return rows that know the unhindered time of each of their episodes, the first ones of ``scenarios``.
+
+    Scripted episodes begin under way, so their times are unknown: NaN.
+    """
     maps, routes = (np.asarray(x)[: rows.episodes] for x in (scenarios.map, scenarios.route))
-    return rows.having(DELAY, Unhindered(times[maps, routes]))
+    known = times[maps, routes]
+    return rows.having(DELAY, Unhindered(known if scenarios.script is None else np.full_like(known, np.nan)))
 
 
 @eqx.filter_jit

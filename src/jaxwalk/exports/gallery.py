@@ -60,7 +60,7 @@ def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, sa
         people: sorted({int(n) for (_, among), some in found.items() if among == people for n in some.scenario})
         for people in cast.populations
     }
-    document = recording(cast.street, cast.drivers, cast.populations, numbers, seed=cast.seed)
+    document = recording(cast.street, cast.drivers, cast.populations, numbers, Drawn(cast.street, cast.seed))
     episodes = tuple(WatchedEpisode(**entry) for entry in document["episodes"])
     places = {(e.driver, e.pedestrians, e.scenario): k for k, e in enumerate(episodes)}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -12,10 +12,11 @@ from jaxwalk.evaluation import BATCH, jaywalk_multiplier, named, replay
 from jaxwalk.interfaces import Policy
 from jaxwalk.maps import as_network
 from jaxwalk.maps.routes import ROUTE_SPACING
-from jaxwalk.scenarios import Drawn
+from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.walking_paths import walking_paths
+from jaxwalk.sim.trajectory import Trajectory
+from jaxwalk.sim.walking_paths import Paths, walking_paths
 from jaxwalk.viewer.record import make_records
 from jaxwalk.viewer.replay import document, entries
 
@@ -25,20 +26,19 @@ def recording(
     drivers: Mapping[str, Policy],
     populations: Mapping[str, Policy],
     numbers: Mapping[str, Sequence[int]],
-    *,
-    seed: int,
+    source: Source,
 ) -> dict[str, Any]:
-    """Return a page's document: every driver in the scenarios of a seed with the numbers given for each population."""
+    """Return a page's document: every driver in the scenarios of a source that are named for each population."""
     found = [
         entry
         for people, policy in populations.items()
         for first in range(0, len(numbers[people]), BATCH)
-        for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + BATCH], seed)
+        for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + BATCH], source)
     ]
-    return _document(street, found)
+    return page_document(street, found)
 
 
-def _document(street: Street, entries: list[dict[str, Any]]) -> dict[str, Any]:
+def page_document(street: Street, entries: list[dict[str, Any]]) -> dict[str, Any]:
     """Return a page's document of entries, with the maps that they need."""
     used = sorted({entry["map"] for entry in entries})
     numbered = [{**entry, "map": used.index(entry["map"])} for entry in entries]
@@ -46,22 +46,46 @@ def _document(street: Street, entries: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _entries(
-    street: Street, drivers: Mapping[str, Policy], people: tuple[str, Policy], numbers: Sequence[int], seed: int
+    street: Street, drivers: Mapping[str, Policy], people: tuple[str, Policy], numbers: Sequence[int], source: Source
 ) -> list[dict[str, Any]]:
     """Return the page's entries of up to `BATCH` scenarios under every driver."""
-    source = Drawn(street, seed)
     scenarios, _ = source.take(np.asarray(numbers))
-    config = street.config
-    reach = config.horizon * config.dt * config.fastest
-    paths = walking_paths(street.world, scenarios, reach=reach)
-    routes, maps = _routes(street, scenarios), np.asarray(scenarios.map).tolist()
-    found, multiplier = [], jaywalk_multiplier(street)
+    plans, found = _plans(street, scenarios), []
     for driver, policy in drivers.items():
         with named({"driver": driver, "pedestrian": people[0]}):
             trajectory = replay(street, {"driver": policy, "pedestrian": people[1]}, source, numbers)
-        records = make_records(trajectory, paths, routes)
-        found += entries(trajectory, records, maps, driver=driver, pedestrians=people[0], multiplier=multiplier)
+        found += _entries_of(street, trajectory, plans, (driver, people[0]))
     return found
+
+
+def entries_played(
+    street: Street, source: Source, trajectory: Trajectory, names: tuple[str, str]
+) -> list[dict[str, Any]]:
+    """Return a page's entries of episodes that have been played; ``names`` are those of driver and population."""
+    scenarios, _ = source.take(trajectory.scenario)
+    return _entries_of(street, trajectory, _plans(street, scenarios), names)
+
+
+class _Plans(NamedTuple):
+    """What is drawn of scenarios beside what happens in them."""
+
+    paths: Paths
+    routes: list[np.ndarray]
+    maps: list[int]
+
+
+def _plans(street: Street, scenarios: Scenario) -> _Plans:
+    config = street.config
+    paths = walking_paths(street.world, scenarios, reach=config.horizon * config.dt * config.fastest)
+    return _Plans(paths, _routes(street, scenarios), np.asarray(scenarios.map).tolist())
+
+
+def _entries_of(street: Street, trajectory: Trajectory, plans: _Plans, names: tuple[str, str]) -> list[dict[str, Any]]:
+    records = make_records(trajectory, plans.paths, plans.routes)
+    driver, people = names
+    return entries(
+        trajectory, records, plans.maps, driver=driver, pedestrians=people, multiplier=jaywalk_multiplier(street)
+    )
 
 
 def _routes(street: Street, scenarios: Scenario) -> list[np.ndarray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cache
 from importlib import resources
 from pathlib import Path
 
@@ -15,7 +16,8 @@ from jaxwalk.maps.generated.named_streets import FORMS, each_name, generated_tex
 from jaxwalk.maps.map_network import network_of
 from jaxwalk.maps.map_text import MapText, text_hash
 from jaxwalk.maps.network import Network
-from jaxwalk.maps.network_file import MOST_NETWORK_BYTES, parse_network, shortened
+from jaxwalk.maps.network_file import MOST_NETWORK_BYTES, network_text, parse_network, shortened
+from jaxwalk.maps.test_track import TEST_TRACK, track_network
 
 MOST_BYTES = 1_000_000
 """Largest size of a map file [bytes]."""
@@ -24,7 +26,8 @@ MOST_BYTES = 1_000_000
 def bundled_maps() -> list[str]:
     """Return the names of the maps that ship with jaxwalk."""
     folder = resources.files("jaxwalk.maps")
-    return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    files = (entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    return sorted([*files, TEST_TRACK])
 
 
 def checked(text: str, source: str, *, goal_spacing: float, start_clearance: float) -> MapFile | Network:
@@ -105,6 +108,11 @@ def _is_known(found: MapText) -> bool:
         return False
 
 
+@cache
+def _test_track_text() -> str:
+    return network_text(track_network())
+
+
 def map_name(name_or_path: str | Path) -> str:
     """Return the name of a bundled map or a generated street as it is, and a file's without its folder."""
     return Path(name_or_path).name
@@ -114,6 +122,8 @@ def map_content(name_or_path: str | Path) -> str:
     """Return the text of a map, without a byte-order mark. Raises MapError if it can't be read."""
     source = str(name_or_path)
     names = bundled_maps()
+    if source == TEST_TRACK:
+        return _test_track_text()
     if source in names:
         return resources.files("jaxwalk.maps").joinpath(f"{source}.toml").read_text(encoding="utf-8")
     if names_generated(source):

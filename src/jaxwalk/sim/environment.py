@@ -11,12 +11,13 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Key
+from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec, View
 from jaxwalk.maps import MapText
 from jaxwalk.sim import cost, observation, pedestrian, reward, scenario, vehicle
-from jaxwalk.sim.events import Events, arrives, touching
+from jaxwalk.sim.events import Events, arrives
+from jaxwalk.sim.movement import move
 from jaxwalk.sim.perceived import Perceived
 from jaxwalk.sim.perception import first_perceived, perceive
 from jaxwalk.sim.prediction import foresee, unhidden
@@ -124,13 +125,13 @@ class Street(eqx.Module):
     @eqx.filter_jit
     def step(self, scenario: Scenario, state: State, actions: Roles[Array]) -> tuple[State, Outcome]:
         """Make one step: everybody moves, then come events, then rewards. It is deterministic and never resets."""
-        car = vehicle.drive(self.world, scenario, state.vehicle, actions["driver"])
-        people = pedestrian.walk(self.world, scenario, state.pedestrian, actions["pedestrian"].astype(bool))
+        moved = move(self.world, scenario, state, actions)
+        car, people = moved.car, moved.people
         knows = state.perceived
         if knows is not None:
             knows = perceive(self.world, scenario, state.step + 1, car, people, knows)
         after = self._state(scenario, state.step + 1, car, people, knows)
-        events = self._events(scenario, after)
+        events = self._events(scenario, after, moved.touched)
         transition = reward.Transition(self.world, scenario, state, after, events)
         over = events.collision | events.goal
         ended = over | events.timeout
@@ -151,9 +152,8 @@ class Street(eqx.Module):
     ) -> State:
         return State(step, car, people, foresee(self.world, scenario, car, people, knows), knows)
 
-    def _events(self, scenario: Scenario, state: State) -> Events:
-        car, people, rules = state.vehicle, state.pedestrian, self.world.rules
-        touched = touching(rules, people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
+    def _events(self, scenario: Scenario, state: State, touched: Bool[Array, "ped *batch"]) -> Events:
+        car, rules = state.vehicle, self.world.rules
         goal_x, goal_y = vehicle.goal(self.world, scenario)
         collision = touched.any(axis=0)
         goal = arrives(car.x - goal_x, car.y - goal_y, rules.goal_distance) & ~collision

@@ -75,6 +75,13 @@ def touching(rules, dx, dy, cos, sin):
     return to_rectangle(*to_frame(dx, dy, cos, sin), rules.car_length, rules.car_width) < rules.body_radius
 
 
+def contact_gap(rules, dx, dy, cos, sin):
+    """Return how much is missing until car and pedestrian collide [m]; below 0 where they do. Arguments: `touching`."""
+    if rules.contact == "disc":
+        return distance(dx, dy) - rules.collision_distance
+    return to_rectangle(*to_frame(dx, dy, cos, sin), rules.car_length, rules.car_width) - rules.body_radius
+
+
 def _above_zero(x):
     """Return x, or 0 if it is negative."""
     return (x + abs(x)) / 2

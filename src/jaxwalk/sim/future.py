@@ -46,7 +46,8 @@ def clearances(world: World, scenario: Scenario, state: State) -> Float[Array, "
 
     By the world's contact it is the distance from the car's centre, or from its rectangle (0 inside) if that faces
     along the route, to the person's centre; at most `FAR`. The simulator itself walks on with the scenario's own draws,
-    so jaywalks that are not yet decided are known too. Everybody is assumed to go from now on, also who waits now.
+    so jaywalks that are not yet decided are known too. Everybody is assumed to go from now on, also who waits now; but
+    scripted people who wait for the car don't set out.
     """
     nearest = _from_centre if world.rules.contact == "disc" else partial(_from_rectangle, world)
     places = _places(world, scenario, state)
@@ -66,6 +67,7 @@ def limits(world: World, scenario: Scenario, state: State) -> Float[Array, "plac
     """Return the car's top speed at each place ahead [m/s]: of the lane, of the bend, and its own."""
     _, point = _ahead(world, state)
     limit = look_up(world.tables.course, scenario.map, scenario.route, point, jnp.int32(LIMIT))
+    limit = limit if scenario.script is None else jnp.minimum(limit, scenario.script.limit)
     return jnp.minimum(limit, world.rules.max_speed)
 
 

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Shaped
 
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING, LegKind
+from jaxwalk.sim.free_walk import pace_of_script, stand, walk_freely
 from jaxwalk.sim.jaywalk import Zone, into_gap, jaywalk_from, zone_of
 from jaxwalk.sim.lookup import look_up, look_up_each
 from jaxwalk.sim.map_tables import Hop, unpack_hop
@@ -22,8 +23,11 @@ from jaxwalk.sim.world import World
 def place(world: World, scenario: Scenario) -> PedestrianState:
     """Return all pedestrians at their start waypoints, as if each had just finished a leg.
 
-    Who follows somebody starts later, by as many metres as it walks behind.
+    Who follows somebody starts later, by as many metres as it walks behind. Scripted people stand where their way
+    begins.
     """
+    if scenario.script is not None:
+        return stand(world, scenario)
     x, y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, scenario.start)
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
@@ -42,8 +46,10 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
 
     The rest of a step after the end of a leg is carried into the next leg (but not over a second end). What follows a
     leg depends on nothing that happens during it, so it is computed for everybody at once whenever somebody needs it:
-    in about a tenth of the steps.
+    in about a tenth of the steps. Scripted people walk as `jaxwalk.sim.free_walk` says.
     """
+    if scenario.script is not None:
+        return walk_freely(world, scenario, people, go)
     stride = jnp.where(go, pace(world, scenario, people) * world.rules.dt, 0)
     carry = stride - people.remaining
     finished = go & (carry >= 0)
@@ -65,6 +71,8 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
 
 def pace(world: World, scenario: Scenario, people: PedestrianState) -> Float[Array, "ped *batch"]:
     """Return the speed of people who go [m/s]: their own walking speed, or on a jaywalk that of their kind."""
+    if scenario.script is not None:
+        return pace_of_script(scenario.script, people)
     own = scenario.walking_speed(world)
     if not any(kind.jaywalk for kind in world.rules.kinds):
         return own

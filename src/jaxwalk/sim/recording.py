@@ -48,10 +48,14 @@ def _frame_of_sightings(known: Perceived) -> Frame:
 
 def parked_boxes(world: World, scenarios: Scenario) -> Float[np.ndarray, "episode slot column"] | None:
     """Return what a `Trajectory` records of parked vehicles; None where nobody ever parks."""
-    if scenarios.parked is None:
-        return None
-    boxes = np.asarray(world.maps.slots)[np.asarray(scenarios.map)]
-    return np.where(np.asarray(scenarios.parked).T[..., None], boxes, np.float32("nan"))
+    found = []
+    if scenarios.parked is not None:
+        boxes = np.asarray(world.maps.slots)[np.asarray(scenarios.map)]
+        found.append(np.where(np.asarray(scenarios.parked).T[..., None], boxes, np.float32("nan")))
+    if scenarios.script is not None:
+        boxes = np.moveaxis(np.asarray(scenarios.script.boxes), -1, 0)
+        found.append(np.where(boxes[..., 4:5] > 0, boxes, np.float32("nan")))
+    return np.concatenate(found, axis=1) if found else None
 
 
 def frame_of_people(world: World, scenario: Scenario, people: PedestrianState) -> Frame:

@@ -15,6 +15,7 @@ from jaxtyping import Array, Bool, Float, Int, Key
 
 from jaxwalk.sim.lookup import look_up
 from jaxwalk.sim.person_kind import begins
+from jaxwalk.sim.script import Script
 from jaxwalk.sim.walking_groups import groups_drawn, leaders
 from jaxwalk.sim.world import World
 
@@ -48,6 +49,8 @@ class Scenario(eqx.Module):
     """For each decision that the car saw before the episode: whether it was a jaywalk; None where it saw none."""
     leader: Int[Array, "ped *batch"] | None = None
     """The number of the leader of each pedestrian's group, its own if alone; None where nobody walks in groups."""
+    script: Script | None = None
+    """What car and people do by a script, in place of most of the above; None where everything is drawn."""
 
     def kind(self, world: World) -> Int[Array, "ped *batch"]:
         """Return the number in ``SimConfig.kinds`` of the kind that each pedestrian is of; 0 where there are none."""
@@ -72,6 +75,8 @@ class Scenario(eqx.Module):
 
     def walking_speed(self, world: World) -> Float[Array, "ped *batch"]:
         """Return each pedestrian's own speed [m/s]."""
+        if self.script is not None:
+            return self.script.pace
         slowest, fastest = world.rules.slowest_walk, world.rules.fastest_walk
         if any(kind.walk for kind in world.rules.kinds):
             paces = [kind.walk or (slowest, fastest) for kind in world.rules.kinds]
@@ -80,6 +85,8 @@ class Scenario(eqx.Module):
 
     def jaywalking_speed(self, world: World) -> Float[Array, "ped *batch"]:
         """Return each pedestrian's speed on the way across on a jaywalk [m/s]; who walks fast runs fast."""
+        if self.script is not None:
+            return self.script.pace
         usual = world.rules.slowest_walk, world.rules.fastest_walk
         paces = [kind.jaywalk or kind.walk or usual for kind in world.rules.kinds] or [usual]
         slowest, fastest = (self.of_kind(world, speeds) for speeds in zip(*paces, strict=True))

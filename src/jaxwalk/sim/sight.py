@@ -43,7 +43,17 @@ def _boxes_near(world: World, scenario: Scenario, x: Array, y: Array) -> tuple[F
     rows, columns = table.shape[1:3]
     row, column = (jnp.clip((at / CELL).astype(jnp.int32), 0, most - 1) for at, most in ((y, rows), (x, columns)))
     entries = look_up_row(table, scenario.map, row, column)
-    return tuple(jnp.moveaxis(entries.reshape(-1, COLUMNS, *x.shape), 1, 0))
+    boxes = tuple(jnp.moveaxis(entries.reshape(-1, COLUMNS, *x.shape), 1, 0))
+    return boxes if scenario.script is None else _with_scripted(boxes, scenario.script.boxes)
+
+
+def _with_scripted(
+    boxes: tuple[Float[Array, "_ *batch"], ...], scripted: Float[Array, "box 6 *batch"]
+) -> tuple[Float[Array, "_ *batch"], ...]:
+    """Return the columns of boxes with those of a script after them."""
+    always = jnp.full(scripted[:, :1].shape, NO_SLOT)
+    columns = jnp.moveaxis(jnp.concatenate([scripted, always], axis=1), 1, 0)
+    return tuple(jnp.concatenate(pair) for pair in zip(boxes, columns, strict=True))
 
 
 def _words(scenario: Scenario) -> tuple[UInt32[Array, "*batch"], ...]:

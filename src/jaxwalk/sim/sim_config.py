@@ -15,8 +15,8 @@ ContactRule = Literal["disc", "footprint"]
 SMALLEST_STEP = 0.001
 """The shortest step [s]."""
 LARGEST = {
-    "dt": 1.0, "horizon": 100_000, "pedestrians": 1000, "fastest_walk": FASTEST, "wheelbase": 100.0, "max_speed": 100.0,
-    "max_acceleration": 100.0, "max_braking": 100.0, "max_lateral": 100.0, "offroad_margin": 100.0,
+    "dt": 1.0, "horizon": 100_000, "substeps": 100, "pedestrians": 1000, "fastest_walk": FASTEST, "wheelbase": 100.0,
+    "max_speed": 100.0, "max_acceleration": 100.0, "max_braking": 100.0, "max_lateral": 100.0, "offroad_margin": 100.0,
     "collision_distance": 100.0, "car_length": 100.0,
     "car_width": 100.0, "body_radius": 100.0, "goal_distance": 100.0, "moving_speed": 100.0, "start_clearance": 1000.0,
     "goal_spacing": 1000.0, "kerb_distance": 100.0, "earlier_decisions": 30, "grouped": 1.0, "parked": 1.0,
@@ -33,6 +33,9 @@ class SimConfig:
     """Duration of a step [s]."""
     horizon: int = 500
     """Steps until an episode times out."""
+    substeps: int = 1
+    """Parts of a step in which car and people move, while everybody's action is held. With several, an episode ends at
+    the moment of a contact, interpolated, instead of at the end of a step."""
     pedestrians: int = 12
     """People in an episode."""
     slowest_walk: float = 1.0
@@ -107,7 +110,7 @@ class SimConfig:
     def __post_init__(self) -> None:
         """Refuse what can't be simulated."""
         positive = (
-            "dt", "horizon", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
+            "dt", "horizon", "substeps", "pedestrians", "slowest_walk", "wheelbase", "max_speed", "max_acceleration",
             "max_braking", "max_lateral",
             "collision_distance", "car_length", "car_width", "body_radius", "goal_distance", "kerb_distance",
             "goal_spacing", "sight",
@@ -182,6 +185,7 @@ WORLDS = {
     "town": TOWN,
     "blind-corner": replace(HIDING, kinds=in_shares(calm=0.3, hurried=0.7)),
     "arterial": replace(HIDING, kinds=in_shares(calm=0.2, hurried=0.4, runner=0.2, child=0.2)),
+    "test-track": replace(TOWN, horizon=200, substeps=10, max_speed=20.0, max_lateral=100.0, perception=True),
 }
 """Worlds by name.
 
@@ -193,10 +197,12 @@ WORLDS = {
   they jaywalk at nine of ten crossings.
 - ``arterial``: as ``blind-corner``, but a fifth of the people are calm, two fifths in a hurry, a fifth runners, and a
   fifth children.
+- ``test-track``: the rules of crash tests. Brakes are those of ``town``, scripts limit the car's speed, people are seen
+  unless a vehicle hides them, car and people move in parts of 0.01 s, and a test lasts at most 20 s.
 """
 OF_WORLD = (
-    "contact", "horizon", "max_speed", "max_braking", "max_lateral", "parked", "perception", "jaywalk_multiplier",
-    "kinds",
+    "contact", "horizon", "substeps", "max_speed", "max_braking", "max_lateral", "parked", "perception",
+    "jaywalk_multiplier", "kinds",
 )  # fmt: skip
 """What a world decides; everything else is as usual."""
 

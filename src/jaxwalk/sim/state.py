@@ -96,6 +96,8 @@ class PedestrianState(eqx.Module):
     """Whether it is between the kerbs."""
     on_crosswalk: Bool[Array, "ped *batch"]
     """Whether it is between the kerbs on a crosswalk."""
+    since: Float[Array, "ped *batch"] | None = None
+    """For how long a scripted person has walked [s], negative before it sets out; None where nobody is scripted."""
 
     @property
     def x(self) -> Float[Array, "ped *batch"]:

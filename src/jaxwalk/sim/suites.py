@@ -28,3 +28,7 @@ SUITES: Final = {
     "unseen-ranges": Where(("unseen-ranges:200",), "town", 12),
 }
 """The suites by name. ``docs/suites.md`` says what each is for, and what rules and the oracle reach on it."""
+CRASH_SUITES: Final = ("euro-ncap-style", "fmvss-127", "r152")
+"""The suites of crash tests that ship with jaxwalk (``docs/crash-tests.md``)."""
+CRASH_WORLD: Final = "test-track"
+"""The world of crash tests, and the street of those that ship with jaxwalk."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -13,6 +15,7 @@ from jaxwalk.sim.geometry import rotate, to_frame
 from jaxwalk.sim.lookup import look_up, look_up_row
 from jaxwalk.sim.map_tables import POINTS
 from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.script import Script
 from jaxwalk.sim.state import Course, VehicleState
 from jaxwalk.sim.world import World
 
@@ -22,12 +25,23 @@ too near; no more if everybody is within `CLOSE` metres of the place that they a
 
 
 def place(world: World, scenario: Scenario) -> VehicleState:
-    """Return the car at the start of its route, standing, facing along it."""
+    """Return the car at the start of its route, standing, facing along it; a script begins where and how it says."""
     zero = jnp.zeros(scenario.route.shape)
+    if scenario.script is not None:
+        return _place_by_script(world, scenario, scenario.script)
     at = course(world, scenario, zero)
     return VehicleState(
         x=at.x, y=at.y, cos=at.cos, sin=at.sin, speed=zero, steering=zero, acceleration=zero, along=zero, course=at
     )
+
+
+def _place_by_script(world: World, scenario: Scenario, script: Script) -> VehicleState:
+    at, zero = course(world, scenario, script.start), jnp.zeros_like(script.start)
+    past = script.start - jnp.round(script.start / ROUTE_SPACING) * ROUTE_SPACING
+    return VehicleState(
+        x=at.x + past * at.cos, y=at.y + past * at.sin, cos=at.cos, sin=at.sin, speed=script.speed, steering=zero,
+        acceleration=zero, along=script.start, course=at,
+    )  # fmt: skip
 
 
 def drive(world: World, scenario: Scenario, vehicle: VehicleState, action: Float[Array, "2 *batch"]) -> VehicleState:
@@ -118,7 +132,8 @@ def course(world: World, scenario: Scenario, along: Float[Array, "*batch"]) -> C
     last = table.shape[-2] - 1
     index = jnp.clip(jnp.round(along / ROUTE_SPACING).astype(jnp.int32), 0, last)
     columns = look_up_row(table, scenario.map, scenario.route, index)
-    return Course(*columns[:5], *jnp.split(columns[5:], (len(POINTS),)))
+    at = Course(*columns[:5], *jnp.split(columns[5:], (len(POINTS),)))
+    return at if scenario.script is None else replace(at, limit=jnp.minimum(at.limit, scenario.script.limit))
 
 
 def goal(world: World, scenario: Scenario) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:

@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float, Int
 from jaxwalk.sim.crossing_kind import LegKind
 from jaxwalk.sim.pedestrian import next_leg, place
 from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.script import Script
 from jaxwalk.sim.state import Leg
 from jaxwalk.sim.world import World
 
@@ -31,7 +32,12 @@ class Paths(eqx.Module):
 
 
 def walking_paths(world: World, scenario: Scenario, *, reach: float) -> Paths:
-    """Return the paths of all people of a scenario (or a batch), each at least ``reach`` metres long."""
+    """Return the paths of all people of a scenario (or a batch), each at least ``reach`` metres long.
+
+    Those of scripted people are as long as they are.
+    """
+    if scenario.script is not None:
+        return _of_script(scenario.script)
     leg = place(world, scenario).leg
     points, legs, shortest = [(leg.end_x[None], leg.end_y[None])], [], 0.0
     while shortest < reach:
@@ -45,6 +51,12 @@ def walking_paths(world: World, scenario: Scenario, *, reach: float) -> Paths:
         jaywalk=np.concatenate([found.kind == LegKind.ACROSS for found in legs]),
         arrivals=np.concatenate([found.arrivals for found in legs]),
     )
+
+
+def _of_script(script: Script) -> Paths:
+    x, y = np.asarray(script.path_x), np.asarray(script.path_y)
+    none = np.zeros(x[1:].shape, int)
+    return Paths(x=x, y=y, jaywalk=none.astype(bool), arrivals=none)
 
 
 @eqx.filter_jit

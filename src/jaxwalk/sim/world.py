@@ -22,7 +22,7 @@ from jaxwalk.sim.person_kind import PersonKind
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
 STATIC = (
-    "dt", "horizon", "pedestrians", "contact", "kinds", "pace_correlation", "earlier_decisions", "grouped",
+    "dt", "horizon", "substeps", "pedestrians", "contact", "kinds", "pace_correlation", "earlier_decisions", "grouped",
     "perception", "delay", "position_noise", "misses",
 )  # fmt: skip
 """The rules that a compiled step contains as constants, because loops, shapes or its code depend on them."""
@@ -39,6 +39,7 @@ class Rules(eqx.Module):
 
     dt: float = eqx.field(static=True)
     horizon: int = eqx.field(static=True)
+    substeps: int = eqx.field(static=True)
     pedestrians: int = eqx.field(static=True)
     contact: ContactRule = eqx.field(static=True)
     kinds: tuple[PersonKind, ...] = eqx.field(static=True)

@@ -59,6 +59,16 @@ def _joined(*names: str) -> str:
     return "\n".join(part(name) for name in names)
 
 
+def player_html() -> str:
+    """Return the player. Its page also needs the style of the gallery, and `player_script`."""
+    return part("player.html")
+
+
+def player_script() -> str:
+    """Return the player's script, a module with the class ``Player(element, data)``."""
+    return _joined(*SCRIPTS)
+
+
 def gallery_html() -> str:
     """Return the gallery of failures, with a player in a dialog. Its page also needs the style and the script."""
     return part("gallery.html").replace("{{ player }}", part("player.html"))

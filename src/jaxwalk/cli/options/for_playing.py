@@ -183,3 +183,34 @@ class Share:
     """Which set of scenarios; none is ever met in training."""
     suite: Annotated[Suite | None, option("the training's streets", "SUITE")] = None
     """Where to evaluate it (docs/suites.md)."""
+
+
+@dataclass(frozen=True)
+class Crashtest:
+    """Crash tests: scripted people cross, run and step out before a car at the speeds of protocols. One page.
+
+    For example: jaxwalk crashtest co-trained --suite euro-ncap-style --require 'avoid<=40'
+    """
+
+    drivers: Annotated[tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="DRIVER [DRIVER ...]")] = ()
+    """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder, a policy file or your
+    own driver."""
+    suite: Annotated[str, option("euro-ncap-style", "SUITE")] = "euro-ncap-style"
+    """euro-ncap-style, fmvss-127 or r152, or a file of your own tests, FILE.toml (docs/crash-tests.md)."""
+    layers: Annotated[tuple[str, ...], option("standard", "LAYER [LAYER ...]")] = ("standard",)
+    """Which of the suite's tests: standard, extended, or a layer of robustness, such as faster; all: all of them."""
+    beside: Annotated[tuple[str, ...], option("careful-human route-follower", "D [D ...]")] = (
+        "careful-human", "route-follower",
+    )  # fmt: skip
+    """Drivers that stand beside the others for comparison; none: none. Nothing is required of them."""
+    require: Annotated[tuple[str, ...], option("none", "WHAT [WHAT ...]")] = ()
+    """Exit code 1 where a driver falls short of it: avoid<=40 (no contact up to 40 km/h), impact<=20, keep (no braking
+    without need), pass (what the tests ask for); for some tests, CPNCO:avoid<=30."""
+    shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
+    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md)."""
+    out: Annotated[Path, option("runs/crashtest", "DIR")] = Path("runs/crashtest")
+    """Folder for crashtest.html, crashtest.json and crashtest.csv; files of earlier tests are replaced."""
+    trust: Flag = False
+    """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
+    driver_seconds: Annotated[float, option("10", "S")] = 10.0
+    """Time limit of a driver that is not JAX for one step of its batch."""
