@@ -38,6 +38,7 @@ COMMANDS = (
     Command("hidden-intent", options.HiddenIntent, "jaxwalk.cli.hidden_intent"),
     Command("co-training", options.CoTraining, "jaxwalk.cli.co_training"),
     Command("generalisation", options.Generalisation, "jaxwalk.cli.generalisation"),
+    Command("frontier", options.Frontier, "jaxwalk.cli.frontier"),
     Command("share", options.Share, "jaxwalk.cli.share"),
     Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
     Command("measure", options.Measure, "jaxwalk.cli.measure"),
