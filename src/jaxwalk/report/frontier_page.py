@@ -23,7 +23,7 @@ ABOUT = (
 )
 BRACKETS = (
     "Brackets: 95 % intervals over scenarios on these streets, each for itself. In the plots a line is a driver and a "
-    f"sign a setting of its knob, filled if it is not dominated; contacts below {LEAST:g} % are drawn there. Delay "
+    f"sign a setting or a shield, filled if it is not dominated; contacts below {LEAST:g} % are drawn there. Delay "
     "leaves out who doesn't arrive: see goals and timeouts beside it."
 )
 
@@ -55,7 +55,7 @@ def frontier_page(
 
 
 def answer(found: FrontierSuite) -> str:
-    """Return in words who is dominated by whom in a suite, and of whom that is open."""
+    """Return in words who is dominated by which rival in a suite, and of which of them that is open."""
     pairs = list(zip(found.scores, standings(found.scores), strict=True))
     best = _names(pairs, "not dominated")
     is_open = _names(pairs, "cannot be judged")
@@ -101,7 +101,7 @@ def _rows(found: FrontierSuite) -> Iterator[tuple[str, ...]]:
 
 
 def _verdict(standing: Standing) -> str:
-    """Return the verdict, and against whom it is open or lost."""
+    """Return the verdict, and and the rivals against which it is open or lost."""
     if standing.beaten_by:
         return f"dominated by {first_of([rival.rival for rival in standing.beaten_by], 'driver')}"
     if standing.open_against:
