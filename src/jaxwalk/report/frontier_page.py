@@ -101,7 +101,7 @@ def _rows(found: FrontierSuite) -> Iterator[tuple[str, ...]]:
 
 
 def _verdict(standing: Standing) -> str:
-    """Return the verdict, and and the rivals against which it is open or lost."""
+    """Return the verdict, and the rivals against which it is open or lost."""
     if standing.beaten_by:
         return f"dominated by {first_of([rival.rival for rival in standing.beaten_by], 'driver')}"
     if standing.open_against:
