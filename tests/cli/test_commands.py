@@ -20,6 +20,7 @@ from jaxwalk.cli.options import (
     CoTraining,
     Evaluate,
     Export,
+    Frontier,
     Generalisation,
     HiddenIntent,
     Observations,
@@ -46,7 +47,19 @@ def test_version(capsys):
 
 @pytest.mark.parametrize(
     "command",
-    [Train, Evaluate, Play, Reproduce, HiddenIntent, CoTraining, Generalisation, Observations, Streets, Bench],
+    [
+        Train,
+        Evaluate,
+        Play,
+        Reproduce,
+        HiddenIntent,
+        CoTraining,
+        Generalisation,
+        Frontier,
+        Observations,
+        Streets,
+        Bench,
+    ],
 )
 def test_help_says_every_default(command, capsys):
     name = {HiddenIntent: "hidden-intent", CoTraining: "co-training"}.get(command, command.__name__.lower())

@@ -24,6 +24,7 @@ COMMANDS = {
     "co-training": "co-training --out out",
     "generalisation": "generalisation --out out",
     "risk-aware": "risk-aware --out out",
+    "frontier": "frontier --out out",
 }
 """As they are given; each writes into out. What else writes uses the same `whole`."""
 FAULTS = {errno.ENOSPC: "No space left on device; make room", errno.EROFS: "Read-only file system; name another place"}

@@ -33,6 +33,8 @@ WRONG = {
     "play --driver nobody": "nobody: no driver of that name",
     "tracks --driver random --map half.toml": "half.toml has",
     "scenario --driver random --pedestrians nobody": "nobody: no pedestrian of that name",
+    "frontier --driver clearance nobody": "nobody: no driver of that name",
+    "frontier --pedestrians nobody": "nobody: no pedestrian of that name",
     "report nobody": "nobody: no driver of that name",
     "export nobody --out a.onnx": "nobody: no driver of that name",
     "share empty --out a.safetensors": "empty: is no run folder",

@@ -22,6 +22,7 @@ COUNTS = {
     "intent": "hidden-intent --out r --episodes",
     "intent seeds": "hidden-intent --out r --seeds",
     "co-training": "co-training --out r --seeds",
+    "frontier": "frontier --out r --episodes",
     "train": "train --run r --updates",
     "train minutes": "train --run r --minutes",
     "train environments": "train --run r --environments",

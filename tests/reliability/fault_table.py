@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 OUT = "kept"
 """Where every command writes."""
 SMALL = "--environments 8 --steps 8 --minibatches 2 --updates 2"
-LONG = ("reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware")
+LONG = ("reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier")
 """Commands that take minutes: they meet the faults that end them."""
 COMMANDS = {
     "observations": "observations",
@@ -27,6 +27,7 @@ COMMANDS = {
     "co-training": "co-training --updates 1 --episodes 2 --seeds 2 --out new",
     "generalisation": "generalisation --updates 1 --episodes 2 --seeds 1 --out new",
     "risk-aware": "risk-aware --updates 1 --episodes 2 --seeds 1 --out new",
+    "frontier": "frontier --suite paper --driver random --episodes 2 --out new",
     "streets": f"streets --count 1 --out {OUT}",
 }
 """Every command, with little work."""
@@ -63,7 +64,7 @@ class Fault:
         return bool(self.send) or 0 not in self.codes
 
 
-NO_OUTPUT = ("train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware")
+NO_OUTPUT = ("train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier")
 """Commands that print nothing on standard output, or only in the end."""
 NO_FILES = ("observations", "measure")
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP

@@ -40,6 +40,7 @@ COMMANDS = (
     Command("co-training", options.CoTraining, "jaxwalk.cli.co_training"),
     Command("generalisation", options.Generalisation, "jaxwalk.cli.generalisation"),
     Command("risk-aware", options.RiskAware, "jaxwalk.cli.risk_aware"),
+    Command("frontier", options.Frontier, "jaxwalk.cli.frontier"),
     Command("share", options.Share, "jaxwalk.cli.share"),
     Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
     Command("measure", options.Measure, "jaxwalk.cli.measure"),

@@ -23,7 +23,9 @@ def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float
     return float(stats.binomtest(only_a, only_a + only_b, 0.5).pvalue)
 
 
-def paired_difference(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> Estimate:
+def paired_difference(
+    a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"], *, confidence: float = CONFIDENCE
+) -> Estimate:
     """Return the share in B minus the share in A of the same independent trials, with Bonett and Price's interval.
 
     One trial is added to either kind of disagreement (Bonett and Price, 2012), so the interval has a width also where
@@ -32,7 +34,7 @@ def paired_difference(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]
     only_a, only_b = _discordant(a, b)
     trials = len(a)
     more, less = (only_b + 1) / (trials + 2), (only_a + 1) / (trials + 2)
-    z = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
+    z = float(stats.norm.ppf((1 + confidence) / 2))
     half = z * math.sqrt((more + less - (more - less) ** 2) / (trials + 2))
     low, high = max(more - less - half, -1.0), min(more - less + half, 1.0)
     return Estimate((only_b - only_a) / trials, low, high, trials)

@@ -129,7 +129,10 @@ def bootstrap_by_episode(
 
 
 def mean_of(
-    values: Shaped[np.ndarray, "observation"], *, within: tuple[float, float] = (-math.inf, math.inf)
+    values: Shaped[np.ndarray, "observation"],
+    *,
+    within: tuple[float, float] = (-math.inf, math.inf),
+    confidence: float = CONFIDENCE,
 ) -> Estimate:
     """Return the mean of independent values with its t-interval, cut at the limits ``within`` of what it can be.
 
@@ -142,7 +145,7 @@ def mean_of(
     if np.ptp(values) == 0:
         return Estimate(value, None, None, len(values))
     error = float(values.std(ddof=1)) / math.sqrt(len(values))
-    half = float(stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1)) * error
+    half = float(stats.t.ppf((1 + confidence) / 2, len(values) - 1)) * error
     return Estimate(value, max(value - half, within[0]), min(value + half, within[1]), len(values))
 
 

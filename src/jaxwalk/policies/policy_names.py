@@ -26,6 +26,13 @@ RULES = {
     "pedestrian": ("always-go", "gap-acceptance", "diffusion", "distracted", "pedsumo"),
 }
 """The rules of each role: the names in `DRIVERS` and `POPULATIONS`."""
+WITH_KNOB = (
+    "clearance", "cautious", "careful-human", "careful-human-aeb", "fuzzy-safety", "crosswalk-yield", "idm-yield",
+    "belief-planner", "belief-planner-chance", "belief-planner-cvar",
+)  # fmt: skip
+"""The drivers with a knob (`jaxwalk.policies.knobs`)."""
+ON_THE_FRONTIER = ("route-follower", *WITH_KNOB, "co-trained", "single-agent", "town")
+"""The drivers of `jaxwalk frontier`, unless others are named: the blind one, all with a knob, and trained ones."""
 LOADERS = {".onnx": "onnx_file", ".pt": "torch_file", ".pt2": "torch_file", ".pth": "torch_file", ".zip": "sb3_file"}
 """Kinds of files of drivers not written in JAX, and the modules of `jaxwalk.policies.host` that load them."""
 

@@ -9,6 +9,8 @@ from typing import Annotated
 import tyro
 
 from jaxwalk.cli.options.declare import Acting, Flag, ShieldName, Suite, World, option
+from jaxwalk.policies.policy_names import ON_THE_FRONTIER
+from jaxwalk.policies.shield_names import SHIELD_NAMES
 
 
 @dataclass(frozen=True)
@@ -162,6 +164,39 @@ class Report:
     """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
     driver_seconds: Annotated[float, option("10", "S")] = 10.0
     """Time limit of a driver that is not JAX for one step of its batch."""
+
+
+@dataclass(frozen=True)
+class Frontier:
+    """Contacts against delay: every driver with its knob turned, and which of them another one beats in both.
+
+    Drivers with a knob (docs/frontier.md) play with each setting of it, all others bare and behind each shield, on the
+    same scenarios of each suite. It says at its start how many episodes there are to play, and after each driver how
+    long the rest takes. Run it again to continue after an interruption: what is finished is kept.
+
+    For example: jaxwalk frontier --suite blind-corner --episodes 2000 --out runs/frontier
+    """
+
+    out: Annotated[Path, option("runs/frontier", "DIR")] = Path("runs/frontier")
+    """Folder for everything; read frontier.md in it."""
+    suite: Annotated[tuple[Suite, ...], option("paper town blind-corner", "SUITE [SUITE ...]")] = (
+        "paper", "town", "blind-corner",
+    )  # fmt: skip
+    """Streets, car and crowd under one name (docs/suites.md); several are played one after the other."""
+    driver: Annotated[tuple[str, ...], option("the blind one, all with a knob, the trained ones", "D [D ...]")] = (
+        ON_THE_FRONTIER
+    )
+    """As in `jaxwalk evaluate`: rules, trained policies that come with jaxwalk, run folders or your own drivers."""
+    shield: Annotated[tuple[ShieldName, ...], option("predictive rss cbf", "SHIELD [SHIELD ...]")] = SHIELD_NAMES
+    """The shields around drivers without a knob (docs/shields.md)."""
+    pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
+    """As in `jaxwalk evaluate`."""
+    episodes: Annotated[int, option("2000", "N")] = 2000
+    """Scenarios for each driver and suite."""
+    seed: Annotated[int, option("73", "N")] = 73
+    """Seed of the scenarios; nothing was tuned on 73."""
+    trust: Flag = False
+    """Also load drivers from files that can run any code when they are loaded (pickled Torch modules, SB3 agents)."""
 
 
 @dataclass(frozen=True)
