@@ -20,6 +20,7 @@ COMMANDS = {
     "tracks": f"tracks --driver random --out {OUT}/a.parquet",
     "scenario": f"scenario --driver random --out {OUT}",
     "share": f"share run --episodes 2 --out {OUT}/a.safetensors",
+    "crashtest": f"crashtest random --suite r152 --beside none --out {OUT}",
     "report": f"report random --pedestrians always-go --episodes 2 --incidents 0 --out {OUT}",
     "bench": f"bench --only env --environments 8 --seconds 0.05 --out {OUT}",
     "reproduce": "reproduce --updates 1 --episodes 2 --out new",
@@ -36,6 +37,7 @@ WRITES = {
     "tracks": ("a.parquet",), "scenario": ("episode.xosc", "map.xodr", "commonroad.xml"),
     "share": ("a.safetensors", "a.md"), "report": ("report.html", "results.json", "episodes.csv"),
     "bench": ("bench.json", "bench.md"), "streets": ("streets.png",),
+    "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""
 
