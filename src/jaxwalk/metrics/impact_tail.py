@@ -29,10 +29,10 @@ class ImpactTail:
     worst_hundredth: Estimate
     """Mean over the worst hundredth of the episodes, those with the fastest contacts [m/s]; 0 without any. The count is
     the number of them with a contact."""
-    exceeded_by_a_hundredth: float
-    """The value at risk: the slowest speed of those episodes [m/s]."""
-    mean: float
-    """Mean over all episodes [m/s]."""
+    exceeded_by_a_hundredth: float | None
+    """The value at risk: the slowest speed of those episodes [m/s]; None without episodes."""
+    mean: float | None
+    """Mean over all episodes [m/s]; None without any."""
 
 
 def impact_speeds(rows: Rows) -> Float[np.ndarray, "episode"]:
@@ -41,7 +41,7 @@ def impact_speeds(rows: Rows) -> Float[np.ndarray, "episode"]:
 
 
 def value_at_risk(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> float:
-    """Return the smallest of the largest 1 - ``level`` of the values."""
+    """Return the smallest of the largest 1 - ``level`` of the values, at least one."""
     edge = len(values) - _beyond(len(values), level)
     return float(np.partition(values, edge)[edge])
 
@@ -81,6 +81,8 @@ def tail_mean(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> Es
 def summarise_impacts(rows: Rows, sums: Sums) -> ImpactTail:
     """Return the speeds in the contacts of the worst episodes."""
     speeds = impact_speeds(rows)
+    if not len(speeds):
+        return ImpactTail(Estimate(None, None, None, 0), None, None)
     return ImpactTail(tail_mean(speeds), value_at_risk(speeds), float(speeds.mean()))
 
 
