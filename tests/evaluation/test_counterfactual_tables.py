@@ -112,7 +112,9 @@ def test_the_first_moment_in_which_somebody_is_seen(street):
     perceived[5, 0, 1] = True
     perceived[40, 2, 0] = True
     hidden = replace(sees, perceived=perceived)
-    assert first_seen_frame(street, hidden, hits.ped, hits.steps).tolist() == [7, 40, 40], "who is never seen is seen at the contact"
+    assert first_seen_frame(street, hidden, hits.ped, hits.steps).tolist() == [7, 40, 40], (
+        "who is never seen is seen at the contact"
+    )
 
 
 def test_no_collisions_no_shares():

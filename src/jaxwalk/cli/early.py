@@ -27,7 +27,7 @@ def check_names(options: Any) -> None:
 
     Maps that are files are checked completely.
     """
-    for path in (*_many(options, "files"), *_many(options, "areas"), *_many(options, "again")):
+    for path in (path for field in ("files", "areas", "again", "scenarios") for path in _many(options, field)):
         if not path.exists():
             raise UsageError(f"{path}: no such file; check the name")
     if isinstance(options, Train) and options.resume:

@@ -39,6 +39,7 @@ from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
+from jaxwalk.scenarios.archive_file import read_archive
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.wording import counted, first_of
 
@@ -50,6 +51,8 @@ PREVENTABLE = "preventable %"
 """The share of the replayed collisions that a careful human would have avoided."""
 MOST_MAPS = 12
 """Most maps in the table of a cell; of more, it shows those with the most collisions."""
+DECIDED = ("episodes", "seed", "map", "world", "suite", "people", "jaywalk_multiplier")
+"""Options that a file of scenarios decides."""
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
 """The only options that an evaluation takes which is made again."""
 
@@ -81,7 +84,8 @@ def _work(options: Evaluate) -> Evaluation:
     compared = with_shield(options.compare, options.shield)
     drivers = tuple(dict.fromkeys((*with_shield(options.driver, options.shield), *compared)))
     populations = tuple(dict.fromkeys(options.pedestrians))
-    street = world_of([*drivers, *populations], place(options))
+    kept = read_archive(options.scenarios) if options.scenarios else None
+    street = world_of([*drivers, *populations], place(options)) if kept is None else kept.street
     asked = EvaluationOptions(
         jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier or (jaywalk_multiplier(street),))),
         driver_acts=options.driver_acts,
@@ -91,7 +95,7 @@ def _work(options: Evaluate) -> Evaluation:
         encounters=options.encounters,
     )
     return prepared(
-        street, (drivers, populations), Scenarios(options.episodes, options.seed), asked,
+        street, (drivers, populations), kept or Scenarios(options.episodes, options.seed), asked,
         out=options.out, trust=options.trust, seconds=options.driver_seconds,
     )  # fmt: skip
 
@@ -143,6 +147,8 @@ def check(options: Evaluate) -> None:
     check_pedestrians(options.pedestrians)
     check_episodes(options.episodes)
     check_seed(options.seed)
+    if options.scenarios:
+        _check_kept(options, options.scenarios)
     check_driver_seconds(options.driver_seconds)
     check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
     if options.jaywalk_multiplier == ():
@@ -153,6 +159,13 @@ def check(options: Evaluate) -> None:
         check_parquet()
     if options.out:
         check_writable(options.out)
+
+
+def _check_kept(options: Evaluate, path: Path) -> None:
+    """Raise UsageError for options that a file of scenarios decides."""
+    usual = {field.name: field.default for field in fields(Evaluate)}
+    for name in (name for name in DECIDED if getattr(options, name) != usual[name]):
+        raise UsageError(f"--{name.replace('_', '-')}: --scenarios {path} decides it; leave it out")
 
 
 def table(cells: Sequence[Cell]) -> Table:

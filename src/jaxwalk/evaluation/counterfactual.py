@@ -96,15 +96,15 @@ class Counterfactuals:
     @property
     def judged(self) -> Shaped[np.ndarray, "collision"]:
         """The judgement of each collision, one of `JUDGEMENTS`, with others at the wheel once the person was seen."""
-        return _judged(self.human_when_seen, self.planner_when_seen | self.brake_when_seen)
+        return judgements(self.human_when_seen, self.planner_when_seen | self.brake_when_seen)
 
     @property
     def judged_from_start(self) -> Shaped[np.ndarray, "collision"]:
         """The same with others at the wheel all the way."""
-        return _judged(self.human_from_start, self.planner_from_start)
+        return judgements(self.human_from_start, self.planner_from_start)
 
 
-def _judged(
+def judgements(
     human: Bool[np.ndarray, "collision"], oracle: Bool[np.ndarray, "collision"]
 ) -> Shaped[np.ndarray, "collision"]:
     """Return the judgements, given which collisions each driver avoids."""

@@ -37,6 +37,8 @@ class CriticalMoments:
     ped: Int[np.ndarray, "episode"]
     """The person."""
     frame: Int[np.ndarray, "episode"]
+    seen: Int[np.ndarray, "episode"]
+    """The first frame in which the car perceived the person; at the latest that one."""
     contact: Int[np.ndarray, "episode"]
     """The `ContactKind`; none where it didn't fail."""
     speed: Float[np.ndarray, "episode"]
@@ -90,6 +92,7 @@ def critical_moments(street: Street, played: Trajectory) -> CriticalMoments:
         gap=gap,
         ped=ped.astype(np.int64),
         frame=frame.astype(np.int64),
+        seen=seen.astype(np.int64),
         contact=contact.astype(np.int64),
         speed=at_contact,
         time=time,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -36,6 +36,7 @@ class Candidates:
         return Candidates(points, np.concatenate([part.keys for part in parts]))
 
 
+@runtime_checkable
 class Scored(Protocol):
     """What can be searched: it says of each point how close it comes to a failure."""
 

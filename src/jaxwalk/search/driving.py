@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from jaxwalk.evaluation.batches import AT_ONCE
+from jaxwalk.evaluation.batches import AT_ONCE, BATCH
 from jaxwalk.evaluation.playing import play
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.scenarios.archived import keys_of, scenarios_at
@@ -18,8 +18,8 @@ from jaxwalk.search.plausibility import draws_used, percentile
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import dimensions
 
-BATCH = 128
-"""Candidates that are played at once; `AT_ONCE` such batches are in progress at a time."""
+SMALL_PART = 64
+"""Candidates that are played at once where there are few."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,10 @@ class Driving:
     """A driver among people on a street, as something that can be searched."""
 
     def __init__(self, street: Street, policies: Roles[Policy], seed: int, *, batch: int = BATCH) -> None:
-        """Play with these policies, and with keys of this seed, ``batch`` candidates at once."""
+        """Play with these policies, and with keys of this seed, ``batch`` candidates at once.
+
+        By default as many as an evaluation plays at once, so that it plays the same, to the last bit.
+        """
         self.street, self.policies, self.seed, self.batch = street, policies, seed, batch
         self.dimensions = dimensions(street.world)
         """How many numbers a point has."""

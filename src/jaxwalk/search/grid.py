@@ -1,6 +1,6 @@
 """The grid of encounters: episodes of one cell are alike, so that the cells with a contact count different failures.
 
-It was committed before the first search, so that no search could choose it. This module imports no JAX.
+It was committed before the first search, so that no search could choose it.
 """
 
 from __future__ import annotations

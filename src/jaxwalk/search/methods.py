@@ -7,7 +7,7 @@ across is kept there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -35,6 +35,7 @@ class Turn:
         return Candidates(points, self.number * self.count + np.arange(len(points)))
 
 
+@runtime_checkable
 class Method(Protocol):
     """Proposes candidates."""
 
@@ -100,9 +101,9 @@ class MapElites(RandomSearch):
 class CrossEntropy(RandomSearch):
     """Shifts the normal scores of the draws towards those of the best tenth (Rubinstein, 1999).
 
-    A tenth of the candidates stays ordinary, and each counts by its density where it is drawn ordinarily over that where
-    it was drawn. A score moves only where the best differ clearly from ordinary ones: of thousands of scores, most don't
-    matter, and noise in all of them would make every candidate implausible.
+    A tenth of the candidates stays ordinary, and each counts by the ratio of its densities, as chance draws it and as
+    it was drawn. A score moves only where the best differ clearly from ordinary ones: of thousands of scores, most
+    don't matter, and noise in all of them would make every candidate implausible.
     """
 
     elite: float = 0.1

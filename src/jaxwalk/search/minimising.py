@@ -18,7 +18,7 @@ MIDDLE = np.float32(0.5)
 """The most ordinary value of a draw: the middle of its range, of a choice the usual one."""
 
 Trials = Generator[Bool[np.ndarray, "trial item"], Bool[np.ndarray, "trial"], Bool[np.ndarray, "item"]]
-"""Yields which items to leave out in some trials, is sent which of them still fail, and returns what can be left out."""
+"""Yields which items to leave out in some trials, is sent which still fail, and returns what can be left out."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -134,10 +134,10 @@ def pilot(game: Scored, plan: SplittingPlan, rng: np.random.Generator) -> tuple[
     swarm, levels = Swarm.begin(game, rng, plan.particles, 0), []
     before = Level(-math.inf)
     while True:
-        score = _next_level(swarm.scores, before.score, plan.kept)
-        if score >= FAILURE:
+        score = _next_level(swarm.scores, plan.kept)
+        if score is not None and score >= FAILURE:
             break
-        if len(levels) == MOST_LEVELS or score <= before.score:
+        if len(levels) == MOST_LEVELS or score is None:
             best = float(swarm.scores.max())
             raise SplittingError(
                 f"splitting comes no nearer to a failure than a score of {best:.3g} after {len(levels)} levels; "
@@ -193,11 +193,12 @@ def rare_rate(
     return RareRate.of(estimates, levels, simulations)
 
 
-def _next_level(scores: Float[np.ndarray, "particle"], before: float, kept: float) -> float:
-    """Return the score that a share of the particles has or exceeds, but more than the level before if any has."""
-    wanted = float(np.sort(scores)[int((1 - kept) * len(scores))])
-    above = scores[scores > before]
-    return max(wanted, float(above.min())) if len(above) else before
+def _next_level(scores: Float[np.ndarray, "particle"], kept: float) -> float | None:
+    """Return the score that a share of the particles has or exceeds, but not everybody; None if all are equal."""
+    above = scores[scores > scores.min()]
+    if not len(above):
+        return None if scores.min() < FAILURE else FAILURE
+    return max(float(np.sort(scores)[int((1 - kept) * len(scores))]), float(above.min()))
 
 
 def _adapted(level: Level, accepted: float, *, anew: bool) -> Level:
