@@ -21,6 +21,7 @@ COMMANDS = {
     "scenario": f"scenario --driver random --out {OUT}",
     "share": f"share run --episodes 2 --out {OUT}/a.safetensors",
     "crashtest": f"crashtest random --suite r152 --beside none --out {OUT}",
+    "search": f"search route-follower --simulations 1 --minimise 0 --out {OUT}",
     "report": f"report random --pedestrians always-go --episodes 2 --incidents 0 --out {OUT}",
     "bench": f"bench --only env --environments 8 --seconds 0.05 --out {OUT}",
     "reproduce": "reproduce --updates 1 --episodes 2 --out new",
@@ -38,6 +39,7 @@ WRITES = {
     "share": ("a.safetensors", "a.md"), "report": ("report.html", "results.json", "episodes.csv"),
     "bench": ("bench.json", "bench.md"), "streets": ("streets.png",),
     "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"),
+    "search": ("search.html", "search.json", "failures.csv"),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""
 

@@ -57,7 +57,7 @@ def test_a_batch_does_not_change_an_episode(game, tried):
 
 
 def test_who_is_absent_is_nowhere(game, tried):
-    candidates, played = tried
+    candidates, _ = tried
     absent = np.zeros((12, 16), bool)
     absent[3:] = True
     scenarios = scenarios_at(game.street, candidates.points[:16], absent)

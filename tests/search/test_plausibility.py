@@ -11,7 +11,7 @@ from scipy.stats import chi2, kstest
 from jaxwalk import Street
 from jaxwalk.scenarios.archived import scenarios_at
 from jaxwalk.search.cube import ordinary
-from jaxwalk.search.plausibility import Choice, DrawsUsed, draws_used, equivalent_squares, percentile
+from jaxwalk.search.plausibility import ChoiceMade, DrawsUsed, draws_used, equivalent_squares, percentile
 from jaxwalk.sim.person_kind import in_shares
 from jaxwalk.sim.scenario import dimensions, parts
 from jaxwalk.sim.sim_config import SimConfig
@@ -28,8 +28,8 @@ def test_choices_count_by_their_probability():
     rare, usual = equivalent_squares((0.05, 0.95))
     assert chi2.sf(rare, 1) == pytest.approx(0.025) and chi2.sf(usual, 1) == pytest.approx(0.05 + 0.475)
     assert equivalent_squares((0.5, 0.5)).tolist() == pytest.approx([chi2.isf(0.5, 1)] * 2)
-    every = DrawsUsed(np.zeros(0), (Choice((0.05, 0.95), (4, 16)),))
-    none = DrawsUsed(np.zeros(0), (Choice((0.05, 0.95), (0, 20)),))
+    every = DrawsUsed(np.zeros(0), (ChoiceMade((0.05, 0.95), (4, 16)),))
+    none = DrawsUsed(np.zeros(0), (ChoiceMade((0.05, 0.95), (0, 20)),))
     assert percentile(every) < 3 and percentile(none) == 100
 
 

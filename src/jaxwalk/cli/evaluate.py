@@ -18,6 +18,7 @@ from jaxwalk.cli.checks import (
     check_driver,
     check_driver_seconds,
     check_episodes,
+    check_kept,
     check_pedestrians,
     check_seed,
     place,
@@ -51,8 +52,6 @@ PREVENTABLE = "preventable %"
 """The share of the replayed collisions that a careful human would have avoided."""
 MOST_MAPS = 12
 """Most maps in the table of a cell; of more, it shows those with the most collisions."""
-DECIDED = ("episodes", "seed", "map", "world", "suite", "people", "jaywalk_multiplier")
-"""Options that a file of scenarios decides."""
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
 """The only options that an evaluation takes which is made again."""
 
@@ -148,7 +147,7 @@ def check(options: Evaluate) -> None:
     check_episodes(options.episodes)
     check_seed(options.seed)
     if options.scenarios:
-        _check_kept(options, options.scenarios)
+        check_kept(options)
     check_driver_seconds(options.driver_seconds)
     check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
     if options.jaywalk_multiplier == ():
@@ -159,13 +158,6 @@ def check(options: Evaluate) -> None:
         check_parquet()
     if options.out:
         check_writable(options.out)
-
-
-def _check_kept(options: Evaluate, path: Path) -> None:
-    """Raise UsageError for options that a file of scenarios decides."""
-    usual = {field.name: field.default for field in fields(Evaluate)}
-    for name in (name for name in DECIDED if getattr(options, name) != usual[name]):
-        raise UsageError(f"--{name.replace('_', '-')}: --scenarios {path} decides it; leave it out")
 
 
 def table(cells: Sequence[Cell]) -> Table:

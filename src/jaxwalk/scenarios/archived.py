@@ -23,14 +23,14 @@ class Archived:
 
     street: Street
     """The street in which they were found."""
-    points: Float[np.ndarray, "scenario number"]
-    """A point of the unit cube for each: single precision, in [0, 1)."""
-    present: Bool[np.ndarray, "scenario ped"]
-    """Who is there in each."""
+    points: np.ndarray
+    """A point of the unit cube for each, ``(scenario, number)``: single precision, in [0, 1)."""
+    present: np.ndarray
+    """Who is there in each, ``(scenario, ped)``."""
     seed: int
     """The seed of the keys."""
-    keys: Int[np.ndarray, "scenario"]
-    """Number of each scenario's key among those of the seed."""
+    keys: np.ndarray
+    """Number of each scenario's key among those of the seed, ``(scenario,)``."""
 
     def __post_init__(self) -> None:
         """Raise ValueError for arrays that don't fit the street."""

@@ -47,7 +47,7 @@ class CriticalMoments:
     """Time to collision when the person was first visible: the car's way from there to the critical moment, divided by
     its speed there [s]; infinite for a car that stood."""
     bearing: Float[np.ndarray, "episode"]
-    """Of the person at the critical moment, from the car's centre, positive to the left [rad]."""
+    """Where the person is at the critical moment, from the car's centre, positive to the left [rad]."""
     cell: Int[np.ndarray, "episode"]
     """The cell of the grid, or `NOWHERE`."""
 

@@ -1,4 +1,4 @@
-"""The best scenario of each cell of the grid: what a search keeps."""
+"""The best scenarios of each cell of the grid: what a search keeps."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from jaxwalk.search.cube import Candidates
 from jaxwalk.search.driving import Played
 from jaxwalk.search.grid import fails
 
+NEAR_MISSES = 4
+"""Near misses that are kept in a cell, each of another line (with another key); of failures, it is one."""
+
 
 @dataclass(frozen=True, eq=False)
 class Elites:
-    """One row per cell that has been reached, in the order of cells."""
+    """The best of each cell that has been reached, in the order of cells, and the best first."""
 
     cells: Int[np.ndarray, "elite"]
     quality: Float[np.ndarray, "elite"]
-    """Of a failure, the percentile of its plausibility [%]; of a near miss, minus the gap [m]. More is better."""
+    """For a failure, the percentile of its plausibility [%]; for a near miss, minus the gap [m]. More is better."""
     candidates: Candidates
 
     @staticmethod
@@ -40,6 +43,9 @@ class Elites:
         every = Candidates.joined([self.candidates, candidates.some(met)])
         qualities = np.concatenate([self.quality, quality])
         best_first = np.lexsort((np.arange(len(cells)), -qualities, cells))
-        _, first = np.unique(cells[best_first], return_index=True)
-        kept = best_first[first]
+        lines = np.stack([cells, np.where(fails(cells), 0, every.keys)], axis=1)[best_first]
+        _, first = np.unique(lines, axis=0, return_index=True)
+        kept = best_first[np.sort(first)]
+        begins = np.searchsorted(cells[kept], cells[kept])
+        kept = kept[np.arange(len(kept)) - begins < NEAR_MISSES]
         return Elites(cells[kept], qualities[kept], every.some(kept))

@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from jaxwalk.search.cube import Candidates, ordinary_distance, to_normal, to_uniform
 from jaxwalk.search.elites import Elites
-from jaxwalk.search.methods import State, Turn
+from jaxwalk.search.methods import Generation, State
 
 ORDINARY = 2.0
 """A candidate whose normal scores are twice as far from 0 as ordinary ones counts as if it missed by this much more
@@ -47,7 +47,7 @@ class Evolution:
         strategy, params = self._strategy(dimensions)
         return _arrays(strategy.init(jax.random.key(0), jnp.zeros(dimensions), params))
 
-    def ask(self, state: State, elites: Elites, turn: Turn) -> Candidates:
+    def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
         """Return the strategy's candidates."""
         strategy, params, now = self._now(state)
         key = jax.random.key(int(turn.rng.integers(2**31)))

@@ -34,7 +34,7 @@ class FoundFailure:
     time: float | None
     """Time to collision when the person was first visible [s]; None for a car that stood then."""
     bearing: float
-    """Of the person at the contact, from the car's centre, positive to the left [degrees]."""
+    """Where the person is at the contact, from the car's centre, positive to the left [degrees]."""
     map: str
     ped: int
     """The person."""

@@ -18,7 +18,7 @@ from jaxwalk.search.driving import Driving
 from jaxwalk.search.elites import Elites
 from jaxwalk.search.evolution import Evolution
 from jaxwalk.search.grid import CELLS, GRID
-from jaxwalk.search.methods import CrossEntropy, MapElites, Method, RandomSearch, State, Turn
+from jaxwalk.search.methods import CrossEntropy, Generation, MapElites, Method, RandomSearch, State
 from jaxwalk.writing import write_whole
 
 STATE: Final = "state.safetensors"
@@ -83,7 +83,7 @@ def play_generation(game: Driving, method: Method, hunt: Hunt, seed: int) -> Non
     Errors are those of `Driving.play`.
     """
     number = len(hunt.log)
-    turn = Turn(np.random.default_rng([seed, number]), number, game.batch)
+    turn = Generation(np.random.default_rng([seed, number]), number, game.batch)
     candidates = method.ask(hunt.learned, hunt.elites, turn)
     played = game.play(candidates)
     hunt.elites = hunt.elites.joined_by(candidates, played)
@@ -124,7 +124,7 @@ def kept_hunt(path: Path, fresh: Hunt, plan: Mapping[str, Any]) -> Hunt:
     fit = points.shape == (count, numbers) and points.dtype == np.float32 and kinds == ["i", "f", "i", "i"]
     if not fit or not cells.shape == quality.shape == keys.shape == (count,) or log.ndim != 2 or log.shape[1] != 3:
         raise ArchiveError(f"{path}: its arrays have other sizes than those of this street; {ADVICE}")
-    if not (((cells >= 0) & (cells < CELLS)).all() and (np.diff(cells) > 0).all() and _inside(points)):
+    if not (((cells >= 0) & (cells < CELLS)).all() and (np.diff(cells) >= 0).all() and _inside(points)):
         raise ArchiveError(f"{path}: has impossible cells or points; {ADVICE}")
     rows = [Progressed(*row) for row in log.tolist()]
     return Hunt(Elites(cells, quality, Candidates(points, keys)), learned, rows)

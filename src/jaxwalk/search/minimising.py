@@ -69,20 +69,25 @@ def all_at_once(
 
     ``try_out`` is called with the number of the search that each trial is of, and the trials.
     """
-    asked: dict[int, np.ndarray] = {}
     found: list[np.ndarray] = [np.zeros(0, bool)] * len(searches)
     answers: dict[int, np.ndarray | None] = dict.fromkeys(range(len(searches)))
     while answers:
-        for number, answer in answers.items():
-            try:
-                asked[number] = next(searches[number]) if answer is None else searches[number].send(answer)
-            except StopIteration as end:
-                found[number] = end.value
-        owners = np.concatenate([np.full(len(some), number) for number, some in asked.items()] or [np.zeros(0, int)])
-        fails = try_out(owners, [trial for some in asked.values() for trial in some]) if asked else np.zeros(0, bool)
+        steps = {number: _next_trials(searches[number], answer) for number, answer in answers.items()}
+        for number, (_, ended) in steps.items():
+            found[number] = found[number] if ended is None else ended
+        asked = {number: trials for number, (trials, _) in steps.items() if len(trials)}
+        owners = np.repeat(np.array([*asked], np.int64), [len(trials) for trials in asked.values()])
+        fails = try_out(owners, [trial for trials in asked.values() for trial in trials]) if asked else owners
         answers = {number: fails[owners == number] for number in asked}
-        asked = {}
     return found
+
+
+def _next_trials(search: Trials, answer: np.ndarray | None) -> tuple[list[np.ndarray], np.ndarray | None]:
+    """Return the next trials of a search, or none and what it returns at its end."""
+    try:
+        return list(next(search) if answer is None else search.send(answer)), None
+    except StopIteration as end:
+        return [], end.value
 
 
 def minimise(
@@ -99,12 +104,12 @@ def minimise(
     people = game.street.world.rules.pedestrians
     played = 0
 
-    def still(candidates: Candidates, present: np.ndarray, whom: np.ndarray) -> Bool[np.ndarray, "trial"]:
+    def still(candidates: Candidates, present: np.ndarray, touched: np.ndarray) -> Bool[np.ndarray, "trial"]:
         nonlocal played
         moments = game.play(candidates, present).moments
         played += len(candidates)
         tell(played)
-        return moments.failed & (moments.ped == whom)
+        return moments.failed & (moments.ped == touched)
 
     others = [np.delete(np.arange(people), one) for one in ped]
 

@@ -30,11 +30,11 @@ SEED = 0
 
 
 @dataclass(frozen=True)
-class Choice:
+class ChoiceMade:
     """A choice that was made several times."""
 
     probabilities: tuple[float, ...]
-    """Of each outcome."""
+    """The probability of each outcome."""
     counts: tuple[int, ...]
     """How often each came."""
 
@@ -45,7 +45,7 @@ class DrawsUsed:
 
     numbers: Float[np.ndarray, "number"]
     """Normal scores of draws that are numbers."""
-    choices: tuple[Choice, ...]
+    choices: tuple[ChoiceMade, ...]
 
 
 def percentile(used: DrawsUsed, fresh: int = FRESH) -> float:
@@ -118,21 +118,21 @@ def _used(world: World, drawn: _Drawn, slots: int) -> DrawsUsed:
     met = (crossings < drawn.decisions) & own
     jaywalks = met & (one.jaywalk_draw < chance)
     kinds = begins(rules.kinds) if rules.kinds else ()
-    scores = _scores(one.traits, rules.pace_correlation)
-    numbers = [scores[1][own], _normal(one.zone_draw)[jaywalks]] + ([] if kinds else [scores[0][own]])
+    scores = _scores(np.asarray(one.traits), rules.pace_correlation)
+    numbers = [scores[1][own], _normal(np.asarray(one.zone_draw))[jaywalks]] + ([] if kinds else [scores[0][own]])
     choices = [*_yes_or_no(np.broadcast_to(chance, met.shape)[met], jaywalks[met])]
     if kinds:
         shares = np.array([kind.share for kind in rules.kinds])
         which = np.searchsorted(kinds, np.asarray(one.traits[0])[own], side="right") - 1
         counts = np.bincount(which, minlength=len(shares))
-        choices.append(Choice(tuple(shares / shares.sum()), tuple(counts.tolist())))
+        choices.append(ChoiceMade(tuple(shares / shares.sum()), tuple(counts.tolist())))
     if one.parked is not None:
         stands = int(np.asarray(one.parked)[:slots].sum())
         choices += _binary(float(rules.parked), stands, slots - stands)
     if one.earlier_draw is not None:
         earlier = np.broadcast_to(own, one.earlier_draw.shape)
         chances_then = np.broadcast_to(chance, earlier.shape)
-        choices += _yes_or_no(chances_then[earlier], (one.earlier_draw < chance)[earlier])
+        choices += _yes_or_no(chances_then[earlier], (np.asarray(one.earlier_draw) < chance)[earlier])
     if one.leader is not None:
         choices += _groups(np.asarray(one.leader), rules.grouped)
     return DrawsUsed(np.concatenate(numbers).astype(np.float64), tuple(choices))
@@ -151,27 +151,27 @@ def _normal(uniform: np.ndarray) -> np.ndarray:
     return ndtri(np.clip(np.asarray(uniform, np.float64), FINEST, 1 - FINEST))
 
 
-def _yes_or_no(chance: Float[np.ndarray, "choice"], came: Bool[np.ndarray, "choice"]) -> Iterator[Choice]:
+def _yes_or_no(chance: Float[np.ndarray, "choice"], came: Bool[np.ndarray, "choice"]) -> Iterator[ChoiceMade]:
     """Yield what was decided with each probability."""
     for one in np.unique(chance):
         mine = came[chance == one]
         yield from _binary(float(one), int(mine.sum()), int((~mine).sum()))
 
 
-def _binary(chance: float, came: int, didnt: int) -> Iterator[Choice]:
+def _binary(chance: float, came: int, didnt: int) -> Iterator[ChoiceMade]:
     """Yield a choice between yes and no, unless one of them is certain."""
     if 0 < chance < 1 and came + didnt:
-        yield Choice((chance, 1 - chance), (came, didnt))
+        yield ChoiceMade((chance, 1 - chance), (came, didnt))
 
 
-def _groups(leader: Int[np.ndarray, "ped"], grouped: float) -> Iterator[Choice]:
+def _groups(leader: Int[np.ndarray, "ped"], grouped: float) -> Iterator[ChoiceMade]:
     """Yield how many of each three people walk together: all, two or nobody."""
     whole = len(leader) // LARGEST
     follows = (leader != np.arange(len(leader)))[: whole * LARGEST].reshape(-1, LARGEST).sum(axis=1)
     three, two = chances(grouped)
     counts = tuple(int((follows == number).sum()) for number in (2, 1, 0))
     if whole:
-        yield Choice((three, two, 1 - three - two), counts)
+        yield ChoiceMade((three, two, 1 - three - two), counts)
     if len(leader) % LARGEST == 2:
         together = int(leader[-1] == len(leader) - 2)
         yield from _binary(grouped, together, 1 - together)

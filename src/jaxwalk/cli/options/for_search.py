@@ -41,9 +41,9 @@ class Search:
     minimise: Annotated[int, option("12", "N")] = 12
     """Explain the N worst failures: as few people, and as ordinary draws, as still fail."""
     particles: Annotated[int, option("256", "N")] = 256
-    """Of splitting: scenarios that step from level to level at a time."""
+    """For splitting: scenarios that step from level to level at a time."""
     repeats: Annotated[int, option("10", "N")] = 10
-    """Of splitting: estimates, whose mean is the rate and whose spread gives the interval."""
+    """For splitting: estimates, whose mean is the rate and whose spread gives the interval."""
     seed: Annotated[int, option("0", "N")] = 0
     """Seed of the search."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
