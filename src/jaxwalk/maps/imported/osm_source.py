@@ -1,0 +1,129 @@
+"""OpenStreetMap data as a source map: roads, crossings, sidewalks, parking strips and buildings."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from jaxwalk.maps.imported.osm_crossings import crossings_elsewhere, mapped_crossings
+from jaxwalk.maps.imported.osm_ground import band, mouths, raw_roadway, sides, strip_width
+from jaxwalk.maps.imported.osm_lanes import lane_net
+from jaxwalk.maps.imported.osm_reading import ATTRIBUTION, OsmData, line_of, lines_of, read_osm
+from jaxwalk.maps.imported.osm_tags import CLASSES, SIDES, WALKS, is_road, road_facts, sidewalk
+from jaxwalk.maps.imported.region import Region
+from jaxwalk.maps.imported.road_chains import RoadChain, road_chains
+from jaxwalk.maps.imported.source_map import SourceMap, WalkEvidence
+from jaxwalk.wording import counted
+
+NEAR_KERB = 8.0
+"""A mapped sidewalk may lie this far from the line of people at the kerb [m]."""
+AT_KERB = 3.0
+"""What a road's tags say of its sidewalk counts so far from its kerb [m]."""
+FROM_MOUTH, SHORTEST_STRIP = 8.0, 6.0
+"""Nobody parks this close to a junction's mouth; a shorter parking strip is left out [m]."""
+SMALLEST_BUILDING = 12.0
+"""A smaller building is left out [m2]."""
+
+
+def osm_map(path: Path, region: Region | None) -> SourceMap:
+    """Return what an OpenStreetMap file has. Raise ImportRefusal if it can't be used."""
+    data = read_osm(path, region)
+    chains = road_chains(data)
+    _check_side(path, data)
+    roadway = raw_roadway(chains)
+    ends = mouths(chains, roadway)
+    net = lane_net(chains, roadway, ends)
+    crossings = mapped_crossings(data, chains)
+    return SourceMap(
+        format="OpenStreetMap",
+        attribution=ATTRIBUTION,
+        extent=data.extent,
+        lanes=net.lanes,
+        in_junction=net.in_junction,
+        roadway=net.roadway,
+        junctions=net.junctions,
+        crossings=tuple(crossings),
+        evidence=tuple(_evidence(data, chains)),
+        parking=tuple(_parking(chains, ends)),
+        buildings=tuple(_buildings(data)),
+        elements=tuple(_elements(data)),
+        left_out=tuple(_left_out(data, net.no_turns)),
+        elsewhere=crossings_elsewhere(data),
+    )
+
+
+def _check_side(path: Path, data: OsmData) -> None:
+    """Raise an error if a tag says that traffic keeps left."""
+
+
+def _evidence(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[WalkEvidence]:
+    """Yield what the map says of sidewalks: mapped ones, and tags of roads."""
+    for way, line in lines_of(data, kinds=WALKS):
+        if way.tags.get("footway") != "crossing" and way.tags.get("highway") != "steps":
+            yield WalkEvidence(line, "mapped", NEAR_KERB)
+    for chain in chains:
+        for piece in chain.pieces:
+            right, left = sides(chain, piece)
+            for side, offset in (("right", -right), ("left", left)):
+                own = side if not piece.turned else SIDES[SIDES.index(side) - 1]
+                if sidewalk(piece.way.tags, own) == "yes" and piece.end > piece.begin:
+                    yield WalkEvidence(chain.curve.parallel(offset, piece.begin, piece.end), "inferred", AT_KERB)
+
+
+def _parking(chains: Sequence[RoadChain], ends: Sequence[tuple[float, float]]) -> Iterator[shapely.Polygon]:
+    """Yield parking strips, clear of junctions."""
+    for chain, (low, high) in zip(chains, ends, strict=True):
+        half = chain.profile.width / 2
+        for piece in chain.pieces:
+            begin, end = max(piece.begin, low + FROM_MOUTH), min(piece.end, high - FROM_MOUTH)
+            if end - begin < SHORTEST_STRIP:
+                continue
+            right, left = strip_width(piece, "right"), strip_width(piece, "left")
+            strips = [(-half - right, -half)] * (right > 0) + [(half, half + left)] * (left > 0)
+            for strip in strips:
+                shape = band(chain, begin, end, *strip)
+                yield from (part for part in shapely.get_parts(shape).tolist() if part.geom_type == "Polygon")
+
+
+def _buildings(data: OsmData) -> Iterator[shapely.Polygon]:
+    """Yield the outlines of buildings that are closed ways."""
+    for way in data.ways:
+        if "building" not in way.tags or way.tags["building"] == "no" or way.nodes[0] != way.nodes[-1]:
+            continue
+        if len(way.nodes) > 3 and (shape := shapely.Polygon(line_of(data, way))).is_valid:
+            if shape.area >= SMALLEST_BUILDING:
+                yield shape
+
+
+def _elements(data: OsmData) -> Iterator[dict[str, Any]]:
+    """Yield the facts of each road, with where they are from."""
+    for way in data.ways:
+        if is_road(way.tags):
+            facts = road_facts(way.tags)
+            yield {
+                "element": f"way {way.id}", "name": way.tags.get("name", ""), "class": way.tags["highway"],
+                "lanes": [facts.profile.forward, facts.profile.backward], "lanes_from": facts.lanes_from,
+                "lane_width": round(facts.profile.lane_width, 2), "width_from": facts.width_from,
+                "limit_km_h": round(facts.profile.limit * 3.6, 1), "limit_from": facts.limit_from,
+                "metres": round(float(np.hypot(*np.diff(line_of(data, way), axis=0).T).sum()), 1),
+            }  # fmt: skip
+
+
+def _left_out(data: OsmData, no_turns: int) -> Iterator[str]:
+    """Yield what isn't imported, and why."""
+    others = Counter(
+        way.tags["highway"] for way in data.ways
+        if "highway" in way.tags and way.tags["highway"] not in WALKS and not is_road(way.tags)
+    )  # fmt: skip
+    for kind, count in sorted(others.items()):
+        why = "private, closed, or an area" if kind in CLASSES else "not among the roads that are imported"
+        yield f"{counted(count, 'way')} with highway={kind}: {why}"
+    if no_turns:
+        yield f"{counted(no_turns, 'turn')} at junctions: no room on the roadway for a car that turns within 4.54 m"
+    if data.missing:
+        yield f"{counted(data.missing, 'reference')} to nodes that the file doesn't have: those parts of ways are missing"

@@ -1,0 +1,227 @@
+"""A street from a part of a source map: it is cut out, its people's ways are completed, and it is checked."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from jaxwalk.maps.check_network import network_faults
+from jaxwalk.maps.imported.crossing_places import CrossingOutcome, CrossingPlaces, Placed
+from jaxwalk.maps.imported.kerb_ground import KerbGround, polygons
+from jaxwalk.maps.imported.kerb_origins import Evidence, Stretch
+from jaxwalk.maps.imported.source_map import SourceMap
+from jaxwalk.maps.imported.street_parts import street_areas
+from jaxwalk.maps.imported.street_report import StreetReport
+from jaxwalk.maps.imported.street_summary import Built, summary
+from jaxwalk.maps.imported.tile_lanes import RouteFinder, lanes_within
+from jaxwalk.maps.imported.tile_walks import ZoneFinder, make_walks
+from jaxwalk.maps.network import Lane, Network, WalkGraph
+from jaxwalk.maps.network_scene import NetworkScene
+
+DISTANCES = {"goal_spacing": 20.0, "start_clearance": 10.0}
+"""The simulator's shortest walk to a goal, and its smallest distance between the car's start and people's [m]."""
+ROUNDS = 5
+"""So often are parts left out that don't keep the rules of all networks, before a street is given up."""
+_FAULT = re.compile(r"(crossings|routes)\[(\d+)\]")
+
+Box = tuple[float, float, float, float]
+"""West, south, east and north end [m]."""
+
+
+class ImportedStreet(NamedTuple):
+    """A street with what became of it."""
+
+    network: Network | None
+    """None if it isn't usable."""
+    report: StreetReport
+
+
+class _Site(NamedTuple):
+    """What a street is made of, before its crossings are chosen."""
+
+    box: Box
+    region: BaseGeometry
+    ground: KerbGround
+    stretches: list[Stretch]
+    lanes: list[Lane]
+    in_junction: np.ndarray
+
+
+class StreetMaker:
+    """Makes streets of parts of a source map. ``strict``: pavement and crossings are never invented."""
+
+    def __init__(self, source: SourceMap, *, strict: bool) -> None:
+        self.source, self.strict = source, strict
+        self.ground = KerbGround.along(source.roadway)
+        self.evidence = Evidence(source.evidence)
+
+    def make(self, name: str, box: Box) -> ImportedStreet:
+        """Return the street in a box."""
+        site = self._site(box)
+        own = [x for x in self.source.crossings if site.region.contains(shapely.Point(x.point))]
+        if not site.lanes or not site.ground.walks:
+            why = "no lanes" if not site.lanes else "no pavement along its roads"
+            outcomes = tuple(CrossingOutcome(x.name, x.kind, False, why, at_edge=True) for x in own)
+            return ImportedStreet(None, summary(name, box, Built((), (), [], [], outcomes), why))
+        places = CrossingPlaces(site.ground, site.region, [
+            lane.line for lane, inside in zip(site.lanes, site.in_junction, strict=True) if not inside
+        ])  # fmt: skip
+        outcomes = [places.place(crossing) for crossing in own]
+        mapped = list(places.placed)
+        if not self.strict:
+            places.join(site.stretches, [lane.line for n, lane in enumerate(site.lanes) if not site.in_junction[n]])
+        return self._completed(name, site, (mapped, places.placed), outcomes)
+
+    def _site(self, box: Box) -> _Site:
+        """Return what lies in a box, without the junctions that its edge would cut."""
+        region: BaseGeometry = shapely.box(*box)
+        edge = region.boundary
+        cut = [x for x in self.source.junctions if x.intersects(edge)]
+        region = max(polygons(region.difference(shapely.union_all(cut))), key=lambda x: x.area, default=shapely.Polygon())
+        ground = self.ground.within(region)
+        stretches = self.evidence.stretches(ground.walks)
+        if self.strict:
+            ground = ground.with_walks(list(_known(ground.walks, stretches)))
+            stretches = self.evidence.stretches(ground.walks)
+        lanes, inside = lanes_within(self.source, region, ground.roadway)
+        return _Site(box, region, ground, stretches, lanes, inside)
+
+    def _completed(
+        self, name: str, site: _Site, crossings: tuple[list[Placed], list[Placed]], outcomes: list[CrossingOutcome]
+    ) -> ImportedStreet:
+        """Return the street, without the crossings and routes that don't keep the rules of all networks."""
+        mapped, placed = crossings
+        dropped: dict[str, str] = {}
+        reason = ""
+        for _ in range(ROUNDS):
+            kept = [crossing for crossing in placed if crossing.name not in dropped]
+            walks, kept, cut_off = _connected(site, kept)
+            dropped |= {crossing.name: "cut off: no way leads there from the other pavement" for crossing in cut_off}
+            if not kept:
+                reason = "it has no crossing that can be used"
+                break
+            network, routes_met, faults = self._network(site, walks, kept)
+            named = [(found[1], int(found[2]), fault) for fault in faults if (found := _FAULT.match(fault))]
+            bad = {kept[n].name: fault for kind, n, fault in named if kind == "crossings"}
+            if faults and not bad:
+                reason = faults[0]
+                break
+            if not faults:
+                results = _updated(outcomes, dropped, placed)
+                built = Built(tuple(mapped), tuple(kept), walks, site.stretches, results, routes_met)
+                return ImportedStreet(network, summary(name, site.box, built, "", network))
+            dropped |= bad
+        results = _updated(outcomes, dropped, placed)
+        built = Built(tuple(mapped), (), [], site.stretches, results)
+        return ImportedStreet(None, summary(name, site.box, built, reason or "its parts don't keep the rules of maps"))
+
+    def _network(
+        self, site: _Site, walks: list[int], placed: list[Placed]
+    ) -> tuple[Network, list[bool], list[str]]:
+        """Return the network of a site, which crossings its routes meet, and its faults; routes with faults are out."""
+        lines = [site.ground.walks[n] for n in walks]
+        number = {walk: n for n, walk in enumerate(walks)}
+        own = [
+            replace(x, chord=x.chord._replace(walks=(number[x.chord.walks[0]], number[x.chord.walks[1]])))
+            for x in placed
+        ]  # fmt: skip
+        areas, crosswalks = street_areas(self.source, site.region, site.ground, own)
+        size = (site.box[2] - site.box[0], site.box[3] - site.box[1])
+        empty = Network(size, (), tuple(areas), WalkGraph(np.zeros((0, 2)), np.zeros((0, 2), int), 0), (), ())
+        between = [
+            shapely.LineString(lane.line) for lane, inside in zip(site.lanes, site.in_junction, strict=True) if not inside
+        ]  # fmt: skip
+        finder = ZoneFinder(lines, own, NetworkScene.of(empty), between)
+        zones = [finder.find(crossing) for crossing in own]
+        plan = make_walks(lines, own, crosswalks, zones)
+        routes, met = RouteFinder(site.lanes).routes([x.areas for x in own])
+        network = self._placed(replace(empty, lanes=tuple(site.lanes), walk=plan.graph, crossings=plan.crossings,
+                                       routes=tuple(routes), attribution=self.source.attribution), site.box)  # fmt: skip
+        faults = network_faults(network, **DISTANCES)
+        wrong = {int(found[2]) for fault in faults if (found := _FAULT.match(fault)) and found[1] == "routes"}
+        if wrong:
+            routes = tuple(route for n, route in enumerate(network.routes) if n not in wrong)
+            network = replace(network, routes=routes)
+            faults = network_faults(network, **DISTANCES)
+        return network, met, faults
+
+    def _placed(self, network: Network, box: Box) -> Network:
+        """Return a network whose south-western corner is (0, 0), turned back if the source map is mirrored."""
+        low, width = np.array(box[:2]), network.size[0]
+
+        def moved(points: np.ndarray) -> np.ndarray:
+            own = np.round(points - low, 3)
+            return np.stack([width - own[:, 0], own[:, 1]], axis=1) if self.source.mirrored else own
+
+        walk = network.walk
+        return replace(
+            network,
+            size=tuple(round(x, 3) for x in network.size),
+            lanes=tuple(replace(x, line=_distinct(moved(x.line))) for x in network.lanes),
+            areas=tuple(
+                replace(x, outline=moved(x.outline), holes=tuple(moved(hole) for hole in x.holes)) for x in network.areas
+            ),
+            walk=replace(walk, nodes=moved(walk.nodes)),
+        )
+
+
+def _distinct(line: np.ndarray) -> np.ndarray:
+    """Return a line (point, 2) without points that repeat the one before."""
+    return line[np.concatenate([[True], np.hypot(*np.diff(line, axis=0).T) > 1e-6])]
+
+
+def _known(walks: Sequence[shapely.LineString], stretches: Sequence[Stretch]) -> Iterator[shapely.LineString]:
+    """Yield the parts of lines of people that aren't invented."""
+    for stretch in _merged(stretches):
+        walk = walks[stretch.walk]
+        whole = stretch.begin <= 0 and stretch.end >= walk.length
+        part = walk if whole else shapely.ops.substring(walk, stretch.begin, stretch.end)
+        if part.length > 1:
+            yield part
+
+
+def _merged(stretches: Sequence[Stretch]) -> Iterator[Stretch]:
+    """Yield the stretches that aren't invented, those that follow each other as one."""
+    last: Stretch | None = None
+    for stretch in stretches:
+        if stretch.origin == "invented":
+            continue
+        if last is not None and last.walk == stretch.walk and last.end == stretch.begin:
+            last = last._replace(end=stretch.end)
+            continue
+        if last is not None:
+            yield last
+        last = stretch
+    if last is not None:
+        yield last
+
+
+def _connected(site: _Site, placed: list[Placed]) -> tuple[list[int], list[Placed], list[Placed]]:
+    """Return the lines of people that hang together, with their crossings, and the crossings that are cut off."""
+    places = CrossingPlaces(site.ground, site.region, [])
+    places.placed = placed
+    group = np.array(places.parts())
+    metres = np.bincount(group, [walk.length for walk in site.ground.walks])
+    crossed = np.bincount(group[[x.chord.walks[0] for x in placed]], minlength=len(metres)) if placed else metres
+    best = int(np.argmax(metres + 1e6 * (crossed > 0)))
+    walks = np.flatnonzero(group == best).tolist()
+    kept = [x for x in placed if x.chord.walks[0] in walks]
+    return walks, kept, [x for x in placed if x.chord.walks[0] not in walks]
+
+
+def _updated(
+    outcomes: Sequence[CrossingOutcome], dropped: dict[str, str], placed: Sequence[Placed]
+) -> tuple[CrossingOutcome, ...]:
+    """Return what became of mapped crossings, of which some were placed and then left out."""
+    found = []
+    for outcome in outcomes:
+        host = outcome.reason.removeprefix("one way with ") if outcome.placed and outcome.reason else outcome.name
+        why = dropped.get(host)
+        found.append(outcome if why is None else replace(outcome, placed=False, reason=why))
+    return tuple(found)
