@@ -72,6 +72,12 @@ class Chord(NamedTuple):
         return [_part(self.strip(a - 0.5, b + 0.5, half).difference(roadway), self.at((a + b) / 2))
                 for (_, a), (b, _) in pairwise(self.over.tolist())]  # fmt: skip
 
+    def aprons(self, roadway: BaseGeometry, half: float) -> list[shapely.Polygon]:
+        """Return the ground between each landing and the roadway: pavement, also where a kerb bends away."""
+        parts = [(0.0, self.over[0, 0], -0.3, 0.5), (self.over[-1, 1], self.length, -0.5, 0.3)]
+        return [_part(self.strip(a + low, b + high, half).difference(roadway), self.at((a + b) / 2))
+                for a, b, low, high in parts]  # fmt: skip
+
     def nodes(self) -> list[np.ndarray]:
         """Return the points between the landings: the middle of each roadway and of each island."""
         cuts = self.over.ravel()

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from jaxwalk.maps.imported.chords import LEAST_HALF, Chord, Chords
+from jaxwalk.maps.imported.chords import LEAST_HALF, SHIFTS, Chord, Chords
 from jaxwalk.maps.imported.kerb_ground import KerbGround, unit
 from jaxwalk.maps.imported.kerb_origins import Stretch
 from jaxwalk.maps.imported.source_map import SourceCrossing
@@ -18,6 +18,8 @@ from jaxwalk.maps.network import CrossingType
 
 FROM_EDGE = 4.0
 """A crossing closer to the street's edge is left to a neighbouring street [m]."""
+NEAR_EDGE = 30.0
+"""A crossing that can't be placed may find room in a neighbouring street if it lies so close to the edge [m]."""
 SAME = 2.0
 """A mapped crossing this close to the crosswalk of another one is the same [m]."""
 OVERLAP = 0.5
@@ -43,6 +45,8 @@ class Placed:
     chord: Chord
     areas: tuple[shapely.Polygon, ...]
     islands: tuple[shapely.Polygon, ...]
+    aprons: tuple[shapely.Polygon, ...]
+    """The ground between its landings and the roadway."""
     half: float
     """Half its width [m]."""
     wants_island: bool = False
@@ -104,15 +108,24 @@ class CrossingPlaces:
         if road is None or at_edge:
             reason = "at the street's edge" if at_edge else "no lane near it"
             return CrossingOutcome(*about, False, reason, at_edge=at_edge, point=where)
-        chord = self.chords.best(point, road, crossing.across)
-        if isinstance(chord, str):
-            near = self.region.boundary.distance(shapely.Point(point)) < 30
-            return CrossingOutcome(*about, False, chord, at_edge=near, point=where)
-        found = self._made(chord, crossing)
+        found = self._found(crossing, road)
         if isinstance(found, str):
-            return CrossingOutcome(*about, False, found, point=where)
+            near = self.region.boundary.distance(shapely.Point(point)) < NEAR_EDGE
+            return CrossingOutcome(*about, False, found, at_edge=near, point=where)
         self.placed.append(found)
-        return CrossingOutcome(*about, True, moved=chord.moved, point=where)
+        return CrossingOutcome(*about, True, moved=found.chord.moved, point=where)
+
+    def _found(self, crossing: SourceCrossing, road: np.ndarray) -> Placed | str:
+        """Return the crossing where it is mapped, else moved along the road (2,), or why there is no room."""
+        chord = self.chords.best(crossing.point, road, crossing.across)
+        found = chord if isinstance(chord, str) else self._made(chord, crossing)
+        for shift in SHIFTS[1:]:
+            if not isinstance(found, str):
+                return found
+            chord = self.chords.best(crossing.point, road, shifts=(shift,))
+            moved = chord if isinstance(chord, str) else self._made(chord, crossing)
+            found = found if isinstance(moved, str) else moved
+        return found
 
     def _is_same(self, other: Placed, point: np.ndarray) -> bool:
         return any(area.distance(shapely.Point(point)) < SAME / 2 for area in other.areas)
@@ -131,8 +144,9 @@ class CrossingPlaces:
             blocker = self._blocker(areas)
             if blocker is None:
                 islands = chord.islands(self.ground.roadway, half + 0.5)
+                aprons = chord.aprons(self.ground.roadway, half)
                 return Placed(crossing.name, crossing.kind, crossing.kind_origin, "mapped", chord, tuple(areas),
-                              tuple(islands), half, crossing.island)  # fmt: skip
+                              tuple(islands), tuple(aprons), half, crossing.island)  # fmt: skip
         return f"it overlaps {self._blocker(areas)}"
 
     def _blocker(self, areas: Iterable[shapely.Polygon]) -> str | None:

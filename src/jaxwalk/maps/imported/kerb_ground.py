@@ -59,6 +59,14 @@ class KerbGround(NamedTuple):
         surfaces = (_surface(shape.intersection(region)) for shape in self[:4])
         return KerbGround(*surfaces, tuple(lines))
 
+    def beside(self, road: BaseGeometry) -> KerbGround:
+        """Return the part of the ground that belongs to a road, given as a roadway with its medians."""
+        at, along = road.buffer(0.05), road.buffer(PAVEMENT + 0.05)
+        shapely.prepare(along)
+        walks = tuple(walk for walk in self.walks if along.covers(walk))
+        surfaces = (_surface(shape.intersection(at)) for shape in self[:3])
+        return KerbGround(*surfaces, _surface(self.pavement.intersection(along)), walks)
+
     def with_walks(self, walks: list[shapely.LineString]) -> KerbGround:
         """Return the ground with other lines of people, and pavement only along them."""
         along = shapely.union_all([walk.buffer(PAVEMENT / 2 + 0.3, cap_style="flat") for walk in walks])

@@ -36,6 +36,8 @@ MOST_OFF = 6.0
 """A way through a junction that is off the mapped roadway for longer than this isn't made [m]."""
 TIGHTEST = 4.7
 """Smallest radius of a way through a junction [m]: the car turns within 4.54 m."""
+SHARPEST_JOINT = 0.09
+"""The direction of a way differs from that of its lanes by at most this [rad]; networks allow 0.1."""
 STRAIGHT = 3.0
 """A way that follows the roads inside a junction leaves and meets its lanes straight, for this long [m]."""
 AROUND = 2.0
@@ -180,18 +182,32 @@ def _through(
     for before, after in joined_lanes(cluster.into, cluster.out, pairs):
         inner_line = ways[place_in[id(before[0])]].get(cluster.nodes_out[place_out[id(after[0])]])
         line = way_through(built, before, after, (KERB_RADIUS, clear))
-        if inner_line is not None and len(inner_line) and not _fits(line, roadway):
-            line = _along(line, (before[0].heading, after[0].heading), inner_line)
-        if line is None or not _fits(line, roadway):
+        one, other = built.lines[before[0].lanes[before[1]]], built.lines[after[0].lanes[after[1]]]
+        headings = (_heading(one[-2:]), _heading(other[:2]))
+        if inner_line is not None and len(inner_line) and not _fits(line, headings, roadway):
+            line = _along(line, headings, inner_line)
+        if line is None or not _fits(line, headings, roadway):
             yield None
             continue
         connect(built, before[0].lanes[before[1]], line, after[0].lanes[after[1]])
         yield line
 
 
-def _fits(line: np.ndarray, roadway: BaseGeometry) -> bool:
-    """Return whether a way through a junction is nowhere too tight, and not long off the roadway."""
-    return smallest_radius(line) >= TIGHTEST and shapely.LineString(line).difference(roadway).length <= MOST_OFF
+def _heading(piece: np.ndarray) -> float:
+    """Return the direction of a straight piece (2, 2) [rad]."""
+    return float(np.arctan2(*(piece[1] - piece[0])[::-1]))
+
+
+def _fits(line: np.ndarray, headings: tuple[float, float], roadway: BaseGeometry) -> bool:
+    """Return whether a way through a junction leads on from its lanes, isn't too tight, and not long off the roadway.
+
+    ``headings`` are those of the lanes at its begin and its end [rad].
+    """
+    steps = line[[1, -1]] - line[[0, -2]]
+    turns = np.angle(np.exp(1j * (np.arctan2(steps[:, 1], steps[:, 0]) - np.array(headings))))
+    if np.abs(turns).max() > SHARPEST_JOINT or smallest_radius(line) < TIGHTEST:
+        return False
+    return shapely.LineString(line).difference(roadway).length <= MOST_OFF
 
 
 def _along(line: np.ndarray, headings: tuple[float, float], inner: np.ndarray) -> np.ndarray | None:

@@ -26,8 +26,12 @@ from jaxwalk.maps.network_scene import NetworkScene
 
 DISTANCES = {"goal_spacing": 20.0, "start_clearance": 10.0}
 """The simulator's shortest walk to a goal, and its smallest distance between the car's start and people's [m]."""
+CLOSE = 0.05
+"""Points of a lane are farther apart than this [m]."""
 ROUNDS = 5
 """So often are parts left out that don't keep the rules of all networks, before a street is given up."""
+AROUND = 8.0
+"""A street reaches this far beyond its roadway [m]."""
 _FAULT = re.compile(r"(crossings|routes)\[(\d+)\]")
 
 Box = tuple[float, float, float, float]
@@ -61,9 +65,9 @@ class StreetMaker:
         self.ground = KerbGround.along(source.roadway)
         self.evidence = Evidence(source.evidence)
 
-    def make(self, name: str, box: Box) -> ImportedStreet:
-        """Return the street in a box."""
-        site = self._site(box)
+    def make(self, name: str, box: Box, about: np.ndarray | None = None) -> ImportedStreet:
+        """Return the street in a box: its roads at a point (2,), or those with the most crossings, and all joined to them."""
+        site = self._site(box, about)
         own = [x for x in self.source.crossings if site.region.contains(shapely.Point(x.point))]
         if not site.lanes or not site.ground.walks:
             why = "no lanes" if not site.lanes else "no pavement along its roads"
@@ -78,19 +82,27 @@ class StreetMaker:
             places.join(site.stretches, [lane.line for n, lane in enumerate(site.lanes) if not site.in_junction[n]])
         return self._completed(name, site, (mapped, places.placed), outcomes)
 
-    def _site(self, box: Box) -> _Site:
-        """Return what lies in a box, without the junctions that its edge would cut."""
+    def _site(self, box: Box, about: np.ndarray | None) -> _Site:
+        """Return what lies in a box, without the junctions that its edge would cut, and without other roads."""
         region: BaseGeometry = shapely.box(*box)
         edge = region.boundary
-        cut = [x for x in self.source.junctions if x.intersects(edge)]
-        region = max(polygons(region.difference(shapely.union_all(cut))), key=lambda x: x.area, default=shapely.Polygon())
-        ground = self.ground.within(region)
+        region = region.difference(shapely.union_all([x for x in self.source.junctions if x.intersects(edge)]))
+        road = self._road(polygons(self.ground.filled.intersection(region)), about)
+        region = region.intersection(road.buffer(AROUND))
+        ground = self.ground.within(region).beside(road)
         stretches = self.evidence.stretches(ground.walks)
         if self.strict:
             ground = ground.with_walks(list(_known(ground.walks, stretches)))
             stretches = self.evidence.stretches(ground.walks)
         lanes, inside = lanes_within(self.source, region, ground.roadway)
         return _Site(box, region, ground, stretches, lanes, inside)
+
+    def _road(self, roads: list[shapely.Polygon], about: np.ndarray | None) -> BaseGeometry:
+        """Return the one of several separate roads that the street is made of."""
+        if about is not None:
+            return min(roads, key=lambda x: x.distance(shapely.Point(about)), default=shapely.Polygon())
+        points = shapely.points([x.point for x in self.source.crossings]) if self.source.crossings else []
+        return max(roads, key=lambda x: (int(shapely.contains(x, points).sum()), x.area), default=shapely.Polygon())
 
     def _completed(
         self, name: str, site: _Site, crossings: tuple[list[Placed], list[Placed]], outcomes: list[CrossingOutcome]
@@ -131,7 +143,7 @@ class StreetMaker:
             replace(x, chord=x.chord._replace(walks=(number[x.chord.walks[0]], number[x.chord.walks[1]])))
             for x in placed
         ]  # fmt: skip
-        areas, crosswalks = street_areas(self.source, site.region, site.ground, own)
+        areas, crosswalks = street_areas(self.source, shapely.box(*site.box), site.ground, own)
         size = (site.box[2] - site.box[0], site.box[3] - site.box[1])
         empty = Network(size, (), tuple(areas), WalkGraph(np.zeros((0, 2)), np.zeros((0, 2), int), 0), (), ())
         between = [
@@ -172,8 +184,11 @@ class StreetMaker:
 
 
 def _distinct(line: np.ndarray) -> np.ndarray:
-    """Return a line (point, 2) without points that repeat the one before."""
-    return line[np.concatenate([[True], np.hypot(*np.diff(line, axis=0).T) > 1e-6])]
+    """Return a line (point, 2) without points so close to the one before that rounding would turn its direction."""
+    apart = np.hypot(*np.diff(line, axis=0).T) > CLOSE
+    keep = np.concatenate([[True], apart[:-1], [True]])
+    keep[-2] &= bool(apart[-1]) or len(line) == 2
+    return line[keep]
 
 
 def _known(walks: Sequence[shapely.LineString], stretches: Sequence[Stretch]) -> Iterator[shapely.LineString]:

@@ -25,11 +25,13 @@ NEAR = 30.0
 
 
 def street_areas(
-    source: SourceMap, region: BaseGeometry, ground: KerbGround, placed: Sequence[Placed]
+    source: SourceMap, box: BaseGeometry, ground: KerbGround, placed: Sequence[Placed]
 ) -> tuple[list[Area], list[tuple[int, ...]]]:
     """Return the areas of a street, and for each crossing the numbers of its crosswalks."""
     islands = shapely.union_all([island for crossing in placed for island in crossing.islands])
-    areas = [*_areas("roadway", ground.roadway), *_areas("sidewalk", ground.pavement)]
+    aprons = shapely.union_all([apron for crossing in placed for apron in crossing.aprons])
+    pavement = ground.pavement.union(aprons.intersection(box)).difference(ground.roadway)
+    areas = [*_areas("roadway", ground.roadway), *_areas("sidewalk", pavement)]
     areas += _areas("island", islands.difference(ground.roadway))
     crosswalks: list[tuple[int, ...]] = []
     for crossing in placed:
@@ -37,19 +39,19 @@ def street_areas(
         crosswalks.append(tuple(range(len(areas), len(areas) + len(own))))
         areas += own
     no_parking = shapely.union_all([x for crossing in placed for x in crossing.areas]).buffer(FROM_CROSSWALKS)
-    strips = shapely.union_all([x for x in source.parking if x.intersects(region)])
-    areas += _areas("parking", strips.intersection(region).intersection(ground.roadway).difference(no_parking))
-    return [*areas, *_buildings(source, region, ground)], crosswalks
+    strips = shapely.union_all([x for x in source.parking if x.intersects(box)])
+    areas += _areas("parking", strips.intersection(ground.roadway).difference(no_parking))
+    return [*areas, *_buildings(source, box, ground._replace(pavement=pavement))], crosswalks
 
 
-def _buildings(source: SourceMap, region: BaseGeometry, ground: KerbGround) -> Iterator[Area]:
+def _buildings(source: SourceMap, box: BaseGeometry, ground: KerbGround) -> Iterator[Area]:
     """Yield the buildings near the pavement, off it and the roadway."""
     taken = shapely.union_all([ground.roadway, ground.pavement, ground.medians]).buffer(FROM_PAVEMENT, quad_segs=2)
     near = ground.filled.buffer(NEAR, quad_segs=2)
-    shapely.prepare([region, near, taken])
+    shapely.prepare([box, near, taken])
     for building in source.buildings:
-        if near.intersects(building) and region.intersects(building):
-            shape = building.intersection(region)
+        if near.intersects(building) and box.intersects(building):
+            shape = building.intersection(box)
             yield from _areas("building", shape.difference(taken) if taken.intersects(shape) else shape)
 
 

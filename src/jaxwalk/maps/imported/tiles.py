@@ -19,8 +19,8 @@ LARGEST_STREET = 400.0
 """Longest side of a single street [m]."""
 AROUND = 10.0
 """What is imported reaches this far beyond the roads' lines [m]."""
-FROM_EDGE = 30.0
-"""A crossing this close to the edge of all its tiles gets a tile of its own, about it [m]."""
+BEYOND = 20.0
+"""The outermost metres of a map need no tile of their own [m]."""
 
 
 def single_street(source: SourceMap, name: str, *, strict: bool) -> ImportedStreet:
@@ -49,23 +49,33 @@ def tiles(
     """
     maker = StreetMaker(source, strict=strict)
     boxes = [box for box in _boxes(source, size) if _crossings_in(source, box)]
-    missed: set[str] = set()
-    placed: set[str] = set()
+    settled: set[str] = set()
     for number, box in enumerate(boxes):
         told(number, len(boxes))
         street = maker.make(f"{name}-{number + 1:03d}", box)
-        placed |= {x.name for x in street.report.crossings if x.placed and street.report.usable}
-        missed |= {x.name for x in street.report.crossings if not x.placed and x.at_edge}
-        yield street
+        settled |= _settled(street)
+        if street.report.crossings:
+            yield street
     number = len(boxes)
     for crossing in source.crossings:
-        if crossing.name in missed - placed:
+        if crossing.name not in settled and _inside(crossing.point, source.extent):
             x, y = crossing.point.tolist()
-            own = maker.make(f"{name}-{number + 1:03d}", (x - size / 2, y - size / 2, x + size / 2, y + size / 2))
+            box = (x - size / 2, y - size / 2, x + size / 2, y + size / 2)
             number += 1
-            placed |= {found.name for found in own.report.crossings if found.placed and own.report.usable}
-            missed.discard(crossing.name)
-            yield own
+            street = maker.make(f"{name}-{number:03d}", box, crossing.point)
+            settled |= _settled(street) | {crossing.name}
+            yield street
+
+
+def _settled(street: ImportedStreet) -> set[str]:
+    """Return the crossings that no other street needs to have: placed ones, and those that can't be anywhere."""
+    report = street.report
+    return {x.name for x in report.crossings if not x.at_edge and (report.usable or not x.placed)}
+
+
+def _inside(point: np.ndarray, extent: Box) -> bool:
+    west, south, east, north = extent
+    return west <= point[0] <= east and south <= point[1] <= north
 
 
 def _boxes(source: SourceMap, size: float) -> Iterator[Box]:
@@ -77,10 +87,10 @@ def _boxes(source: SourceMap, size: float) -> Iterator[Box]:
 
 def _begins(low: float, high: float, size: float) -> list[float]:
     """Return where boxes of a size begin that cover a stretch."""
-    if high - low <= size:
+    over = high - low - size
+    if over <= BEYOND:
         return [(low + high - size) / 2]
-    count = int(np.ceil((high - low - size) / (size - OVERLAP))) + 1
-    return np.linspace(low, high - size, count).tolist()
+    return np.linspace(low, high - size, int(np.ceil(over / (size - OVERLAP))) + 1).tolist()
 
 
 def _crossings_in(source: SourceMap, box: Box) -> int:
