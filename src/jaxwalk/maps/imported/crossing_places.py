@@ -72,27 +72,35 @@ class CrossingOutcome:
 class RoadLines:
     """The lanes of a street, to ask for the direction of a road."""
 
-    def __init__(self, lines: Sequence[np.ndarray]) -> None:
-        self.shapes = [shapely.LineString(line) for line in lines]
-        self.tree = shapely.STRtree(self.shapes)
+    def __init__(self, lines: Sequence[np.ndarray], through: Sequence[np.ndarray] = ()) -> None:
+        """Get ready; ``through`` are lanes in junctions, which count where no other lane is near."""
+        self.shapes = [[shapely.LineString(line) for line in own] for own in (lines, through)]
+        self.trees = [shapely.STRtree(own) for own in self.shapes]
 
     def direction(self, point: np.ndarray) -> np.ndarray | None:
         """Return the unit vector along the road at a point (2,), or None if there is no road."""
-        found = self.tree.query_nearest(shapely.Point(point), max_distance=NEAREST_ROAD, all_matches=False)
-        if not len(found):
+        line = self._nearest(shapely.Point(point))
+        if line is None:
             return None
-        line = self.shapes[int(found[0])]
         at = line.project(shapely.Point(point))
         low, high = (line.interpolate(min(max(at + step, 0.0), line.length)) for step in (-1.0, 1.0))
         return unit(np.array([high.x - low.x, high.y - low.y]))
 
 
+    def _nearest(self, point: shapely.Point) -> shapely.LineString | None:
+        for tree, shapes in zip(self.trees, self.shapes, strict=True):
+            found = tree.query_nearest(point, max_distance=NEAREST_ROAD, all_matches=False)
+            if len(found):
+                return shapes[int(found[0])]
+        return None
+
+
 class CrossingPlaces:
     """The crossings of a street while they are placed."""
 
-    def __init__(self, ground: KerbGround, region: BaseGeometry, lines: Sequence[np.ndarray]) -> None:
-        self.ground, self.region = ground, region
-        self.chords, self.roads = Chords(ground), RoadLines(lines)
+    def __init__(self, ground: KerbGround, region: BaseGeometry, roads: RoadLines) -> None:
+        self.ground, self.region, self.roads = ground, region, roads
+        self.chords = Chords(ground)
         self.placed: list[Placed] = []
 
     def place(self, crossing: SourceCrossing) -> CrossingOutcome:
@@ -175,11 +183,7 @@ class CrossingPlaces:
 
     def parts(self) -> list[int]:
         """Return the number of the connected part of each line of people."""
-        group = list(range(len(self.ground.walks)))
-        for crossing in self.placed:
-            one, other = (group[walk] for walk in crossing.chord.walks)
-            group = [one if x == other else x for x in group]
-        return group
+        return connected_parts(len(self.ground.walks), self.placed)
 
     def _candidates(self, lines: Sequence[np.ndarray]) -> Iterator[Chord]:
         """Yield ways straight over roads: near the ends of lanes, and between."""
@@ -201,3 +205,12 @@ class CrossingPlaces:
                 if key not in seen:
                     seen.add(key)
                     yield chord
+
+
+def connected_parts(walks: int, placed: Iterable[Placed]) -> list[int]:
+    """Return the number of the connected part of each line of people, joined by crossings."""
+    group = list(range(walks))
+    for crossing in placed:
+        one, other = (group[walk] for walk in crossing.chord.walks)
+        group = [one if x == other else x for x in group]
+    return group

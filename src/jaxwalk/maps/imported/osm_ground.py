@@ -59,7 +59,8 @@ def raw_roadway(chains: Sequence[RoadChain]) -> BaseGeometry:
 
 def without_gaps(surface: BaseGeometry) -> BaseGeometry:
     """Return a surface without gaps of less than a metre and without needless corners."""
-    return surface.buffer(0.5, join_style="mitre").buffer(-0.5, join_style="mitre").simplify(FINEST)
+    closed = surface.buffer(0.5, join_style="mitre").buffer(-0.5, join_style="mitre")
+    return closed.union(surface).simplify(FINEST)
 
 
 def _bands(chains: Sequence[RoadChain]) -> Iterator[BaseGeometry]:

@@ -12,14 +12,14 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.check_network import network_faults
-from jaxwalk.maps.imported.crossing_places import CrossingOutcome, CrossingPlaces, Placed
+from jaxwalk.maps.imported.crossing_places import CrossingOutcome, CrossingPlaces, Placed, RoadLines, connected_parts
 from jaxwalk.maps.imported.kerb_ground import KerbGround, polygons
 from jaxwalk.maps.imported.kerb_origins import Evidence, Stretch
 from jaxwalk.maps.imported.source_map import SourceMap
 from jaxwalk.maps.imported.street_parts import street_areas
 from jaxwalk.maps.imported.street_report import StreetReport
 from jaxwalk.maps.imported.street_summary import Built, summary
-from jaxwalk.maps.imported.tile_lanes import RouteFinder, lanes_within
+from jaxwalk.maps.imported.tile_lanes import RouteFinder, lanes_within, without_lanes
 from jaxwalk.maps.imported.tile_walks import ZoneFinder, make_walks
 from jaxwalk.maps.network import Lane, Network, WalkGraph
 from jaxwalk.maps.network_scene import NetworkScene
@@ -32,7 +32,7 @@ ROUNDS = 5
 """So often are parts left out that don't keep the rules of all networks, before a street is given up."""
 AROUND = 8.0
 """A street reaches this far beyond its roadway [m]."""
-_FAULT = re.compile(r"(crossings|routes)\[(\d+)\]")
+_FAULT = re.compile(r"(crossings|routes|lanes)\[(\d+)\]")
 
 Box = tuple[float, float, float, float]
 """West, south, east and north end [m]."""
@@ -73,13 +73,13 @@ class StreetMaker:
             why = "no lanes" if not site.lanes else "no pavement along its roads"
             outcomes = tuple(CrossingOutcome(x.name, x.kind, False, why, at_edge=True) for x in own)
             return ImportedStreet(None, summary(name, box, Built((), (), [], [], outcomes), why))
-        places = CrossingPlaces(site.ground, site.region, [
-            lane.line for lane, inside in zip(site.lanes, site.in_junction, strict=True) if not inside
-        ])  # fmt: skip
+        along, through = ([lane.line for lane, x in zip(site.lanes, site.in_junction, strict=True) if x == inside]
+                          for inside in (False, True))  # fmt: skip
+        places = CrossingPlaces(site.ground, site.region, RoadLines(along, through))
         outcomes = [places.place(crossing) for crossing in own]
         mapped = list(places.placed)
         if not self.strict:
-            places.join(site.stretches, [lane.line for n, lane in enumerate(site.lanes) if not site.in_junction[n]])
+            places.join(site.stretches, along)
         return self._completed(name, site, (mapped, places.placed), outcomes)
 
     def _site(self, box: Box, about: np.ndarray | None) -> _Site:
@@ -121,7 +121,8 @@ class StreetMaker:
             network, routes_met, faults = self._network(site, walks, kept)
             named = [(found[1], int(found[2]), fault) for fault in faults if (found := _FAULT.match(fault))]
             bad = {kept[n].name: fault for kind, n, fault in named if kind == "crossings"}
-            if faults and not bad:
+            bad_lanes = {n for kind, n, _ in named if kind == "lanes"}
+            if faults and not bad and not bad_lanes:
                 reason = faults[0]
                 break
             if not faults:
@@ -129,6 +130,8 @@ class StreetMaker:
                 built = Built(tuple(mapped), tuple(kept), walks, site.stretches, results, routes_met)
                 return ImportedStreet(network, summary(name, site.box, built, "", network))
             dropped |= bad
+            lanes, inside = without_lanes(site.lanes, site.in_junction, bad_lanes, site.ground.roadway)
+            site = site._replace(lanes=lanes, in_junction=inside)
         results = _updated(outcomes, dropped, placed)
         built = Built(tuple(mapped), (), [], site.stretches, results)
         return ImportedStreet(None, summary(name, site.box, built, reason or "its parts don't keep the rules of maps"))
@@ -219,9 +222,7 @@ def _merged(stretches: Sequence[Stretch]) -> Iterator[Stretch]:
 
 def _connected(site: _Site, placed: list[Placed]) -> tuple[list[int], list[Placed], list[Placed]]:
     """Return the lines of people that hang together, with their crossings, and the crossings that are cut off."""
-    places = CrossingPlaces(site.ground, site.region, [])
-    places.placed = placed
-    group = np.array(places.parts())
+    group = np.array(connected_parts(len(site.ground.walks), placed))
     metres = np.bincount(group, [walk.length for walk in site.ground.walks])
     crossed = np.bincount(group[[x.chord.walks[0] for x in placed]], minlength=len(metres)) if placed else metres
     best = int(np.argmax(metres + 1e6 * (crossed > 0)))

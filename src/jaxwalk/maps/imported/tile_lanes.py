@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -99,6 +100,23 @@ def _that_lead_somewhere(source: SourceMap, pieces: Sequence[_Piece], roadway: B
         if len(good) == len(kept):
             return kept
         kept = good
+
+
+def without_lanes(
+    lanes: Sequence[Lane], in_junction: np.ndarray, bad: set[int], roadway: BaseGeometry
+) -> tuple[list[Lane], np.ndarray]:
+    """Return lanes and which of them lead through junctions, without bad ones and what then leads nowhere."""
+    edge = roadway.boundary
+    at_edge = [edge.distance(shapely.Point(lane.line[-1])) <= ENDS for lane in lanes]
+    kept = [n for n in range(len(lanes)) if n not in bad]
+    while True:
+        good = [n for n in kept if at_edge[n] or any(x in kept for x in lanes[n].successors)]
+        if len(good) == len(kept):
+            break
+        kept = good
+    number = {n: k for k, n in enumerate(kept)}
+    found = [replace(lanes[n], successors=tuple(number[x] for x in lanes[n].successors if x in number)) for n in kept]
+    return found, in_junction[kept]
 
 
 class RouteFinder:
