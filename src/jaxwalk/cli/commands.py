@@ -45,6 +45,7 @@ COMMANDS = (
     Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
     Command("measure", options.Measure, "jaxwalk.cli.measure"),
     Command("scenario", options.Scenario, "jaxwalk.cli.scenario"),
+    Command("import", options.Import, "jaxwalk.cli.importing_streets"),
     Command("streets", options.Streets, "jaxwalk.cli.streets"),
     Command("export", options.Export, "jaxwalk.cli.export"),
     Command("observations", options.Observations, "jaxwalk.cli.observations"),

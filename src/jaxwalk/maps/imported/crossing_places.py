@@ -86,7 +86,6 @@ class RoadLines:
         low, high = (line.interpolate(min(max(at + step, 0.0), line.length)) for step in (-1.0, 1.0))
         return unit(np.array([high.x - low.x, high.y - low.y]))
 
-
     def _nearest(self, point: shapely.Point) -> shapely.LineString | None:
         for tree, shapes in zip(self.trees, self.shapes, strict=True):
             found = tree.query_nearest(point, max_distance=NEAREST_ROAD, all_matches=False)

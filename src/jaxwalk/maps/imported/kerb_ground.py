@@ -56,16 +56,16 @@ class KerbGround(NamedTuple):
         for walk in self.walks:
             if inner.intersects(walk):
                 lines += [walk] if inner.covers(walk) else line_parts(walk.intersection(inner), SHORTEST)
-        surfaces = (_surface(shape.intersection(region)) for shape in self[:4])
-        return KerbGround(*surfaces, tuple(lines))
+        roadway, filled, medians, pavement = (_surface(shape.intersection(region)) for shape in self[:4])
+        return KerbGround(roadway, filled, medians, pavement, tuple(lines))
 
     def beside(self, road: BaseGeometry) -> KerbGround:
         """Return the part of the ground that belongs to a road, given as a roadway with its medians."""
         at, along = road.buffer(0.05), road.buffer(PAVEMENT + 0.05)
         shapely.prepare(along)
         walks = tuple(walk for walk in self.walks if along.covers(walk))
-        surfaces = (_surface(shape.intersection(at)) for shape in self[:3])
-        return KerbGround(*surfaces, _surface(self.pavement.intersection(along)), walks)
+        roadway, filled, medians = (_surface(shape.intersection(at)) for shape in self[:3])
+        return KerbGround(roadway, filled, medians, _surface(self.pavement.intersection(along)), walks)
 
     def with_walks(self, walks: list[shapely.LineString]) -> KerbGround:
         """Return the ground with other lines of people, and pavement only along them."""

@@ -48,7 +48,7 @@ class Evidence:
         self.ahead = steps / np.maximum(np.hypot(*steps.T), 1e-9)[:, None]
         self.rank = np.concatenate([np.full(len(x[0]), x[2]) for x in pairs]) if pairs else np.zeros(0, int)
         self.reach = np.concatenate([np.full(len(x[0]), x[3]) for x in pairs]) if pairs else np.zeros(0)
-        self.tree = shapely.STRtree(shapely.linestrings(np.stack([begins, ends], axis=1)) if pairs else [])
+        self.tree = shapely.STRtree([shapely.LineString(piece) for piece in np.stack([begins, ends], axis=1)])
         self.farthest = float(self.reach.max(initial=0.0))
 
     def stretches(self, walks: Sequence[shapely.LineString]) -> list[Stretch]:
@@ -56,7 +56,7 @@ class Evidence:
         return [stretch for number, walk in enumerate(walks) for stretch in self._of(number, walk)]
 
     def _of(self, number: int, walk: shapely.LineString) -> list[Stretch]:
-        count = max(int(round(walk.length / STEP)), 1)
+        count = max(round(walk.length / STEP), 1)
         cuts = np.linspace(0, walk.length, count + 1)
         points = shapely.get_coordinates(shapely.line_interpolate_point(walk, cuts))
         ranks = self._ranks(points[:-1], points[1:])
@@ -72,7 +72,7 @@ class Evidence:
         ranks = np.full(len(begins), len(RANK) - 1)
         if not len(self.rank):
             return ranks
-        middles = shapely.points((begins + ends) / 2)
+        middles = np.array([shapely.Point(place) for place in (begins + ends) / 2])
         piece, said = self.tree.query(middles, "dwithin", distance=self.farthest)
         ahead = (ends - begins) / np.maximum(np.hypot(*(ends - begins).T), 1e-9)[:, None]
         near = shapely.distance(middles[piece], self.tree.geometries[said]) <= self.reach[said]

@@ -43,7 +43,9 @@ def mapped_crossings(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[Sou
     nodes: dict[int, np.ndarray] = {}
     for chain in chains:
         nodes |= {
-            node: chain.curve.beside(at) for node, at in chain.nodes.items() if is_crossing(data.node_tags.get(node, {}))
+            node: chain.curve.beside(at)
+            for node, at in chain.nodes.items()
+            if is_crossing(data.node_tags.get(node, {}))
         }
     taken: set[int] = set()
     for node, place in nodes.items():
@@ -79,8 +81,11 @@ def _footways(data: OsmData, chains: Sequence[RoadChain]) -> list[_Footway]:
     tree = shapely.STRtree(lines)
     found: list[_Footway] = []
     for way in data.ways:
-        crosses = way.tags.get("highway") in (*WALKS, "cycleway") and way.tags.get("footway") not in ("sidewalk", "link")
-        if crosses and "steps" != way.tags.get("highway"):
+        crosses = way.tags.get("highway") in (*WALKS, "cycleway") and way.tags.get("footway") not in (
+            "sidewalk",
+            "link",
+        )
+        if crosses and way.tags.get("highway") != "steps":
             found += _meetings(data, way, lines, tree)
     return found
 

@@ -26,11 +26,11 @@ FINEST = 0.01
 
 def strip_width(piece: ChainPiece, side: Side) -> float:
     """Return the width of the parking strip at a side of a chain [m], 0 without one."""
-    strip = parked(piece.way.tags, _way_side(piece, side))
+    strip = parked(piece.way.tags, way_side(piece, side))
     return 0.0 if strip is None else strip[0]
 
 
-def _way_side(piece: ChainPiece, side: Side) -> Side:
+def way_side(piece: ChainPiece, side: Side) -> Side:
     """Return which side of the way a side of the chain is."""
     return side if not piece.turned else "left" if side == "right" else "right"
 

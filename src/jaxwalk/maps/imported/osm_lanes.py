@@ -125,9 +125,7 @@ def _add_lanes(
         if not offsets:
             continue
         lines = [chain.curve.parallel(offset, *between) for offset in offsets]
-        lanes = tuple(
-            built.add(line if forward else line[::-1], profile.lane_width, profile.limit) for line in lines
-        )
+        lanes = tuple(built.add(line if forward else line[::-1], profile.lane_width, profile.limit) for line in lines)
         for leaving in (True, False):
             end = int(forward == leaving)
             right, left = sides(chain, chain.pieces[-1 if end else 0])

@@ -131,7 +131,9 @@ class _Found:
         project = pyproj.Transformer.from_crs("EPSG:4326", flat, always_xy=True).transform
         numbers = np.array(list(self.degrees.values()))
         x, y = project(numbers[:, 0], numbers[:, 1])
-        places = dict(zip(self.degrees, zip(np.round(x, 4).tolist(), np.round(y, 4).tolist(), strict=True), strict=True))
+        places = dict(
+            zip(self.degrees, zip(np.round(x, 4).tolist(), np.round(y, 4).tolist(), strict=True), strict=True)
+        )
         covered = np.stack(project(roads[:, 0], roads[:, 1]), axis=1)
         (west, south), (east, north) = covered.min(axis=0).tolist(), covered.max(axis=0).tolist()
         extent = (west, south, east, north)

@@ -11,8 +11,9 @@ import numpy as np
 import shapely
 
 from jaxwalk.maps.imported.osm_crossings import crossings_elsewhere, mapped_crossings
-from jaxwalk.maps.imported.osm_ground import band, mouths, raw_roadway, sides, strip_width
+from jaxwalk.maps.imported.osm_ground import band, mouths, raw_roadway, sides, strip_width, way_side
 from jaxwalk.maps.imported.osm_lanes import lane_net
+from jaxwalk.maps.imported.osm_mirror import mirrored, refuse_other_side
 from jaxwalk.maps.imported.osm_reading import ATTRIBUTION, OsmData, line_of, lines_of, read_osm
 from jaxwalk.maps.imported.osm_tags import CLASSES, SIDES, WALKS, is_road, road_facts, sidewalk
 from jaxwalk.maps.imported.region import Region
@@ -30,11 +31,12 @@ SMALLEST_BUILDING = 12.0
 """A smaller building is left out [m2]."""
 
 
-def osm_map(path: Path, region: Region | None) -> SourceMap:
-    """Return what an OpenStreetMap file has. Raise ImportRefusal if it can't be used."""
+def osm_map(path: Path, region: Region | None, *, left: bool = False) -> SourceMap:
+    """Return what an OpenStreetMap file has; ``left``: traffic keeps left. Raise ImportRefusal if it can't be used."""
     data = read_osm(path, region)
+    refuse_other_side(path, data, left=left)
+    data = mirrored(data) if left else data
     chains = road_chains(data)
-    _check_side(path, data)
     roadway = raw_roadway(chains)
     ends = mouths(chains, roadway)
     net = lane_net(chains, roadway, ends)
@@ -54,11 +56,8 @@ def osm_map(path: Path, region: Region | None) -> SourceMap:
         elements=tuple(_elements(data)),
         left_out=tuple(_left_out(data, net.no_turns)),
         elsewhere=crossings_elsewhere(data),
+        mirrored=left,
     )
-
-
-def _check_side(path: Path, data: OsmData) -> None:
-    """Raise an error if a tag says that traffic keeps left."""
 
 
 def _evidence(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[WalkEvidence]:
@@ -69,9 +68,8 @@ def _evidence(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[WalkEviden
     for chain in chains:
         for piece in chain.pieces:
             right, left = sides(chain, piece)
-            for side, offset in (("right", -right), ("left", left)):
-                own = side if not piece.turned else SIDES[SIDES.index(side) - 1]
-                if sidewalk(piece.way.tags, own) == "yes" and piece.end > piece.begin:
+            for side, offset in zip(SIDES, (left, -right), strict=True):
+                if sidewalk(piece.way.tags, way_side(piece, side)) == "yes" and piece.end > piece.begin:
                     yield WalkEvidence(chain.curve.parallel(offset, piece.begin, piece.end), "inferred", AT_KERB)
 
 
@@ -95,9 +93,9 @@ def _buildings(data: OsmData) -> Iterator[shapely.Polygon]:
     for way in data.ways:
         if "building" not in way.tags or way.tags["building"] == "no" or way.nodes[0] != way.nodes[-1]:
             continue
-        if len(way.nodes) > 3 and (shape := shapely.Polygon(line_of(data, way))).is_valid:
-            if shape.area >= SMALLEST_BUILDING:
-                yield shape
+        shape = shapely.Polygon(line_of(data, way)) if len(way.nodes) > 3 else shapely.Polygon()
+        if shape.is_valid and shape.area >= SMALLEST_BUILDING:
+            yield shape
 
 
 def _elements(data: OsmData) -> Iterator[dict[str, Any]]:
@@ -124,6 +122,6 @@ def _left_out(data: OsmData, no_turns: int) -> Iterator[str]:
         why = "private, closed, or an area" if kind in CLASSES else "not among the roads that are imported"
         yield f"{counted(count, 'way')} with highway={kind}: {why}"
     if no_turns:
-        yield f"{counted(no_turns, 'turn')} at junctions: no room on the roadway for a car that turns within 4.54 m"
+        yield f"{counted(no_turns, 'turn')} at junctions: no room for a car that turns within 4.54 m"
     if data.missing:
-        yield f"{counted(data.missing, 'reference')} to nodes that the file doesn't have: those parts of ways are missing"
+        yield f"{counted(data.missing, 'reference')} to nodes that the file doesn't have: parts of ways are missing"

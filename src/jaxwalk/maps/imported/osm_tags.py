@@ -182,14 +182,16 @@ def sidewalk(tags: Tags, side: Side) -> Literal["yes", "no", "unknown"]:
     said = tags.get(f"sidewalk:{side}") or tags.get("sidewalk:both")
     if said is None:
         whole = tags.get("sidewalk") or tags.get("footway") or "unknown"
-        said = "yes" if whole in ("both", side, "yes", "separate") else "no" if whole in (*SIDES, "no", "none") else None
+        said = (
+            "yes" if whole in ("both", side, "yes", "separate") else "no" if whole in (*SIDES, "no", "none") else None
+        )
     if said is None:
         return "unknown"
     return "no" if said in ("no", "none") else "yes"
 
 
 def parked(tags: Tags, side: Side) -> tuple[float, bool] | None:
-    """Return the width of a parking strip at a side [m] and whether it lies on the roadway; None: nobody parks there."""
+    """Return the width of a side's parking strip [m], and whether the roadway's width has it; None: nobody parks."""
     place = of_side(tags, "parking", side)
     stand = of_side(tags, "parking:orientation", side) or tags.get(f"parking:{side}:orientation")
     stand = stand or tags.get("parking:both:orientation")
@@ -211,7 +213,10 @@ def crossing_kind(tags: Tags, way_tags: Tags) -> tuple[CrossingType, Origin] | N
     said = [*(tags.get("crossing", "").split(";")), *(way_tags.get("crossing", "").split(";"))]
     if "no" in said[:1]:
         return None
-    signals = any(x in SIGNALLED for x in said) or "yes" in (tags.get("crossing:signals"), way_tags.get("crossing:signals"))
+    signals = any(x in SIGNALLED for x in said) or "yes" in (
+        tags.get("crossing:signals"),
+        way_tags.get("crossing:signals"),
+    )
     markings = tags.get("crossing:markings") or way_tags.get("crossing:markings")
     if signals:
         return "signals", "mapped"

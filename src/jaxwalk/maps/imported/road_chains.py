@@ -97,9 +97,7 @@ def _breaks(node: int, own: list[_Segment]) -> bool:
     return before != after
 
 
-def _follow(
-    at: dict[int, list[_Segment]], node: int, segment: _Segment, used: set[int]
-) -> list[tuple[_Segment, bool]]:
+def _follow(at: dict[int, list[_Segment]], node: int, segment: _Segment, used: set[int]) -> list[tuple[_Segment, bool]]:
     """Return the path from a node along a segment to the next break, or around to the node."""
     path, begin = [], node
     while True:
@@ -139,7 +137,7 @@ def _chain(data: OsmData, path: list[tuple[_Segment, bool]]) -> RoadChain | None
 def _places(line: np.ndarray, curve: Curve) -> list[float]:
     """Return where the points of a line lie on its curve [m], rising."""
     shape = shapely.LineString(curve.points)
-    near = shapely.line_locate_point(shape, shapely.points(line))
+    near = np.array([shape.project(shapely.Point(place)) for place in line])
     near[0], near[-1] = 0.0, curve.metres[-1]
     return np.maximum.accumulate(near).tolist()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import shapely
@@ -14,6 +14,24 @@ from jaxwalk.maps.network import CrossingType, Lane
 Origin = Literal["mapped", "inferred", "invented"]
 """``mapped``: the source has the element itself; ``inferred``: it follows from an attribute of another element, by a
 rule of ``docs/real-streets.md``; ``invented``: the source says nothing of it."""
+
+
+Box = tuple[float, float, float, float]
+"""West, south, east and north end [m]."""
+
+
+class StreetFrame(NamedTuple):
+    """Where a street lies in a source map."""
+
+    box: Box
+    mirrored: bool = False
+    """Whether the source map is mirrored, and the street isn't."""
+
+    def placed(self, points: np.ndarray, digits: int = 3) -> np.ndarray:
+        """Return points of the source map (..., 2) in the street, rounded [m]."""
+        west, south, east, _ = self.box
+        x = east - points[..., 0] if self.mirrored else points[..., 0] - west
+        return np.round(np.stack([x, points[..., 1] - south], axis=-1), digits)
 
 
 @dataclass(frozen=True)
@@ -53,7 +71,7 @@ class SourceMap:
     format: str
     attribution: str
     """Whose data it is, to be shown wherever the streets are drawn."""
-    extent: tuple[float, float, float, float]
+    extent: Box
     """West, south, east and north end of what is to be imported [m]."""
     lanes: tuple[Lane, ...]
     in_junction: np.ndarray

@@ -9,13 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
+import shapely.ops
 from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.imported.crossing_places import CrossingOutcome, CrossingPlaces, Placed, RoadLines, connected_parts
 from jaxwalk.maps.imported.kerb_ground import KerbGround, polygons
 from jaxwalk.maps.imported.kerb_origins import Evidence, Stretch
-from jaxwalk.maps.imported.source_map import SourceMap
+from jaxwalk.maps.imported.source_map import Box, SourceMap, StreetFrame
 from jaxwalk.maps.imported.street_parts import street_areas
 from jaxwalk.maps.imported.street_report import StreetReport
 from jaxwalk.maps.imported.street_summary import Built, summary
@@ -33,9 +34,6 @@ ROUNDS = 5
 AROUND = 8.0
 """A street reaches this far beyond its roadway [m]."""
 _FAULT = re.compile(r"(crossings|routes|lanes)\[(\d+)\]")
-
-Box = tuple[float, float, float, float]
-"""West, south, east and north end [m]."""
 
 
 class ImportedStreet(NamedTuple):
@@ -66,13 +64,16 @@ class StreetMaker:
         self.evidence = Evidence(source.evidence)
 
     def make(self, name: str, box: Box, about: np.ndarray | None = None) -> ImportedStreet:
-        """Return the street in a box: its roads at a point (2,), or those with the most crossings, and all joined to them."""
+        """Return the street in a box.
+
+        It has the roads that hang together at a point (2,), or those with the most crossings.
+        """
         site = self._site(box, about)
         own = [x for x in self.source.crossings if site.region.contains(shapely.Point(x.point))]
         if not site.lanes or not site.ground.walks:
             why = "no lanes" if not site.lanes else "no pavement along its roads"
             outcomes = tuple(CrossingOutcome(x.name, x.kind, False, why, at_edge=True) for x in own)
-            return ImportedStreet(None, summary(name, box, Built((), (), [], [], outcomes), why))
+            return ImportedStreet(None, summary(name, self._frame(box), Built((), (), [], [], outcomes), why))
         along, through = ([lane.line for lane, x in zip(site.lanes, site.in_junction, strict=True) if x == inside]
                           for inside in (False, True))  # fmt: skip
         places = CrossingPlaces(site.ground, site.region, RoadLines(along, through))
@@ -81,6 +82,9 @@ class StreetMaker:
         if not self.strict:
             places.join(site.stretches, along)
         return self._completed(name, site, (mapped, places.placed), outcomes)
+
+    def _frame(self, box: Box) -> StreetFrame:
+        return StreetFrame(box, self.source.mirrored)
 
     def _site(self, box: Box, about: np.ndarray | None) -> _Site:
         """Return what lies in a box, without the junctions that its edge would cut, and without other roads."""
@@ -127,18 +131,18 @@ class StreetMaker:
                 break
             if not faults:
                 results = _updated(outcomes, dropped, placed)
-                built = Built(tuple(mapped), tuple(kept), walks, site.stretches, results, routes_met)
-                return ImportedStreet(network, summary(name, site.box, built, "", network))
+                built = Built(tuple(mapped), tuple(kept), walks, site.stretches, results, routes_met, site.ground.walks)
+                return ImportedStreet(network, summary(name, self._frame(site.box), built, "", network))
             dropped |= bad
             lanes, inside = without_lanes(site.lanes, site.in_junction, bad_lanes, site.ground.roadway)
             site = site._replace(lanes=lanes, in_junction=inside)
         results = _updated(outcomes, dropped, placed)
-        built = Built(tuple(mapped), (), [], site.stretches, results)
-        return ImportedStreet(None, summary(name, site.box, built, reason or "its parts don't keep the rules of maps"))
+        built = Built(tuple(mapped), (), [], site.stretches, results, lines=site.ground.walks)
+        return ImportedStreet(
+            None, summary(name, self._frame(site.box), built, reason or "its parts don't keep the rules of maps")
+        )
 
-    def _network(
-        self, site: _Site, walks: list[int], placed: list[Placed]
-    ) -> tuple[Network, list[bool], list[str]]:
+    def _network(self, site: _Site, walks: list[int], placed: list[Placed]) -> tuple[Network, list[bool], list[str]]:
         """Return the network of a site, which crossings its routes meet, and its faults; routes with faults are out."""
         lines = [site.ground.walks[n] for n in walks]
         number = {walk: n for n, walk in enumerate(walks)}
@@ -149,15 +153,17 @@ class StreetMaker:
         areas, crosswalks = street_areas(self.source, shapely.box(*site.box), site.ground, own)
         size = (site.box[2] - site.box[0], site.box[3] - site.box[1])
         empty = Network(size, (), tuple(areas), WalkGraph(np.zeros((0, 2)), np.zeros((0, 2), int), 0), (), ())
-        between = [
-            shapely.LineString(lane.line) for lane, inside in zip(site.lanes, site.in_junction, strict=True) if not inside
-        ]  # fmt: skip
+        pairs = zip(site.lanes, site.in_junction, strict=True)
+        between = [shapely.LineString(lane.line) for lane, inside in pairs if not inside]
         finder = ZoneFinder(lines, own, NetworkScene.of(empty), between)
         zones = [finder.find(crossing) for crossing in own]
         plan = make_walks(lines, own, crosswalks, zones)
         routes, met = RouteFinder(site.lanes).routes([x.areas for x in own])
-        network = self._placed(replace(empty, lanes=tuple(site.lanes), walk=plan.graph, crossings=plan.crossings,
-                                       routes=tuple(routes), attribution=self.source.attribution), site.box)  # fmt: skip
+        network = replace(
+            empty, lanes=tuple(site.lanes), walk=plan.graph, crossings=plan.crossings, routes=tuple(routes),
+            attribution=self.source.attribution,
+        )  # fmt: skip
+        network = _placed(network, self._frame(site.box))
         faults = network_faults(network, **DISTANCES)
         wrong = {int(found[2]) for fault in faults if (found := _FAULT.match(fault)) and found[1] == "routes"}
         if wrong:
@@ -166,24 +172,19 @@ class StreetMaker:
             faults = network_faults(network, **DISTANCES)
         return network, met, faults
 
-    def _placed(self, network: Network, box: Box) -> Network:
-        """Return a network whose south-western corner is (0, 0), turned back if the source map is mirrored."""
-        low, width = np.array(box[:2]), network.size[0]
 
-        def moved(points: np.ndarray) -> np.ndarray:
-            own = np.round(points - low, 3)
-            return np.stack([width - own[:, 0], own[:, 1]], axis=1) if self.source.mirrored else own
-
-        walk = network.walk
-        return replace(
-            network,
-            size=tuple(round(x, 3) for x in network.size),
-            lanes=tuple(replace(x, line=_distinct(moved(x.line))) for x in network.lanes),
-            areas=tuple(
-                replace(x, outline=moved(x.outline), holes=tuple(moved(hole) for hole in x.holes)) for x in network.areas
-            ),
-            walk=replace(walk, nodes=moved(walk.nodes)),
-        )
+def _placed(network: Network, frame: StreetFrame) -> Network:
+    """Return a network whose south-western corner is (0, 0)."""
+    return replace(
+        network,
+        size=tuple(round(x, 3) for x in network.size),
+        lanes=tuple(replace(x, line=_distinct(frame.placed(x.line))) for x in network.lanes),
+        areas=tuple(
+            replace(x, outline=frame.placed(x.outline), holes=tuple(frame.placed(hole) for hole in x.holes))
+            for x in network.areas
+        ),
+        walk=replace(network.walk, nodes=frame.placed(network.walk.nodes)),
+    )
 
 
 def _distinct(line: np.ndarray) -> np.ndarray:
@@ -200,7 +201,7 @@ def _known(walks: Sequence[shapely.LineString], stretches: Sequence[Stretch]) ->
         walk = walks[stretch.walk]
         whole = stretch.begin <= 0 and stretch.end >= walk.length
         part = walk if whole else shapely.ops.substring(walk, stretch.begin, stretch.end)
-        if part.length > 1:
+        if isinstance(part, shapely.LineString) and part.length > 1:
             yield part
 
 

@@ -21,6 +21,37 @@ class Repair:
 
 
 @dataclass(frozen=True)
+class Kerbside:
+    """A stretch of pavement along a kerb."""
+
+    origin: str
+    """``mapped``, ``inferred``, ``joined`` (a gap that was closed) or ``invented``."""
+    metres: float
+    line: list[list[float]]
+    """Its middle, x and y of points in the street [m]."""
+    kept: bool
+    """Whether people walk there."""
+
+
+@dataclass(frozen=True)
+class CrossingFacts:
+    """A crossing of a street."""
+
+    name: str
+    kind: str
+    kind_from: str
+    origin: str
+    """``mapped`` or ``invented``."""
+    at: tuple[float, float]
+    """Its middle in the street [m]."""
+    roadway: float
+    """Metres of roadway on the way."""
+    islands: int
+    zone: bool
+    """Whether people may jaywalk beside it."""
+
+
+@dataclass(frozen=True)
 class PavementNumbers:
     """Metres along the lines of people."""
 
@@ -67,6 +98,9 @@ class StreetReport:
     """Those that the source has in the street's region."""
     counts: dict[str, int] = field(default_factory=dict)
     """Crossings, islands, zones, lanes, routes, buildings and parking strips of the street."""
+    facts: tuple[CrossingFacts, ...] = ()
+    """The crossings of the street."""
+    kerbsides: tuple[Kerbside, ...] = ()
     no_pavement: tuple[str, ...] = ()
     """Crossings one of whose landings the source has no sidewalk at."""
     repairs: tuple[Repair, ...] = ()

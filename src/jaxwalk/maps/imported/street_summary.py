@@ -6,10 +6,20 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import shapely
+import shapely.ops
 
 from jaxwalk.maps.imported.crossing_places import CrossingOutcome, Placed
 from jaxwalk.maps.imported.kerb_origins import Stretch
-from jaxwalk.maps.imported.street_report import PavementNumbers, Repair, StreetReport, Verdict
+from jaxwalk.maps.imported.source_map import StreetFrame
+from jaxwalk.maps.imported.street_report import (
+    CrossingFacts,
+    Kerbside,
+    PavementNumbers,
+    Repair,
+    StreetReport,
+    Verdict,
+)
 from jaxwalk.maps.network import Network
 
 MUCH = 0.3
@@ -30,14 +40,14 @@ class Built(NamedTuple):
     outcomes: tuple[CrossingOutcome, ...]
     met: Sequence[bool] = ()
     """Which of the crossings some route meets."""
+    lines: Sequence[shapely.LineString] = ()
+    """All lines of people."""
 
 
-def summary(
-    name: str, place: tuple[float, float, float, float], built: Built, reason: str, network: Network | None = None
-) -> StreetReport:
+def summary(name: str, frame: StreetFrame, built: Built, reason: str, network: Network | None = None) -> StreetReport:
     """Return the report of a street; ``reason`` says why it isn't usable, if it isn't."""
     pavement = _pavement(built)
-    repairs = tuple(_repairs(built, place))
+    repairs = tuple(_repairs(built, frame))
     no_pavement = tuple(_without_pavement(built))
     reasons = (reason,) if reason else tuple(_not_mapped(built, pavement))
     verdict: Verdict = "not usable" if reason else "usable with inferred parts" if reasons else "usable"
@@ -45,11 +55,13 @@ def summary(
         name=name,
         verdict=verdict,
         reasons=reasons,
-        advice=tuple(_advice(built, pavement, place)),
-        place=place,
+        advice=tuple(_advice(built, pavement, frame)),
+        place=frame.box,
         pavement=pavement,
         crossings=built.outcomes,
         counts={} if network is None else _counts(network),
+        facts=tuple(_facts(built, frame, network)),
+        kerbsides=tuple(_kerbsides(built, frame)),
         no_pavement=no_pavement,
         repairs=repairs,
         signals=tuple(x.name for x in built.kept if x.kind == "signals"),
@@ -70,6 +82,33 @@ def _counts(network: Network) -> dict[str, int]:
         "parking strips": kinds.count("parking"),
         "buildings": kinds.count("building"),
     }
+
+
+def _facts(built: Built, frame: StreetFrame, network: Network | None) -> Iterator[CrossingFacts]:
+    """Yield the facts of a street's crossings."""
+    crossings = () if network is None else network.crossings
+    for placed, crossing in zip(built.kept, crossings, strict=False):
+        chord = placed.chord
+        roadway = round(float((chord.over[:, 1] - chord.over[:, 0]).sum()), 1)
+        yield CrossingFacts(
+            placed.name, placed.kind, placed.kind_origin, placed.origin, _in_street(chord.at(chord.length / 2), frame),
+            roadway, len(placed.islands), crossing.zone is not None,
+        )  # fmt: skip
+
+
+def _in_street(point: np.ndarray, frame: StreetFrame) -> tuple[float, float]:
+    """Return a point of the source map (2,) in the street [m]."""
+    x, y = frame.placed(point, 1).tolist()
+    return x, y
+
+
+def _kerbsides(built: Built, frame: StreetFrame) -> Iterator[Kerbside]:
+    """Yield the stretches of pavement."""
+    for stretch in built.stretches if built.lines else ():
+        part = shapely.ops.substring(built.lines[stretch.walk], stretch.begin, stretch.end).simplify(0.2)
+        line = frame.placed(shapely.get_coordinates(part), 1).tolist()
+        origin = "joined" if stretch.joined else stretch.origin
+        yield Kerbside(origin, round(stretch.metres, 1), line, stretch.walk in built.walks)
 
 
 def _pavement(built: Built) -> PavementNumbers:
@@ -129,13 +168,14 @@ def _walk_parts(built: Built) -> int:
     return len(known - set(built.walks)) + (1 if built.walks else 0)
 
 
-def _repairs(built: Built, place: tuple[float, float, float, float]) -> Iterator[Repair]:
+def _repairs(built: Built, frame: StreetFrame) -> Iterator[Repair]:
     """Yield the crossings that were invented; the pavement is in the numbers."""
     for crossing in built.kept:
-        middle = crossing.chord.at(crossing.chord.length / 2) - np.array(place[:2])
-        at = (round(float(middle[0]), 1), round(float(middle[1]), 1))
+        at = _in_street(crossing.chord.at(crossing.chord.length / 2), frame)
         if crossing.origin == "invented":
-            yield Repair("an unmarked crossing that joins two parts of the pavement", round(crossing.chord.length, 1), at)
+            yield Repair(
+                "an unmarked crossing that joins two parts of the pavement", round(crossing.chord.length, 1), at
+            )
         elif crossing.chord.moved:
             yield Repair(f"{crossing.name} moved along its road", round(crossing.chord.moved, 1), at)
 
@@ -165,13 +205,13 @@ def _not_mapped(built: Built, pavement: PavementNumbers) -> Iterator[str]:
         yield f"the kind of {inferred} of {len(built.kept)} crossings is inferred"
 
 
-def _advice(built: Built, pavement: PavementNumbers, place: tuple[float, float, float, float]) -> Iterator[str]:
+def _advice(built: Built, pavement: PavementNumbers, frame: StreetFrame) -> Iterator[str]:
     """Yield what to add to the map."""
     if pavement.without > MUCH:
         yield f"the sidewalks: {pavement.without:.0%} of the kerbs have none in the source"
     if not any(x.origin == "mapped" for x in built.kept):
         yield "crossings: no mapped one can be used here"
-    places = [repair.at for repair in _repairs(built, place) if repair.what.startswith("an unmarked")]
+    places = [repair.at for repair in _repairs(built, frame) if repair.what.startswith("an unmarked")]
     if places:
         listed = ", ".join(f"({x:.0f}, {y:.0f})" for x, y in places[:8])
         more = f" and {len(places) - 8} more" if len(places) > 8 else ""

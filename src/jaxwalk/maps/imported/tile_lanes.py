@@ -208,12 +208,19 @@ class RouteFinder:
 
     def _past(self, crosswalk: BaseGeometry) -> LaneRoute | None:
         """Return a route over a crosswalk from and to some way around it."""
-        over = [n for n, lane in enumerate(self.lanes) if self.good[n] and shapely.LineString(lane.line).intersects(crosswalk)]
+        over = [
+            n
+            for n, lane in enumerate(self.lanes)
+            if self.good[n] and shapely.LineString(lane.line).intersects(crosswalk)
+        ]
         for lane in over:
             way = [lane]
             while self._metres(way, lane) < REACH and (before := self._before(way[0], way)) is not None:
                 way.insert(0, before)
-            while self._metres(way[way.index(lane) :], way[-1]) < REACH and (after := self._after(way[-1], way)) is not None:
+            while (
+                self._metres(way[way.index(lane) :], way[-1]) < REACH
+                and (after := self._after(way[-1], way)) is not None
+            ):
                 way.append(after)
             total = sum(self.lengths[n] for n in way)
             begin = min(1.0, self.lengths[way[0]] / 4)
@@ -233,5 +240,3 @@ class RouteFinder:
 
     def _after(self, lane: int, way: Sequence[int]) -> int | None:
         return next((n for n in self.lanes[lane].successors if self.good[n] and n not in way), None)
-
-

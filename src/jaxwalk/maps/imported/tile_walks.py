@@ -169,12 +169,15 @@ class ZoneFinder:
         stations = at + sign * np.linspace(0, reach, count + 1)[1:]
         if not 0.5 <= stations.min() <= stations.max() <= lane.length - 0.5:
             return None
-        before, after = (shapely.get_coordinates(shapely.line_interpolate_point(lane, stations + d)) for d in (-.5, .5))
+        before, after = (
+            shapely.get_coordinates(shapely.line_interpolate_point(lane, stations + d)) for d in (-0.5, 0.5)
+        )
         ahead = (after - before) / np.hypot(*(after - before).T)[:, None]
         if abs(float(crossing.chord.ahead @ ahead[0])) > np.sin(OBLIQUE):
             return None
         aside = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
-        rays = shapely.linestrings(np.stack([before + after - 80 * aside, before + after + 80 * aside], axis=1) / 2)
+        ends = np.stack([before + after - 80 * aside, before + after + 80 * aside], axis=1) / 2
+        rays = [shapely.LineString(pair) for pair in ends]
         found = [[place] for place in crossing.chord.places]
         for places, walk in zip(found, crossing.chord.walks, strict=True):
             for ray in rays:

@@ -8,8 +8,8 @@ from itertools import product
 import numpy as np
 
 from jaxwalk.maps.imported.refusals import ImportRefusal
-from jaxwalk.maps.imported.source_map import SourceMap
-from jaxwalk.maps.imported.street_maker import Box, ImportedStreet, StreetMaker
+from jaxwalk.maps.imported.source_map import Box, SourceMap
+from jaxwalk.maps.imported.street_maker import ImportedStreet, StreetMaker
 
 SIZES = (150.0, 300.0)
 """Smallest and largest side of a tile [m]."""
