@@ -27,6 +27,7 @@ WORKERS = (
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
     "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
+    "jaxwalk.cli.importing_streets.read_source",
 )  # fmt: skip
 """Where the work begins that a good command line asks for: a case ends there."""
 PEOPLE = ["always-go", "learned", "mine.safetensors", "run", "nobody", "bad.safetensors"]
@@ -58,12 +59,12 @@ LIKELY = {
     "driver": DRIVERS, "drivers": DRIVERS, "beside": DRIVERS, "runs": DRIVERS, "policy": DRIVERS, "compare": DRIVERS,
     "pedestrians": PEOPLE, "out": OUTS,
     "run_folder": ["new", *OUTS], "resume": ["run", "half", "file"], "map": ["paper", "town.toml", "nowhere"],
-    "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"], "recipe": ["fast", "paper"],
+    "file": ["cross.osm", "file", "nowhere"], "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"], "recipe": ["fast", "paper"],
     "role": ["driver", "pedestrian"], "only": ["env", "train"], "areas": ["file", "nowhere"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
 }  # fmt: skip
 """By the name of an option; all others take numbers, or nothing."""
-POSITIONAL = ("runs", "policy", "files", "drivers")
+POSITIONAL = ("runs", "policy", "file", "files", "drivers")
 
 
 def commands() -> list[type]:
@@ -102,7 +103,7 @@ def prepare(folder: Path) -> None:
     (folder / "bad.safetensors").write_bytes(save({"x": np.zeros(1)}, {"jaxwalk": "{}"}))
     (folder / "idle.py").write_text("class Idle: pass\n")
     (folder / "town.toml").write_text("size = [60, 20]\n")
-    for name in ("nonsense.onnx", "nonsense.zip", "nonsense.pt", "file", "tracks.parquet"):
+    for name in ("cross.osm", "nonsense.onnx", "nonsense.zip", "nonsense.pt", "file", "tracks.parquet"):
         (folder / name).write_bytes(b"nonsense")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
 from rich.console import Console
@@ -38,8 +39,11 @@ def run(options: Import) -> int:
     streets = [import_street(*named, strict=options.strict)] if single else _tiles(source, options)
     report = report_of(source, streets, options.file.name, strict=options.strict)
     page = options.out.with_suffix(".report.html") if single else options.out / "report.html"
-    with held(page.parent), together():
-        _write(options, report, streets, page)
+    page.parent.mkdir(parents=True, exist_ok=True)
+    with nullcontext() if single else held(options.out):
+        with together():
+            _write(options, report, streets, page)
+        _remove_older(options, streets)
     print(*_lines(report, page), sep="\n")
     return 0 if any(street.network is not None for street in streets) else DIFFERS
 
@@ -81,19 +85,25 @@ def _tiles(source: SourceMap, options: Import) -> list[ImportedStreet]:
 
 
 def _write(options: Import, report: ImportReport, streets: Sequence[ImportedStreet], page: Path) -> None:
-    """Write the streets that can be used and the report; streets of an earlier import are removed."""
-    single = options.out.suffix == STREET
-    written = set()
+    """Write the streets that can be used, and the report."""
     for street in streets:
-        path = options.out if single else options.out / f"{street.report.name}{STREET}"
         if street.network is not None:
-            write_whole(path, network_text(street.network))
-            written.add(path)
-    for old in [] if single else options.out.glob(f"tile-*{STREET}"):
-        if old not in written:
-            old.unlink()
+            write_whole(_path(options, street), network_text(street.network))
     write_import_page(page, report, {street.report.name: street.network for street in streets})
     write_whole(page.with_suffix(STREET), report_json(report))
+
+
+def _path(options: Import, street: ImportedStreet) -> Path:
+    single = options.out.suffix == STREET
+    return options.out if single else options.out / f"{street.report.name}{STREET}"
+
+
+def _remove_older(options: Import, streets: Sequence[ImportedStreet]) -> None:
+    """Remove the streets of an earlier import, which the report isn't about."""
+    written = {_path(options, street) for street in streets if street.network is not None}
+    for old in [] if options.out.suffix == STREET else options.out.glob(f"tile-*{STREET}"):
+        if old not in written:
+            old.unlink()
 
 
 def _lines(report: ImportReport, page: Path) -> Iterator[str]:

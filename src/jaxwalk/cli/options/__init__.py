@@ -9,5 +9,6 @@ from jaxwalk.cli.options.for_training import CoTraining, Generalisation, HiddenI
 
 __all__ = [
     "Bench", "CoTraining", "Crashtest", "Evaluate", "Export", "Frontier", "Generalisation", "HiddenIntent", "Import",
-    "Measure", "Observations", "Play", "Report", "Reproduce", "RiskAware", "Scenario", "Share", "Streets", "Tracks", "Train",
+    "Measure", "Observations", "Play", "Report", "Reproduce", "RiskAware", "Scenario", "Share", "Streets", "Tracks",
+    "Train",
 ]  # fmt: skip

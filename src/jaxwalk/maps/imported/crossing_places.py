@@ -16,7 +16,7 @@ from jaxwalk.maps.imported.kerb_origins import Stretch
 from jaxwalk.maps.imported.source_map import SourceCrossing
 from jaxwalk.maps.network import CrossingType
 
-FROM_EDGE = 4.0
+FROM_EDGE = 3.0
 """A crossing closer to the street's edge is left to a neighbouring street [m]."""
 NEAR_EDGE = 30.0
 """A crossing that can't be placed may find room in a neighbouring street if it lies so close to the edge [m]."""

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from jaxwalk.maps.imported.crossing_places import CrossingOutcome
 from jaxwalk.maps.imported.osm_source import osm_map
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
 from jaxwalk.maps.imported.source_map import SourceMap
 from jaxwalk.maps.imported.street_maker import ImportedStreet
 from jaxwalk.maps.imported.street_report import ImportReport
-from jaxwalk.maps.imported.tiles import single_street, tiles
+from jaxwalk.maps.imported.tiles import inside, single_street, tiles
 
-OSM = (".osm", ".osm.pbf", ".pbf", ".osm.gz", ".osm.bz2")
+OSM = (".osm", ".pbf")
 """How the names of OpenStreetMap files end."""
 KNOWN = "OpenStreetMap (.osm, .osm.pbf)"
 
@@ -49,7 +50,13 @@ def import_tiles(
 
 def report_of(source: SourceMap, streets: Sequence[ImportedStreet], file: str, *, strict: bool) -> ImportReport:
     """Return the report on some streets of a source map."""
+    reports = tuple(street.report for street in streets)
+    named = {outcome.name for report in reports for outcome in report.crossings}
+    nowhere = tuple(
+        CrossingOutcome(x.name, x.kind, False, "where its road is cut off at the edge", point=(float(x.point[0]), float(x.point[1])))
+        for x in source.crossings if x.name not in named and inside(x.point, source.extent)
+    )  # fmt: skip
     return ImportReport(
-        file, source.format, source.attribution, strict, tuple(street.report for street in streets), source.elements,
-        source.elsewhere, source.left_out,
+        file, source.format, source.attribution, strict, reports, source.elements, source.elsewhere, source.left_out,
+        nowhere,
     )  # fmt: skip

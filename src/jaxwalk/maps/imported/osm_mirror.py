@@ -45,8 +45,8 @@ def refuse_other_side(path: Path, data: OsmData, *, left: bool) -> None:
     keeps_left = sum(votes) > 0
     if keeps_left != left:
         side, other = ("left", "right")[:: 1 if keeps_left else -1]
-        raise ImportRefusal(f"{path}: traffic keeps {side} there, by its roundabouts, divided roads or driving_side tags, "
-                            f"not {other}; add --traffic {side}")  # fmt: skip
+        why = "roundabouts, divided roads or driving_side tags"
+        raise ImportRefusal(f"{path}: by its {why}, traffic keeps {side} there, not {other}; add --traffic {side}")
 
 
 def _roundabouts(data: OsmData) -> Iterator[int]:

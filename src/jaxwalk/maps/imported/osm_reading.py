@@ -15,8 +15,8 @@ from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
 from jaxwalk.maps.imported.xml_safety import refuse_declarations
 
-MOST_BYTES = 400_000_000
-"""Largest file [bytes]."""
+MOST_BYTES = {".osm": 400_000_000, ".pbf": 100_000_000}
+"""Largest file by the end of its name [bytes]: some ten million nodes, of which 16 bytes each are kept meanwhile."""
 MOST_AREA = 12e6
 """Largest area of the roads' bounding box [m2]."""
 AROUND = 60.0
@@ -57,9 +57,10 @@ def read_osm(path: Path, region: Region | None) -> OsmData:
     """
     osmium = needed("osmium", path)
     needed("pyproj", path)
-    if path.stat().st_size > MOST_BYTES:
-        raise ImportRefusal(f"{path}: larger than {MOST_BYTES:,} bytes; cut a part out, as with 'osmium extract'")
-    if path.suffix == ".osm":
+    most = MOST_BYTES[path.suffix.lower()]
+    if path.stat().st_size > most:
+        raise ImportRefusal(f"{path}: larger than {most:,} bytes; cut a part out, as with 'osmium extract'")
+    if path.suffix.lower() == ".osm":
         refuse_declarations(path)
     found = _Found()
     try:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.imported.osm_crossings import crossings_elsewhere, mapped_crossings
 from jaxwalk.maps.imported.osm_ground import band, mouths, raw_roadway, sides, strip_width, way_side
@@ -27,6 +28,12 @@ AT_KERB = 3.0
 """What a road's tags say of its sidewalk counts so far from its kerb [m]."""
 FROM_MOUTH, SHORTEST_STRIP = 8.0, 6.0
 """Nobody parks this close to a junction's mouth; a shorter parking strip is left out [m]."""
+AT_EDGE = 30.0
+"""A road that ends this close to the map's edge goes on beyond it [m]."""
+GO_ON = ("service", "track", "unclassified", "motorway_link", "motorway", "construction", "busway")
+"""Values of ``highway`` with which a road goes on where it ends."""
+BEYOND_END, BESIDE_END = 10.0, 4.0
+"""How far the region at such an end reaches beyond it, and beyond the kerbs [m]."""
 SMALLEST_BUILDING = 12.0
 """A smaller building is left out [m2]."""
 
@@ -49,6 +56,7 @@ def osm_map(path: Path, region: Region | None, *, left: bool = False) -> SourceM
         in_junction=net.in_junction,
         roadway=net.roadway,
         junctions=net.junctions,
+        open_ends=tuple(_open_ends(data, chains)),
         crossings=tuple(crossings),
         evidence=tuple(_evidence(data, chains)),
         parking=tuple(_parking(chains, ends)),
@@ -58,6 +66,29 @@ def osm_map(path: Path, region: Region | None, *, left: bool = False) -> SourceM
         elsewhere=crossings_elsewhere(data),
         mirrored=left,
     )
+
+
+def _open_ends(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[BaseGeometry]:
+    """Yield a region across each road that ends at the map's edge, or where a road begins that isn't imported."""
+    ends = Counter(node for chain in chains for node in chain.ends)
+    others = {node for way in data.ways if way.tags.get("highway") in GO_ON for node in way.nodes}
+    west, south, east, north = data.extent
+    for chain in chains:
+        for end, node in enumerate(chain.ends):
+            x, y = chain.curve.points[-end]
+            at_edge = min(x - west, east - x, y - south, north - y) < AT_EDGE
+            if ends[node] == 1 and (at_edge or node in others):
+                yield _across_end(chain, end)
+
+
+def _across_end(chain: RoadChain, end: int) -> BaseGeometry:
+    """Return the region from half a metre before one end of a chain on."""
+    heading = float(chain.curve.headings[-end]) + (0.0 if end else np.pi)
+    ahead = np.array([np.cos(heading), np.sin(heading)])
+    place = chain.curve.points[-end]
+    line = shapely.LineString([place - 0.5 * ahead, place + BEYOND_END * ahead])
+    half = max(max(sides(chain, piece)) for piece in chain.pieces) + BESIDE_END
+    return line.buffer(half, cap_style="flat")
 
 
 def _evidence(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[WalkEvidence]:

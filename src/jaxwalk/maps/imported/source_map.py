@@ -79,6 +79,8 @@ class SourceMap:
     roadway: BaseGeometry
     junctions: tuple[BaseGeometry, ...]
     """Regions that no street's edge may cut."""
+    open_ends: tuple[BaseGeometry, ...]
+    """Where roads go on beyond what is imported: streets end before these regions."""
     crossings: tuple[SourceCrossing, ...]
     evidence: tuple[WalkEvidence, ...]
     parking: tuple[shapely.Polygon, ...] = ()

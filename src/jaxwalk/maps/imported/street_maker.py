@@ -90,7 +90,9 @@ class StreetMaker:
         """Return what lies in a box, without the junctions that its edge would cut, and without other roads."""
         region: BaseGeometry = shapely.box(*box)
         edge = region.boundary
-        region = region.difference(shapely.union_all([x for x in self.source.junctions if x.intersects(edge)]))
+        cuts = [x for x in self.source.junctions if x.intersects(edge)]
+        cuts += [x for x in self.source.open_ends if x.intersects(region)]
+        region = region.difference(shapely.union_all(cuts))
         road = self._road(polygons(self.ground.filled.intersection(region)), about)
         region = region.intersection(road.buffer(AROUND))
         ground = self.ground.within(region).beside(road)
@@ -175,15 +177,19 @@ class StreetMaker:
 
 def _placed(network: Network, frame: StreetFrame) -> Network:
     """Return a network whose south-western corner is (0, 0)."""
+    size = tuple(round(x, 3) for x in network.size)
+
+    def placed(points: np.ndarray) -> np.ndarray:
+        return np.clip(frame.placed(points), 0.0, size)  # rounding may lead over the edge
+
     return replace(
         network,
-        size=tuple(round(x, 3) for x in network.size),
-        lanes=tuple(replace(x, line=_distinct(frame.placed(x.line))) for x in network.lanes),
+        size=size,
+        lanes=tuple(replace(x, line=_distinct(placed(x.line))) for x in network.lanes),
         areas=tuple(
-            replace(x, outline=frame.placed(x.outline), holes=tuple(frame.placed(hole) for hole in x.holes))
-            for x in network.areas
+            replace(x, outline=placed(x.outline), holes=tuple(placed(hole) for hole in x.holes)) for x in network.areas
         ),
-        walk=replace(network.walk, nodes=frame.placed(network.walk.nodes)),
+        walk=replace(network.walk, nodes=placed(network.walk.nodes)),
     )
 
 

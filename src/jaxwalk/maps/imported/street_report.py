@@ -129,10 +129,12 @@ class ImportReport:
     elsewhere: dict[str, int]
     """Mapped crossings of what isn't imported."""
     left_out: tuple[str, ...]
+    nowhere: tuple[CrossingOutcome, ...] = ()
+    """Mapped crossings that lie in no street."""
 
     def crossings(self) -> dict[str, CrossingOutcome]:
         """Return what became of each mapped crossing in the street where it fared best."""
-        best: dict[str, CrossingOutcome] = {}
+        best = {outcome.name: outcome for outcome in self.nowhere}
         for street in self.streets:
             for outcome in street.crossings:
                 known = best.get(outcome.name)

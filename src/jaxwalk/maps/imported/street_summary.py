@@ -116,7 +116,7 @@ def _pavement(built: Built) -> PavementNumbers:
     stretches = built.stretches
 
     def metres(origin: str, *, joined: bool = False) -> float:
-        return round(sum(s.metres for s in stretches if s.origin == origin and s.joined == joined), 1)
+        return round(sum((s.metres for s in stretches if s.origin == origin and s.joined == joined), 0.0), 1)
 
     known = [n for n, s in enumerate(stretches) if s.origin != "invented" and not s.joined]
     group = _parts(stretches, built.mapped)
@@ -124,7 +124,7 @@ def _pavement(built: Built) -> PavementNumbers:
     for n in known:
         sums[group[n]] = sums.get(group[n], 0.0) + stretches[n].metres
     whole = sum(sums.values())
-    kept = sum(stretches[n].metres for n in known if stretches[n].walk in built.walks)
+    kept = sum((stretches[n].metres for n in known if stretches[n].walk in built.walks), 0.0)
     after = _walk_parts(built)
     return PavementNumbers(
         mapped=metres("mapped"),

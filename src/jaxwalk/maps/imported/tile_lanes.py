@@ -232,7 +232,7 @@ class RouteFinder:
 
     def _metres(self, way: Sequence[int], until: int) -> float:
         """Return the metres of a way up to the begin of one of its lanes."""
-        return sum(self.lengths[n] for n in way[: list(way).index(until)])
+        return sum((self.lengths[n] for n in way[: list(way).index(until)]), 0.0)
 
     def _before(self, lane: int, way: Sequence[int]) -> int | None:
         leading = [n for n, x in enumerate(self.lanes) if lane in x.successors and self.good[n] and n not in way]

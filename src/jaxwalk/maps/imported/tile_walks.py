@@ -158,7 +158,7 @@ class ZoneFinder:
             if chord.length < 1 or shapely.distance(chord, shapely.points(inner)).max() > BEND:
                 return False
             headings.append((inner[-1] - inner[0]) / chord.length)
-        return float(headings[0] @ headings[1]) > np.cos(TURN)
+        return float(headings[0] @ headings[1]) > float(np.cos(TURN))
 
     def _bent(
         self, crossing: Placed, lane: shapely.LineString, where: tuple[float, int], reach: float

@@ -58,7 +58,7 @@ def tiles(
             yield street
     number = len(boxes)
     for crossing in source.crossings:
-        if crossing.name not in settled and _inside(crossing.point, source.extent):
+        if crossing.name not in settled and inside(crossing.point, source.extent):
             x, y = crossing.point.tolist()
             box = (x - size / 2, y - size / 2, x + size / 2, y + size / 2)
             number += 1
@@ -73,9 +73,10 @@ def _settled(street: ImportedStreet) -> set[str]:
     return {x.name for x in report.crossings if not x.at_edge and (report.usable or not x.placed)}
 
 
-def _inside(point: np.ndarray, extent: Box) -> bool:
+def inside(point: np.ndarray, extent: Box) -> bool:
+    """Return whether a point (2,) lies in a box."""
     west, south, east, north = extent
-    return west <= point[0] <= east and south <= point[1] <= north
+    return bool(west <= point[0] <= east and south <= point[1] <= north)
 
 
 def _boxes(source: SourceMap, size: float) -> Iterator[Box]:
@@ -96,4 +97,4 @@ def _begins(low: float, high: float, size: float) -> list[float]:
 def _crossings_in(source: SourceMap, box: Box) -> int:
     """Return the number of mapped crossings in a box."""
     west, south, east, north = box
-    return sum(west < x.point[0] < east and south < x.point[1] < north for x in source.crossings)
+    return sum(bool(west < x.point[0] < east and south < x.point[1] < north) for x in source.crossings)
