@@ -184,7 +184,7 @@ def test_some_of_twenty_are_not_told_apart():
     decision, sentences = decide(found), said(found)
     assert (decision.kind, decision.tied, len(decision.beaten)) == ("ahead", ("d1", "d2"), 17)
     assert sentences.who.startswith(
-        "d0 is safer than 17 of the 19 other drivers; whether also than d1, d2 is not shown: "
+        "d0 is safer than 17 of the 19 other drivers; whether also than d1 and d2 is not shown: "
     )
     assert [decision.standing(name) for name in ("d0", "d2", "d3")] == [
         "among the safest", "no difference shown", "less safe",
@@ -206,6 +206,9 @@ def test_who_cannot_be_judged_does_not_lead():
     decision = decide(evidence(*duels, hits=hits, training="few", seeds=3))
     assert (decision.kind, decision.leader, decision.beaten, decision.tied) == ("ahead", "A", ("B",), ("T",))
     assert decision.standing("T") == "cannot be judged"
+    found = said(evidence(*duels, hits=hits, training="few", seeds=3))
+    assert found.headline == "A is safer than B; whether also than T cannot be judged"
+    assert found.sure.endswith("; beside T there are too few training seeds (it takes 5).")
 
 
 def test_results_without_comparisons_say_so():

@@ -54,6 +54,9 @@ class FirstScreen:
 
     verdict: Sentences
     lines: tuple[DriverLine, ...]
+    """The drivers that are shown at once, the report's subject among them."""
+    folded: tuple[DriverLine, ...]
+    """The other drivers."""
     populations: tuple[str, ...]
     worst: tuple[ToWatch, ...]
     worst_of: str
@@ -71,9 +74,13 @@ def first_screen(material: Material) -> FirstScreen:
     decision = decide(evidence)
     worst, worst_of = to_watch(material.gallery, material.subject)
     sim = material.results.street.sim if material.results.street else None
+    lines = [_line(material, evidence, decision, driver) for driver in decision.order]
+    others = [driver for driver in decision.order if driver != material.subject]
+    at_once = {material.subject, *others[: SHOWN - 1]}
     return FirstScreen(
         verdict=say(evidence, decision, driven),
-        lines=tuple(_line(material, evidence, decision, driver) for driver in decision.order),
+        lines=tuple(line for line in lines if line.driver in at_once),
+        folded=tuple(line for line in lines if line.driver not in at_once),
         populations=evidence.populations,
         worst=worst,
         worst_of=worst_of,

@@ -9,7 +9,7 @@ from jaxwalk.evaluation.document_parts import Interval, Number
 from jaxwalk.metrics import FEWEST_SEEDS, scenarios_needed
 from jaxwalk.report.decision import SURE, Decision, Duel, Evidence
 from jaxwalk.report.table import UNJUDGED, shown
-from jaxwalk.wording import counted, first_of
+from jaxwalk.wording import MOST_NAMED, counted, first_of
 
 
 @dataclass(frozen=True)
@@ -96,9 +96,10 @@ def _only_among(evidence: Evidence, duels: Sequence[Duel]) -> str:
 def _ahead(decision: Decision) -> str:
     leader, tied = decision.leader, decision.tied
     judged = any(duel.judged for name in tied for duel in decision.between(leader, name))
-    others = f"{len(decision.beaten)} of the {len(decision.order) - 1} other drivers"
-    state = "is not shown" if judged else UNJUDGED
-    return f"{leader} is safer than {others}; whether also than {first_of(tied, 'driver')} {state}"
+    beaten, others = decision.beaten, len(decision.order) - 1
+    than = _listed(beaten) if len(beaten) <= MOST_NAMED else f"{len(beaten)} of the {others} other drivers"
+    rest = _listed(tied) if len(tied) <= MOST_NAMED else counted(len(tied), "other")
+    return f"{leader} is safer than {than}; whether also than {rest} {'is not shown' if judged else UNJUDGED}"
 
 
 def _numbers(evidence: Evidence, drivers: Sequence[str], subject: str = "it", other: str = "") -> str:
@@ -174,7 +175,18 @@ def _sure_of(decision: Decision) -> str:
     )
     tests = decision.duels[0].tests
     corrected = f", corrected for {counted(tests, 'comparison')}" if tests > 1 else ""
-    return f"A{said[1:]}; {_chance(largest)}{corrected}."
+    return f"A{said[1:]}; {_chance(largest)}{corrected}{_unjudged(decision)}."  # it begins with "among"
+
+
+def _unjudged(decision: Decision) -> str:
+    """Return why some drivers can't be judged beside the leader, if that is so."""
+    found = {name: decision.between(decision.leader, name) for name in decision.tied}
+    names = [name for name, duels in found.items() if not any(duel.judged for duel in duels)]
+    if not names:
+        return ""
+    few_seeds = any(duel.p is None for name in names for duel in found[name])
+    missing = f"training seeds (it takes {FEWEST_SEEDS})" if few_seeds else "hits (evaluate more scenarios: --episodes)"
+    return f"; beside {_listed(names)} there are too few {missing}"
 
 
 def _chance(p: float) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from jaxwalk.metrics import FEWEST_SEEDS
 from jaxwalk.report.figures import draw_all
-from jaxwalk.report.first_screen import SHOWN, first_screen
+from jaxwalk.report.first_screen import first_screen
 from jaxwalk.report.latex import write_latex
 from jaxwalk.report.material import Material
 from jaxwalk.report.paper_tables import make_all
@@ -34,10 +34,10 @@ def write_report(folder: Path, material: Material) -> Path:
     write_tables(tables, captions, folder / "tables")
     write_latex(tables, captions, folder / "tables")
     first = first_screen(material)
-    more = counted(len(first.lines) - SHOWN, "more driver") if len(first.lines) > SHOWN else ""
+    more = counted(len(first.folded), "more driver") if first.folded else ""
     page = _page(
         sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,
-        tables=tables, figures=figures, facts=_facts(material), first=first, shown=SHOWN, more=more,
+        tables=tables, figures=figures, facts=_facts(material), first=first, more=more,
         printed=PRINTED, drawings=_drawings(material), style=_part("report.css"), script=_part("report.js"),
         gallery=_gallery(gallery) if gallery else None, cells=gallery.collisions if gallery else (),
     )  # fmt: skip
