@@ -55,6 +55,9 @@ def test_known_preferences_are_found(plan):
     assert (found.raters, found.answers, found.inattentive) == (20, 500, ())
     assert sum(one.compared for one in found.drivers) == 1000  # each answer is about two
     assert found.agreement in ("partial", "firm")
+    lead = found.drivers[0].strength.value - found.drivers[1].strength.value
+    assert found.lead.value == pytest.approx(lead)
+    assert found.lead.low < lead < found.lead.high
     hits, backwards, alike = found.measures
     assert hits.tau.value == -backwards.tau.value > 0.8
     assert hits.tau.low <= hits.tau.value <= hits.tau.high

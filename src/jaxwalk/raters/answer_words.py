@@ -48,10 +48,8 @@ def headline(found: RatedDrivers) -> str:
     if found.agreement == "chance":
         return "The raters disagree: which driver people find safer cannot be said."
     first, second = found.drivers[:2]
-    apart = first.strength.low is not None and second.strength.high is not None
-    sure = apart and first.strength.low > second.strength.high  # type: ignore[operator]
     share = "" if found.agreement == "firm" else ", though they agree only in part"
-    if sure:
+    if found.lead.low is not None and found.lead.low > 0:
         return f"The raters find {first.driver} the safest{share}."
     return f"The raters put {first.driver} first, but not surely before {second.driver}{share}."
 

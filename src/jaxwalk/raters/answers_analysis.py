@@ -70,6 +70,8 @@ class RatedDrivers:
     """Raters who contradict the ranking in more than half of their decided answers."""
     drivers: tuple[RatedDriver, ...]
     """The safest one in the raters' eyes first."""
+    lead: Interval
+    """By how much the first one's strength exceeds the second one's."""
     measures: tuple[MeasureAgreement, ...]
 
     def as_dict(self) -> dict[str, Any]:
@@ -100,6 +102,7 @@ def analyse(plan: RatingPlan, files: Sequence[RaterFile], *, resamples: int = RE
         repeated=_repeated(kept),
         against=_against(counts, samples[0]),
         drivers=_drivers(plan, counts, samples),
+        lead=_lead(samples, len(kept)),
         measures=tuple(_measure(one, samples, len(kept)) for one in plan.measures),
     )
 
@@ -185,6 +188,14 @@ def _drivers(plan: RatingPlan, counts: np.ndarray, samples: np.ndarray) -> tuple
     met = [int(about[(pairs_of(len(plan.drivers)) == place).any(axis=1)].sum()) for place in range(len(plan.drivers))]
     order = np.argsort(-samples[0], kind="stable").tolist()
     return tuple(RatedDriver(plan.drivers[k], _interval(samples[0, k], low[k], high[k]), met[k]) for k in order)
+
+
+def _lead(samples: np.ndarray, raters: int) -> Interval:
+    """Return the difference of the two largest strengths; both are of one sample, so they vary together."""
+    first, second = np.argsort(-samples[0], kind="stable")[:2]
+    ahead = samples[:, [first]] - samples[:, [second]]
+    (low,), (high,) = _ends(ahead, raters)
+    return _interval(ahead[0, 0], low, high)
 
 
 def _measure(measure: DriverMeasure, samples: np.ndarray, raters: int) -> MeasureAgreement:
