@@ -95,6 +95,7 @@ def test_exposure_limits_and_thresholds_follow_the_world(one):
     exposure = {said.name: said.text for said in paper.exposure}
     assert exposure["Scenarios"] == "3 for each of 7 drivers among always-go, learned"
     assert (exposure["Streets"], exposure["People"]) == ("1: paper", "12 in each scenario")
+    assert exposure["Populations"] == "always-go never wait for the car; learned have learned when to wait"
     hit = {said.name: said.text for said in paper.thresholds}["Hit"]
     assert (
         hit == "a scenario that ends with a contact of the car at 0.5 m/s or more; a contact: centres closer than 1.5 m"

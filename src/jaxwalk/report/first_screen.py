@@ -9,7 +9,7 @@ from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.metrics import FEWEST_SEEDS, OUTCOMES
 from jaxwalk.report import reversals
 from jaxwalk.report.decision import Decision, Evidence, Training, decide
-from jaxwalk.report.material import Material
+from jaxwalk.report.material import ALWAYS_GO, GAP_ACCEPTANCE, LEARNED, Material
 from jaxwalk.report.sentences import Driven, Sentences, say
 from jaxwalk.report.table import NONE, shown
 from jaxwalk.report.validity import Said, limits, thresholds
@@ -153,7 +153,18 @@ def _exposure(evidence: Evidence, driven: Driven) -> tuple[Said, ...]:
     if driven.streets:
         streets = f"{len(driven.streets):,}: {first_of(driven.streets, 'street')}"
         found += [Said("Streets", streets), Said("People", f"{driven.people} in each scenario")]
+    known = [f"{name} {POPULATIONS[name]}" for name in evidence.populations if name in POPULATIONS]
+    if known:
+        found.append(Said("Populations", "; ".join(known)))
     return tuple(found)
+
+
+POPULATIONS = {
+    ALWAYS_GO: "never wait for the car",
+    LEARNED: "have learned when to wait",
+    GAP_ACCEPTANCE: "wait for a gap that is long enough",
+}
+"""What the people of the usual populations do."""
 
 
 def _line(material: Material, evidence: Evidence, decision: Decision, driver: str) -> DriverLine:
