@@ -56,11 +56,11 @@ def state(number: Number, nothing: float, *, sign: int) -> State:
 
 def apart(first: Number, second: Number) -> State:
     """Return whether the second number is above the first one (holds) or below it (reverses), by their intervals."""
-    if None in (first.low, first.high, second.low, second.high):
+    if first.low is None or first.high is None or second.low is None or second.high is None:
         return "open"
-    above = second.low > first.high  # type: ignore[operator]
-    below = second.high < first.low  # type: ignore[operator]
-    return "holds" if above else "reverses" if below else "open"
+    if second.low > first.high:
+        return "holds"
+    return "reverses" if second.high < first.low else "open"
 
 
 def claims(material: Material) -> tuple[Claim, ...]:
