@@ -27,6 +27,7 @@ WORKERS = (
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
     "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
+    "jaxwalk.cli.rate.make_rating", "jaxwalk.cli.rate.analyse_answers",
 )  # fmt: skip
 """Where the work begins that a good command line asks for: a case ends there."""
 PEOPLE = ["always-go", "learned", "mine.safetensors", "run", "nobody", "bad.safetensors"]
@@ -61,6 +62,7 @@ LIKELY = {
     "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"], "recipe": ["fast", "paper"],
     "role": ["driver", "pedestrian"], "only": ["env", "train"], "areas": ["file", "nowhere"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
+    "answers": ["file", "nowhere"],
 }  # fmt: skip
 """By the name of an option; all others take numbers, or nothing."""
 POSITIONAL = ("runs", "policy", "files", "drivers")

@@ -22,6 +22,7 @@ COMMANDS = {
     "share": f"share run --episodes 2 --out {OUT}/a.safetensors",
     "crashtest": f"crashtest random --suite r152 --beside none --out {OUT}",
     "report": f"report random --pedestrians always-go --episodes 2 --incidents 0 --out {OUT}",
+    "rate": f"rate clearance careful-human --episodes 64 --pairs 3 --out {OUT}",
     "bench": f"bench --only env --environments 8 --seconds 0.05 --out {OUT}",
     "reproduce": "reproduce --updates 1 --episodes 2 --out new",
     "hidden-intent": "hidden-intent --updates 1 --episodes 2 --seeds 1 --out new",
@@ -37,7 +38,7 @@ WRITES = {
     "tracks": ("a.parquet",), "scenario": ("episode.xosc", "map.xodr", "commonroad.xml"),
     "share": ("a.safetensors", "a.md"), "report": ("report.html", "results.json", "episodes.csv"),
     "bench": ("bench.json", "bench.md"), "streets": ("streets.png",),
-    "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"),
+    "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"), "rate": ("rate.html", "plan.json"),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""
 

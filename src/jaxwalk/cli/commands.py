@@ -36,6 +36,7 @@ COMMANDS = (
     Command("play", options.Play, "jaxwalk.cli.play"),
     Command("reproduce", options.Reproduce, "jaxwalk.cli.reproduce"),
     Command("report", options.Report, "jaxwalk.cli.report"),
+    Command("rate", options.Rate, "jaxwalk.cli.rate"),
     Command("hidden-intent", options.HiddenIntent, "jaxwalk.cli.hidden_intent"),
     Command("co-training", options.CoTraining, "jaxwalk.cli.co_training"),
     Command("generalisation", options.Generalisation, "jaxwalk.cli.generalisation"),

@@ -27,7 +27,12 @@ def check_names(options: Any) -> None:
 
     Maps that are files are checked completely.
     """
-    for path in (*_many(options, "files"), *_many(options, "areas"), *_many(options, "again")):
+    for path in (
+        *_many(options, "files"),
+        *_many(options, "areas"),
+        *_many(options, "again"),
+        *_many(options, "answers"),
+    ):
         if not path.exists():
             raise UsageError(f"{path}: no such file; check the name")
     if isinstance(options, Train) and options.resume:
