@@ -1,4 +1,4 @@
-"""Assembles the pages of the site in one folder: those of docs/, those made from the code, and the files they link to."""
+"""Assembles the pages of the site: those of docs/, those made from the code, and the files that they link to."""
 
 from __future__ import annotations
 
@@ -65,5 +65,3 @@ def _flat(file: str, target: str) -> str:
 def _write(path: Path, text: str) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
-
-

@@ -1,4 +1,4 @@
-"""Builds the site into build/site (`make docs`): assembles its pages, has zensical render them, and checks the result."""
+"""Builds the site into build/site (`make docs`): assembles its pages, lets zensical render them, checks the result."""
 
 from __future__ import annotations
 

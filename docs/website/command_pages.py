@@ -15,9 +15,9 @@ from jaxwalk.cli.commands import COMMANDS
 HEAD = """\
 # Commands
 
-For people who use the command line: every command with every option, from the declarations that the program itself reads.
-`jaxwalk COMMAND --help` prints the same; what the commands do is told on [the command line](../command-line.md). A word in
-capitals stands for a value, and `[...]` for further ones.
+For people who use the command line: every command with every option, from the declarations that the program itself
+reads. `jaxwalk COMMAND --help` prints the same; [the command line](../command-line.md) tells what the commands do. A
+word in capitals stands for a value, and `[...]` for further ones.
 
 `python -m jaxwalk` is the same as `jaxwalk`, for the Python that runs it.
 """
@@ -27,7 +27,11 @@ def commands_page() -> str:
     """Return the page."""
     parts = [HEAD]
     for command in COMMANDS:
-        parts += [f"## jaxwalk {command.name}\n", f"{_plain(inspect.getdoc(command.options) or '')}\n", *_table(command.options)]
+        parts += [
+            f"## jaxwalk {command.name}\n",
+            f"{_plain(inspect.getdoc(command.options) or '')}\n",
+            *_table(command.options),
+        ]
         for old, new in RENAMED.get(command.name, {}).items():
             parts.append(f"`--{old.replace('_', '-')}` of earlier versions is written `{new}` now.\n")
     return "\n".join(parts)

@@ -110,7 +110,9 @@ def _assigned(tree: ast.Module) -> dict[str, ast.expr]:
     """Return what a module assigns to names at its top."""
     found = {}
     for node in tree.body:
-        targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
         found |= {target.id: node.value for target in targets if isinstance(target, ast.Name) and node.value}
     return found
 
@@ -176,8 +178,8 @@ def _index() -> str:
     rows = (f"| [`{module}`]({file_name(module)}) | {about} |" for module, about in MODULES.items())
     head = (
         "# Python reference\n",
-        "For people who write Python with jaxwalk: every public name, from the docstrings of the code. What isn't listed",
-        "here may change without notice.\n",
+        "For people who write Python with jaxwalk: every public name, from the docstrings of the code. What isn't",
+        "listed here may change without notice.\n",
         "| module | what it is for |",
         "| --- | --- |",
     )

@@ -21,7 +21,9 @@ def test_a_new_map_is_sound_and_can_be_played_on(place, capsys):
     assert main(["play", "--driver", "route-follower", "--map", "mine.toml", "--out", "seen.png"]) == 0
 
 
-@pytest.mark.parametrize("words", ["", "--length 40", "--length 1000 --crosswalks 10 22 990", "--width 5", "--width 14"])
+@pytest.mark.parametrize(
+    "words", ["", "--length 40", "--length 1000 --crosswalks 10 22 990", "--width 5", "--width 14"]
+)
 def test_extreme_streets_are_sound(words, place):
     assert main(["map", "new", "deep/er/mine.toml", *words.split()]) == 0
     assert main(["map", "check", "deep/er/mine.toml"]) == 0
@@ -34,7 +36,8 @@ def test_a_copy_is_the_same_street(like, file, place):
 
 
 @pytest.mark.parametrize(
-    ("words", "name"), [("paper", "paper.png"), ("mine.toml", "mine.png"), ("paper --out deep/er/x.svg", "deep/er/x.svg")]
+    ("words", "name"),
+    [("paper", "paper.png"), ("mine.toml", "mine.png"), ("paper --out deep/er/x.svg", "deep/er/x.svg")],
 )
 def test_a_map_is_drawn(words, name, place, capsys):
     assert main(["map", "new", "mine.toml"]) == 0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import tomllib
+from pathlib import Path
 
 import pytest
 from pydantic import TypeAdapter
@@ -41,7 +43,9 @@ def test_a_whole_recipe_can_be_written(name, tmp_path):
     content = TypeAdapter(Experiment).dump_python(RECIPES[name], mode="json")
     other = "paper" if name != "paper" else "town"
     begin = RECIPES[other]
-    emptied = {weights: dict.fromkeys(getattr(begin, weights), 0.0) for weights in ("driver_weights", "pedestrian_weights")}
+    emptied = {
+        weights: dict.fromkeys(getattr(begin, weights), 0.0) for weights in ("driver_weights", "pedestrian_weights")
+    }
     table = {**content, "recipe": other, **{key: emptied[key] | content[key] for key in emptied}}
     found = load_experiment(written(tmp_path / "x.toml", table), RECIPES)
     kept = {key: {k: v for k, v in getattr(found, key).items() if v} for key in emptied}
@@ -91,7 +95,7 @@ WRONG = {
     "of the world": ("[sim]\nmax_sped = 3", "sim.max_sped: there is no such field; perhaps max_speed is meant"),
     "a choice": ('[train]\ncredit = "mine"', "train.credit: must be 'individual' or 'shared', not 'mine'"),
     "a date": ("seed = 2026-01-01", "seed: must be a valid integer, not '2026-01-01'"),
-    "a limit": ("[train.roles.driver]\nlimits = [{ cost = 'contact' }]", "train.roles.driver.limits.0.limit: Field required"),
+    "a limit": ("[train.roles.driver]\nlimits = [{ cost = 'x' }]", "train.roles.driver.limits.0.limit: Field required"),
     "a kind of people": ("[sim]\nkinds = [{ name = 'x' }]", "sim.kinds"),
     "a recipe": ('recipe = "fst"', "recipe: there is no 'fst'; there are fast, paper"),
     "a recipe's kind": ("recipe = [1]", "recipe: there is no [1]; there are fast, paper"),
@@ -141,3 +145,13 @@ def test_files_that_are_no_files(tmp_path):
     (tmp_path / "latin.toml").write_bytes(b'recipe = "\xff"')
     with pytest.raises(ExperimentFileError, match="not TOML that can be read"):
         load_experiment(tmp_path / "latin.toml", RECIPES)
+
+
+def test_the_page_shows_a_file_that_is_read():
+    page = (Path(__file__).parents[2] / "docs" / "recipes.md").read_text(encoding="utf-8")
+    text = page.partition('```toml title="mine.toml"\n')[2].partition("```")[0]
+    path = Path("mine.toml")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("jaxwalk.recipes.experiment_file._table", lambda _: tomllib.loads(text))
+        found = load_experiment(path, RECIPES)
+    assert found.recipe == "town" and found.crowds == (12, 48) and found.sim.perception

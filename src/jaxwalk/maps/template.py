@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 LANDING, SIDEWALK, VERGE, STRIPES, END = 1.0, 2.0, 4.0, 4.0, 1.0
 """Where people walk, from the kerb; widths of sidewalks, of what lies beyond them, and of crosswalks; and the distance
@@ -18,7 +19,7 @@ HEAD = """\
 size = [{length:g}, {height:g}]                  # width (east) and height (north)
 
 [car]
-places = [[8, {middle:g}], [{last:g}, {middle:g}]]      # on the road's centre line: where the car may start, and its goals
+places = [[8, {middle:g}], [{last:g}, {middle:g}]]      # where the car may start, and its goals: on the road's middle
 routes = "all"                       # or pairs of places, from 0, as in [[0, 1]]
 right_turn_radius = 5.0              # how corners are driven, where there are any
 left_turn_radius = 8.0
@@ -46,7 +47,7 @@ def street_map(length: float, width: float, crosswalks: Sequence[float]) -> str:
         ValueError: crosswalks are too near to each other or to an end of the street.
     """
     places = (LEAST_ASIDE - LEAST_APART, *crosswalks)
-    near = [b for a, b in zip(places, places[1:], strict=False) if b - a < LEAST_APART]
+    near = [b for a, b in pairwise(places) if b - a < LEAST_APART]
     near += [place for place in crosswalks[-1:] if length - place < LEAST_ASIDE]
     if near or not crosswalks:
         raise ValueError(
@@ -74,8 +75,8 @@ def _walkways(length: float, kerbs: dict[str, float], crosswalks: Sequence[float
 
 def _crosswalks(length: float, kerbs: tuple[float, float], crosswalks: Sequence[float]) -> Iterator[str]:
     """Yield the lines of the crosswalks, each with a jaywalk zone to its east."""
-    yield "\n# From kerb to kerb. `landing`: the waypoints at both ends. People may jaywalk in the `zone`: from and to, in metres"
-    yield "# from the crosswalk's edge along the kerb toward `outer`, the next waypoint."
+    yield "\n# From kerb to kerb. `landing`: the waypoints at both ends. People may jaywalk in the `zone`: from and to,"
+    yield "# in metres from the crosswalk's edge along the kerb toward `outer`, the next waypoint."
     ends = [*(place - STRIPES / 2 for place in crosswalks[1:]), length - END]
     for number, (place, end) in enumerate(zip(crosswalks, ends, strict=True), 1):
         outer = str(number + 1) if number < len(crosswalks) else "east"
