@@ -17,7 +17,7 @@ def test_scenarios_are_those_of_version_0_1(street, seed, episodes, multiplier, 
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("part", ["scenarios", "evaluations", "trained"])
+@pytest.mark.parametrize("part", ["scenarios", "evaluations", "updates", "trained"])
 def test_it_behaves_as_version_0_1(part, tmp_path):
     found = list(compare([part], quick=True, folder=tmp_path))
     assert found
