@@ -11,7 +11,7 @@ from website.repository import DOCS, NO_PAGES, ROOT, in_site, links, site_path, 
 
 LANGUAGES = {".py": "python", ".toml": "toml", ".json": "json", ".cff": "yaml", ".yml": "yaml"}
 """How files are highlighted, by their ending."""
-BESIDE = {"site.css": "stylesheets", "worker-from-disk.js": "javascripts"}
+BESIDE = {"site.css": "stylesheets", "worker-from-disk.js": "javascripts", "access.js": "javascripts"}
 """Files of this folder that the site has too, and in which of its folders."""
 
 

@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from website.assemble import assemble
 from website.built_site import faults
 from website.repository import ROOT
+from website.search_index import shrink
 
 PAGES, SITE = ROOT / "build" / "pages", ROOT / "build" / "site"
 
@@ -23,8 +24,7 @@ def main() -> int:
     if built.returncode:
         print(built.stdout, built.stderr, sep="\n", file=sys.stderr)
         return 1
-    index = (SITE / "search.json").read_text(encoding="utf-8")
-    (SITE / "search.js").write_text(f"var __index = {index}", encoding="utf-8")  # a page from disk can't read JSON
+    shrink(SITE)
     found = faults(SITE)
     print(*found[:50], sep="\n", end="\n" if found else "", file=sys.stderr)
     print(f"{len(found)} faults" if found else f"Open {(SITE / 'index.html').relative_to(ROOT)}")

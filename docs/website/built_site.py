@@ -87,8 +87,12 @@ def _place(path: Path, target: str) -> Path:
 
 
 def home_size(site: Path) -> int:
-    """Return what the home page and all that it loads but pictures weigh, compressed as servers do [bytes]."""
+    """Return what the home page and all that it loads but pictures weigh, compressed as servers do [bytes].
+
+    A script loads the search's index and worker.
+    """
     page = page_of(site / "index.html")
     files = {_place(site / "index.html", target) for target in page.loaded if not target.startswith("data:")}
-    texts = {site / "index.html", *(file for file in files if file.suffix in (".css", ".js", ".json", ".svg"))}
+    search = {site / "search.json", *site.glob("assets/javascripts/workers/*.js")} & {*site.rglob("*")}
+    texts = {site / "index.html", *search, *(file for file in files if file.suffix in (".css", ".js", ".json", ".svg"))}
     return sum(len(gzip.compress(file.read_bytes(), 6)) for file in texts)

@@ -6,12 +6,12 @@ import re
 from importlib import import_module
 
 import pytest
+
+from jaxwalk.cli.commands import COMMANDS
 from website.assemble import linked_files
 from website.command_pages import commands_page, field_texts
 from website.reference_pages import MODULES, file_name, packages_with_names, public_names, reference_pages
 from website.repository import OUTSIDE, ROOT, anchors, in_site, links, prose, site_path, slug_of, sources, target_file
-
-from jaxwalk.cli.commands import COMMANDS
 
 PAGES = [*sources(), "README.md"]
 REFERENCE = dict(reference_pages())
