@@ -19,7 +19,7 @@ from hostile.command_lines import nothing_is_done
 from jaxwalk.cli import main
 from jaxwalk.sim.suites import SUITES
 from website.blocks import REASONS, Block, blocks, command_lines
-from website.brief import CHECKED, ELSEWHERE, briefly, provide
+from website.brief import CHECKED, ELSEWHERE, briefly, clear, provide, written
 from website.repository import ROOT, sources
 
 PAGES = [page for page in ("README.md", *sources()) if page != "CHANGELOG.md"]
@@ -153,5 +153,6 @@ def _jaxwalk(words: list[str], trained: Path) -> None:
     if words[1] in CHECKED:
         with nothing_is_done():
             assert main(words[1:]) == 0, words
+        clear(written(words))
     else:
         assert main(words[1:]) == 0, words
