@@ -26,6 +26,8 @@ COMMANDS = {
     "generalisation": "generalisation --out out",
     "risk-aware": "risk-aware --out out",
     "frontier": "frontier --out out",
+    "map new": "map new out/a.toml",
+    "map draw": "map draw paper --out out/a.png",
 }
 """As they are given; each writes into out. What else writes uses the same `whole`."""
 FAULTS = {errno.ENOSPC: "No space left on device; make room", errno.EROFS: "Read-only file system; name another place"}

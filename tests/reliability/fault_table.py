@@ -31,13 +31,16 @@ COMMANDS = {
     "risk-aware": "risk-aware --updates 1 --episodes 2 --seeds 1 --out new",
     "frontier": "frontier --suite paper --driver random --episodes 2 --out new",
     "streets": f"streets --count 1 --out {OUT}",
+    "map new": f"map new {OUT}/new.toml",
+    "map check": "map check paper",
+    "map draw": f"map draw paper --out {OUT}/a.png",
 }
 """Every command, with little work."""
 WRITES = {
     "evaluate": ("results.json", "suite.md", "episodes.csv"), "play": ("a.html",), "export": ("a.onnx",),
     "tracks": ("a.parquet",), "scenario": ("episode.xosc", "map.xodr", "commonroad.xml"),
     "share": ("a.safetensors", "a.md"), "report": ("report.html", "results.json", "episodes.csv"),
-    "bench": ("bench.json", "bench.md"), "streets": ("streets.png",),
+    "bench": ("bench.json", "bench.md"), "streets": ("streets.png",), "map draw": ("a.png",),
     "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"), "rate": ("rate.html", "plan.json"),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""
@@ -69,7 +72,7 @@ class Fault:
 
 NO_OUTPUT = ("train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier")
 """Commands that print nothing on standard output, or only in the end."""
-NO_FILES = ("observations", "measure")
+NO_FILES = ("observations", "measure", "map check")
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 UNTIL = {INT: 130, TERM: 143, HUP: 143}
 ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
