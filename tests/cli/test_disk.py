@@ -19,6 +19,7 @@ COMMANDS = {
     "train": "train --run out",
     "play": "play --driver constant-speed --out out/episode.html",
     "evaluate": "evaluate --driver constant-speed --episodes 2 --out out",
+    "rate": "rate clearance careful-human --episodes 64 --pairs 3 --out out",
     "reproduce": "reproduce --out out",
     "hidden-intent": "hidden-intent --out out",
     "co-training": "co-training --out out",
@@ -26,6 +27,8 @@ COMMANDS = {
     "risk-aware": "risk-aware --out out",
     "frontier": "frontier --out out",
     "import": "import cross.osm --out out",
+    "map new": "map new out/a.toml",
+    "map draw": "map draw paper --out out/a.png",
 }
 """As they are given; each writes into out. What else writes uses the same `whole`."""
 FAULTS = {errno.ENOSPC: "No space left on device; make room", errno.EROFS: "Read-only file system; name another place"}
