@@ -55,8 +55,8 @@ def test_every_arm_leads_to_the_three_others(crossing):
     pairs = {(route.lanes[0], route.lanes[-1]) for route in street.network.routes}
     assert len(pairs) == 12
     whole = [shapely.union_all([street.network.areas[n].shape() for n in x.areas]) for x in street.network.crossings]
-    for area in whole:
-        assert any(shapely.LineString(street.network.route_line(route)).intersects(area) for route in street.network.routes)
+    lines = [shapely.LineString(street.network.route_line(route)) for route in street.network.routes]
+    assert all(any(line.intersects(area) for line in lines) for area in whole)
 
 
 def test_a_crosswalk_leads_from_kerb_to_kerb(crossing):

@@ -28,6 +28,8 @@ APART = 0.4
 """Smallest distance between two landings [m]."""
 FROM_LANE_END, EVERY = 3.0, 30.0
 """An invented crossing lies so far from where a lane begins or ends, or at such distances between [m]."""
+FROM_EDGE_INVENTED = 25.0
+"""The street goes on so far on both sides of an invented crossing if it can, so that routes lead over it [m]."""
 WORTH = 30.0
 """A line of people that is shorter, and where the source says nothing of a sidewalk, isn't worth a crossing [m]."""
 NEAREST_ROAD = 15.0
@@ -165,11 +167,11 @@ class CrossingPlaces:
         return None
 
     def join(self, stretches: Sequence[Stretch], lines: Sequence[np.ndarray]) -> None:
-        """Invent crossings where lines of people don't reach each other: the shortest ones, straight over a road."""
+        """Invent crossings where lines of people don't reach each other: short ones, straight over a road."""
         group = self.parts()
         worth = {s.walk for s in stretches if s.origin != "invented"}
         worth |= {n for n, walk in enumerate(self.ground.walks) if walk.length >= WORTH}
-        for number, chord in enumerate(sorted(self._candidates(lines), key=lambda x: x.length)):
+        for number, chord in enumerate(sorted(self._candidates(lines), key=self._preference)):
             one, other = chord.walks
             if group[one] == group[other] or not {one, other} <= worth:
                 continue
@@ -179,6 +181,13 @@ class CrossingPlaces:
             if isinstance(found, Placed):
                 self.placed.append(Placed(**{**found.__dict__, "origin": "invented"}))
                 group = [group[one] if x == group[other] else x for x in group]
+
+    def _preference(self, chord: Chord) -> tuple[bool, float]:
+        """Return what sorts ways over roads: those well inside the street first, then the shortest."""
+        along = FROM_EDGE_INVENTED * np.array([-chord.ahead[1], chord.ahead[0]])
+        middle = chord.at(chord.length / 2)
+        inside = shapely.contains(self.region, shapely.points([middle - along, middle + along]))
+        return not inside.all(), chord.length
 
     def parts(self) -> list[int]:
         """Return the number of the connected part of each line of people."""

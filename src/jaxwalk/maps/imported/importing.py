@@ -17,6 +17,8 @@ from jaxwalk.maps.imported.tiles import inside, single_street, tiles
 OSM = (".osm", ".pbf")
 """How the names of OpenStreetMap files end."""
 KNOWN = "OpenStreetMap (.osm, .osm.pbf)"
+CUT_OFF = "where its road is cut off at the edge"
+"""Why a crossing lies in no street."""
 
 
 def read_source(path: Path, region: Region | None = None, *, left: bool = False) -> SourceMap:
@@ -53,7 +55,7 @@ def report_of(source: SourceMap, streets: Sequence[ImportedStreet], file: str, *
     reports = tuple(street.report for street in streets)
     named = {outcome.name for report in reports for outcome in report.crossings}
     nowhere = tuple(
-        CrossingOutcome(x.name, x.kind, False, "where its road is cut off at the edge", point=(float(x.point[0]), float(x.point[1])))
+        CrossingOutcome(x.name, x.kind, False, CUT_OFF, point=(float(x.point[0]), float(x.point[1])))
         for x in source.crossings if x.name not in named and inside(x.point, source.extent)
     )  # fmt: skip
     return ImportReport(

@@ -56,7 +56,7 @@ class KerbGround(NamedTuple):
         for walk in self.walks:
             if inner.intersects(walk):
                 lines += [walk] if inner.covers(walk) else line_parts(walk.intersection(inner), SHORTEST)
-        roadway, filled, medians, pavement = (_surface(shape.intersection(region)) for shape in self[:4])
+        roadway, filled, medians, pavement = (surface(shape.intersection(region)) for shape in self[:4])
         return KerbGround(roadway, filled, medians, pavement, tuple(lines))
 
     def beside(self, road: BaseGeometry) -> KerbGround:
@@ -64,13 +64,13 @@ class KerbGround(NamedTuple):
         at, along = road.buffer(0.05), road.buffer(PAVEMENT + 0.05)
         shapely.prepare(along)
         walks = tuple(walk for walk in self.walks if along.covers(walk))
-        roadway, filled, medians = (_surface(shape.intersection(at)) for shape in self[:3])
-        return KerbGround(roadway, filled, medians, _surface(self.pavement.intersection(along)), walks)
+        roadway, filled, medians = (surface(shape.intersection(at)) for shape in self[:3])
+        return KerbGround(roadway, filled, medians, surface(self.pavement.intersection(along)), walks)
 
     def with_walks(self, walks: list[shapely.LineString]) -> KerbGround:
         """Return the ground with other lines of people, and pavement only along them."""
         along = shapely.union_all([walk.buffer(PAVEMENT / 2 + 0.3, cap_style="flat") for walk in walks])
-        return self._replace(walks=tuple(walks), pavement=_surface(self.pavement.intersection(along)))
+        return self._replace(walks=tuple(walks), pavement=surface(self.pavement.intersection(along)))
 
 
 def line_parts(shape: BaseGeometry, shortest: float = 0.0) -> list[shapely.LineString]:
@@ -80,14 +80,15 @@ def line_parts(shape: BaseGeometry, shortest: float = 0.0) -> list[shapely.LineS
     return [part for part in merged if part.length >= shortest]
 
 
-def _surface(shape: BaseGeometry) -> BaseGeometry:
+def surface(shape: BaseGeometry) -> BaseGeometry:
     """Return only the polygons of a shape: an intersection may have lines and points too."""
     return shapely.union_all(polygons(shape))
 
 
 def polygons(shape: BaseGeometry, smallest: float = 0.05) -> list[shapely.Polygon]:
     """Return the polygons of a shape that aren't smaller than an area [m2]."""
-    parts = shapely.get_parts(shapely.make_valid(shape)).tolist()
+    sound = shapely.make_valid(shape, method="structure", keep_collapsed=False)  # results of overlays may touch themselves
+    parts = shapely.get_parts(sound).tolist()
     nested = [inner for part in parts for inner in shapely.get_parts(part).tolist()]
     return [part for part in nested if part.geom_type == "Polygon" and part.area >= smallest]
 

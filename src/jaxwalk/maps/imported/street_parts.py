@@ -8,7 +8,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.imported.crossing_places import Placed
-from jaxwalk.maps.imported.kerb_ground import KerbGround, polygons
+from jaxwalk.maps.imported.kerb_ground import KerbGround, polygons, surface
 from jaxwalk.maps.imported.source_map import SourceMap
 from jaxwalk.maps.network import Area, AreaKind
 
@@ -30,7 +30,7 @@ def street_areas(
     """Return the areas of a street, and for each crossing the numbers of its crosswalks."""
     islands = shapely.union_all([island for crossing in placed for island in crossing.islands])
     aprons = shapely.union_all([apron for crossing in placed for apron in crossing.aprons])
-    pavement = ground.pavement.union(aprons.intersection(box)).difference(ground.roadway)
+    pavement = surface(ground.pavement.union(aprons.intersection(box)).difference(ground.roadway))
     areas = [*_areas("roadway", ground.roadway), *_areas("sidewalk", pavement)]
     areas += _areas("island", islands.difference(ground.roadway))
     crosswalks: list[tuple[int, ...]] = []
