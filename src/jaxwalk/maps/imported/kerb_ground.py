@@ -87,7 +87,9 @@ def surface(shape: BaseGeometry) -> BaseGeometry:
 
 def polygons(shape: BaseGeometry, smallest: float = 0.05) -> list[shapely.Polygon]:
     """Return the polygons of a shape that aren't smaller than an area [m2]."""
-    sound = shapely.make_valid(shape, method="structure", keep_collapsed=False)  # results of overlays may touch themselves
+    sound = shapely.make_valid(
+        shape, method="structure", keep_collapsed=False
+    )  # results of overlays may touch themselves
     parts = shapely.get_parts(sound).tolist()
     nested = [inner for part in parts for inner in shapely.get_parts(part).tolist()]
     return [part for part in nested if part.geom_type == "Polygon" and part.area >= smallest]
