@@ -41,6 +41,7 @@ MODULES = {
     "jaxwalk.adapters.jaxmarl": "the street as a JaxMARL environment",
     "jaxwalk.viewer": "pictures, animations, pages of episodes",
     "jaxwalk.report": "reports from results",
+    "jaxwalk.raters": "pages for raters, and what their answers say",
     "jaxwalk.testing": "checks of parts of your own",
 }
 """The modules that have a page, in the order of the list, each in a few words."""
