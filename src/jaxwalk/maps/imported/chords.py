@@ -55,7 +55,7 @@ class Chord(NamedTuple):
         return (self.ends[1] - self.ends[0]) / self.length
 
     def at(self, metres: float) -> np.ndarray:
-        """Return the point (2,) so many metres from the first landing."""
+        """Return the point (2,) at a distance from the first landing."""
         return self.ends[0] + metres * self.ahead
 
     def strip(self, begin: float, end: float, half: float) -> shapely.Polygon:

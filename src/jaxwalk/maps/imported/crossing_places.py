@@ -196,23 +196,23 @@ class CrossingPlaces:
     def _candidates(self, lines: Sequence[np.ndarray]) -> Iterator[Chord]:
         """Yield ways straight over roads: near the ends of lanes, and between."""
         group = self.parts()
-        seen: set[tuple[int, ...]] = set()
-        for line in map(shapely.LineString, lines):
-            inner = line.length - 2 * FROM_LANE_END
-            if inner <= 0:
+        found: dict[tuple[int, ...], Chord] = {}
+        for point in _places_along(lines):
+            road = self.roads.direction(point)
+            chord = "no road" if road is None else self.chords.best(point, road, shifts=(0.0,))
+            if isinstance(chord, str) or group[chord.walks[0]] == group[chord.walks[1]]:
                 continue
-            for at in FROM_LANE_END + np.linspace(0, inner, 2 + int(inner // EVERY)):
-                point = np.array(line.interpolate(at).coords[0])
-                road = self.roads.direction(point)
-                chord = "no road" if road is None else self.chords.best(point, road, shifts=(0.0,))
-                if isinstance(chord, str) or group[chord.walks[0]] == group[chord.walks[1]]:
-                    continue
-                if self.region.boundary.distance(shapely.LineString(chord.ends)) < FROM_EDGE / 2:
-                    continue
-                key = tuple(np.round(chord.ends.sum(axis=0)).astype(int).tolist())
-                if key not in seen:
-                    seen.add(key)
-                    yield chord
+            if self.region.boundary.distance(shapely.LineString(chord.ends)) >= FROM_EDGE / 2:
+                found.setdefault(tuple(np.round(chord.ends.sum(axis=0)).astype(int).tolist()), chord)
+        yield from found.values()
+
+
+def _places_along(lines: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+    """Yield points (2,) near the ends of lines, and between."""
+    for line in map(shapely.LineString, lines):
+        inner = line.length - 2 * FROM_LANE_END
+        steps = FROM_LANE_END + np.linspace(0, inner, 2 + int(inner // EVERY)) if inner > 0 else np.zeros(0)
+        yield from shapely.get_coordinates(shapely.line_interpolate_point(line, steps))
 
 
 def connected_parts(walks: int, placed: Iterable[Placed]) -> list[int]:

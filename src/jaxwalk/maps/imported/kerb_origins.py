@@ -37,7 +37,7 @@ class Stretch(NamedTuple):
         return self.end - self.begin
 
 
-class Evidence:
+class KerbEvidence:
     """All that the source says of sidewalks, ready to be asked."""
 
     def __init__(self, evidence: Sequence[WalkEvidence]) -> None:

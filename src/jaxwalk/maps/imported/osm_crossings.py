@@ -52,15 +52,13 @@ def mapped_crossings(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[Sou
         near = [n for n, x in enumerate(footways) if n not in taken and np.hypot(*(x.point - place)) < SAME]
         nearest = min(near, key=lambda n: float(np.hypot(*(footways[n].point - place))), default=None)
         taken |= set() if nearest is None else {nearest}
-        own = None if nearest is None else footways[nearest]
-        found = _crossing(f"node {node}", place, data.node_tags[node], own)
+        footway = None if nearest is None else footways[nearest]
+        found = _crossing(f"node {node}", place, data.node_tags[node], footway)
         if found is not None:
             yield found
-    for number, footway in enumerate(footways):
-        if number not in taken and footway.way.tags.get("footway") == "crossing":
-            found = _crossing(f"way {footway.way.id}", footway.point, {}, footway)
-            if found is not None:
-                yield found
+    left = [x for n, x in enumerate(footways) if n not in taken and x.way.tags.get("footway") == "crossing"]
+    own = [_crossing(f"way {footway.way.id}", footway.point, {}, footway) for footway in left]
+    yield from (crossing for crossing in own if crossing is not None)
 
 
 def _crossing(name: str, place: np.ndarray, tags: Tags, footway: _Footway | None) -> SourceCrossing | None:
@@ -97,10 +95,10 @@ def _meetings(
     points = np.array([data.places[node] for node in way.nodes])
     whole = shapely.LineString(points)
     met: list[np.ndarray] = []
-    for number in tree.query(whole).tolist():
-        for point in shapely.get_coordinates(whole.intersection(lines[number])):
-            if not any(np.hypot(*(point - other)) < 1.0 for other in met):
-                met.append(point)
+    meetings = [shapely.get_coordinates(whole.intersection(lines[n])) for n in tree.query(whole).tolist()]
+    for point in (point for found in meetings for point in found):
+        if not any(np.hypot(*(point - other)) < 1.0 for other in met):
+            met.append(point)
     for point in met:
         at = whole.project(shapely.Point(point))
         before, after = (np.array(whole.interpolate(min(max(at + d, 0), whole.length)).coords[0]) for d in (-4, 4))

@@ -65,10 +65,9 @@ def without_gaps(surface: BaseGeometry) -> BaseGeometry:
 
 def _bands(chains: Sequence[RoadChain]) -> Iterator[BaseGeometry]:
     for chain in chains:
-        for piece in chain.pieces:
+        for piece in (piece for piece in chain.pieces if piece.end - piece.begin > 1e-3):
             right, left = sides(chain, piece)
-            if piece.end - piece.begin > 1e-3:
-                yield band(chain, piece.begin, piece.end, -right, left)
+            yield band(chain, piece.begin, piece.end, -right, left)
     for _, place, reach, count in junctions(chains):
         if count > 1:
             yield shapely.Point(place).buffer(reach)

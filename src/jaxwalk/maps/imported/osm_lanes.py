@@ -157,10 +157,9 @@ class _Inner:
         waiting = [node]
         while waiting:
             here = waiting.pop(0)
-            for there, line in self.onward[here]:
-                if there not in found:
-                    found[there] = np.concatenate([found[here], line])
-                    waiting.append(there)
+            for there, line in (ahead for ahead in self.onward[here] if ahead[0] not in found):
+                found[there] = np.concatenate([found[here], line])
+                waiting.append(there)
         return found
 
 

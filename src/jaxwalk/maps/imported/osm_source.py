@@ -73,12 +73,12 @@ def _open_ends(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[BaseGeome
     ends = Counter(node for chain in chains for node in chain.ends)
     others = {node for way in data.ways if way.tags.get("highway") in GO_ON for node in way.nodes}
     west, south, east, north = data.extent
-    for chain in chains:
-        for end, node in enumerate(chain.ends):
-            x, y = chain.curve.points[-end]
-            at_edge = min(x - west, east - x, y - south, north - y) < AT_EDGE
-            if ends[node] == 1 and (at_edge or node in others):
-                yield _across_end(chain, end)
+    dead = [(chain, end, node) for chain in chains for end, node in enumerate(chain.ends) if ends[node] == 1]
+    for chain, end, node in dead:
+        x, y = chain.curve.points[-end]
+        at_edge = min(x - west, east - x, y - south, north - y) < AT_EDGE
+        if at_edge or node in others:
+            yield _across_end(chain, end)
 
 
 def _across_end(chain: RoadChain, end: int) -> BaseGeometry:
@@ -96,27 +96,24 @@ def _evidence(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[WalkEviden
     for way, line in lines_of(data, kinds=WALKS):
         if way.tags.get("footway") != "crossing" and way.tags.get("highway") != "steps":
             yield WalkEvidence(line, "mapped", NEAR_KERB)
-    for chain in chains:
-        for piece in chain.pieces:
-            right, left = sides(chain, piece)
-            for side, offset in zip(SIDES, (left, -right), strict=True):
-                if sidewalk(piece.way.tags, way_side(piece, side)) == "yes" and piece.end > piece.begin:
-                    yield WalkEvidence(chain.curve.parallel(offset, piece.begin, piece.end), "inferred", AT_KERB)
+    for chain, piece in ((x, piece) for x in chains for piece in x.pieces if piece.end > piece.begin):
+        right, left = sides(chain, piece)
+        said = [sidewalk(piece.way.tags, way_side(piece, side)) for side in SIDES]
+        for offset in (x for x, answer in zip((left, -right), said, strict=True) if answer == "yes"):
+            yield WalkEvidence(chain.curve.parallel(offset, piece.begin, piece.end), "inferred", AT_KERB)
 
 
 def _parking(chains: Sequence[RoadChain], ends: Sequence[tuple[float, float]]) -> Iterator[shapely.Polygon]:
     """Yield parking strips, clear of junctions."""
-    for chain, (low, high) in zip(chains, ends, strict=True):
-        half = chain.profile.width / 2
-        for piece in chain.pieces:
-            begin, end = max(piece.begin, low + FROM_MOUTH), min(piece.end, high - FROM_MOUTH)
-            if end - begin < SHORTEST_STRIP:
-                continue
-            right, left = strip_width(piece, "right"), strip_width(piece, "left")
-            strips = [(-half - right, -half)] * (right > 0) + [(half, half + left)] * (left > 0)
-            for strip in strips:
-                shape = band(chain, begin, end, *strip)
-                yield from (part for part in shapely.get_parts(shape).tolist() if part.geom_type == "Polygon")
+    placed = ((chain, piece, own) for chain, own in zip(chains, ends, strict=True) for piece in chain.pieces)
+    for chain, piece, (low, high) in placed:
+        begin, end = max(piece.begin, low + FROM_MOUTH), min(piece.end, high - FROM_MOUTH)
+        if end - begin < SHORTEST_STRIP:
+            continue
+        half, right, left = chain.profile.width / 2, strip_width(piece, "right"), strip_width(piece, "left")
+        for strip in [(-half - right, -half)] * (right > 0) + [(half, half + left)] * (left > 0):
+            shape = band(chain, begin, end, *strip)
+            yield from (part for part in shapely.get_parts(shape).tolist() if part.geom_type == "Polygon")
 
 
 def _buildings(data: OsmData) -> Iterator[shapely.Polygon]:

@@ -54,7 +54,7 @@ MARKED = ("zebra", "marked", "uncontrolled", "pelican", "toucan", "puffin", "peg
 SIGNALLED = ("traffic_signals", "pelican", "toucan", "puffin", "pegasus")
 
 
-class Profile(NamedTuple):
+class LaneProfile(NamedTuple):
     """The lanes of a road, in the direction of its line."""
 
     forward: int
@@ -69,7 +69,7 @@ class Profile(NamedTuple):
         """The width of all lanes [m]."""
         return (self.forward + self.backward) * self.lane_width
 
-    def turned(self) -> Profile:
+    def turned(self) -> LaneProfile:
         """Return the profile for a line in the opposite direction."""
         return self._replace(forward=self.backward, backward=self.forward)
 
@@ -86,7 +86,7 @@ class Profile(NamedTuple):
 class RoadFacts(NamedTuple):
     """A road's profile, and where each number is from."""
 
-    profile: Profile
+    profile: LaneProfile
     lanes_from: Origin
     width_from: Origin
     limit_from: Origin
@@ -103,7 +103,7 @@ def road_facts(tags: Tags) -> RoadFacts:
     forward, backward, lanes_from = _lanes(tags, usual)
     width, width_from = _lane_width(tags, forward + backward, usual)
     limit, limit_from = _limit(tags, usual)
-    return RoadFacts(Profile(forward, backward, width, limit), lanes_from, width_from, limit_from)
+    return RoadFacts(LaneProfile(forward, backward, width, limit), lanes_from, width_from, limit_from)
 
 
 def one_way(tags: Tags) -> int:

@@ -13,7 +13,7 @@ import shapely
 
 from jaxwalk.maps.generated.curve import Curve
 from jaxwalk.maps.imported.osm_reading import OsmData, OsmWay
-from jaxwalk.maps.imported.osm_tags import Profile, is_road, road_facts
+from jaxwalk.maps.imported.osm_tags import LaneProfile, is_road, road_facts
 
 CUT, RADII = 0.8, (8.0, 40.0)
 """A bend's arc passes its corner at this distance, unless its radius would leave these bounds [m]."""
@@ -41,7 +41,7 @@ class RoadChain:
     ends: tuple[int, int]
     """Numbers of the nodes at its begin and its end."""
     curve: Curve
-    profile: Profile
+    profile: LaneProfile
     pieces: tuple[ChainPiece, ...]
     nodes: dict[int, float]
     """Where its nodes lie [m]."""
@@ -58,17 +58,16 @@ class _Segment(NamedTuple):
     way: OsmWay
     begin: int
     end: int
-    profile: Profile
+    profile: LaneProfile
 
 
 def road_chains(data: OsmData) -> list[RoadChain]:
     """Return all roads; what two ways have in common counts once."""
     segments: dict[frozenset[int], _Segment] = {}
-    for way in data.ways:
-        if is_road(way.tags):
-            profile = road_facts(way.tags).profile
-            for a, b in pairwise(way.nodes):
-                segments.setdefault(frozenset((a, b)), _Segment(way, a, b, profile))
+    for way in (way for way in data.ways if is_road(way.tags)):
+        profile = road_facts(way.tags).profile
+        for a, b in pairwise(way.nodes):
+            segments.setdefault(frozenset((a, b)), _Segment(way, a, b, profile))
     at: dict[int, list[_Segment]] = defaultdict(list)
     for segment in segments.values():
         at[segment.begin].append(segment)
@@ -81,10 +80,10 @@ def _paths(at: dict[int, list[_Segment]]) -> Iterator[list[tuple[_Segment, bool]
     """Yield paths of segments between breaks, each with whether it is followed backward."""
     breaks = [node for node, own in at.items() if _breaks(node, own)]
     used: set[int] = set()
-    for node in [*breaks, *(node for node in at if node not in breaks)]:  # the latter begin closed roads
-        for segment in at[node]:
-            if id(segment) not in used:
-                yield _follow(at, node, segment, used)
+    nodes = [*breaks, *(node for node in at if node not in breaks)]  # the latter begin closed roads
+    for node, segment in ((x, segment) for x in nodes for segment in at[x]):
+        if id(segment) not in used:
+            yield _follow(at, node, segment, used)
 
 
 def _breaks(node: int, own: list[_Segment]) -> bool:

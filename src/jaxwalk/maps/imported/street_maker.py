@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.imported.crossing_places import CrossingOutcome, CrossingPlaces, Placed, RoadLines, connected_parts
 from jaxwalk.maps.imported.kerb_ground import KerbGround, polygons
-from jaxwalk.maps.imported.kerb_origins import Evidence, Stretch
+from jaxwalk.maps.imported.kerb_origins import KerbEvidence, Stretch
 from jaxwalk.maps.imported.source_map import Box, SourceMap, StreetFrame
 from jaxwalk.maps.imported.street_parts import street_areas
 from jaxwalk.maps.imported.street_report import StreetReport
@@ -61,7 +61,7 @@ class StreetMaker:
     def __init__(self, source: SourceMap, *, strict: bool) -> None:
         self.source, self.strict = source, strict
         self.ground = KerbGround.along(source.roadway)
-        self.evidence = Evidence(source.evidence)
+        self.evidence = KerbEvidence(source.evidence)
 
     def make(self, name: str, box: Box, about: np.ndarray | None = None) -> ImportedStreet:
         """Return the street in a box.

@@ -135,13 +135,12 @@ class ImportReport:
     def crossings(self) -> dict[str, CrossingOutcome]:
         """Return what became of each mapped crossing in the street where it fared best."""
         best = {outcome.name: outcome for outcome in self.nowhere}
-        for street in self.streets:
-            for outcome in street.crossings:
-                known = best.get(outcome.name)
-                good = outcome.placed and street.usable
-                own = outcome if good or not outcome.placed else _unusable(outcome, street)
-                if known is None or (good and not known.placed) or (known.at_edge and not own.at_edge):
-                    best[outcome.name] = own
+        for street, outcome in ((x, outcome) for x in self.streets for outcome in x.crossings):
+            known = best.get(outcome.name)
+            good = outcome.placed and street.usable
+            own = outcome if good or not outcome.placed else _unusable(outcome, street)
+            if known is None or (good and not known.placed) or (known.at_edge and not own.at_edge):
+                best[outcome.name] = own
         return best
 
 

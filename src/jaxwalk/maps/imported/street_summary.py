@@ -36,7 +36,7 @@ class Built(NamedTuple):
     walks: list[int]
     """The lines of people that are connected."""
     stretches: list[Stretch]
-    """Of all lines of people."""
+    """The stretches of all lines of people."""
     outcomes: tuple[CrossingOutcome, ...]
     met: Sequence[bool] = ()
     """Which of the crossings some route meets."""

@@ -168,9 +168,9 @@ class RouteFinder:
             if way[-1] in found:
                 continue
             found[way[-1]] = way
-            for after in self.lanes[way[-1]].successors:
-                if after not in found and self.good[after]:
-                    heapq.heappush(waiting, (metres + self.lengths[after], (*way, after)))
+            onward = [after for after in self.lanes[way[-1]].successors if after not in found and self.good[after]]
+            for after in onward:
+                heapq.heappush(waiting, (metres + self.lengths[after], (*way, after)))
         return found
 
     def _cut(self, way: tuple[int, ...]) -> Iterator[LaneRoute]:

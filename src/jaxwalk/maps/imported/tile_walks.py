@@ -114,14 +114,12 @@ class ZoneFinder:
         lane = self.lines[int(number[0])]
         at = lane.project(shapely.Point(middle))
         rooms = sorted(((room, sign) for room, sign in ((lane.length - at, 1), (at, -1))), reverse=True)
-        for length in LENGTHS:
-            for room, sign in rooms:
-                zone = self._tried(crossing, lane, (at, sign), length)
-                if length + END <= room - FROM_LANE_END and zone is not None:
-                    for walk, places in zip(chord.walks, zone.places, strict=True):
-                        self.taken[walk].append((min(places), max(places)))
-                    return zone
-        return None
+        tries = [(length, sign) for length in LENGTHS for room, sign in rooms if length + END <= room - FROM_LANE_END]
+        zones = (self._tried(crossing, lane, (at, sign), length) for length, sign in tries)
+        zone = next((zone for zone in zones if zone is not None), None)
+        for walk, places in zip(chord.walks, zone.places, strict=True) if zone is not None else ():
+            self.taken[walk].append((min(places), max(places)))
+        return zone
 
     def _tried(
         self, crossing: Placed, lane: shapely.LineString, where: tuple[float, int], length: float
@@ -178,16 +176,20 @@ class ZoneFinder:
         aside = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
         ends = np.stack([before + after - 80 * aside, before + after + 80 * aside], axis=1) / 2
         rays = [shapely.LineString(pair) for pair in ends]
-        found = [[place] for place in crossing.chord.places]
-        for places, walk in zip(found, crossing.chord.walks, strict=True):
-            for ray in rays:
-                last = self.walks[walk].interpolate(places[-1])
-                met = shapely.get_parts(self.walks[walk].intersection(ray)).tolist()
-                point = min(met, key=last.distance, default=None)
-                if point is None or point.geom_type != "Point" or point.distance(last) > 2 * PIECE:
-                    return None
-                places.append(float(self.walks[walk].project(point)))
-        return found
+        found = [self._facing(walk, place, rays) for walk, place in zip(*crossing.chord[1:3], strict=True)]
+        return None if found[0] is None or found[1] is None else [found[0], found[1]]
+
+    def _facing(self, walk: int, place: float, rays: Sequence[shapely.LineString]) -> list[float] | None:
+        """Return a place on a line of people and those where rays meet it, one after the other; None if one doesn't."""
+        places = [place]
+        for ray in rays:
+            last = self.walks[walk].interpolate(places[-1])
+            met = shapely.get_parts(self.walks[walk].intersection(ray)).tolist()
+            point = min(met, key=last.distance, default=None)
+            if point is None or point.geom_type != "Point" or point.distance(last) > 2 * PIECE:
+                return None
+            places.append(float(self.walks[walk].project(point)))
+        return places
 
     def _is_free(self, crossing: Placed, places: list[list[float]], signs: Sequence[int]) -> bool:
         """Return whether the nodes follow each other along their lines, with no other zone or landing between."""

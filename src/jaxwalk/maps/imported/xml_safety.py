@@ -33,10 +33,7 @@ def refuse_declarations(path: Path) -> None:
     parser.StartDoctypeDeclHandler = refuse
     parser.StartElementHandler = begun
     try:
-        with opened(path) as file:
-            while chunk := file.read(CHUNK):
-                parser.Parse(chunk)
-            parser.Parse(b"", True)
+        _parse(path, parser)
     except _Begun:
         return
     except expat.ExpatError as error:
@@ -44,6 +41,13 @@ def refuse_declarations(path: Path) -> None:
     except (OSError, EOFError, zlib.error) as error:
         raise ImportRefusal(f"{path}: can't be read ({error}); download it again") from None
     raise ImportRefusal(f"{path}: has no element; name a file with a map")
+
+
+def _parse(path: Path, parser: expat.XMLParserType) -> None:
+    with opened(path) as file:
+        for chunk in iter(lambda: file.read(CHUNK), b""):
+            parser.Parse(chunk)
+        parser.Parse(b"", True)
 
 
 @contextmanager
