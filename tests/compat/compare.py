@@ -113,6 +113,13 @@ def evaluation_with_0_1(options: dict[str, tuple], *, folder: Path) -> dict:
     return json.loads(text)
 
 
+def record_again(name: str, *, folder: Path) -> None:
+    """Record an evaluation again: of its document, the parts that 0.1 had."""
+    found = evaluation_with_0_1(EVALUATIONS[name], folder=folder)
+    found["document"] = {part: found["document"][part] for part in ("schema", "scenarios", "cells")}
+    write(evaluation_file(RECORDED, name), found)
+
+
 def lasting(part):
     """The part of a document without what was given another definition since."""
     if isinstance(part, dict):
@@ -253,7 +260,7 @@ def main() -> int:
     different = 0
     with tempfile.TemporaryDirectory(prefix="jaxwalk-compare-") as scratch:
         for name in options.record:
-            write(evaluation_file(RECORDED, name), evaluation_with_0_1(EVALUATIONS[name], folder=Path(scratch)))
+            record_again(name, folder=Path(scratch))
         if options.record:
             return 0
         for found in compare(options.parts or PARTS, quick=options.quick, folder=Path(scratch)):
