@@ -27,6 +27,7 @@ MODULES = {
     "jaxwalk.maps": "maps: reading, checking, arrays",
     "jaxwalk.maps.generated": "streets from numbers",
     "jaxwalk.maps.network": "a street as plain data",
+    "jaxwalk.maps.imported.importing": "streets of the real world",
     "jaxwalk.scenarios": "sources of scenarios",
     "jaxwalk.policies": "drivers, people, shields, trained policies",
     "jaxwalk.policies.host": "drivers that are not written in JAX",

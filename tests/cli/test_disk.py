@@ -14,6 +14,7 @@ from jaxwalk import writing
 from jaxwalk.cli import main
 from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
+from maps.imported.osm_files import cross
 
 COMMANDS = {
     "train": "train --run out",
@@ -26,6 +27,7 @@ COMMANDS = {
     "generalisation": "generalisation --out out",
     "risk-aware": "risk-aware --out out",
     "frontier": "frontier --out out",
+    "import": "import cross.osm --out out",
     "map new": "map new out/a.toml",
     "map draw": "map draw paper --out out/a.png",
 }
@@ -40,6 +42,7 @@ def test_no_room_is_one_message_and_nothing_is_half_written(name, place, capsys,
     def fail(_):
         raise OSError(fault, os.strerror(fault))
 
+    cross().write(place / "cross.osm")
     monkeypatch.setattr(writing, "_to_disk", fail)
     assert main(COMMANDS[name].split()) == 2
     err = " ".join(capsys.readouterr().err.split())

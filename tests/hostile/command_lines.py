@@ -27,6 +27,7 @@ WORKERS = (
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
     "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
+    "jaxwalk.cli.importing_streets.read_source",
     "jaxwalk.cli.rate.make_rating", "jaxwalk.cli.rate.analyse_answers",
     "jaxwalk.cli.map_new.write_whole", "jaxwalk.cli.map_check.load_network", "jaxwalk.cli.map_draw.street_picture",
 )  # fmt: skip
@@ -60,8 +61,9 @@ LIKELY = {
     "driver": DRIVERS, "drivers": DRIVERS, "beside": DRIVERS, "runs": DRIVERS, "policy": DRIVERS, "compare": DRIVERS,
     "pedestrians": PEOPLE, "out": OUTS,
     "run_folder": ["new", *OUTS], "resume": ["run", "half", "file"], "map": ["paper", "town.toml", "nowhere"],
-    "file": ["new.toml", "new.json", *OUTS], "like": ["paper", "test:3", "nowhere"], "config": ["town.toml", "file"],
-    "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"], "recipe": ["fast", "paper"],
+    "file": ["new.toml", "new.json", "cross.osm", *OUTS], "like": ["paper", "test:3", "nowhere"],
+    "config": ["town.toml", "file"], "recipe": ["fast", "paper"],
+    "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"],
     "role": ["driver", "pedestrian"], "only": ["env", "train"], "areas": ["file", "nowhere"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
     "answers": ["file", "nowhere"],
@@ -109,7 +111,7 @@ def prepare(folder: Path) -> None:
     (folder / "bad.safetensors").write_bytes(save({"x": np.zeros(1)}, {"jaxwalk": "{}"}))
     (folder / "idle.py").write_text("class Idle: pass\n")
     (folder / "town.toml").write_text("size = [60, 20]\n")
-    for name in ("nonsense.onnx", "nonsense.zip", "nonsense.pt", "file", "tracks.parquet"):
+    for name in ("cross.osm", "nonsense.onnx", "nonsense.zip", "nonsense.pt", "file", "tracks.parquet"):
         (folder / name).write_bytes(b"nonsense")
 
 

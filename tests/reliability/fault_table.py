@@ -31,6 +31,7 @@ COMMANDS = {
     "risk-aware": "risk-aware --updates 1 --episodes 2 --seeds 1 --out new",
     "frontier": "frontier --suite paper --driver random --episodes 2 --out new",
     "streets": f"streets --count 1 --out {OUT}",
+    "import": f"import cross.osm --out {OUT}",
     "map new": f"map new {OUT}/new.toml",
     "map check": "map check paper",
     "map draw": f"map draw paper --out {OUT}/a.png",
@@ -41,6 +42,7 @@ WRITES = {
     "tracks": ("a.parquet",), "scenario": ("episode.xosc", "map.xodr", "commonroad.xml"),
     "share": ("a.safetensors", "a.md"), "report": ("report.html", "results.json", "episodes.csv"),
     "bench": ("bench.json", "bench.md"), "streets": ("streets.png",), "map draw": ("a.png",),
+    "import": ("report.html", "report.json"),
     "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"), "rate": ("rate.html", "plan.json"),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""

@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from jaxwalk.cli import main
+from maps.imported.osm_files import cross
 
 SMALL = {
     "--episodes": "4", "--counterfactuals": "1", "--incidents": "1", "--updates": "2", "--count": "1", "--check": "2",
@@ -54,6 +55,8 @@ def provide(words: list[str], trained: Path) -> None:
             shutil.copytree(trained, path)
         elif found := MODULE.match(word):
             _write_driver(Path(f"{found[1]}.py"), found[2])
+        elif word == "town.osm":
+            cross().write(path)
         elif word in ("driver.onnx", "first.safetensors") and not path.exists():
             line = f"export co-trained --out {word}" if word == "driver.onnx" else f"share runs/first --out {word}"
             assert main(line.split()) == 0

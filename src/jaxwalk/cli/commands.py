@@ -46,6 +46,7 @@ COMMANDS = (
     Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
     Command("measure", options.Measure, "jaxwalk.cli.measure"),
     Command("scenario", options.Scenario, "jaxwalk.cli.scenario"),
+    Command("import", options.Import, "jaxwalk.cli.importing_streets"),
     Command("streets", options.Streets, "jaxwalk.cli.streets"),
     Command("map new", options.MapNew, "jaxwalk.cli.map_new"),
     Command("map check", options.MapCheck, "jaxwalk.cli.map_check"),

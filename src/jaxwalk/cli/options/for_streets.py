@@ -1,4 +1,4 @@
-"""Options of the commands about streets: generated ones, and maps of your own."""
+"""Options of the commands about streets: imported ones, generated ones, and maps of your own."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from jaxwalk.cli.options.declare import option
+from jaxwalk.cli.options.declare import Flag, option
 from jaxwalk.maps.generated import SPLITS
 
 if TYPE_CHECKING:
@@ -19,8 +19,36 @@ else:
 
 
 @dataclass(frozen=True)
+class Import:
+    """Make streets of a map of the real world, with a report of what was mapped, inferred, invented and left out.
+
+    OpenStreetMap (.osm, .osm.pbf; needs pip install "jaxwalk[osm]"). See docs/real-streets.md. For example:
+    jaxwalk import town.osm.pbf --centre 60.1699 24.9384 --radius 300 --out town
+    """
+
+    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
+    """The map."""
+    out: Annotated[Path, option("streets", "OUT")] = Path("streets")
+    """NAME.json: all of it as one street of at most 400 m. A folder: tiles that overlap, TILE-001.json and so on, for
+    --map of other commands. Reports beside them: NAME.report.html and .json, or report.html and .json. Older ones are
+    replaced; a folder must be new, or one of an earlier import."""
+    centre: Annotated[tuple[float, float] | None, option("all of the map", "LATITUDE LONGITUDE")] = None
+    """Only the square about this place; degrees."""
+    radius: Annotated[float, option("150", "METRES")] = 150.0
+    """How far the square reaches to each side."""
+    bbox: Annotated[tuple[float, float, float, float] | None, option("all of the map", "W S E N")] = None
+    """Only this box: west, south, east, north; degrees."""
+    tile: Annotated[float, option("200", "METRES")] = 200.0
+    """Side of a tile, 150 to 300."""
+    traffic: Annotated[Literal["right", "left"], option("right", "SIDE")] = "right"
+    """The side to which traffic keeps. A map that says otherwise is refused."""
+    strict: Flag = False
+    """Invent no sidewalk and no crossing: only what is mapped, or follows from tags."""
+
+
+@dataclass(frozen=True)
 class Streets:
-    """Draw, list and check generated streets: each is made from a number. See docs/streets.md.
+    """Draw, list and check streets: generated ones, each made from a number, or maps. See docs/streets.md.
 
     For example: jaxwalk streets --split test --count 12 --out streets
     """
@@ -32,6 +60,8 @@ class Streets:
     """Begin at this place among the split's numbers, from 0."""
     count: Annotated[int, option("12", "N")] = 12
     """Number of streets. Numbers that give none are left out, and counted."""
+    map: Annotated[tuple[str, ...], option("none: generated streets", "MAP [MAP ...]")] = ()
+    """Instead of generated streets: maps by name, map files, or folders of `jaxwalk import`."""
     out: Annotated[Path | None, option("none: only list them", "DIR")] = None
     """Folder for a picture of each street, NUMBER.png, and streets.png with all of them; older ones are replaced."""
     check: Annotated[int | None, option("none", "N")] = None

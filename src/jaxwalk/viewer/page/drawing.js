@@ -69,7 +69,25 @@ class Drawing {
     if (shows.sight) for (const person of now.people) if (person.lastSeen) this.#lastSeen(c, person);
     for (const person of drawn) this.#person(c, person, shows.hidden, shows.sight && person.unperceived);
     if (now.over && episode.touched.size) this.#crash(c, now, episode);
+    this.#attribution(c);
     return now;
+  }
+
+  // Whose data the street was made from.
+  #attribution(c) {
+    if (!this.map.attribution) return;
+    c.font = "10px sans-serif";
+    c.textAlign = "right";
+    c.textBaseline = "bottom";
+    const x = this.canvas.clientWidth - 3, y = this.canvas.clientHeight - 2;
+    c.fillStyle = this.colour.block;
+    c.globalAlpha = 0.7;
+    c.fillRect(x - c.measureText(this.map.attribution).width - 2, y - 12, this.canvas.clientWidth, 14);
+    c.globalAlpha = 1;
+    c.fillStyle = this.colour.ink;
+    c.fillText(this.map.attribution, x, y);
+    c.textAlign = "start";
+    c.textBaseline = "alphabetic";
   }
 
   #ground(c) {
