@@ -9,7 +9,7 @@ INSTALLED := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null || echo $(BIN)/uv)
 
 .DEFAULT_GOAL := help
-.PHONY: help install check lint types contracts test coverage mutants reliability speed versions format reproduce evidence pictures bench \
+.PHONY: help install check lint types contracts test coverage mutants reliability speed versions format reproduce evidence pictures docs bench \
 	wheel lock clean
 
 help:  ## list the targets
@@ -91,6 +91,10 @@ pictures: install  ## the pictures of README and docs, and an animation for talk
 	$(BIN)/jaxwalk report --out runs/report
 	$(BIN)/python docs/screenshots.py runs/report/report.html docs/images
 
+docs: install  ## the site, into build/site: pages, the reference from the code, links checked
+	$(UV) pip install --quiet --python $(BIN)/python -r requirements/docs.txt
+	$(BIN)/python docs/website/build.py
+
 bench: install  ## how fast simulator and training are on this machine: some minutes
 	$(BIN)/jaxwalk bench
 
@@ -98,13 +102,14 @@ wheel: install  ## build dist/*.whl
 	rm -rf dist
 	$(UV) build --quiet --wheel --out-dir dist
 
-# core is held to what dev chose, so that the two lists always agree. No list names a package index.
+# core and docs are held to what dev chose, so that the lists always agree. No list names a package index.
 COMPILE = $(UV) pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --no-emit-find-links \
 	--no-annotate --custom-compile-command 'make lock' pyproject.toml
 
 lock: | $(UV)  ## choose the newest versions anew and pin them in requirements/
 	$(COMPILE) --upgrade --extra dev -o requirements/dev.txt
 	$(COMPILE) --upgrade --constraint requirements/dev.txt -o requirements/core.txt
+	$(COMPILE) --upgrade --constraint requirements/dev.txt --extra docs -o requirements/docs.txt
 
 clean:  ## remove what was built and cached; .venv and runs stay
 	rm -rf build dist site .pytest_cache .ruff_cache .hypothesis htmlcov .coverage*

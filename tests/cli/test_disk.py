@@ -14,11 +14,13 @@ from jaxwalk import writing
 from jaxwalk.cli import main
 from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
+from maps.imported.osm_files import cross
 
 COMMANDS = {
     "train": "train --run out",
     "play": "play --driver constant-speed --out out/episode.html",
     "evaluate": "evaluate --driver constant-speed --episodes 2 --out out",
+    "rate": "rate clearance careful-human --episodes 64 --pairs 3 --out out",
     "reproduce": "reproduce --out out",
     "hidden-intent": "hidden-intent --out out",
     "co-training": "co-training --out out",
@@ -26,6 +28,9 @@ COMMANDS = {
     "risk-aware": "risk-aware --out out",
     "frontier": "frontier --out out",
     "search": "search constant-speed --simulations 1 --minimise 0 --out out",
+    "import": "import cross.osm --out out",
+    "map new": "map new out/a.toml",
+    "map draw": "map draw paper --out out/a.png",
 }
 """As they are given; each writes into out. What else writes uses the same `whole`."""
 FAULTS = {errno.ENOSPC: "No space left on device; make room", errno.EROFS: "Read-only file system; name another place"}
@@ -38,6 +43,7 @@ def test_no_room_is_one_message_and_nothing_is_half_written(name, place, capsys,
     def fail(_):
         raise OSError(fault, os.strerror(fault))
 
+    cross().write(place / "cross.osm")
     monkeypatch.setattr(writing, "_to_disk", fail)
     assert main(COMMANDS[name].split()) == 2
     err = " ".join(capsys.readouterr().err.split())

@@ -3,6 +3,7 @@
     .venv/bin/python tests/compat/compare.py                      # everything: half an hour on two cores
     .venv/bin/python tests/compat/compare.py --quick              # a slice of each part
     .venv/bin/python tests/compat/compare.py scenarios updates    # some parts
+    .venv/bin/python tests/compat/compare.py --record all sampled # evaluations that are meant to change, recorded again
 
 Prints a line for each comparison and exits with 1 if any of them differs:
 
@@ -46,6 +47,7 @@ from compat.record import (
     resume_trained,
     scenario_hash,
     updates_file,
+    write,
 )  # fmt: skip
 from jaxwalk.recipes import RECIPES, single_agent, with_training
 from jaxwalk.runs.folder import Run
@@ -109,6 +111,13 @@ def evaluation_with_0_1(options: dict[str, tuple], *, folder: Path) -> dict:
     for then, now in OF_0_1.items():
         text = text.replace(now, then)
     return json.loads(text)
+
+
+def record_again(name: str, *, folder: Path) -> None:
+    """Record an evaluation again: of its document, the parts that 0.1 had."""
+    found = evaluation_with_0_1(EVALUATIONS[name], folder=folder)
+    found["document"] = {part: found["document"][part] for part in ("schema", "scenarios", "cells")}
+    write(evaluation_file(RECORDED, name), found)
 
 
 def lasting(part):
@@ -246,9 +255,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", help=", ".join(PARTS))
     parser.add_argument("--quick", action="store_true", help="a slice of each part")
+    parser.add_argument("--record", nargs="+", choices=EVALUATIONS, default=[], help="record these evaluations again")
     options = parser.parse_args()
     different = 0
     with tempfile.TemporaryDirectory(prefix="jaxwalk-compare-") as scratch:
+        for name in options.record:
+            record_again(name, folder=Path(scratch))
+        if options.record:
+            return 0
         for found in compare(options.parts or PARTS, quick=options.quick, folder=Path(scratch)):
             different += bool(found.differs)
             mark = "DIFFERS" if found.differs else "skipped" if found.skipped else "same"

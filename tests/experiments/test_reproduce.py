@@ -177,7 +177,7 @@ def test_what_the_first_seed_did_worst_can_be_watched(made):
 @pytest.mark.long
 def test_what_is_there_is_not_made_again(made, tiny):
     folder, _ = made
-    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.json")}
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.json") if path.parent.name != "tables"}
     said = io.StringIO()
     reproduce(folder, PLAN, base=tiny, console=Console(file=said, width=200))
     changed = {path.name for path, written in before.items() if path.stat().st_mtime_ns != written}

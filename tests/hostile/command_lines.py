@@ -28,6 +28,9 @@ WORKERS = (
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
     "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
     "jaxwalk.cli.search.search_failures", "jaxwalk.cli.search.estimate_rate", "jaxwalk.cli.evaluate.read_archive",
+    "jaxwalk.cli.importing_streets.read_source",
+    "jaxwalk.cli.rate.make_rating", "jaxwalk.cli.rate.analyse_answers",
+    "jaxwalk.cli.map_new.write_whole", "jaxwalk.cli.map_check.load_network", "jaxwalk.cli.map_draw.street_picture",
 )  # fmt: skip
 """Where the work begins that a good command line asks for: a case ends there."""
 PEOPLE = ["always-go", "learned", "mine.safetensors", "run", "nobody", "bad.safetensors"]
@@ -59,13 +62,18 @@ LIKELY = {
     "driver": DRIVERS, "drivers": DRIVERS, "beside": DRIVERS, "runs": DRIVERS, "policy": DRIVERS, "compare": DRIVERS,
     "pedestrians": PEOPLE, "out": OUTS,
     "run_folder": ["new", *OUTS], "resume": ["run", "half", "file"], "map": ["paper", "town.toml", "nowhere"],
-    "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"], "recipe": ["fast", "paper"],
+    "file": ["new.toml", "new.json", "cross.osm", *OUTS], "like": ["paper", "test:3", "nowhere"],
+    "config": ["town.toml", "file"], "recipe": ["fast", "paper"],
+    "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"],
     "role": ["driver", "pedestrian"], "only": ["env", "train"], "areas": ["file", "nowhere"],
     "method": ["random", "map-elites", "splitting"], "scenarios": ["file", "nowhere", "run"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
+    "answers": ["file", "nowhere"],
 }  # fmt: skip
 """By the name of an option; all others take numbers, or nothing."""
-POSITIONAL = ("runs", "policy", "files", "drivers")
+POSITIONAL = ("runs", "policy", "files", "drivers", "file")
+MAPS_FIRST = (options.MapCheck, options.MapDraw)
+"""Commands in which maps have no flag."""
 
 
 def commands() -> list[type]:
@@ -83,7 +91,8 @@ def command_lines(draw: Callable[[st.SearchStrategy[Any]], Any]) -> list[str]:
     given += draw(st.lists(st.sampled_from(sorted(fields)), max_size=3))
     line = [name]
     for field in given:
-        if field not in POSITIONAL and not (kind is options.Share and field == "run_folder"):
+        bare = field in POSITIONAL or (kind in MAPS_FIRST and field == "map")
+        if not bare and not (kind is options.Share and field == "run_folder"):
             line.append("--" + ("run" if field == "run_folder" else field.replace("_", "-")))
         if fields[field].default is not False:
             values = st.sampled_from(LIKELY.get(field, NUMBERS) * 5 + STRANGE)
@@ -104,7 +113,7 @@ def prepare(folder: Path) -> None:
     (folder / "bad.safetensors").write_bytes(save({"x": np.zeros(1)}, {"jaxwalk": "{}"}))
     (folder / "idle.py").write_text("class Idle: pass\n")
     (folder / "town.toml").write_text("size = [60, 20]\n")
-    for name in ("nonsense.onnx", "nonsense.zip", "nonsense.pt", "file", "tracks.parquet"):
+    for name in ("cross.osm", "nonsense.onnx", "nonsense.zip", "nonsense.pt", "file", "tracks.parquet"):
         (folder / name).write_bytes(b"nonsense")
 
 

@@ -23,6 +23,7 @@ COMMANDS = {
     "crashtest": f"crashtest random --suite r152 --beside none --out {OUT}",
     "search": f"search route-follower --simulations 1 --minimise 0 --out {OUT}",
     "report": f"report random --pedestrians always-go --episodes 2 --incidents 0 --out {OUT}",
+    "rate": f"rate clearance careful-human --episodes 64 --pairs 3 --out {OUT}",
     "bench": f"bench --only env --environments 8 --seconds 0.05 --out {OUT}",
     "reproduce": "reproduce --updates 1 --episodes 2 --out new",
     "hidden-intent": "hidden-intent --updates 1 --episodes 2 --seeds 1 --out new",
@@ -31,14 +32,19 @@ COMMANDS = {
     "risk-aware": "risk-aware --updates 1 --episodes 2 --seeds 1 --out new",
     "frontier": "frontier --suite paper --driver random --episodes 2 --out new",
     "streets": f"streets --count 1 --out {OUT}",
+    "import": f"import cross.osm --out {OUT}",
+    "map new": f"map new {OUT}/new.toml",
+    "map check": "map check paper",
+    "map draw": f"map draw paper --out {OUT}/a.png",
 }
 """Every command, with little work."""
 WRITES = {
     "evaluate": ("results.json", "suite.md", "episodes.csv"), "play": ("a.html",), "export": ("a.onnx",),
     "tracks": ("a.parquet",), "scenario": ("episode.xosc", "map.xodr", "commonroad.xml"),
     "share": ("a.safetensors", "a.md"), "report": ("report.html", "results.json", "episodes.csv"),
-    "bench": ("bench.json", "bench.md"), "streets": ("streets.png",),
-    "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"),
+    "bench": ("bench.json", "bench.md"), "streets": ("streets.png",), "map draw": ("a.png",),
+    "import": ("report.html", "report.json"),
+    "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"), "rate": ("rate.html", "plan.json"),
     "search": ("search.html", "search.json", "failures.csv"),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""
@@ -70,7 +76,7 @@ class Fault:
 
 NO_OUTPUT = ("train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier")
 """Commands that print nothing on standard output, or only in the end."""
-NO_FILES = ("observations", "measure")
+NO_FILES = ("observations", "measure", "map check")
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 UNTIL = {INT: 130, TERM: 143, HUP: 143}
 ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}

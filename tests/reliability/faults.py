@@ -25,6 +25,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from maps.imported.osm_files import cross
 from reliability.fault_table import COMMANDS, FAULTS, LONG, OUT, SMALL, WRITES, Fault
 
 AT_LEAST = 3
@@ -64,6 +65,7 @@ def prepare(folder: Path, cache: Path) -> None:
     for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet"):
         done = subprocess.run(_command(line), cwd=folder, env=_environment(cache), check=False, capture_output=True)
         assert done.returncode == 0, done.stderr.decode()
+    cross().write(folder / "cross.osm")
 
 
 def play(fault: Fault, name: str, folder: Path, cache: Path) -> Seen:

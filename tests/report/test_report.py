@@ -18,7 +18,7 @@ from jaxwalk.report import Material, ReportError, write_report
 from jaxwalk.report.figures import FIGURES
 from jaxwalk.report.paper_tables import TABLES
 from jaxwalk.report.sections import SECTIONS
-from jaxwalk.report.verdicts import Versus, verdict
+from jaxwalk.report.verdicts import Versus, brief, verdict
 from report.material import material
 
 OF_SEVERAL = ("training_seeds",)
@@ -62,7 +62,7 @@ def test_every_section_table_and_figure_is_in_the_page(page, several):
         assert f"<h2>{escape(section.heading)}" in (several / "report.html").read_text(encoding="utf-8")
     shown = [section.table for section in SECTIONS if section.table]
     assert sorted(shown) == sorted(TABLES)
-    assert page.count("<table>") == len(TABLES) - len(OF_SEVERAL)
+    assert page.count("<table>") == len(TABLES) - len(OF_SEVERAL) + 2  # and how the drivers stand, the last one folded
     assert page.count("<svg") == len(FIGURES)
     assert page.count('<img class="drawing" src="data:image/svg+xml;base64,') == 2
     assert page.index("Collision with a jaywalker. Scenario 1 of seed 5: the route-follower car") < page.index(
@@ -71,7 +71,7 @@ def test_every_section_table_and_figure_is_in_the_page(page, several):
 
 
 def test_files_of_every_table_and_figure(folder):
-    made = {f"{name}.{kind}" for name in set(TABLES) - set(OF_SEVERAL) for kind in ("csv", "md", "tex")}
+    made = {f"{name}.{kind}" for name in set(TABLES) - set(OF_SEVERAL) for kind in ("csv", "json", "md", "tex")}
     assert {p.name for p in (folder / "tables").iterdir()} == made
     assert {p.name for p in (folder / "figures").iterdir()} == {
         f"{n}.{kind}" for n in FIGURES for kind in ("svg", "png")
@@ -106,7 +106,14 @@ def test_the_page_needs_no_network(page):
     assert not re.search(r"""(?:src|href)\s*=\s*["'](?!#|data:)""", page)
     assert not re.search(r"url\((?!#)", page)
     assert "@import" not in page
-    assert "<script" not in page
+
+
+def test_every_entry_of_the_contents_leads_somewhere(page, several):
+    for text in (page, (several / "report.html").read_text(encoding="utf-8")):
+        contents = re.search(r'<nav class="contents".*?</nav>', text, re.DOTALL)
+        entries = re.findall(r'href="#([^"]+)"', contents[0]) if contents else []
+        assert len(entries) > 15
+        assert entries == re.findall(r'<(?:header|details class="section") id="([^"]+)"', text)
 
 
 def test_identifiers_in_the_page_are_unique(page):
@@ -225,6 +232,9 @@ def test_verdicts():
     assert verdict([outside], "Because.") == "Differs from the paper: collisions: 2.00, below 14.0 %. Because."
     assert verdict([unknown], "Because.") == "Too few cases to say: time."
     assert "Because." in verdict([inside, outside, unknown], "Because.")
+    assert brief([inside]) == "Agrees with the paper in 1 number."
+    assert brief([inside, outside, unknown]) == "Differs from the paper in 1 of 2 numbers."
+    assert brief([unknown]) == ""
 
 
 def test_any_drivers_among_any_people(documents, tmp_path, undrawn):
@@ -260,5 +270,12 @@ def test_numbers_of_who_can_be_watched_are_links(documents, tmp_path, undrawn):
     text = write_report(tmp_path, dataclasses.replace(documents, gallery=watched(gallery))).read_text(encoding="utf-8")
     linked = re.findall(r'<a href="#gallery" data-cell="([^"]*)">', text)
     assert set(linked) == {"co-trained among always-go", "route-follower among always-go"}
-    assert linked[0] == "co-trained among always-go"
+    first = text.split("</header>")[0]
+    assert len(re.findall("data-cell=", first)) == 2
+    assert re.findall(r'data-incident="(\d)">([^,<]*)', first) == [
+        ("0", "Hit at 5.0 m/s"),
+        ("1", "Hit at 5.0 m/s"),
+        ("2", "Near miss"),
+    ]
+    assert 'href="#episode=7&amp;driver=co-trained&amp;pedestrians=always-go&amp;t=1.0"' in first
     assert '"incidents":' in text

@@ -7,7 +7,7 @@ from typing import Any
 
 from jaxwalk.cli.checks import place
 from jaxwalk.cli.errors import bad_values
-from jaxwalk.cli.options import Play, Report, Scenario, Search, Tracks
+from jaxwalk.cli.options import Play, Rate, Report, Scenario, Search, Tracks
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.interfaces import Policy
 from jaxwalk.runs.contestants import contestant, world_of
@@ -21,7 +21,7 @@ Policies = dict[str, Policy]
 def cast(
     drivers: Sequence[str],
     people: Sequence[str],
-    options: Play | Report | Scenario | Search | Tracks,
+    options: Play | Rate | Report | Scenario | Search | Tracks,
     kept: Archived | None = None,
     **loading: Any,
 ) -> tuple[Street, Policies, Policies]:

@@ -37,6 +37,7 @@ COMMANDS = (
     Command("play", options.Play, "jaxwalk.cli.play"),
     Command("reproduce", options.Reproduce, "jaxwalk.cli.reproduce"),
     Command("report", options.Report, "jaxwalk.cli.report"),
+    Command("rate", options.Rate, "jaxwalk.cli.rate"),
     Command("hidden-intent", options.HiddenIntent, "jaxwalk.cli.hidden_intent"),
     Command("co-training", options.CoTraining, "jaxwalk.cli.co_training"),
     Command("generalisation", options.Generalisation, "jaxwalk.cli.generalisation"),
@@ -46,7 +47,11 @@ COMMANDS = (
     Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
     Command("measure", options.Measure, "jaxwalk.cli.measure"),
     Command("scenario", options.Scenario, "jaxwalk.cli.scenario"),
+    Command("import", options.Import, "jaxwalk.cli.importing_streets"),
     Command("streets", options.Streets, "jaxwalk.cli.streets"),
+    Command("map new", options.MapNew, "jaxwalk.cli.map_new"),
+    Command("map check", options.MapCheck, "jaxwalk.cli.map_check"),
+    Command("map draw", options.MapDraw, "jaxwalk.cli.map_draw"),
     Command("export", options.Export, "jaxwalk.cli.export"),
     Command("observations", options.Observations, "jaxwalk.cli.observations"),
     Command("bench", options.Bench, "jaxwalk.cli.bench", processes=True),
@@ -60,6 +65,7 @@ def parse(arguments: list[str]) -> Any:
     Raises:
         UsageError: an option is given twice that takes one value, or has another name now.
     """
+    arguments = _as_one_word(arguments)
     command = next((each for each in COMMANDS if each.name in arguments[:1]), None)
     if command is not None:
         arguments = [command.name, *gathered(command.name, command.options, arguments[1:])]
@@ -71,6 +77,12 @@ def parse(arguments: list[str]) -> Any:
         description="How does a self-driving car behave among people who may jaywalk? Train, evaluate, watch, report.",
         config=(tyro.conf.OmitArgPrefixes,),
     )
+
+
+def _as_one_word(arguments: list[str]) -> list[str]:
+    """Return the arguments with the two words of a name such as ``map new`` as one."""
+    name = " ".join(arguments[:2])
+    return [name, *arguments[2:]] if any(each.name == name for each in COMMANDS) else arguments
 
 
 def run(options: Any) -> int:

@@ -14,6 +14,7 @@ from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Share, Train
 from jaxwalk.maps import checked, each_map, map_content
 from jaxwalk.maps.generated import names_generated
+from jaxwalk.recipes import RECIPES, load_experiment
 from jaxwalk.runs.contestant_names import check_name, run_folders
 from jaxwalk.runs.folder import Run, check_new
 from jaxwalk.sim.sim_config import SimConfig
@@ -21,13 +22,16 @@ from jaxwalk.sim.sim_config import SimConfig
 PLAN = "plan.json"
 """File of a folder of `jaxwalk reproduce`, which `jaxwalk report` takes as well."""
 
+FILES = ("files", "areas", "again", "answers", "config", "scenarios")
+"""Options that name files to read."""
+
 
 def check_names(options: Any) -> None:
     """Raise an error, all of which are ValueErrors of jaxwalk, if the options name something that doesn't exist.
 
     Maps that are files are checked completely.
     """
-    for path in (path for field in ("files", "areas", "again", "scenarios") for path in _many(options, field)):
+    for path in (path for field in FILES for path in _many(options, field)):
         if not path.exists():
             raise UsageError(f"{path}: no such file; check the name")
     if isinstance(options, Train) and options.resume:
@@ -41,7 +45,7 @@ def check_names(options: Any) -> None:
         check_name(role, name)
     runs = [Run.open(name) for name in run_folders(name for _, name in named)]
     sim = runs[0].experiment.sim if runs else SimConfig()
-    for name in each_map(_many(options, "map")):
+    for name in each_map(_maps(options)):
         text = map_content(name)
         if not names_generated(name):  # generated streets are checked when they are made
             checked(text, name, goal_spacing=sim.goal_spacing, start_clearance=sim.start_clearance)
@@ -56,6 +60,14 @@ def _named(options: Any) -> Iterator[tuple[str, str]]:
     yield from ((options.role, name) for name in _many(options, "policy"))
     if isinstance(options, Share):
         yield "driver", str(options.run_folder.resolve())  # the whole path can't be a shipped policy's name
+
+
+def _maps(options: Any) -> tuple[str, ...]:
+    """Return the maps that options, or the file of a training, name."""
+    named = _many(options, "map")
+    if isinstance(options, Train) and options.config:
+        return named or load_experiment(options.config, RECIPES).maps
+    return named
 
 
 def _many(options: Any, field: str) -> tuple[Any, ...]:

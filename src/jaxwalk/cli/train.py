@@ -10,7 +10,7 @@ from rich.console import Console
 
 from jaxwalk.cli.errors import INTERRUPTED, UsageError, bad_values
 from jaxwalk.cli.options import Train
-from jaxwalk.recipes import LONGEST, RECIPES, Experiment, single_agent, with_training
+from jaxwalk.recipes import LONGEST, RECIPES, Experiment, load_experiment, single_agent, with_training
 from jaxwalk.runs.folder import Run, check_new, check_writable
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import make_street, shared_out
@@ -74,20 +74,28 @@ def check(options: Train) -> None:
         raise UsageError("--run DIR is missing: where to keep the training (or --resume DIR, to continue one)")
     if options.minutes is not None and options.updates is not None:
         raise UsageError("--updates and --minutes both say how long to train; give one of them")
+    if options.config and options.recipe != Train.recipe:
+        raise UsageError("--recipe: the file of --config names the recipe; leave one of them out")
     check_new(options.run_folder)
 
 
 def make_experiment(options: Train) -> Experiment:
-    """Return the recipe with the changes that the options ask for."""
-    experiment = RECIPES[options.recipe]
+    """Return the recipe, or the training of a file, with the changes that the options ask for."""
+    experiment = load_experiment(options.config, RECIPES) if options.config else RECIPES[options.recipe]
     experiment = single_agent(experiment) if options.single_agent else experiment
     with bad_values():
         experiment = with_training(experiment, **{name: getattr(options, name) for name in TUNABLE})
-        maps = tuple(map(_absolute, options.map)) or experiment.maps
-        multiplier = options.jaywalk_multiplier
-        sim = rules_of(options.world, maps, experiment.sim)
-        experiment = replace(experiment, seed=options.seed, maps=maps, sim=sim, jaywalk_multiplier=multiplier)
-        experiment = replace(experiment, minutes=options.minutes)
+        changes = {
+            "seed": options.seed, "maps": tuple(map(_absolute, options.map)) or None,
+            "jaywalk_multiplier": options.jaywalk_multiplier,
+            "minutes": options.minutes,
+        }  # fmt: skip
+        experiment = replace(experiment, **{name: value for name, value in changes.items() if value is not None})
+        if options.updates is not None:
+            experiment = replace(experiment, minutes=None)
+        if options.world or options.map:
+            sim = rules_of(options.world, experiment.maps, experiment.sim)
+            experiment = replace(experiment, sim=sim)
     return experiment
 
 

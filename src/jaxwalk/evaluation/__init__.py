@@ -14,7 +14,7 @@ from jaxwalk.evaluation.incidents import Incidents, describe, find_incidents
 from jaxwalk.evaluation.playing import play
 from jaxwalk.evaluation.results import Cell, Results, Stopped, evaluate_grid
 from jaxwalk.evaluation.settings import SAMPLES, acts_by, jaywalk_multiplier, with_jaywalk_multiplier, with_mode
-from jaxwalk.evaluation.training_seeds import Match, over_training_seeds, paired_delay, paired_over_seeds
+from jaxwalk.evaluation.training_seeds import Match, every_two, over_training_seeds, paired_delay, paired_over_seeds
 
 __all__ = [
     "BATCH",
@@ -39,6 +39,7 @@ __all__ = [
     "describe",
     "evaluate",
     "evaluate_grid",
+    "every_two",
     "find_hits",
     "find_incidents",
     "jaywalk_multiplier",

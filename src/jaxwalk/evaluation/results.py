@@ -143,6 +143,8 @@ class Results:
     """Numbers over training seeds, for each driver, population and jaywalk multiplier; in reports only."""
     paired: tuple[PairedSeeds, ...] = ()
     """Pairs of the same scenarios, over training seeds; in reports only."""
+    every_two: tuple[PairedSeeds, ...] = ()
+    """Hits of every two drivers among each population, for the verdict of a report."""
     paired_delays: tuple[PairedDelay, ...] = ()
     """The same of delays; in studies only."""
     street: StreetOrigin | None = None
@@ -168,7 +170,7 @@ class Results:
         cells = [cell.as_dict() for cell in self.cells]
         if not self.over_seeds:
             cells = [{name: value for name, value in cell.items() if name != "training_seed"} for cell in cells]
-        lists = ("drivers", "populations", "over_seeds", "paired", "paired_delays", "compared", "shields")
+        lists = ("drivers", "populations", "over_seeds", "paired", "every_two", "paired_delays", "compared", "shields")
         parts = {name: [asdict(one) for one in getattr(self, name)] for name in lists}
         return {
             "schema": SCHEMA,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -123,8 +124,9 @@ def _over_seeds(ratio: SeedRatio, group: list[Match]) -> OverSeeds:
     return over_seeds(np.stack(over), np.stack(under), kind=ratio.kind)
 
 
-Ending = Literal["collision", "goal", "moving contact"]
-"""What is compared: how episodes end, and in which the moving car touches somebody by its footprint."""
+Ending = Literal["collision", "goal", "moving contact", "hit"]
+"""What is compared: how episodes end, and in which the moving car touches somebody by its footprint. A hit is a
+collision of the moving car."""
 ENDINGS: tuple[Ending, ...] = ("collision", "goal")
 """The endings of episodes that reports compare."""
 
@@ -181,6 +183,18 @@ def paired_delay(a: Sequence[Match], b: Sequence[Match]) -> PairedDelay:
     )
 
 
+def every_two(matches: Sequence[Match]) -> tuple[PairedSeeds, ...]:
+    """Compare how often every two drivers hit somebody, among each population that both met.
+
+    Raises ValueError as `paired_over_seeds` does.
+    """
+    groups: dict[tuple[str, str], list[Match]] = {}
+    for match in matches:
+        groups.setdefault(match.names, []).append(match)
+    pairs = combinations(groups, 2)
+    return tuple(paired_over_seeds("hit", groups[a], groups[b]) for a, b in pairs if a[1] == b[1])
+
+
 def matched(a: Sequence[Match], b: Sequence[Match]) -> tuple[list[Match], list[Match]]:
     """Return both sides with equally many matches: the only one of a side stands for every training seed.
 
@@ -223,4 +237,5 @@ def _ended(rows: Rows, ending: Ending) -> Bool[np.ndarray, "scenario"]:
     """Return which episodes have this ending."""
     if ending == "moving contact":
         return touched_while_moving(rows)
-    return rows[OUTCOMES].goal if ending == "goal" else rows[OUTCOMES].collision
+    table = rows[OUTCOMES]
+    return {"goal": table.goal, "collision": table.collision, "hit": table.moving}[ending]

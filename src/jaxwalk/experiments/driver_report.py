@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
-from jaxwalk.evaluation import Match, ReplayError, paired_over_seeds, write_rows
+from jaxwalk.evaluation import Match, ReplayError, every_two, paired_over_seeds, write_rows
 from jaxwalk.evaluation.document_parts import PairedSeeds
 from jaxwalk.evaluation.training_seeds import ENDINGS
 from jaxwalk.experiments.curves import learning_curve
@@ -63,6 +63,7 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, replays: int, sa
         matches = [_replayed(cast, match, replays, say) for match in matches]
     results = replace(
         results_of(cast.street, scenarios, matches, paired=_pairs(cast, matches)),
+        every_two=every_two(matches),
         drivers=tuple(policy_origin("driver", name) for name in cast.drivers),
         populations=tuple(policy_origin("pedestrian", name) for name in cast.populations),
     )

@@ -11,6 +11,7 @@ from jaxwalk.evaluation import (
     Match,
     Results,
     evaluate_grid,
+    every_two,
     over_training_seeds,
     paired_over_seeds,
     with_jaywalk_multiplier,
@@ -80,7 +81,8 @@ def tournament(
     chosen, matches = play_rounds(street, rounds, scenarios, say)
     places = {name: place for place, name in enumerate((*COMPARED, SINGLE_AGENT, CO_TRAINED))}
     matches.sort(key=lambda match: (places[match.cell.driver], MET.index(match.cell.pedestrians)))
-    return results_of(street, chosen, matches, paired=_pairs(matches)), matches
+    found = results_of(street, chosen, matches, paired=_pairs(matches))
+    return replace(found, every_two=every_two(matches)), matches
 
 
 def ablation(street: Street, trained: Sequence[TrainedPolicies], scenarios: Scenarios, say: Say) -> Results:
@@ -125,8 +127,9 @@ def results_of(
 ) -> Results:
     """Return every match's cell, the numbers over training seeds, and where and with which versions it was."""
     cells, over_seeds = tuple(match.cell for match in matches), over_training_seeds(matches)
-    where, made = StreetOrigin.of(street), provenance()
-    return Results(scenarios, cells, over_seeds=over_seeds, paired=tuple(paired), street=where, made=made)
+    return Results(
+        scenarios, cells, over_seeds=over_seeds, paired=tuple(paired), street=StreetOrigin.of(street), made=provenance()
+    )
 
 
 def _pairs(matches: Sequence[Match]) -> list[PairedSeeds]:

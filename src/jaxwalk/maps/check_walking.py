@@ -141,15 +141,15 @@ def _zone_faults(
     if not 0 <= zone.begin < zone.end < lines.length:
         yield f"{field}: from {zone.begin:g} to {zone.end:g} m; must lie within the {lines.length:.2f} m of its sides"
         return
-    chords = np.array(list(_chords(lines, zone.begin, zone.end)))
-    wrong = _chord_faults(chords, scene)
+    chords = np.array(list(ways_across(lines, zone.begin, zone.end)))
+    wrong = chord_faults(chords, scene)
     first = next((n for n, fault in enumerate(wrong) if fault), None)
     if first is not None:
         (x, y), _ = chords[first].coords
         yield f"{field}: a way across from ({x:.1f}, {y:.1f}) {wrong[first]}; shorten the zone"
 
 
-def _chords(lines: ZoneLines, begin: float, end: float) -> Iterator[shapely.LineString]:
+def ways_across(lines: ZoneLines, begin: float, end: float) -> Iterator[shapely.LineString]:
     """Yield ways across: straight ones, and those with the largest slant, from either side."""
     for near, place, slant in product((0, 1), np.linspace(begin, end, TRIED), (-1, 0, 1)):
         start = lines.at(near, place)
@@ -157,7 +157,7 @@ def _chords(lines: ZoneLines, begin: float, end: float) -> Iterator[shapely.Line
         yield shapely.LineString([start, lines.at(1 - near, float(np.clip(place + reach, begin, end)))])
 
 
-def _chord_faults(chords: np.ndarray, scene: NetworkScene) -> list[str]:
+def chord_faults(chords: np.ndarray, scene: NetworkScene) -> list[str]:
     """Return for each way across what is wrong with it, or an empty text."""
     single = shapely.get_type_id(shapely.intersection(chords, scene.wide_roadway)) == shapely.GeometryType.LINESTRING
     outside = shapely.length(shapely.difference(chords, scene.ground)) > SLACK

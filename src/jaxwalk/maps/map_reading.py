@@ -12,13 +12,21 @@ from jaxwalk.maps.check import find_faults
 from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.check_size import size_faults
 from jaxwalk.maps.file import MapError, MapFile, parse
-from jaxwalk.maps.generated.named_streets import FORMS, each_name, generated_text, names_generated
+from jaxwalk.maps.generated.named_streets import (
+    FORMS,
+    MOST_STREETS,
+    each_name,
+    generated_text,
+    names_generated,
+)
 from jaxwalk.maps.map_network import network_of
 from jaxwalk.maps.map_text import MapText, text_hash
 from jaxwalk.maps.network import Network
 from jaxwalk.maps.network_file import MOST_NETWORK_BYTES, network_text, parse_network, shortened
 from jaxwalk.maps.test_track import TEST_TRACK, track_network
 
+IMPORT_REPORT = "report.json"
+"""How the name of a report ends that `jaxwalk import` writes beside streets."""
 MOST_BYTES = 1_000_000
 """Largest size of a map file [bytes]."""
 
@@ -72,9 +80,21 @@ def read_map(name_or_path: str | Path) -> MapText:
 def each_map(names: Iterable[str | Path]) -> tuple[str, ...]:
     """Return names in which each is that of one map: ``test:2`` becomes ``test-2000000000``, ``test-2000000001``.
 
-    Raises MapError for an impossible number of streets.
+    A folder becomes the paths of the networks in it. Raises MapError for an impossible number of streets.
     """
-    return tuple(one for name in names for one in each_name(str(name)))
+    return tuple(one for name in names for one in (_in_folder(name) or each_name(str(name))))
+
+
+def _in_folder(name: str | Path) -> tuple[str, ...]:
+    """Return the paths of the networks in a folder, () for the name of anything else."""
+    if str(name) in bundled_maps() or names_generated(str(name)) or not Path(name).is_dir():
+        return ()
+    found = sorted(path for path in Path(name).glob("*.json") if not path.name.endswith(IMPORT_REPORT))
+    if not 1 <= len(found) <= MOST_STREETS:
+        raise MapError(
+            str(name), [f"the folder has {len(found):,} streets (.json); it must have 1 to {MOST_STREETS:,}"]
+        )
+    return tuple(str(path) for path in found)
 
 
 def reference(found: MapText) -> MapText:

@@ -157,6 +157,8 @@ class Network:
     walk: WalkGraph
     crossings: tuple[Crossing, ...]
     routes: tuple[LaneRoute, ...]
+    attribution: str = ""
+    """Whose data it was made from, which is shown wherever it is drawn; empty for what isn't made from others' data."""
 
     def surface(self, *kinds: AreaKind) -> shapely.geometry.base.BaseGeometry:
         """Return the union of all areas of some kinds."""

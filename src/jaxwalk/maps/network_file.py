@@ -21,6 +21,8 @@ _ADAPTER = TypeAdapter(Network)
 def network_text(network: Network) -> str:
     """Return a network as the text of its file. `parse_network` gives exactly the same numbers again."""
     content: dict[str, Any] = _ADAPTER.dump_python(network, mode="json")
+    if not network.attribution:  # so that files of generated streets stay as they are
+        del content["attribution"]
     parts = ",\n".join(f'"{name}": {_lines(value)}' for name, value in content.items())
     return f"{{\n{parts}\n}}\n"
 

@@ -23,9 +23,13 @@ class ZoneLines(NamedTuple):
     @classmethod
     def of(cls, network: Network, zone: JaywalkZone) -> ZoneLines:
         """Return the lines of a zone."""
-        sides = network.walk.nodes[np.array(zone.sides)]
+        return cls.between(network.walk.nodes[np.array(zone.sides)])
+
+    @classmethod
+    def between(cls, sides: np.ndarray) -> ZoneLines:
+        """Return the lines between two sides (2, point, 2) [m]."""
         steps = np.diff(sides, axis=1)
-        if len(zone.sides[0]) == 2:
+        if sides.shape[1] == 2:
             own = np.hypot(*steps[:, 0].T)
             return cls(sides, own.min(keepdims=True), own)
         pieces = np.hypot(*steps.mean(axis=0).T)

@@ -40,7 +40,8 @@ def signed_distances(roadway: BaseGeometry, size: tuple[float, float]) -> np.nda
 
 def _edge_pieces(roadway: BaseGeometry) -> np.ndarray:
     """Return the straight pieces of the roadway's edge, (piece, 2, 2) [m] from the grid's corner."""
-    rings = [np.asarray(ring.coords) + BEYOND for ring in shapely.get_parts(shapely.get_rings(roadway.normalize()))]
+    whole = shapely.get_rings(shapely.get_parts(roadway.normalize()))
+    rings = [np.asarray(ring.coords) + BEYOND for ring in whole.tolist()]
     return np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings])
 
 

@@ -3,6 +3,7 @@
 from jaxwalk.recipes.blind_corner_cvar import BLIND_CORNER_CVAR
 from jaxwalk.recipes.blind_corner_lagrangian import BLIND_CORNER_LAGRANGIAN
 from jaxwalk.recipes.experiment import LONGEST, Experiment, single_agent, with_limits, with_training
+from jaxwalk.recipes.experiment_file import ExperimentFileError, load_experiment
 from jaxwalk.recipes.fast import FAST
 from jaxwalk.recipes.paper import PAPER
 from jaxwalk.recipes.towns import BLIND_CORNER, TOWN
@@ -17,6 +18,8 @@ __all__ = [
     "RECIPES",
     "TOWN",
     "Experiment",
+    "ExperimentFileError",
+    "load_experiment",
     "single_agent",
     "with_limits",
     "with_training",

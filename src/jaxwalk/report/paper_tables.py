@@ -13,7 +13,7 @@ from jaxwalk.report.figures.people import SHARES
 from jaxwalk.report.material import ALWAYS_GO, CO_TRAINED, LEARNED, SINGLE_AGENT, Material
 from jaxwalk.report.seed_tables import pairs, training_seeds
 from jaxwalk.report.table import MOVING, NONE, Table, by_type, shown
-from jaxwalk.report.verdicts import Versus, verdict
+from jaxwalk.report.verdicts import Versus, brief, verdict
 
 QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
 
@@ -23,9 +23,11 @@ def make_all(names: Iterable[str], material: Material) -> dict[str, Table]:
     return {name: TABLES[name](material) for name in names}
 
 
-def _verdict(material: Material, against: list[Versus], reason: str) -> str:
+def _beside(material: Material, against: list[Versus], reason: str) -> dict[str, str]:
     """Return where ours differ from the paper's, if the experiment is the paper's: the reasons concern its drivers."""
-    return verdict(against, reason) if material.trainings is not None else ""
+    if material.trainings is None:
+        return {}
+    return {"verdict": verdict(against, reason), "brief": brief(against)}
 
 
 def matrix(material: Material) -> Table:
@@ -77,7 +79,7 @@ def baselines(material: Material) -> Table:
                 what = f"{('goals', 'collisions')[place]} of {name} among {material.crowd}"
                 against.append(Versus(what, ours[material.crowd], theirs[name][place]))
         rows.append(tuple(row))
-    return Table(columns, tuple(rows), _verdict(material, against, verdicts.BASELINES))
+    return Table(columns, tuple(rows), **_beside(material, against, verdicts.BASELINES))
 
 
 def co_training(material: Material) -> Table:
@@ -91,7 +93,7 @@ def co_training(material: Material) -> Table:
         rows.append((driver, people, *goals, f"{goal:g}", *collisions, f"{collision:g}"))
         against.append(Versus(f"goals of {driver} among {people}", found.goal_rate.mean, goal))
         against.append(Versus(f"collisions of {driver} among {people}", found.collision_rate.mean, collision))
-    return Table(columns, tuple(rows), _verdict(material, against, verdicts.TRAINED))
+    return Table(columns, tuple(rows), **_beside(material, against, verdicts.TRAINED))
 
 
 def speed_differential(material: Material) -> Table:
@@ -104,8 +106,9 @@ def speed_differential(material: Material) -> Table:
         theirs = f"{published.SPEED_GAP}" if nearest else f"{low:.2f} to {high:.2f}"
         rows.append((place, weight, *numbers, theirs if weight == "frames" else NONE))
     gap = Versus("difference within 3 m, pooled", bins[0].pooled.difference, published.SPEED_GAP, "m/s", 1.0)
-    said = f"{surprise.in_words(bins)} {_verdict(material, [gap], verdicts.SPEED)}".strip()
-    return Table((*surprise.COLUMNS, "paper"), tuple(rows), said)
+    beside = _beside(material, [gap], verdicts.SPEED)
+    beside["verdict"] = f"{surprise.in_words(bins)} {beside.get('verdict', '')}".strip()
+    return Table((*surprise.COLUMNS, "paper"), tuple(rows), **beside)
 
 
 def attribution(material: Material) -> Table:
@@ -129,7 +132,7 @@ def attribution(material: Material) -> Table:
         Versus("share of collisions", mine.share, published.COLLISIONS_JAYWALK),
         Versus("share of crossings", mine.per_crossing.share, published.CROSSINGS_JAYWALK),
     ]
-    return Table(columns, tuple(rows), _verdict(material, against, verdicts.ATTRIBUTION))
+    return Table(columns, tuple(rows), **_beside(material, against, verdicts.ATTRIBUTION))
 
 
 def contacts(material: Material) -> Table:
@@ -175,7 +178,7 @@ def quarters(material: Material) -> Table:
         )
     )
     columns = ("jaywalking tendency", "jaywalk %", "by equation 1", "paper", "decisions")
-    return Table(columns, tuple(rows), _verdict(material, against, verdicts.QUARTERS))
+    return Table(columns, tuple(rows), **_beside(material, against, verdicts.QUARTERS))
 
 
 def waiting(material: Material) -> Table:
@@ -203,7 +206,7 @@ def approach(material: Material) -> Table:
             rows.append((kind, people, shown(ours, 1.0, 2), f"{theirs}", f"{found[kind].count:,}"))
             if people == material.crowd:
                 against.append(Versus(kind, ours, theirs, "m", 1.0))
-    return Table(columns, tuple(rows), _verdict(material, against, verdicts.APPROACH))
+    return Table(columns, tuple(rows), **_beside(material, against, verdicts.APPROACH))
 
 
 def braking(material: Material) -> Table:
@@ -221,7 +224,7 @@ def braking(material: Material) -> Table:
             )
     ours = material.cell(material.subject, material.crowd).summary[ENCOUNTERS].jaywalk.braking.mean_observed
     against = [Versus("mean time to braking for jaywalkers", ours, published.BRAKING, "s", 1.0)]
-    return Table(columns, tuple(rows), _verdict(material, against, verdicts.BRAKING))
+    return Table(columns, tuple(rows), **_beside(material, against, verdicts.BRAKING))
 
 
 def ablation(material: Material) -> Table:
@@ -249,7 +252,7 @@ def ablation(material: Material) -> Table:
             if pair:
                 against.append(Versus(f"goals at multiplier {multiplier:g}", goal, pair[0]))
                 against.append(Versus(f"collisions at multiplier {multiplier:g}", collision, pair[1]))
-    return Table(columns, tuple(rows), _verdict(material, against, verdicts.ABLATION))
+    return Table(columns, tuple(rows), **_beside(material, against, verdicts.ABLATION))
 
 
 def _first_seed(material: Material) -> list[tuple[str, Cell]]:

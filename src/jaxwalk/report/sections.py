@@ -28,6 +28,11 @@ class Section:
     applies: Callable[[Material], bool] = lambda material: True
     """Whether there is something to show."""
 
+    @property
+    def name(self) -> str:
+        """Its name in the page: its table's, or else its figure's."""
+        return self.table or self.figure or ""
+
     def said(self, material: Material) -> str:
         """Return the caption with the names of the drivers and populations shown."""
         beside = f" and {material.rival} (dashed)" if material.rival else ""

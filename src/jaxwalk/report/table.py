@@ -1,17 +1,13 @@
-"""What a table is, how it shows a number, and its files."""
+"""What a table is, and how it shows a number."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeVar
 
 from jaxwalk.evaluation.document_parts import Number
 from jaxwalk.metrics.crossings import ByType
-from jaxwalk.writing import write_whole
 
 T = TypeVar("T")
 
@@ -28,19 +24,9 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     verdict: str = ""
-    """How our numbers compare with the paper's, in a sentence."""
-
-
-def write_tables(tables: dict[str, Table], folder: Path) -> None:
-    """Write a CSV and a Markdown file for each table."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, table in tables.items():
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(table.columns)
-        writer.writerows(table.rows)
-        write_whole(folder / f"{name}.csv", text.getvalue())
-        write_whole(folder / f"{name}.md", markdown_table(table.columns, table.rows) + "\n")
+    """What the numbers mean together, and how they compare with the paper's."""
+    brief: str = ""
+    """The comparison with the paper in a few words, under which the whole is folded."""
 
 
 def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.wording import counted
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,17 @@ def verdict(comparisons: list[Versus], reason: str) -> str:
     if unknown:
         parts.append(f"Too few cases to say: {_list([c.what for c in unknown])}.")
     return " ".join(parts)
+
+
+def brief(comparisons: list[Versus]) -> str:
+    """Say in a few words how ours compare with the paper's; empty if nothing can be compared."""
+    known = [c for c in comparisons if c.known]
+    differing = sum(not c.agrees for c in known)
+    if not known:
+        return ""
+    if not differing:
+        return f"Agrees with the paper in {counted(len(known), 'number')}."
+    return f"Differs from the paper in {differing} of {counted(len(known), 'number')}."
 
 
 def _gap(c: Versus, value: float) -> str:

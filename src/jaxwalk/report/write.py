@@ -8,16 +8,20 @@ from typing import Any
 
 from jaxwalk.metrics import FEWEST_SEEDS
 from jaxwalk.report.figures import draw_all
+from jaxwalk.report.first_screen import first_screen
 from jaxwalk.report.latex import write_latex
 from jaxwalk.report.material import Material
 from jaxwalk.report.paper_tables import make_all
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.style import as_picture
-from jaxwalk.report.table import shown, write_tables
+from jaxwalk.report.table_files import write_tables
 from jaxwalk.report.watched import Gallery
 from jaxwalk.viewer.replay import as_script, gallery_html, gallery_script, gallery_style
 from jaxwalk.wording import counted
 from jaxwalk.writing import write_whole
+
+PRINTED = 16
+"""Rows of a table that are printed; the page and the table's files have all."""
 
 
 def write_report(folder: Path, material: Material) -> Path:
@@ -27,12 +31,14 @@ def write_report(folder: Path, material: Material) -> Path:
     gallery = material.gallery if material.gallery and material.gallery.incidents else None
     figures = draw_all([s.figure for s in sections if s.figure], material, folder / "figures")
     captions = {s.table: f"{s.heading}. {s.said(material)}" for s in sections if s.table}
-    write_tables(tables, folder / "tables")
+    write_tables(tables, captions, folder / "tables")
     write_latex(tables, captions, folder / "tables")
+    first = first_screen(material)
+    more = counted(len(first.folded), "more driver") if first.folded else ""
     page = _page(
         sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,
-        tables=tables, figures=figures, facts=_facts(material), summary=_summary(material),
-        drawings=_drawings(material),
+        tables=tables, figures=figures, facts=_facts(material), first=first, more=more,
+        printed=PRINTED, drawings=_drawings(material), style=_part("report.css"), script=_part("report.js"),
         gallery=_gallery(gallery) if gallery else None, cells=gallery.collisions if gallery else (),
     )  # fmt: skip
     path = folder / "report.html"
@@ -61,22 +67,12 @@ def _page(**content: Any) -> str:
     environment = jinja2.Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
-    template = resources.files("jaxwalk.report").joinpath("page.html").read_text(encoding="utf-8")
-    return environment.from_string(template).render(**content)
+    return environment.from_string(_part("page.html")).render(**content)
 
 
-def _summary(material: Material) -> list[dict[str, str]]:
-    """Return the numbers that readers ask for first."""
-    return [
-        {
-            "cell": f"{driver} among {people}",
-            "goal": shown(found.goal_rate.mean),
-            "collision": shown(found.collision_rate.mean),
-        }
-        for driver in material.headline
-        for people in material.populations
-        for found in [material.over_seeds(driver, people)]
-    ]
+def _part(name: str) -> str:
+    """Return the text of one of the page's files."""
+    return resources.files("jaxwalk.report").joinpath(name).read_text(encoding="utf-8")
 
 
 def _seeds(material: Material) -> str:

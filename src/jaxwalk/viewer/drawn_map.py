@@ -43,6 +43,8 @@ class DrawnMap:
     """Sides of crossings without stripes."""
     dashed: list[Outline]
     """Lines between lanes."""
+    attribution: str = ""
+    """Whose data the street was made from, which is written beside it."""
 
     @classmethod
     def of(cls, network: Network) -> DrawnMap:
@@ -59,6 +61,7 @@ class DrawnMap:
             stripes=[_flat(stripe) for stripe in stripes],
             dotted=[_flat(line) for line in dotted],
             dashed=[_flat(line) for line in lane_marks(network)],
+            attribution=network.attribution,
         )
 
 

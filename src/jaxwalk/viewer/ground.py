@@ -22,6 +22,8 @@ COLOURS = {
 DASHES = (0, (5, 5))
 PAINTED = 3
 """Order of what is painted on the surfaces, which have orders from 1 to 2."""
+LAST = 50
+"""Order of the attribution, which nothing covers."""
 
 
 def draw_ground(axes: Axes, network: Network) -> None:
@@ -41,6 +43,10 @@ def draw_ground(axes: Axes, network: Network) -> None:
     axes.add_collection(LineCollection(_each(drawn.dotted), **{**lines, "linestyles": "dotted"}))
     stripes = PolyCollection(_each(drawn.stripes), facecolors=PAINT, linewidths=0, zorder=PAINTED)
     axes.add_collection(stripes)
+    if drawn.attribution:
+        box = {"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1.0}
+        axes.text(0.995, 0.005, drawn.attribution, transform=axes.transAxes, ha="right", va="bottom", fontsize=6,
+                  zorder=LAST, bbox=box, parse_math=False)  # fmt: skip
 
 
 def _points(outline: Outline) -> np.ndarray:

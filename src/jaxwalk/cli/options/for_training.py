@@ -24,7 +24,10 @@ class Train:
     """fast: whatever learns best; paper: the paper's networks, rewards and numbers; town: fast on 64 generated streets,
     in the world town; blind-corner: the same where people are hidden, -lagrangian with limits of contacts, -cvar of the
     speed in the worst ones."""
-    seed: Annotated[int, option("0", "N")] = 0
+    config: Annotated[Path | None, option("none", "FILE")] = None
+    """Instead of --recipe, a TOML file that names a recipe and changes any of its fields (docs/recipes.md). Other
+    options change what the file says."""
+    seed: Annotated[int | None, option("the recipe's: 0", "N")] = None
     """Seed of networks, scenarios and actions."""
     updates: Annotated[int | None, tuned("updates", "N")] = None
     """Number of updates."""

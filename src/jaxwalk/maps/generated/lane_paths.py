@@ -41,7 +41,7 @@ class SlowStretch(NamedTuple):
     end: float
 
 
-class _Gate(NamedTuple):
+class Gate(NamedTuple):
     """The lanes of a road at a junction, in one direction: those that lead in, or those that lead out."""
 
     heading: float
@@ -52,7 +52,7 @@ class _Gate(NamedTuple):
     road: int
 
 
-class _Builder:
+class LaneBuilder:
     """Lanes while their successors are not known yet."""
 
     def __init__(self) -> None:
@@ -62,6 +62,7 @@ class _Builder:
         self.next: list[list[int]] = []
 
     def add(self, line: np.ndarray, width: float, limit: float) -> int:
+        """Add a lane and return its number."""
         straightened = shapely.get_coordinates(shapely.simplify(shapely.LineString(line), 1e-6))
         self.lines.append(without_repeats(straightened))
         self.widths.append(width)
@@ -70,6 +71,7 @@ class _Builder:
         return len(self.lines) - 1
 
     def lanes(self) -> tuple[Lane, ...]:
+        """Return the lanes with their successors."""
         parts = zip(self.lines, self.widths, self.limits, self.next, strict=True)
         return tuple(Lane(line, width, limit, tuple(after)) for line, width, limit, after in parts)
 
@@ -85,24 +87,27 @@ def make_lanes(
         mouths: for each road the places between which its kerbs run along it.
         slow: for each road the stretches of its raised crosswalks.
     """
-    built = _Builder()
+    built = LaneBuilder()
     clear = roadway.buffer(-FROM_KERB)
     shapely.prepare(clear)
-    gates_in: dict[int, list[_Gate]] = {n: [] for n in range(len(plan.junctions))}
-    gates_out: dict[int, list[_Gate]] = {n: [] for n in range(len(plan.junctions))}
+    gates_in: dict[int, list[Gate]] = {n: [] for n in range(len(plan.junctions))}
+    gates_out: dict[int, list[Gate]] = {n: [] for n in range(len(plan.junctions))}
     for number, (road, ends) in enumerate(zip(plan.roads, mouths, strict=True)):
         for forward in (True, False):
             first, last = _road_lanes(built, road, ends, slow[number], forward)
             _gate(gates_out, number, road, first, (forward, False, ends))
             _gate(gates_in, number, road, last, (forward, True, ends))
     for junction in range(len(plan.junctions)):
-        for before, after in _ways(gates_in[junction], gates_out[junction]):
-            _connect(built, before, after, (plan.kerb_radius, clear))
+        into, out = gates_in[junction], gates_out[junction]
+        pairs = [(a, b) for a, b in product(range(len(into)), range(len(out))) if into[a].road != out[b].road]
+        for before, after in joined_lanes(into, out, pairs):
+            line = way_through(built, before, after, (plan.kerb_radius, clear))
+            connect(built, before[0].lanes[before[1]], line, after[0].lanes[after[1]])
     return built.lanes()
 
 
 def _road_lanes(
-    built: _Builder, road: TownRoad, ends: tuple[float, float], slow: list[SlowStretch], forward: bool
+    built: LaneBuilder, road: TownRoad, ends: tuple[float, float], slow: list[SlowStretch], forward: bool
 ) -> tuple[list[int], list[int]]:
     """Add the lanes of one direction; return the numbers of their first and last pieces, from the leftmost lane."""
     cuts = sorted({*ends, *(x for stop in slow for x in stop)})
@@ -122,7 +127,7 @@ def _road_lanes(
 
 
 def _gate(
-    gates: dict[int, list[_Gate]], number: int, road: TownRoad, lanes: list[int],
+    gates: dict[int, list[Gate]], number: int, road: TownRoad, lanes: list[int],
     where: tuple[bool, bool, tuple[float, float]],
 ) -> None:  # fmt: skip
     """Add the lanes of a road to the gates of the junction at which they begin or end."""
@@ -137,13 +142,17 @@ def _gate(
         from_right, from_left = offset + profile.right, profile.left - offset
         kerbs.append((from_right, from_left) if forward else (from_left, from_right))
     heading = road.curve.heading(ends[at_end]) + (0.0 if forward else np.pi)
-    gates[junction].append(_Gate(heading, tuple(lanes), tuple(kerbs), number))
+    gates[junction].append(Gate(heading, tuple(lanes), tuple(kerbs), number))
 
 
-def _ways(into: list[_Gate], out: list[_Gate]) -> Iterator[tuple[tuple[_Gate, int], tuple[_Gate, int]]]:
-    """Yield the lanes that a junction joins: so that each lane leads somewhere, and each is reached."""
-    pairs = [(a, b) for a, b in product(range(len(into)), range(len(out))) if into[a].road != out[b].road]
-    pairs.sort(key=lambda pair: abs(_turning(into[pair[0]], out[pair[1]])))
+def joined_lanes(
+    into: list[Gate], out: list[Gate], pairs: list[tuple[int, int]]
+) -> Iterator[tuple[tuple[Gate, int], tuple[Gate, int]]]:
+    """Yield the lanes that a junction joins: so that each lane leads somewhere, and each is reached.
+
+    ``pairs`` are the numbers of the gates between which cars may drive.
+    """
+    pairs = sorted(pairs, key=lambda pair: abs(turning(into[pair[0]], out[pair[1]])))
     found = {((a, i), (b, j)) for a, b in pairs for i, j in _matching(into[a], out[b])}
     straightest_out = {a: b for a, b in reversed(pairs)}
     straightest_in = {b: a for a, b in reversed(pairs)}
@@ -157,44 +166,48 @@ def _ways(into: list[_Gate], out: list[_Gate]) -> Iterator[tuple[tuple[_Gate, in
         yield (into[a], i), (out[b], j)
 
 
-def _lanes_of(gates: list[_Gate]) -> set[tuple[int, int]]:
+def _lanes_of(gates: list[Gate]) -> set[tuple[int, int]]:
     """Return the number of the gate, and that in the gate, of all lanes."""
     return {(n, lane) for n, gate in enumerate(gates) for lane in range(len(gate.lanes))}
 
 
-def _turning(before: _Gate, after: _Gate) -> float:
+def turning(before: Gate, after: Gate) -> float:
     """Return the angle from one heading to another [rad], positive to the left."""
     return float(np.angle(np.exp(1j * (after.heading - before.heading))))
 
 
-def _matching(before: _Gate, after: _Gate) -> list[tuple[int, int]]:
+def _matching(before: Gate, after: Gate) -> list[tuple[int, int]]:
     """Return the lanes of two gates that a driver takes: straight on in line, turns in the outermost lane."""
-    turn, many, places = _turning(before, after), len(before.lanes), len(after.lanes)
+    turn, many, places = turning(before, after), len(before.lanes), len(after.lanes)
     if abs(turn) < AHEAD:
         return [(many - 1 - n, places - 1 - n) for n in range(min(many, places))]
     return [(0, 0)] if turn > 0 else [(many - 1, places - 1)]
 
 
-def _connect(
-    built: _Builder, before: tuple[_Gate, int], after: tuple[_Gate, int], room: tuple[float, BaseGeometry]
-) -> None:
-    """Add the way from one lane to another through a junction.
+def way_through(
+    built: LaneBuilder, before: tuple[Gate, int], after: tuple[Gate, int], room: tuple[float, BaseGeometry]
+) -> np.ndarray:
+    """Return the line (point, 2) from one lane to another through a junction.
 
     ``room`` is the radius of its kerbs [m], and where the middle of a way may lie.
     """
     (gate_in, i), (gate_out, j) = before, after
     one, other = gate_in.lanes[i], gate_out.lanes[j]
-    turn = _turning(gate_in, gate_out)
+    turn = turning(gate_in, gate_out)
     side = int(turn > 0)
     radius = room[0] + min(gate_in.to_kerb[i][side], gate_out.to_kerb[j][side])
     ends = built.lines[one][-1], built.lines[other][0]
-    line = _gentle_way(ends, (gate_in.heading, turn), radius, room[1])
+    return gentle_way(ends, (gate_in.heading, turn), radius, room[1])
+
+
+def connect(built: LaneBuilder, one: int, line: np.ndarray, other: int) -> None:
+    """Add the lane along a line from one lane to another."""
     way = built.add(line, min(built.widths[one], built.widths[other]), min(built.limits[one], built.limits[other]))
     built.next[one].append(way)
     built.next[way].append(other)
 
 
-def _gentle_way(
+def gentle_way(
     ends: tuple[np.ndarray, np.ndarray], turn: tuple[float, float], radius: float, clear: BaseGeometry
 ) -> np.ndarray:
     """Return a line (point, 2) from one place to another: one that isn't tight and stays clear of kerbs, if it can.

@@ -51,9 +51,11 @@ class Drawing {
   toPixels = (x, y) => [this.left + x * this.scale, this.top - y * this.scale];
   toMetres = (px, py) => ({ x: (px - this.left) / this.scale, y: (this.top - py) / this.scale });
 
-  // shows: { hidden, sight, plans, rings, follow, trails } switches. Without hidden, who isn't perceived isn't drawn.
+  // shows: { hidden, sight, plans, rings, follow, trails, plain } switches. Without hidden, who isn't perceived isn't drawn.
+  // plain: everybody is the same disc, whatever they intend.
   draw(episode, time, shows) {
     const now = episode.at(time);
+    this.plain = shows.plain;
     const c = this.#begin(shows.follow ? now.car : null);
     this.#ground(c);
     if (episode.parked) this.#parked(c, episode);
@@ -67,7 +69,25 @@ class Drawing {
     if (shows.sight) for (const person of now.people) if (person.lastSeen) this.#lastSeen(c, person);
     for (const person of drawn) this.#person(c, person, shows.hidden, shows.sight && person.unperceived);
     if (now.over && episode.touched.size) this.#crash(c, now, episode);
+    this.#attribution(c);
     return now;
+  }
+
+  // Whose data the street was made from.
+  #attribution(c) {
+    if (!this.map.attribution) return;
+    c.font = "10px sans-serif";
+    c.textAlign = "right";
+    c.textBaseline = "bottom";
+    const x = this.canvas.clientWidth - 3, y = this.canvas.clientHeight - 2;
+    c.fillStyle = this.colour.block;
+    c.globalAlpha = 0.7;
+    c.fillRect(x - c.measureText(this.map.attribution).width - 2, y - 12, this.canvas.clientWidth, 14);
+    c.globalAlpha = 1;
+    c.fillStyle = this.colour.ink;
+    c.fillText(this.map.attribution, x, y);
+    c.textAlign = "start";
+    c.textBaseline = "alphabetic";
   }
 
   #ground(c) {
@@ -201,8 +221,9 @@ class Drawing {
   // One that the car doesn't perceive is pale, with a dashed outline.
   #person(c, person, hidden, pale) {
     const [px, py] = this.toPixels(person.x, person.y), size = Math.max(5, 0.55 * this.scale);
-    const seen = hidden || person.rank < NEAREST;
+    const seen = hidden || this.plain || person.rank < NEAREST;
     c.beginPath();
+    if (this.plain) hidden = false;
     if (hidden && person.jaywalking) for (const [dx, dy] of [[0, 1.5], [1.5, 0], [0, -1.5], [-1.5, 0]]) c.lineTo(px + dx * size, py + dy * size);
     else if (hidden && person.waiting) c.rect(px - size, py - size, 2 * size, 2 * size);
     else c.arc(px, py, size, 0, 2 * Math.PI);
@@ -213,6 +234,7 @@ class Drawing {
     c.globalAlpha = 1;
     const jaywalks = hidden && person.jaywalking;
     this.#stroke(c, jaywalks ? this.colour.jaywalk : this.colour.edge, jaywalks ? 2.5 : 1.2, pale ? [3, 3] : []);
+    if (this.plain) return;
     if (!hidden && seen) this.#velocity(c, person, px, py);
     if (this.scale < 9) return;
     c.font = `${Math.round(size * 1.3)}px system-ui, sans-serif`;

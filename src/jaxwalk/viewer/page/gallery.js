@@ -5,6 +5,7 @@ const AVOIDABLE = {
 };
 const WHO = { jaywalk: "jaywalker", crosswalk: "crosswalk user", sidewalk: "pedestrian on the sidewalk" };
 const SHOWN = 12; // cards at first, and with each "Show more"
+const NEAR = "300px"; // pictures are drawn this far outside the window
 const CLOSE_UP = 26; // width of a card's picture [m]
 
 class Gallery {
@@ -18,6 +19,8 @@ class Gallery {
     this.shown = SHOWN;
     this.#offerCells();
     this.#listen();
+    // Pictures are drawn when they come into view: a page may have hundreds.
+    this.seen = new IntersectionObserver((all) => this.#drawSeen(all), { rootMargin: NEAR });
     this.update();
     new ResizeObserver(() => this.#pictures()).observe(element);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#pictures());
@@ -125,7 +128,15 @@ class Gallery {
   }
 
   #pictures() {
-    for (const canvas of this.element.querySelectorAll(".incidents canvas")) this.#picture(canvas);
+    this.seen.disconnect();
+    for (const canvas of this.element.querySelectorAll(".incidents canvas")) this.seen.observe(canvas);
+  }
+
+  #drawSeen(observed) {
+    for (const { target } of observed.filter((one) => one.isIntersecting)) {
+      this.seen.unobserve(target);
+      this.#picture(target);
+    }
   }
 
   async #picture(canvas) {

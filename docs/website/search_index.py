@@ -1,0 +1,22 @@
+"""The index of the search, made small: every page loads it."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+LEFT_OUT = ("source/", "changelog.html", "evidence.html", "bench/")
+"""Beginnings of the addresses of pages that nobody searches: files, and tables of numbers."""
+NOT_SEARCHED = re.compile(r"<pre.*?</pre>|\[-?[\d.]+, -?[\d.]+\]|-?\b\d+\.\d+\b", re.DOTALL)
+"""Code blocks, intervals and decimal numbers."""
+
+
+def shrink(site: Path) -> None:
+    """Write the index anew without what nobody searches, and once more as a script: a page from disk reads no JSON."""
+    index = json.loads((site / "search.json").read_text(encoding="utf-8"))
+    items = [item for item in index["items"] if not item["location"].startswith(LEFT_OUT)]
+    index["items"] = [{**item, "text": " ".join(NOT_SEARCHED.sub(" ", item["text"]).split())} for item in items]
+    text = json.dumps(index, ensure_ascii=False, separators=(",", ":"))
+    (site / "search.json").write_text(text, encoding="utf-8")
+    (site / "search.js").write_text(f"var __index = {text}", encoding="utf-8")

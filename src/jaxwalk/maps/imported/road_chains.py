@@ -1,0 +1,166 @@
+"""Roads of OpenStreetMap as chains: from junction to junction, or to where their lanes change, each with a curve."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from jaxwalk.maps.generated.curve import Curve
+from jaxwalk.maps.imported.osm_reading import OsmData, OsmWay
+from jaxwalk.maps.imported.osm_tags import LaneProfile, is_road, road_facts
+
+CUT, RADII = 0.8, (8.0, 40.0)
+"""A bend's arc passes its corner at this distance, unless its radius would leave these bounds [m]."""
+NOISE = 0.15
+"""Corners nearer than this to the line between their neighbours are left out [m]."""
+SHORTEST = 0.5
+"""A shorter chain is left out [m]."""
+
+
+class ChainPiece(NamedTuple):
+    """The part of a chain that is of one way."""
+
+    way: OsmWay
+    turned: bool
+    """Whether the chain follows the way from its end to its begin."""
+    begin: float
+    """[m] along the chain."""
+    end: float
+
+
+@dataclass(frozen=True)
+class RoadChain:
+    """A road without junctions between its ends."""
+
+    ends: tuple[int, int]
+    """Numbers of the nodes at its begin and its end."""
+    curve: Curve
+    profile: LaneProfile
+    pieces: tuple[ChainPiece, ...]
+    nodes: dict[int, float]
+    """Where its nodes lie [m]."""
+
+    @property
+    def length(self) -> float:
+        """Its length [m]."""
+        return float(self.curve.metres[-1])
+
+
+class _Segment(NamedTuple):
+    """A straight piece of a way, from one node to the next."""
+
+    way: OsmWay
+    begin: int
+    end: int
+    profile: LaneProfile
+
+
+def road_chains(data: OsmData) -> list[RoadChain]:
+    """Return all roads; what two ways have in common counts once."""
+    segments: dict[frozenset[int], _Segment] = {}
+    for way in (way for way in data.ways if is_road(way.tags)):
+        profile = road_facts(way.tags).profile
+        for a, b in pairwise(way.nodes):
+            segments.setdefault(frozenset((a, b)), _Segment(way, a, b, profile))
+    at: dict[int, list[_Segment]] = defaultdict(list)
+    for segment in segments.values():
+        at[segment.begin].append(segment)
+        at[segment.end].append(segment)
+    found = [_chain(data, path) for path in _paths(at)]
+    return [chain for chain in found if chain is not None]
+
+
+def _paths(at: dict[int, list[_Segment]]) -> Iterator[list[tuple[_Segment, bool]]]:
+    """Yield paths of segments between breaks, each with whether it is followed backward."""
+    breaks = [node for node, own in at.items() if _breaks(node, own)]
+    used: set[int] = set()
+    nodes = [*breaks, *(node for node in at if node not in breaks)]  # the latter begin closed roads
+    for node, segment in ((x, segment) for x in nodes for segment in at[x]):
+        if id(segment) not in used:
+            yield _follow(at, node, segment, used)
+
+
+def _breaks(node: int, own: list[_Segment]) -> bool:
+    """Return whether a chain ends at a node: where roads meet or end, or lanes change."""
+    if len(own) != 2:
+        return True
+    into, out = own
+    before = into.profile if into.end == node else into.profile.turned()
+    after = out.profile if out.begin == node else out.profile.turned()
+    return before != after
+
+
+def _follow(at: dict[int, list[_Segment]], node: int, segment: _Segment, used: set[int]) -> list[tuple[_Segment, bool]]:
+    """Return the path from a node along a segment to the next break, or around to the node."""
+    path, begin = [], node
+    while True:
+        used.add(id(segment))
+        turned = segment.end == node
+        path.append((segment, turned))
+        node = segment.begin if turned else segment.end
+        onward = [other for other in at[node] if id(other) not in used]
+        if node == begin or _breaks(node, at[node]) or not onward:
+            return path
+        segment = onward[0]
+
+
+def _chain(data: OsmData, path: list[tuple[_Segment, bool]]) -> RoadChain | None:
+    """Return the chain of a path; None if it has no length."""
+    nodes = [path[0][0].end if path[0][1] else path[0][0].begin]
+    nodes += [segment.begin if turned else segment.end for segment, turned in path]
+    line = np.array([data.places[node] for node in nodes])
+    first, turned = path[0]
+    profile = first.profile.turned() if turned else first.profile
+    curve = rounded(line)
+    if curve is None:
+        return None
+    places = _places(line, curve)
+    pieces: list[ChainPiece] = []
+    for number, (segment, against) in enumerate(path):
+        low, high = places[number], places[number + 1]
+        last = pieces[-1] if pieces else None
+        if last is not None and last.way is segment.way and last.turned == against:
+            pieces[-1] = last._replace(end=high)
+        else:
+            pieces.append(ChainPiece(segment.way, against, low, high))
+    where = dict(zip(nodes, places, strict=True))
+    return RoadChain((nodes[0], nodes[-1]), curve, profile, tuple(pieces), where)
+
+
+def _places(line: np.ndarray, curve: Curve) -> list[float]:
+    """Return where the points of a line lie on its curve [m], rising."""
+    shape = shapely.LineString(curve.points)
+    near = np.array([shape.project(shapely.Point(place)) for place in line])
+    near[0], near[-1] = 0.0, curve.metres[-1]
+    return np.maximum.accumulate(near).tolist()
+
+
+def rounded(line: np.ndarray) -> Curve | None:
+    """Return a line (point, 2) [m] with arcs at its corners, or None if it has no length."""
+    simple = shapely.get_coordinates(shapely.simplify(shapely.LineString(line), NOISE))
+    steps = np.diff(simple, axis=0)
+    lengths = np.hypot(*steps.T)
+    if lengths.sum() < SHORTEST:
+        return None
+    keep = lengths > 1e-3
+    steps, lengths = steps[keep], lengths[keep]
+    headings = np.arctan2(steps[:, 1], steps[:, 0])
+    turns = np.angle(np.exp(1j * np.diff(headings)))
+    half = np.tan(np.minimum(np.abs(turns), 3.0) / 2)
+    wanted = np.clip(CUT / np.maximum(1 / np.cos(np.minimum(np.abs(turns), 3.0) / 2) - 1, 1e-6), *RADII) * half
+    cuts = np.minimum(wanted, 0.48 * np.minimum(lengths[:-1], lengths[1:]))
+    before, after = np.concatenate([[0.0], cuts]), np.concatenate([cuts, [0.0]])
+    pieces: list[tuple[float, float]] = []
+    for number, straight in enumerate((lengths - before - after).tolist()):
+        if straight > 1e-6:
+            pieces.append((straight, 0.0))
+        if number < len(turns) and abs(turns[number]) > 1e-6:
+            radius = cuts[number] / half[number]
+            pieces.append((radius * abs(turns[number]), float(np.sign(turns[number])) / radius))
+    return Curve.of(simple[0], float(headings[0]), pieces)

@@ -1,0 +1,76 @@
+"""Command lines of pages with small numbers, and what they read: so that all of them can be run."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from itertools import pairwise
+from pathlib import Path
+
+from jaxwalk.cli import main
+from maps.imported.osm_files import cross
+
+SMALL = {
+    "--episodes": "4", "--counterfactuals": "1", "--incidents": "1", "--updates": "2", "--count": "1", "--check": "2",
+    "--people": "6",
+}  # fmt: skip
+"""Options that decide how long a command takes, with small values."""
+EPISODES = ("evaluate", "report", "tracks", "share")
+CHECKED = (
+    "train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier", "crashtest",
+    "bench",
+)  # fmt: skip
+"""Commands that can't be made short: they run up to where their work begins, which has tests of its own."""
+ELSEWHERE = ("driver.pt", "ppo.zip", "theirs.parquet", "07_tracks.csv", "clip_traj_ped_filtered.csv")
+"""Files that can't be made here: agents of PyTorch (`tests/policies/host` has some), other people's recordings."""
+DRIVER = "class {name}:\n    def act(self, observation):\n        return 0 * observation[:, :2]\n"
+MODULE = re.compile(r"^([\w/]+)(?:\.py)?:([A-Z]\w*)")
+
+
+def briefly(words: list[str]) -> list[str]:
+    """Return a command's words with small numbers in place of large ones."""
+    words = words[: words.index(">")] if ">" in words else list(words)
+    for at, word in enumerate(words[:-1]):
+        if word in SMALL:
+            words[at + 1] = SMALL[word]
+    words = [re.sub(r"^([a-z-]+):\d+$", r"\1:1", word) for word in words]
+    if words[1] == "train" and "--recipe" in words and "--map" not in words:
+        words += ["--map", "training:1"]
+    if words[1] in EPISODES and "--episodes" not in words and "--again" not in words:
+        words += ["--episodes", "4"]
+    return words
+
+
+def written(words: list[str]) -> set[str]:
+    """Return the folders and files that a command writes."""
+    return {word for before, word in pairwise(words) if before in ("--out", "--run")}
+
+
+def provide(words: list[str], trained: Path) -> None:
+    """Make what a command reads and nobody has made: run folders, drivers of one's own, exported ones."""
+    outs = written(words)
+    for word in set(words) - outs:
+        path = Path(word)
+        if word.startswith("runs/") and not path.exists():
+            shutil.copytree(trained, path)
+        elif found := MODULE.match(word):
+            _write_driver(Path(f"{found[1]}.py"), found[2])
+        elif word == "town.osm":
+            cross().write(path)
+        elif word in ("driver.onnx", "first.safetensors") and not path.exists():
+            line = f"export co-trained --out {word}" if word == "driver.onnx" else f"share runs/first --out {word}"
+            assert main(line.split()) == 0
+    if "train" in words:
+        clear(outs)
+
+
+def _write_driver(file: Path, name: str) -> None:
+    if not file.exists():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(DRIVER.format(name=name))
+
+
+def clear(folders: set[str]) -> None:
+    """Remove what a training was to fill; the next command that reads it gets the tiny training."""
+    for folder in folders:
+        shutil.rmtree(folder, ignore_errors=True)
