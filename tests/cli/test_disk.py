@@ -27,6 +27,7 @@ COMMANDS = {
     "generalisation": "generalisation --out out",
     "risk-aware": "risk-aware --out out",
     "frontier": "frontier --out out",
+    "search": "search constant-speed --simulations 1 --minimise 0 --out out",
     "import": "import cross.osm --out out",
     "map new": "map new out/a.toml",
     "map draw": "map draw paper --out out/a.png",

@@ -23,6 +23,8 @@ COUNTS = {
     "intent seeds": "hidden-intent --out r --seeds",
     "co-training": "co-training --out r --seeds",
     "frontier": "frontier --out r --episodes",
+    "search": "search random --simulations",
+    "search particles": "search random --particles",
     "train": "train --run r --updates",
     "train minutes": "train --run r --minutes",
     "train environments": "train --run r --environments",

@@ -106,13 +106,15 @@ def test_the_first_moment_in_which_somebody_is_seen(street):
     ahead, near = Walk(62.0, 0.0), Walk(3.0, 0.0)
     sees = trajectory(*[Scene(40, [ahead, near], touched=[k]) for k in (0, 1, 0)])
     hits = find_hits(measure(sees))
-    assert first_seen_frame(street, sees, hits).tolist() == [2, 0, 2]  # 0.75 m in 2 steps of 0.5 m
+    assert first_seen_frame(street, sees, hits.ped, hits.steps).tolist() == [2, 0, 2]  # 0.75 m in 2 steps of 0.5 m
     perceived = np.zeros((41, 3, 2), bool)
     perceived[7, 0, 0] = perceived[30:, 0, 0] = True  # seen, hidden, and seen again
     perceived[5, 0, 1] = True
     perceived[40, 2, 0] = True
     hidden = replace(sees, perceived=perceived)
-    assert first_seen_frame(street, hidden, hits).tolist() == [7, 40, 40], "who is never seen is seen at the contact"
+    assert first_seen_frame(street, hidden, hits.ped, hits.steps).tolist() == [7, 40, 40], (
+        "who is never seen is seen at the contact"
+    )
 
 
 def test_no_collisions_no_shares():

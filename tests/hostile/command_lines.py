@@ -27,6 +27,7 @@ WORKERS = (
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark",
     "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
+    "jaxwalk.cli.search.search_failures", "jaxwalk.cli.search.estimate_rate", "jaxwalk.cli.evaluate.read_archive",
     "jaxwalk.cli.importing_streets.read_source",
     "jaxwalk.cli.rate.make_rating", "jaxwalk.cli.rate.analyse_answers",
     "jaxwalk.cli.map_new.write_whole", "jaxwalk.cli.map_check.load_network", "jaxwalk.cli.map_draw.street_picture",
@@ -65,6 +66,7 @@ LIKELY = {
     "config": ["town.toml", "file"], "recipe": ["fast", "paper"],
     "files": ["tracks.parquet", "tracks.csv", "a_traj_ped_filtered.csv"],
     "role": ["driver", "pedestrian"], "only": ["env", "train"], "areas": ["file", "nowhere"],
+    "method": ["random", "map-elites", "splitting"], "scenarios": ["file", "nowhere", "run"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
     "answers": ["file", "nowhere"],
 }  # fmt: skip

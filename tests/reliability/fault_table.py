@@ -21,6 +21,7 @@ COMMANDS = {
     "scenario": f"scenario --driver random --out {OUT}",
     "share": f"share run --episodes 2 --out {OUT}/a.safetensors",
     "crashtest": f"crashtest random --suite r152 --beside none --out {OUT}",
+    "search": f"search route-follower --simulations 1 --minimise 0 --out {OUT}",
     "report": f"report random --pedestrians always-go --episodes 2 --incidents 0 --out {OUT}",
     "rate": f"rate clearance careful-human --episodes 64 --pairs 3 --out {OUT}",
     "bench": f"bench --only env --environments 8 --seconds 0.05 --out {OUT}",
@@ -44,6 +45,7 @@ WRITES = {
     "bench": ("bench.json", "bench.md"), "streets": ("streets.png",), "map draw": ("a.png",),
     "import": ("report.html", "report.json"),
     "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"), "rate": ("rate.html", "plan.json"),
+    "search": ("search.html", "search.json", "failures.csv"),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""
 

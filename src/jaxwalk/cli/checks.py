@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.sim.sim_config import LARGEST
 from jaxwalk.sim.suites import SUITES, Where
 
+DECIDED = ("episodes", "seed", "map", "world", "suite", "people", "jaywalk_multiplier")
+"""Options that a file of scenarios decides."""
 MOST_DRIVER_SECONDS = 86_400
 """Longest time that a driver may be given for one step [s]: a day."""
 
@@ -67,6 +70,19 @@ def place(options: Any) -> Where:
     for name in (name for name, value in given.items() if value):
         raise UsageError(f"--{name}: the suite {suite} decides it; leave it out, or leave out --suite")
     return SUITES[suite]
+
+
+def check_number(scenario: int, kept: Sized | None) -> None:
+    """Raise UsageError unless kept scenarios, if there are any, have this number."""
+    if kept is not None and scenario >= len(kept):
+        raise UsageError(f"--scenario {scenario}: the file has scenarios 0 to {len(kept) - 1}")
+
+
+def check_kept(options: Any) -> None:
+    """Raise UsageError for options that a file of scenarios decides."""
+    usual = {field.name: field.default for field in fields(options)}
+    for name in (name for name in DECIDED if name in usual and getattr(options, name) != usual[name]):
+        raise UsageError(f"--{name.replace('_', '-')}: --scenarios {options.scenarios} decides it; leave it out")
 
 
 def check_driver_seconds(seconds: float) -> None:

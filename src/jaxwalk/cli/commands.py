@@ -33,6 +33,7 @@ COMMANDS = (
     Command("train", options.Train, "jaxwalk.cli.train"),
     Command("evaluate", options.Evaluate, "jaxwalk.cli.evaluate"),
     Command("crashtest", options.Crashtest, "jaxwalk.cli.crashtest"),
+    Command("search", options.Search, "jaxwalk.cli.search"),
     Command("play", options.Play, "jaxwalk.cli.play"),
     Command("reproduce", options.Reproduce, "jaxwalk.cli.reproduce"),
     Command("report", options.Report, "jaxwalk.cli.report"),

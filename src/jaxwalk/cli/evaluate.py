@@ -18,6 +18,7 @@ from jaxwalk.cli.checks import (
     check_driver,
     check_driver_seconds,
     check_episodes,
+    check_kept,
     check_pedestrians,
     check_seed,
     place,
@@ -39,6 +40,7 @@ from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
+from jaxwalk.scenarios.archive_file import read_archive
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.wording import counted, first_of
 
@@ -81,7 +83,8 @@ def _work(options: Evaluate) -> Evaluation:
     compared = with_shield(options.compare, options.shield)
     drivers = tuple(dict.fromkeys((*with_shield(options.driver, options.shield), *compared)))
     populations = tuple(dict.fromkeys(options.pedestrians))
-    street = world_of([*drivers, *populations], place(options))
+    kept = read_archive(options.scenarios) if options.scenarios else None
+    street = world_of([*drivers, *populations], place(options)) if kept is None else kept.street
     asked = EvaluationOptions(
         jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier or (jaywalk_multiplier(street),))),
         driver_acts=options.driver_acts,
@@ -91,7 +94,7 @@ def _work(options: Evaluate) -> Evaluation:
         encounters=options.encounters,
     )
     return prepared(
-        street, (drivers, populations), Scenarios(options.episodes, options.seed), asked,
+        street, (drivers, populations), kept or Scenarios(options.episodes, options.seed), asked,
         out=options.out, trust=options.trust, seconds=options.driver_seconds,
     )  # fmt: skip
 
@@ -143,6 +146,8 @@ def check(options: Evaluate) -> None:
     check_pedestrians(options.pedestrians)
     check_episodes(options.episodes)
     check_seed(options.seed)
+    if options.scenarios:
+        check_kept(options)
     check_driver_seconds(options.driver_seconds)
     check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
     if options.jaywalk_multiplier == ():

@@ -5,7 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from jaxwalk.cli.casting import Policies, cast
-from jaxwalk.cli.checks import check_driver, check_driver_seconds, check_no_folder, check_scenario, check_seed
+from jaxwalk.cli.checks import (
+    check_driver,
+    check_driver_seconds,
+    check_kept,
+    check_no_folder,
+    check_number,
+    check_scenario,
+    check_seed,
+)
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Play
 from jaxwalk.evaluation import named
@@ -14,10 +22,12 @@ from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
 from jaxwalk.policies.shield_names import with_shield
 from jaxwalk.runs.folder import check_writable
-from jaxwalk.scenarios import Drawn
-from jaxwalk.sim.environment import Street
+from jaxwalk.scenarios import Archived, Drawn
+from jaxwalk.scenarios.archive_file import read_archive
 from jaxwalk.wording import counted
 
+Kept = Drawn | Archived
+"""Scenarios that know their street."""
 PAGE = ".html"
 """Ending of a page on which episodes can be played."""
 STILL = (".png", ".svg", ".pdf")
@@ -28,33 +38,41 @@ def run(options: Play) -> int:
     """Play the episodes and write them to the file."""
     out = check(options)
     names = with_shield(options.driver, options.shield)
-    street, drivers, people = cast(
-        names, [options.pedestrians], options, trust=options.trust, seconds=options.driver_seconds
-    )
+    kept = read_archive(options.scenarios) if options.scenarios else None
+    for number in options.scenario:
+        check_number(number, kept)
+    loading = {"trust": options.trust, "seconds": options.driver_seconds}
+    street, drivers, people = cast(names, [options.pedestrians], options, kept, **loading)
+    source = Drawn(street, options.seed) if kept is None else kept
     out.parent.mkdir(parents=True, exist_ok=True)
     show = _page if out.suffix.lower() == PAGE else _drawing
-    print(f"{out}: {show(options, out, street, drivers, people[options.pedestrians])}")
+    print(f"{out}: {show(options, out, source, drivers, people[options.pedestrians])}")
     return 0
 
 
-def _drawing(options: Play, out: Path, street: Street, drivers: Policies, people: Policy) -> str:
+def _drawing(options: Play, out: Path, source: Kept, drivers: Policies, people: Policy) -> str:
     ((name, driver),), (scenario,) = drivers.items(), options.scenario
-    policies, source = {"driver": driver, "pedestrian": people}, Drawn(street, options.seed)
+    policies = {"driver": driver, "pedestrian": people}
     with named({"driver": name, "pedestrian": options.pedestrians}):
-        played = draw_episode(street, policies, source, scenario, out, time=options.time)
+        played = draw_episode(source.street, policies, source, scenario, out, time=options.time)
     ending = "goal" if played.goal[0] else "collision" if played.collision[0] else "timeout"
-    return f"scenario {scenario} of seed {options.seed}: {ending} after {played.length[0] * played.dt:.1f} s"
+    return f"scenario {scenario} of {_where(options)}: {ending} after {played.length[0] * played.dt:.1f} s"
 
 
-def _page(options: Play, out: Path, street: Street, drivers: Policies, people: Policy) -> str:
+def _page(options: Play, out: Path, source: Kept, drivers: Policies, people: Policy) -> str:
     from jaxwalk.viewer import replay_page
 
     numbers = list(dict.fromkeys(options.scenario))
     name = options.pedestrians
-    document = recording(street, drivers, {name: people}, {name: numbers}, Drawn(street, options.seed))
+    document = recording(source.street, drivers, {name: people}, {name: numbers}, source)
     among = f"{', '.join(drivers)} among {name}"
     replay_page(document, out, title=f"jaxwalk: {among}")
-    return f"{counted(len(document['episodes']), 'episode')} of seed {options.seed}, {among}; open it in a browser"
+    return f"{counted(len(document['episodes']), 'episode')} of {_where(options)}, {among}; open it in a browser"
+
+
+def _where(options: Play) -> str:
+    """Return where the scenarios are from."""
+    return str(options.scenarios) if options.scenarios else f"seed {options.seed}"
 
 
 def check(options: Play) -> Path:
@@ -65,6 +83,8 @@ def check(options: Play) -> Path:
     if not options.scenario:
         raise UsageError("--scenario needs a number, such as 3")
     check_seed(options.seed)
+    if options.scenarios:
+        check_kept(options)
     check_driver_seconds(options.driver_seconds)
     if options.html and options.out:
         raise UsageError("--html is short for --out episode.html: give one of the two")

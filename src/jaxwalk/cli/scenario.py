@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jaxwalk.cli.casting import cast
-from jaxwalk.cli.checks import check_driver, check_scenario, check_seed
+from jaxwalk.cli.checks import check_driver, check_kept, check_number, check_scenario, check_seed
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Scenario
 from jaxwalk.evaluation import named
@@ -11,15 +11,19 @@ from jaxwalk.exports.scenario_files import COMMONROAD, EPISODE, MAP, export_scen
 from jaxwalk.formats.opendrive import load_library
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.scenarios import Drawn
+from jaxwalk.scenarios.archive_file import read_archive
 
 
 def run(options: Scenario) -> int:
     """Play the scenario and write the files."""
     check(options)
-    street, drivers, people = cast([options.driver], [options.pedestrians], options)
+    kept = read_archive(options.scenarios) if options.scenarios else None
+    check_number(options.scenario, kept)
+    street, drivers, people = cast([options.driver], [options.pedestrians], options, kept)
     (driver,), (crowd,) = drivers.values(), people.values()
-    name = f"jaxwalk: {options.driver} among {options.pedestrians}, scenario {options.scenario} of seed {options.seed}"
-    policies, source = {"driver": driver, "pedestrian": crowd}, Drawn(street, options.seed)
+    where = options.scenarios or f"seed {options.seed}"
+    name = f"jaxwalk: {options.driver} among {options.pedestrians}, scenario {options.scenario} of {where}"
+    policies, source = {"driver": driver, "pedestrian": crowd}, kept or Drawn(street, options.seed)
     with named({"driver": options.driver, "pedestrian": options.pedestrians}):
         error = export_scenario(street, policies, source, options.scenario, options.out, name=name)
     files = f"{EPISODE} with {MAP}, and {COMMONROAD}"
@@ -32,6 +36,8 @@ def check(options: Scenario) -> None:
     check_driver(options.driver)
     check_scenario(options.scenario)
     check_seed(options.seed)
+    if options.scenarios:
+        check_kept(options)
     if options.out.exists() and not options.out.is_dir():
         raise UsageError(f"--out {options.out}: is a file; name a folder")
     load_library()

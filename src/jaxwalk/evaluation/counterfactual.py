@@ -96,15 +96,15 @@ class Counterfactuals:
     @property
     def judged(self) -> Shaped[np.ndarray, "collision"]:
         """The judgement of each collision, one of `JUDGEMENTS`, with others at the wheel once the person was seen."""
-        return _judged(self.human_when_seen, self.planner_when_seen | self.brake_when_seen)
+        return judgements(self.human_when_seen, self.planner_when_seen | self.brake_when_seen)
 
     @property
     def judged_from_start(self) -> Shaped[np.ndarray, "collision"]:
         """The same with others at the wheel all the way."""
-        return _judged(self.human_from_start, self.planner_from_start)
+        return judgements(self.human_from_start, self.planner_from_start)
 
 
-def _judged(
+def judgements(
     human: Bool[np.ndarray, "collision"], oracle: Bool[np.ndarray, "collision"]
 ) -> Shaped[np.ndarray, "collision"]:
     """Return the judgements, given which collisions each driver avoids."""
@@ -180,7 +180,7 @@ def _replay(
     _check_same(measure_outcomes(unchanged, moving_speed=street.config.moving_speed), hits)
     crossing = unchanged.decisions[hits.steps, np.arange(len(hits.ped)), hits.ped] - 1
     watched = hits.steps + round(WATCHED / street.world.rules.dt)
-    first_seen = first_seen_frame(street, unchanged, hits)
+    first_seen = first_seen_frame(street, unchanged, hits.ped, hits.steps)
 
     def avoids(change: Roles[Policy], scenarios: Scenario = scenarios) -> Bool[np.ndarray, "collision"]:
         return ~play(street, policies | change, scenarios, keys, until=watched).collision
@@ -203,21 +203,23 @@ def _replay(
     }
 
 
-def first_seen_frame(street: Street, played: Trajectory, hits: Hits) -> Int[np.ndarray, "collision"]:
-    """Return the first frame in which the car perceived the touched pedestrian; that of the contact if never before.
+def first_seen_frame(
+    street: Street, played: Trajectory, ped: Int[np.ndarray, "episode"], frame: Int[np.ndarray, "episode"]
+) -> Int[np.ndarray, "episode"]:
+    """Return the first frame in which the car perceived a pedestrian of each episode; at the latest a given one.
 
     In a world where everybody is visible, it is the first frame with the pedestrian within the range of sight of the
     car's eye, which is at its front axle.
     """
-    episode = np.arange(len(hits.ped))
+    episode = np.arange(len(ped))
     if played.perceived is not None:
-        seen = played.perceived[:, episode, hits.ped]
+        seen = played.perceived[:, episode, ped]
     else:
         eye = street.config.wheelbase / 2
-        dx = played.ped_x[:, episode, hits.ped] - (played.car_x + eye * played.car_cos)
-        dy = played.ped_y[:, episode, hits.ped] - (played.car_y + eye * played.car_sin)
+        dx = played.ped_x[:, episode, ped] - (played.car_x + eye * played.car_cos)
+        dy = played.ped_y[:, episode, ped] - (played.car_y + eye * played.car_sin)
         seen = distance(dx, dy) <= street.config.sight
-    at_the_latest = np.arange(len(seen))[:, None] >= hits.steps
+    at_the_latest = np.arange(len(seen))[:, None] >= frame
     return (seen | at_the_latest).argmax(axis=0)
 
 

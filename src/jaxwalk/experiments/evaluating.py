@@ -41,7 +41,7 @@ from jaxwalk.provenance import provenance
 from jaxwalk.report.suite import suite
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
-from jaxwalk.scenarios import Drawn, Source
+from jaxwalk.scenarios import Archived, Drawn, Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.wording import counted
 from jaxwalk.writing import together, write_whole
@@ -60,17 +60,27 @@ class Evaluation:
     """The same street with each jaywalk multiplier."""
     drivers: Mapping[str, Policy]
     populations: Mapping[str, Policy]
-    episodes: int
-    """Scenarios in each cell."""
-    seed: int
-    """Seed of the scenarios."""
+    scenarios: Scenarios | Archived
+    """What everybody plays: drawn scenarios, or kept ones of the only street."""
     options: EvaluationOptions
     out: Path | None = None
     """Folder to write into; None writes nothing."""
 
+    @property
+    def episodes(self) -> int:
+        """Return the number of scenarios in each cell."""
+        return self.scenarios.episodes if isinstance(self.scenarios, Scenarios) else len(self.scenarios)
+
+    def source(self, street: Street) -> Source:
+        """Return the scenarios on one of the streets."""
+        if isinstance(self.scenarios, Scenarios):
+            return Drawn(street, self.scenarios.seed, self.scenarios.episodes)
+        return self.scenarios
+
 
 def prepared(
-    street: Street, names: tuple[Sequence[str], Sequence[str]], scenarios: Scenarios, options: EvaluationOptions,
+    street: Street, names: tuple[Sequence[str], Sequence[str]], scenarios: Scenarios | Archived,
+    options: EvaluationOptions,
     *, out: Path | None, **loading: Any,
 ) -> Evaluation:  # fmt: skip
     """Return an evaluation with all policies loaded.
@@ -78,7 +88,7 @@ def prepared(
     Args:
         street: where it is.
         names: of the drivers and of the populations, as `contestant` takes them.
-        scenarios: how many, and their seed.
+        scenarios: how many, and their seed; or kept ones.
         options: everything else that was asked for.
         out: folder to write into, if any.
         loading: how `contestant` loads drivers (``trust``, ``seconds``).
@@ -89,8 +99,7 @@ def prepared(
         streets=tuple(with_jaywalk_multiplier(street, x) for x in options.jaywalk_multipliers),
         drivers={name: contestant(street, "driver", name, sample=car, **loading) for name in drivers},
         populations={name: contestant(street, "pedestrian", name, sample=people) for name in populations},
-        episodes=scenarios.episodes,
-        seed=scenarios.seed,
+        scenarios=scenarios,
         options=options,
         out=out,
     )
@@ -137,7 +146,7 @@ def _play(work: Evaluation, tell: Tell) -> tuple[Results, list[Played]]:
     for street in work.streets:
         try:
             results, played = evaluate_grid(
-                street, work.drivers, work.populations, Drawn(street, work.seed, work.episodes), progress=progress
+                street, work.drivers, work.populations, work.source(street), progress=progress
             )
         except Stopped as stopped:
             rows.append(stopped.rows)
@@ -178,7 +187,7 @@ def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tel
     for number, (cell, (street, driver, people, found)) in enumerate(zip(cells, played, strict=True)):
         tell(f"replaying collisions of {driver} among {people}", number, len(cells))
         policies = {"driver": work.drivers[driver], "pedestrian": work.populations[people]}
-        source = Drawn(street, work.seed, work.episodes)
+        source = work.source(street)
         replayed.append(replayed_cell(street, policies, source, Match(cell, found), work.options.counterfactuals))
     return tuple(replayed)
 

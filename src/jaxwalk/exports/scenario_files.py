@@ -15,6 +15,8 @@ from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import FAR_AWAY
+from jaxwalk.sim.trajectory import with_people
 from jaxwalk.writing import together, write_whole
 
 EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
@@ -41,6 +43,7 @@ def export_scenario(
         TracksError: scenariogeneration is missing, or roads can't be made of the street's lanes.
     """
     trajectory = replay(street, policies, source, [number])
+    trajectory = with_people(trajectory, trajectory.ped_x[0, 0] != FAR_AWAY)  # only those who are there
     tracks, parked = next(tracks_of(trajectory)), trajectory.parked_in(0)
     network = road_network(network_of_scenario(street, source, number))
     documents = {

@@ -16,9 +16,9 @@ from jaxwalk.rollout import EVALUATION, environment_keys, seed_key
 from jaxwalk.scenarios.crash_file import STANDARD, CrashFileError, CrashSuite, Variant, load_crash_suite
 from jaxwalk.scenarios.rails import Rails
 from jaxwalk.scenarios.source import source_hash
-from jaxwalk.scenarios.staging import FAR_AWAY, NOBODY, Case, Stage, Staged, StagedPerson, cases_of, layers_of
+from jaxwalk.scenarios.staging import NOBODY, Case, Stage, Staged, StagedPerson, cases_of, layers_of
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.scenario import TRAITS, Scenario
+from jaxwalk.sim.scenario import FAR_AWAY, TRAITS, Scenario
 from jaxwalk.sim.script import Script
 from jaxwalk.sim.sim_config import WORLDS
 from jaxwalk.sim.suites import CRASH_WORLD

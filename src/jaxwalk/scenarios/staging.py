@@ -21,14 +21,13 @@ from jaxwalk.scenarios.crash_file import (
 )
 from jaxwalk.scenarios.rails import FINELY, Footpath, Rails, meetings, time_to_walk
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import FAR_AWAY
 from jaxwalk.sim.script import Trigger
 
 KMH = 3.6
 """1 m/s in km/h."""
 BEFORE = 1.0
 """The car begins at least this long before anybody sets out [s]."""
-FAR_AWAY = -500.0
-"""Who isn't there stands here, x and y [m]: out of sight, and off every map."""
 
 
 @dataclass(frozen=True)

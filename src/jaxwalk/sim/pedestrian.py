@@ -14,7 +14,7 @@ from jaxwalk.sim.free_walk import pace_of_script, stand, walk_freely
 from jaxwalk.sim.jaywalk import Zone, into_gap, jaywalk_from, zone_of
 from jaxwalk.sim.lookup import look_up, look_up_each
 from jaxwalk.sim.map_tables import Hop, unpack_hop
-from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.scenario import FAR_AWAY, Scenario
 from jaxwalk.sim.state import Leg, PedestrianState
 from jaxwalk.sim.walking_groups import behind
 from jaxwalk.sim.world import World
@@ -29,6 +29,8 @@ def place(world: World, scenario: Scenario) -> PedestrianState:
     if scenario.script is not None:
         return stand(world, scenario)
     x, y = look_up_each((world.maps.node_x, world.maps.node_y), scenario.map, scenario.start)
+    if scenario.absent is not None:
+        x, y = (jnp.where(scenario.absent, FAR_AWAY, place) for place in (x, y))
     zero, none, no = jnp.zeros_like(x), jnp.zeros_like(scenario.start), jnp.zeros(x.shape, bool)
     leg = Leg(
         end_x=x, end_y=y, cos=zero, sin=zero, length=zero, kind=none, node=scenario.start, side=none, begin=zero,
@@ -50,6 +52,8 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
     """
     if scenario.script is not None:
         return walk_freely(world, scenario, people, go)
+    if scenario.absent is not None:
+        go = go & ~scenario.absent
     stride = jnp.where(go, pace(world, scenario, people) * world.rules.dt, 0)
     carry = stride - people.remaining
     finished = go & (carry >= 0)

@@ -44,10 +44,14 @@ def unhidden(moment: Moment) -> Moment:
 
 
 def relative_people(world: World, scenario: Scenario, car: VehicleState, people: PedestrianState) -> Motion:
-    """Return people in the car's frame; arrays ``(ped, *batch)``."""
+    """Return people in the car's frame; arrays ``(ped, *batch)``. Who isn't there stands `AWAY`."""
     ahead, left = to_frame(people.x - car.x[None], people.y - car.y[None], car.cos[None], car.sin[None])
     vx, vy = pedestrian.velocity(world, scenario, people)
-    return Motion(ahead, left, *to_frame(vx, vy, car.cos[None], car.sin[None]))
+    motion = Motion(ahead, left, *to_frame(vx, vy, car.cos[None], car.sin[None]))
+    if scenario.absent is None:
+        return motion
+    columns = zip(jax.tree.leaves(motion), (AWAY, 0, 0, 0), strict=True)
+    return Motion(*(jnp.where(scenario.absent, away, column) for column, away in columns))
 
 
 def motion_of_people(world: World, scenario: Scenario, state: State) -> Motion:
@@ -139,7 +143,7 @@ def foresee(
     nearest = nearest_people(motion)
     return Foresight(
         people=motion,
-        nearest=nearest if perceived is None else _present(nearest),
+        nearest=nearest if perceived is None and scenario.absent is None else _present(nearest),
         route_x=route[0],
         route_y=route[1],
         clearance=clearance,

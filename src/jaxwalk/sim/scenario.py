@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -24,6 +24,8 @@ TRAITS = 4
 ignores but that policies of pedestrians see."""
 FINEST = 2.0**-17
 """Numbers closer to 0 or 1 than this count as if they were this far away, where they become normal scores."""
+FAR_AWAY = -500.0
+"""Both coordinates of people who aren't there [m]: nobody sees or meets them."""
 
 
 class Scenario(eqx.Module):
@@ -49,6 +51,8 @@ class Scenario(eqx.Module):
     """For each decision that the car saw before the episode: whether it was a jaywalk; None where it saw none."""
     leader: Int[Array, "ped *batch"] | None = None
     """The number of the leader of each pedestrian's group, its own if alone; None where nobody walks in groups."""
+    absent: Bool[Array, "ped *batch"] | None = None
+    """Who isn't there: an explanation of a failure leaves out those who don't matter. None: everybody is there."""
     script: Script | None = None
     """What car and people do by a script, in place of most of the above; None where everything is drawn."""
 
@@ -148,12 +152,14 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         like: keep the map and the route of this scenario.
     """
     maps, correlation = world.maps, world.rules.pace_correlation
-    of_people, of_slots, earlier, of_groups = jnp.split(numbers[2:], np.cumsum(_counts(world))[:-1])
-    table, leader = of_people.reshape(_rows(world), world.rules.pedestrians), None
+    of, leader = parts(world, numbers), None
+    start_draw, goal_draws, traits, jaywalk_draw, zone_draw = of.start, of.goals, of.traits, of.jaywalk, of.zone
     if world.rules.grouped:
-        leader = leaders(of_groups, world.rules.pedestrians, world.rules.grouped)
-        table = jnp.where(_shared(world), table[:, leader], table)
-    start_draw, goal_draws, traits, jaywalk_draw, zone_draw = jnp.split(table, _boundaries(world))
+        leader = leaders(of.groups, world.rules.pedestrians, world.rules.grouped)
+        start_draw, goal_draws, jaywalk_draw, zone_draw = (
+            rows[..., leader] for rows in (start_draw, goal_draws, jaywalk_draw, zone_draw)
+        )
+        traits = traits.at[:2].set(traits[:2, leader])
     if correlation:
         traits = traits.at[1].set(correlated(traits[0], traits[1], correlation))
     map_index = jnp.floor(numbers[0] * world.map_count).astype(jnp.int32)
@@ -162,7 +168,7 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
     if like is not None:
         map_index, route = like.map, like.route
     starts = look_up(maps.start_count, map_index, route)
-    start = _choose(maps.start_choices, starts, (map_index, route), start_draw[0])
+    start = _choose(maps.start_choices, starts, (map_index, route), start_draw)
 
     def next_goal(node, draw):
         goal = _choose(maps.goal_choices, look_up(maps.goal_count, map_index, node), (map_index, node), draw)
@@ -177,9 +183,54 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         goals=goals,
         jaywalk_draw=jaywalk_draw,
         zone_draw=zone_draw,
-        parked=_parked(world, map_index, of_slots) if world.slots else None,
-        earlier_draw=earlier.reshape(-1, world.rules.pedestrians) if len(earlier) else None,
+        parked=_parked(world, map_index, of.parked) if world.slots else None,
+        earlier_draw=of.earlier if len(of.earlier) else None,
         leader=leader,
+    )
+
+
+class Parts(NamedTuple):
+    """Uniform numbers by what they decide about; arrays of any library."""
+
+    street: Any
+    """Map and route, ``(2,)``."""
+    start: Any
+    """``(ped,)``"""
+    goals: Any
+    """``(goal, ped)``"""
+    traits: Any
+    """``(trait, ped)``"""
+    jaywalk: Any
+    """``(crossing, ped)``"""
+    zone: Any
+    """``(crossing, ped)``"""
+    parked: Any
+    """``(slot,)``"""
+    earlier: Any
+    """``(decision, ped)``"""
+    groups: Any
+    """``(group,)``"""
+
+
+def parts(world: World, numbers: Any) -> Parts:
+    """Return `dimensions` numbers by what they decide about, in the order of `from_uniforms`.
+
+    Of ``numpy.arange(dimensions(world))`` it is where each of them is.
+    """
+    people, of_goals = world.rules.pedestrians, world.goals
+    ends = 2 + np.cumsum(_counts(world))
+    table = numbers[2 : ends[0]].reshape(-1, people)
+    rows = np.cumsum([1, of_goals, TRAITS, world.crossings, world.crossings])
+    return Parts(
+        street=numbers[:2],
+        start=table[0],
+        goals=table[rows[0] : rows[1]],
+        traits=table[rows[1] : rows[2]],
+        jaywalk=table[rows[2] : rows[3]],
+        zone=table[rows[3] : rows[4]],
+        parked=numbers[ends[0] : ends[1]],
+        earlier=numbers[ends[1] : ends[2]].reshape(-1, people),
+        groups=numbers[ends[2] : ends[3]],
     )
 
 
@@ -199,31 +250,14 @@ def _counts(world: World) -> tuple[int, int, int, int]:
     """Return how many uniform numbers are of people, parking slots, earlier decisions, and groups."""
     people = world.rules.pedestrians
     groups = groups_drawn(people) if world.rules.grouped else 0
-    return _rows(world) * people, world.slots, world.rules.earlier_decisions * people, groups
-
-
-def _shared(world: World) -> Bool[np.ndarray, "row 1"]:
-    """Return which rows of the table of people are a leader's for all its group: all but the last two traits."""
-    _, traits, jaywalks, _ = _boundaries(world)
-    row = np.arange(_rows(world))[:, None]
-    return (row < traits + 2) | (row >= jaywalks)
+    rows = 1 + world.goals + TRAITS + 2 * world.crossings
+    return rows * people, world.slots, world.rules.earlier_decisions * people, groups
 
 
 def _parked(world: World, map_index: Array, of_slots: Float[Array, " slot"]) -> Bool[Array, " slot"]:
     """Return the slots in which a vehicle is parked; never one that only pads the map."""
     real = jnp.arange(world.slots) < look_up(world.maps.slot_count, map_index)
     return real & (of_slots < world.rules.parked)
-
-
-def _boundaries(world: World) -> tuple[int, ...]:
-    """Return where goals, traits, jaywalk draws and zone draws begin in the table of uniform numbers."""
-    traits = 1 + world.goals
-    return 1, traits, traits + TRAITS, traits + TRAITS + world.crossings
-
-
-def _rows(world: World) -> int:
-    """Return how many uniform numbers a scenario needs for each pedestrian."""
-    return _boundaries(world)[-1] + world.crossings
 
 
 def _choose(table: Array, count: Array, row: tuple[Array, ...], uniform: Array) -> Array:

@@ -125,6 +125,12 @@ def part_of(recorded: Recorded, *, frames: int, episodes: slice) -> Recorded:
     return replace(recorded, **parts)
 
 
+def with_people(recorded: Recorded, who: Bool[np.ndarray, "ped"]) -> Recorded:
+    """Return a recording of some of the people, in their order."""
+    columns = {name: x for name, x in vars(recorded).items() if "ped" in AXES.get(name, ()) and x is not None}
+    return replace(recorded, **{name: x[..., who] for name, x in columns.items()})
+
+
 def in_order(columns: Mapping[str, Shaped[np.ndarray, "..."]]) -> dict[str, Any]:
     """Return columns as a `Trajectory` has them, from arrays whose axes end in ``(..., ped, episode)``."""
     return {name: x.swapaxes(-1, -2) if "ped" in AXES[name] else x for name, x in columns.items()}

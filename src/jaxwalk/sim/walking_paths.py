@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float, Int
 
 from jaxwalk.sim.crossing_kind import LegKind
 from jaxwalk.sim.pedestrian import next_leg, place
-from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.scenario import FAR_AWAY, Scenario
 from jaxwalk.sim.script import Script
 from jaxwalk.sim.state import Leg
 from jaxwalk.sim.world import World
@@ -45,9 +45,12 @@ def walking_paths(world: World, scenario: Scenario, *, reach: float) -> Paths:
         points.append((found.end_x, found.end_y))
         legs.append(found)
         shortest += float(found.length.sum(axis=0).min())
+    x, y = (np.concatenate(columns) for columns in zip(*points, strict=True))
+    if scenario.absent is not None:
+        x, y = (np.where(scenario.absent, np.float32(FAR_AWAY), column) for column in (x, y))
     return Paths(
-        x=np.concatenate([x for x, _ in points]),
-        y=np.concatenate([y for _, y in points]),
+        x=x,
+        y=y,
         jaywalk=np.concatenate([found.kind == LegKind.ACROSS for found in legs]),
         arrivals=np.concatenate([found.arrivals for found in legs]),
     )

@@ -73,6 +73,8 @@ class Scenario:
     """Number of the scenario: a row of an evaluation with the same seed."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
+    scenarios: Annotated[Path | None, option("none", "FILE")] = None
+    """Instead of drawing scenarios: those of a file or of a folder of `jaxwalk search` (docs/failure-search.md)."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
     number (docs/streets.md)."""

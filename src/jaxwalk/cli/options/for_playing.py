@@ -37,6 +37,9 @@ class Evaluate:
     """Scenarios in each cell, the same for all."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios; none is ever met in training."""
+    scenarios: Annotated[Path | None, option("none", "FILE")] = None
+    """Instead of drawing scenarios: those of a file, or of the folder of a `jaxwalk search`, with their street, world
+    and people (docs/failure-search.md)."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
     number (docs/streets.md)."""
@@ -92,6 +95,8 @@ class Play:
     """Number of the scenario: a row of an evaluation with the same seed; several on a page only."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
+    scenarios: Annotated[Path | None, option("none", "FILE")] = None
+    """Instead of drawing scenarios: those of a file or of a folder of `jaxwalk search` (docs/failure-search.md)."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
     number (docs/streets.md)."""

@@ -1,0 +1,83 @@
+"""Evolution strategies of evosax as a method of search."""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from jaxwalk.search.cube import Candidates, ordinary_distance, to_normal, to_uniform
+from jaxwalk.search.elites import Elites
+from jaxwalk.search.methods import Generation, State
+
+ORDINARY = 2.0
+"""A candidate whose normal scores are twice as far from 0 as ordinary ones counts as if it missed by this much more
+[m]: without that, the strategy leaves what is plausible."""
+LEAF = "strategy."
+"""Arrays of the strategy's state are named so, with a number."""
+
+
+class EvosaxError(ValueError):
+    """evosax is missing. The message says how to install it."""
+
+
+def check_evosax() -> None:
+    """Raise EvosaxError if evosax is missing."""
+    if importlib.util.find_spec("evosax") is None:
+        raise EvosaxError('--method evolution needs evosax; install it with: pip install "jaxwalk[search]"')
+
+
+class Evolution:
+    """Moves a normal distribution of candidates towards failures: separable natural evolution (Wierstra et al. 2014).
+
+    It finds one kind of failure, and refines it.
+    """
+
+    def __init__(self, count: int) -> None:
+        """Propose ``count`` candidates in each generation. Raise EvosaxError if evosax is missing."""
+        check_evosax()
+        self.count = count
+
+    def begin(self, dimensions: int) -> State:
+        """Return the state of a strategy that begins with ordinary candidates."""
+        strategy, params = self._strategy(dimensions)
+        return _arrays(strategy.init(jax.random.key(0), jnp.zeros(dimensions), params))
+
+    def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
+        """Return the strategy's candidates."""
+        strategy, params, now = self._now(state)
+        key = jax.random.key(int(turn.rng.integers(2**31)))
+        scores, _ = strategy.ask(key, now, params)
+        return turn.fresh(to_uniform(np.asarray(scores, np.float64)))
+
+    def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
+        """Return the strategy's next state; its candidates are ranked by how near to a failure and how ordinary."""
+        strategy, params, now = self._now(state)
+        missing = np.minimum(-scores, 1e6) + ORDINARY * (ordinary_distance(candidates.points) - 1)
+        found = jnp.asarray(to_normal(candidates.points), jnp.float32)
+        after, _ = strategy.tell(jax.random.key(0), found, jnp.asarray(missing, jnp.float32), now, params)
+        return _arrays(after)
+
+    def _strategy(self, dimensions: int) -> tuple[Any, Any]:
+        from evosax.algorithms import SNES
+
+        strategy = SNES(population_size=self.count, solution=jnp.zeros(dimensions))
+        return strategy, strategy.default_params
+
+    def _now(self, state: State) -> tuple[Any, Any, Any]:
+        """Return strategy, parameters, and the strategy's state as evosax has it."""
+        dimensions = int(state["dimensions"])
+        strategy, params = self._strategy(dimensions)
+        like = strategy.init(jax.random.key(0), jnp.zeros(dimensions), params)
+        leaves = [jnp.asarray(state[f"{LEAF}{number}"]) for number in range(len(jax.tree.leaves(like)))]
+        return strategy, params, jax.tree.unflatten(jax.tree.structure(like), leaves)
+
+
+def _arrays(strategy_state: Any) -> State:
+    """Return a strategy's state as arrays by name."""
+    leaves = {f"{LEAF}{number}": np.asarray(leaf) for number, leaf in enumerate(jax.tree.leaves(strategy_state))}
+    return leaves | {"dimensions": np.array(len(strategy_state.mean))}

@@ -1,0 +1,87 @@
+"""Would a careful human or the oracle have avoided a failure? As `jaxwalk.evaluation.counterfactual` asks it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Int, Shaped
+
+from jaxwalk.evaluation.batches import BATCH
+from jaxwalk.evaluation.counterfactual import WATCHED, ReplayError, judgements
+from jaxwalk.evaluation.interventions import Brake, TakeOver
+from jaxwalk.evaluation.playing import play
+from jaxwalk.policies import Oracle
+from jaxwalk.policies.careful_human import CarefulHuman
+from jaxwalk.policies.world_numbers import with_limits
+from jaxwalk.scenarios.archived import keys_of, scenarios_at
+from jaxwalk.search.critical import CriticalMoments
+from jaxwalk.search.cube import Candidates
+from jaxwalk.search.driving import SMALL_PART, Driving
+from jaxwalk.sim.trajectory import Trajectory
+
+NEVER = np.int32(2**30)
+"""Nobody takes over at this step."""
+
+
+@dataclass(frozen=True, eq=False)
+class Avoidability:
+    """Who would have avoided each failure: one of `JUDGEMENTS`."""
+
+    when_seen: Shaped[np.ndarray, "failure"]
+    """With others at the wheel from when the car first perceived the person."""
+    from_start: Shaped[np.ndarray, "failure"]
+    """With others at the wheel all the way."""
+
+
+def judge(game: Driving, failures: Candidates, moments: CriticalMoments, *, batch: int = SMALL_PART) -> Avoidability:
+    """Play failures again with others at the wheel; avoided is what touches nobody up to `WATCHED` after the contact.
+
+    If rounding makes replays in small batches differ, they are played in those of an evaluation.
+
+    Raises:
+        ReplayError: a failure doesn't recur.
+    """
+    try:
+        parts = [
+            _judge(game, failures, moments, np.arange(first, min(first + batch, len(failures))), batch)
+            for first in range(0, len(failures), batch)
+        ]
+    except ReplayError:
+        if batch >= BATCH:
+            raise
+        return judge(game, failures, moments, batch=BATCH)
+    return Avoidability(
+        *(np.concatenate([getattr(one, name) for one in parts]) for name in ("when_seen", "from_start"))
+    )
+
+
+def _judge(
+    game: Driving, failures: Candidates, moments: CriticalMoments, rows: Int[np.ndarray, "row"], batch: int
+) -> Avoidability:
+    full = np.resize(rows, batch)  # repeated to a full batch, so that nothing is compiled again
+    some, street, driver = moments.some(full), game.street, game.policies["driver"]
+    scenarios = scenarios_at(street, failures.points[full])
+    keys = keys_of(game.seed, failures.keys[full])
+    oracle, human = (with_limits(other, street.config) for other in (Oracle(), CarefulHuman()))
+    seen, start, never = (jnp.asarray(x, jnp.int32) for x in (some.seen, 0 * some.seen, 0 * some.seen + NEVER))
+    watched = some.frame + round(WATCHED / street.world.rules.dt)
+
+    def played(change: TakeOver | Brake, until: Int[np.ndarray, "row"]) -> Trajectory:
+        return play(street, game.policies | {"driver": change}, scenarios, keys, until=until)
+
+    def avoids(change: TakeOver | Brake) -> Bool[np.ndarray, "row"]:
+        return ~played(change, watched).collision[: len(rows)]
+
+    again = played(TakeOver(driver, human, never), some.frame)
+    touched = again.touched[np.arange(batch), some.ped]
+    if not (again.collision & (again.length == some.frame) & touched).all():
+        raise ReplayError("a failure doesn't recur when it is played again; is the driver the same in every run?")
+    return Avoidability(
+        judgements(
+            avoids(TakeOver(driver, human, seen)),
+            avoids(TakeOver(driver, oracle, seen)) | avoids(Brake(driver, seen)),
+        ),
+        judgements(avoids(TakeOver(driver, human, start)), avoids(TakeOver(driver, oracle, start))),
+    )

@@ -1,0 +1,153 @@
+"""Methods of search: each proposes candidates, and learns from what happened to them.
+
+A method's state is arrays by name, so that a search can be interrupted. All methods share the grid: whatever they come
+across is kept there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from jaxwalk.search.cube import Candidates, ordinary, stepped, to_normal, to_uniform
+from jaxwalk.search.elites import Elites
+
+State = dict[str, np.ndarray]
+"""What a method has learned."""
+
+
+@dataclass(frozen=True)
+class Generation:
+    """One generation of a search."""
+
+    rng: np.random.Generator
+    """Where chance comes from: the same in each run of the search."""
+    number: int
+    """Number of the generation, from 0."""
+    count: int
+    """How many candidates to propose."""
+
+    def fresh(self, points: Float[np.ndarray, "point number"]) -> Candidates:
+        """Return candidates at these points with keys of their own."""
+        return Candidates(points, self.number * self.count + np.arange(len(points)))
+
+
+@runtime_checkable
+class Method(Protocol):
+    """Proposes candidates."""
+
+    def begin(self, dimensions: int) -> State:
+        """Return the state before the first generation."""
+        ...
+
+    def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
+        """Return the candidates of a generation."""
+        ...
+
+    def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
+        """Return the state after a generation; scores grow towards a failure, which has 0."""
+        ...
+
+
+class RandomSearch:
+    """Draws scenarios as an evaluation does."""
+
+    def begin(self, dimensions: int) -> State:
+        """Return how many numbers a point has."""
+        return {"dimensions": np.array(dimensions)}
+
+    def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
+        """Return ordinary candidates."""
+        return turn.fresh(ordinary(turn.rng, turn.count, int(state["dimensions"])))
+
+    def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
+        """Learn nothing."""
+        return state
+
+
+class MapElites(RandomSearch):
+    """Varies the best scenarios of each cell, so that neighbouring cells are reached (Mouret and Clune, 2015).
+
+    Failures are rare at first: they are reached from near misses, which have cells too. A child has its parent's key.
+    """
+
+    first: int = 2
+    """Generations of ordinary candidates at the start."""
+    of_failures: float = 0.5
+    """Share of the candidates that are children of failures, where there are any."""
+    new: float = 0.1
+    """Share of ordinary candidates; all others are children of near misses."""
+    shares: tuple[float, ...] = (1.0, 0.3, 0.1, 0.03)
+    """Share of the numbers that step: one of these for each child."""
+    rhos: tuple[float, ...] = (0.0, 0.5, 0.9, 0.98)
+    """How much of a number stays in a step (`stepped`): one of these for each child, but not 0 for all numbers."""
+
+    def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
+        """Return children of failures and of near misses, and ordinary candidates."""
+        own = super().ask(state, elites, turn)
+        if turn.number < self.first or not len(elites.cells):
+            return own
+        rng, kind = turn.rng, turn.rng.random(turn.count)
+        failed = elites.failed
+        near = _one_of_each(rng, elites.cells, ~failed, turn.count) if not failed.all() else None
+        parents = _one_of_each(rng, elites.cells, failed, turn.count) if failed.any() else near
+        assert parents is not None
+        chosen = elites.candidates.some(parents if near is None else np.where(kind < self.of_failures, parents, near))
+        share = rng.choice(self.shares, (turn.count, 1))
+        rho = np.where(share == 1, rng.choice(self.rhos[1:], share.shape), rng.choice(self.rhos, share.shape))
+        points = stepped(rng, chosen.points, rho, rng.random(chosen.points.shape) < share)
+        fresh = kind >= 1 - self.new
+        return Candidates(np.where(fresh[:, None], own.points, points), np.where(fresh, own.keys, chosen.keys))
+
+
+def _one_of_each(
+    rng: np.random.Generator, cells: Int[np.ndarray, "elite"], which: Bool[np.ndarray, "elite"], count: int
+) -> Int[np.ndarray, "chosen"]:
+    """Return elites chosen at random among some, each cell as often as any other."""
+    rows = np.flatnonzero(which)
+    _, place, many = np.unique(cells[rows], return_inverse=True, return_counts=True)
+    chances = 1 / many[place]
+    return rng.choice(rows, count, p=chances / chances.sum())
+
+
+class CrossEntropy(RandomSearch):
+    """Shifts the normal scores of the draws towards those of the best tenth (Rubinstein, 1999).
+
+    A tenth of the candidates stays ordinary, and each counts by the ratio of its densities, as chance draws it and as
+    it was drawn. A score moves only where the best differ clearly from ordinary ones: of thousands of scores, most
+    don't matter, and noise in all of them would make every candidate implausible.
+    """
+
+    elite: float = 0.1
+    """Share of the best."""
+    mixed: float = 0.1
+    """Share of ordinary candidates."""
+    clear: float = 3.0
+    """A mean differs clearly if it is this many standard errors off 0."""
+    pace: float = 0.7
+    """How far the mean moves in a generation, of the way to that of the best."""
+
+    def begin(self, dimensions: int) -> State:
+        """Return ordinary scores: a mean of 0."""
+        return {"mean": np.zeros(dimensions), "effective": np.array(1.0)}
+
+    def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
+        """Return candidates about the mean, and some ordinary ones."""
+        scores = turn.rng.standard_normal((turn.count, len(state["mean"])))
+        shifted = turn.rng.random((turn.count, 1)) >= self.mixed
+        return turn.fresh(to_uniform(scores + shifted * state["mean"]))
+
+    def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
+        """Move the mean. ``effective`` is the effective sample size, as a share of the candidates."""
+        mean, found = state["mean"], to_normal(candidates.points)
+        weights = 1 / (self.mixed + (1 - self.mixed) * np.exp(np.clip(found @ mean - mean @ mean / 2, -700, 700)))
+        best = np.argsort(-scores, kind="stable")[: max(2, round(self.elite * len(scores)))]
+        own = weights[best] / weights[best].sum()
+        centre = own @ found[best]
+        error = np.sqrt((own**2).sum())
+        centre = np.where(np.abs(centre) > self.clear * error, centre, 0.0)
+        effective = weights.sum() ** 2 / (weights**2).sum() / len(weights)
+        return {"mean": (1 - self.pace) * mean + self.pace * centre, "effective": np.array(effective)}
