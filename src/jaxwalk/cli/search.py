@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
@@ -12,7 +15,7 @@ from jaxwalk.cli.errors import UsageError, bad_values
 from jaxwalk.cli.interruption import until_interrupted
 from jaxwalk.cli.options import Search
 from jaxwalk.experiments.failure_rate import FailureRate, estimate_rate
-from jaxwalk.experiments.failure_search import FailureSearch, search_failures
+from jaxwalk.experiments.failure_search import FailureSearch, Tell, search_failures
 from jaxwalk.policies.shield_names import with_shield
 from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
@@ -35,17 +38,22 @@ def run(options: Search) -> int:
         with bad_values():
             plan = SplittingPlan(particles=options.particles, repeats=options.repeats)
         rate = FailureRate(street, drivers, people, plan, options.seed, options.out)
-        work = lambda tell: estimate_rate(rate, tell)  # noqa: E731
+        work = partial(estimate_rate, rate)
     else:
         search = FailureSearch(
             street, drivers, people, options.method, options.simulations, options.minimise, options.seed, options.out
         )
-        work = lambda tell: said(search_failures(search, tell), options)  # noqa: E731
+        work = partial(_searched, options, search)
     with held(options.out):
         return until_interrupted(lambda: _with_progress(work))
 
 
-def _with_progress(work) -> str:
+def _searched(options: Search, search: FailureSearch, tell: Tell) -> str:
+    """Search; return in words what was found."""
+    return said(search_failures(search, tell), options)
+
+
+def _with_progress(work: Callable[[Tell], str]) -> str:
     """Do the work with a progress bar; return what it says in the end."""
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("searching", total=None)
