@@ -6,6 +6,11 @@ from jaxwalk.recipes import RECIPES, single_agent, with_limits, with_training
 
 fast = single_agent(with_limits(RECIPES["fast"], CostLimit("contact", limit=0.05, worth=15.0)))
 small = with_training(fast, environments=64, steps=64, minibatches=4)
-for line in train(small, seed=7, updates=12).metrics[::3]:
-    cost, multiplier = line["cost/driver/contact"], line["multiplier/driver/contact"]
-    print(f"update {line['update']}: {cost:.2f} contacts per episode, a multiplier of {multiplier:.4f}")
+
+
+def tell(metrics):
+    cost, multiplier = metrics["cost/driver/contact"], metrics["multiplier/driver/contact"]
+    print(f"update {metrics['update']}: {cost:.2f} contacts per episode, a multiplier of {multiplier:.4f}")
+
+
+train(small, seed=7, updates=12, on_update=tell)

@@ -7,7 +7,7 @@ import pytest
 
 import jaxwalk
 from jaxwalk import resume, train
-from jaxwalk.recipes import ExperimentFileError, single_agent
+from jaxwalk.recipes import ExperimentFileError
 from jaxwalk.runs.entry import Upkeep
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.session import CallbackError, DivergedError
@@ -58,14 +58,14 @@ def test_a_training_that_is_told_to_stop_can_be_resumed(tiny, whole, tmp_path, u
 
 
 def test_seed_and_updates_replace_those_of_the_recipe(tiny, tmp_path, upkeep):
-    trained = train(single_agent(tiny), tmp_path / "run", seed=3, updates=1, upkeep=upkeep)
+    trained = train(tiny, tmp_path / "run", seed=3, updates=1, upkeep=upkeep)
     experiment = Run.open(tmp_path / "run").experiment
     assert (experiment.seed, experiment.train.updates, trained.updates) == (3, 1, 1)
-    assert list(trained.policies) == ["driver"]
+    assert sorted(trained.policies) == ["driver", "pedestrian"]
 
 
 def test_an_answer_that_is_none_and_no_truth_value_is_an_error_and_leaves_no_folder(tiny, temporary, upkeep):
-    with pytest.raises(CallbackError, match="on_update must return True to end the training, or None .* not 'yes'"):
+    with pytest.raises(CallbackError, match=r"on_update must return True to end the training, or None .* not 'yes'"):
         train(tiny, on_update=lambda _: "yes", upkeep=upkeep)
     assert list(temporary.iterdir()) == []
 
