@@ -244,8 +244,8 @@ def whole(tiny, tmp_path_factory):
     """The run of an uninterrupted training."""
     from jaxwalk.runs.folder import Run
     from jaxwalk.runs.progress import Display
-    from jaxwalk.runs.training import train
+    from jaxwalk.runs.training import train_in
 
     run = Run.create(tmp_path_factory.mktemp("runs") / "whole", tiny)
-    train(run, display=Display(Console(file=io.StringIO())))
+    train_in(run, display=Display(Console(file=io.StringIO())))
     return run
