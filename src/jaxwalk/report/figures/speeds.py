@@ -84,7 +84,7 @@ def surprise(material: Material) -> Figure:
         axis.set(title=f"among {people}", xlim=(0, edges[-1]), xticks=edges)
         if not bins:
             axis.text(0.5, 0.6, "too few encounters", ha="center", transform=axis.transAxes)
-    figure.supxlabel("distance to the nearest pedestrian of the type [m]", fontsize="medium")
+    axes[len(axes) // 2].set_xlabel("distance to the nearest pedestrian of the type [m]")
     axes[0].set_ylabel("jaywalk minus crosswalk [m/s]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
