@@ -18,7 +18,7 @@ SMALL = {
 EPISODES = ("evaluate", "report", "tracks", "share")
 CHECKED = (
     "train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier", "crashtest",
-    "bench",
+    "bench", "submit",
 )  # fmt: skip
 """Commands that can't be made short: they run up to where their work begins, which has tests of its own."""
 ELSEWHERE = ("driver.pt", "ppo.zip", "theirs.parquet", "07_tracks.csv", "clip_traj_ped_filtered.csv")
@@ -57,6 +57,8 @@ def provide(words: list[str], trained: Path) -> None:
             shutil.copytree(trained, path)
         elif found := MODULE.match(word):
             _write_driver(Path(f"{found[1]}.py"), found[2])
+        elif word.startswith("zoo/"):
+            path.mkdir(parents=True, exist_ok=True)
         elif word == "town.osm":
             cross().write(path)
         elif word in ("driver.onnx", "first.safetensors") and not path.exists():
