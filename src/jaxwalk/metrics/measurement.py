@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any, TypeVar
 
+import numpy as np
 import pydantic
 from pydantic_core import core_schema
 
 from jaxwalk.metrics.metric import Metric, MetricTable, Numbers, Recording, Rows, Sums, with_needs
 from jaxwalk.metrics.registry import METRICS
-from jaxwalk.metrics.statistics import RESAMPLES, episode_sums
+from jaxwalk.metrics.statistics import RESAMPLES, episode_sums, sums_over_chunks
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
@@ -118,10 +119,38 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
         resamples: number of bootstrap resamples over episodes.
         seed: seed of the bootstrap.
     """
-    columns = {metric.name: metric.columns(rows) for metric in rows.metrics}
-    flat = {(name, column): values for name, found in columns.items() for column, values in found.items()}
-    summed = episode_sums(flat, resamples=resamples, seed=seed) if flat else {}
-    by_metric = {name: {column: summed[name, column] for column in found} for name, found in columns.items()}
-    sums = Sums(resamples, seed, by_metric)
+    columns = _columns(rows)
+    summed = episode_sums(columns, resamples=resamples, seed=seed) if columns else {}
+    return _summarised(rows, Sums(resamples, seed, _by_metric(rows, summed)))
+
+
+def summarise_in_chunks(rows: Rows, chunks: Iterable[Rows], *, resamples: int = RESAMPLES, seed: int = 0) -> Summary:
+    """Return what `summarise` returns, for rows that are too many to be in memory.
+
+    Args:
+        rows: all rows; their tables may be read when they are asked for, and one is needed at a time.
+        chunks: the same rows in chunks of `jaxwalk.metrics.statistics.CHUNK` episodes, the last one with the rest.
+        resamples: number of bootstrap resamples over episodes.
+        seed: seed of the bootstrap.
+    """
+    summed = sums_over_chunks(map(_columns, chunks), rows.episodes, resamples=resamples, seed=seed)
+    return _summarised(rows, Sums(resamples, seed, _by_metric(rows, summed)))
+
+
+def _columns(rows: Rows) -> dict[tuple[str, str], np.ndarray]:
+    """Return the columns that are resampled by episode, by the names of metric and column."""
+    return {(metric.name, name): column for metric in rows.metrics for name, column in metric.columns(rows).items()}
+
+
+def _by_metric(rows: Rows, summed: Mapping[tuple[str, str], np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
+    """Return sums by metric and column."""
+    found: dict[str, dict[str, np.ndarray]] = {metric.name: {} for metric in rows.metrics}
+    for (metric, column), sums in summed.items():
+        found[metric][column] = sums
+    return found
+
+
+def _summarised(rows: Rows, sums: Sums) -> Summary:
+    """Return the numbers of all metrics, given the sums."""
     ordered = sorted(rows.metrics, key=lambda metric: not metric.headline)
     return Summary(rows.episodes, {metric.name: metric.summarise(rows, sums) for metric in ordered})
