@@ -19,10 +19,12 @@ from jaxwalk.experiments.in_parts import evaluate_part, merge_parts
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.metrics import statistics
 from jaxwalk.policies import AlwaysGo, ConstantSpeed, Random
+from jaxwalk.scenarios import Archived
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import dimensions
 
-BATCH, CHUNK, EPISODES, PARTS = 16, 32, 72, 3
-"""72 episodes are five batches, of which the last one is half full; parts have one, two and two of them."""
+BATCH, CHUNK, EPISODES, PARTS = 8, 16, 36, 3
+"""36 episodes are five batches, of which the last one is half full; parts have one, two and two of them."""
 FILES = ("results.json", "suite.md", "episodes.csv")
 
 
@@ -96,12 +98,6 @@ def test_a_part_is_a_number_of_a_number(text):
     assert Part.parse("3/16") == Part(3, 16)
 
 
-def test_a_part_that_is_there_twice_is_left_out(copied):
-    shutil.copytree(copied / "2", copied / "again")
-    found = merged(copied, 1, 2, "again", 3)
-    assert found.said == (f"{copied / 'again'}: part 2/3 again, with the same rows; left out",)
-
-
 def test_a_part_that_is_there_twice_and_differs_is_refused(copied):
     shutil.copytree(copied / "2", copied / "other")
     change(copied / "other", lambda document: document["cells"][0].update(sha256="0" * 64))
@@ -149,13 +145,15 @@ def test_a_part_of_other_scenarios_is_refused(copied):
         merged(copied, 1, 2, 3)
 
 
-def test_other_processors_are_named_and_other_versions_too(copied):
+def test_a_part_again_other_processors_and_other_versions_are_told_of(copied):
+    shutil.copytree(copied / "2", copied / "again")
     change(copied / "3", lambda document: document["made"].update(hardware="another"))
-    for number in (1, 2, 3):
-        change(copied / str(number), lambda document: document["made"]["versions"].update(numpy="0.1"))
-    said = " | ".join(merged(copied, 1, 2, 3).said)
-    assert "the parts were played on " in said and "another" in said.partition(":")[0]
-    assert "parts and merge have other versions (numpy 0.1, now " in said
+    for name in ("1", "2", "3", "again"):
+        change(copied / name, lambda document: document["made"]["versions"].update(numpy="0.1"))
+    again, processors, versions = merged(copied, 1, 2, "again", 3).said
+    assert again == f"{copied / 'again'}: part 2/3 again, with the same rows; left out"
+    assert "the parts were played on " in processors and "another" in processors.partition(":")[0]
+    assert "parts and merge have other versions (numpy 0.1, now " in versions
 
 
 def test_changed_rows_are_refused(copied):
@@ -166,7 +164,7 @@ def test_changed_rows_are_refused(copied):
     goals = table.column("goal").to_numpy()
     other = table.set_column(table.column_names.index("goal"), "goal", [~np.asarray(goals)])
     with parquet.ParquetWriter(path, other.schema) as writer:
-        for first in range(0, 64, BATCH):
+        for first in range(0, 2 * BATCH, BATCH):
             writer.write_table(other.slice(first, BATCH))
     with pytest.raises(StoredRowsError, match="/2: its rows were changed after they were written; evaluate this part"):
         merged(copied, 1, 2, 3)
@@ -223,9 +221,12 @@ def change(folder, how):
 
 
 def test_a_part_needs_drawn_scenarios_and_a_batch_that_divides(parts):
-    work = Evaluation((Street.create(),), {}, {}, Scenarios(20, 0), EvaluationOptions((0.25,)))
+    street = Street.create()
+    work = Evaluation((street,), {}, {}, Scenarios(20, 0), EvaluationOptions((0.25,)))
+    points = np.zeros((1, dimensions(street.world)), np.float32)
+    kept = Archived(street, points, np.ones((1, 12), bool), 0, np.zeros(1, int))
     with pytest.raises(PartError, match="only drawn scenarios"):
-        evaluate_part(replace(work, scenarios=None), Part(1, 1), parts / "new", ignore)
-    with pytest.raises(ValueError, match="batch must divide 32"):
+        evaluate_part(replace(work, scenarios=kept), Part(1, 1), parts / "new", ignore)
+    with pytest.raises(ValueError, match="batch must divide 16"):
         evaluate_part(work, Part(1, 1), parts / "new", ignore, batch=5)
     assert not (parts / "new").exists()

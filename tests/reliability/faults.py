@@ -61,8 +61,9 @@ def cases(everything: bool, pattern: str) -> Iterator[tuple[Fault, str]]:
 
 
 def prepare(folder: Path, cache: Path) -> None:
-    """Make what commands read: a trained run and a table of trajectories."""
-    for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet"):
+    """Make what commands read: a trained run, a table of trajectories and a part of an evaluation."""
+    part = "evaluate --driver random --episodes 2 --part 1/1 --out part"
+    for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet", part):
         done = subprocess.run(_command(line), cwd=folder, env=_environment(cache), check=False, capture_output=True)
         assert done.returncode == 0, done.stderr.decode()
     cross().write(folder / "cross.osm")
