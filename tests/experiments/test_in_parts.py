@@ -106,7 +106,7 @@ def test_a_part_that_is_there_twice_and_differs_is_refused(copied):
 
 
 def test_a_missing_part_is_named(copied):
-    with pytest.raises(PartError, match="^2/3, 3/3 are missing; evaluate with --part 2/3, or name its folder too$"):
+    with pytest.raises(PartError, match=r"^2/3, 3/3 are missing; evaluate with --part 2/3, or name its folder too$"):
         merged(copied, 1)
 
 
@@ -174,7 +174,7 @@ def test_changed_rows_are_refused(copied):
 def test_damaged_rows_are_refused(damage, copied):
     path = copied / "2" / "contacts.parquet"
     path.write_bytes(damage(path.read_bytes()))
-    with pytest.raises(StoredRowsError, match=r"2/contacts\.parquet: damaged \(.*\); evaluate this part again, or copy"):
+    with pytest.raises(StoredRowsError, match=r"2/contacts\.parquet: damaged \(.*\); evaluate this part again"):
         merged(copied, 1, 2, 3)
     path.unlink()
     with pytest.raises(StoredRowsError, match=r"2/contacts\.parquet: can't be read \(No such file"):
@@ -187,7 +187,7 @@ def test_a_damaged_document_is_refused(copied):
         with pytest.raises((PartError, DocumentError), match=what):
             read_part(copied / "1")
     (copied / "1" / PART).unlink()
-    with pytest.raises(PartError, match="has no part.json, so no finished part is in it"):
+    with pytest.raises(PartError, match=r"has no part\.json, so no finished part is in it"):
         read_part(copied / "1")
 
 
