@@ -16,6 +16,7 @@ from jaxwalk.evaluation.batches import BATCH
 from jaxwalk.evaluation.document_parts import EvaluationOptions, PolicyOrigin, StreetOrigin
 from jaxwalk.evaluation.reading import DocumentError, Origin, as_document
 from jaxwalk.evaluation.stored_rows import ADVICE, StoredCell
+from jaxwalk.metrics.statistics import CHUNK
 from jaxwalk.provenance import Provenance
 from jaxwalk.wording import counted, first_of
 
@@ -161,7 +162,7 @@ def _check_whole(path: Path, document: PartDocument) -> None:
     part, cells = document.part, len(document.cells)
     wanted = len(document.options.jaywalk_multipliers) * len(document.drivers) * len(document.populations)
     batches = -(-document.episodes // max(document.batch, 1))
-    if not 1 <= part.number <= part.of <= batches or document.batch < 1 or document.dt <= 0:
+    if not 1 <= part.number <= part.of <= batches or document.dt <= 0 or document.batch < 1 or CHUNK % document.batch:
         raise DocumentError(f"{path}: damaged (part {part.name} of {document.episodes:,} episodes); {ADVICE}")
     if cells != wanted or not cells:
         raise DocumentError(f"{path}: damaged ({cells} cells, not {wanted}); {ADVICE}")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, islice, product
 from pathlib import Path
 
 import numpy as np
@@ -223,15 +223,9 @@ def _cell(parts: Sequence[StoredPart], number: int, rows: Rows) -> Cell:
 
 def _chunks(parts: Sequence[StoredPart], number: int) -> Iterator[Rows]:
     """Yield the rows of a cell, `CHUNK` episodes at a time. Raise StoredRowsError for rows that were changed."""
-    waiting: list[Rows] = []
-    for part in parts:
-        for rows in _checked(part, number):
-            waiting.append(rows)
-            if sum(batch.episodes for batch in waiting) >= CHUNK:
-                yield Rows.join(waiting)
-                waiting = []
-    if waiting:
-        yield Rows.join(waiting)
+    batches = chain.from_iterable(_checked(part, number) for part in parts)
+    while chunk := list(islice(batches, CHUNK // parts[0].document.batch)):
+        yield Rows.join(chunk)
 
 
 def _checked(part: StoredPart, number: int) -> Iterator[Rows]:
