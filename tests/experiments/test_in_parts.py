@@ -202,15 +202,15 @@ def test_impossible_numbers_of_a_document_are_refused(field, value, copied):
         read_part(copied / "1")
 
 
-def test_memory_of_draws_is_that_of_a_chunk():
-    """What a merge relies on: chunks of columns have the sums of all of them."""
+def test_chunks_of_columns_have_the_sums_of_all_of_them():
     columns = {"x": np.arange(70.0), "y": np.arange(140.0).reshape(70, 2)}
     whole = statistics.episode_sums(columns, resamples=5)
-    chunks = ({name: column[first : first + 32] for name, column in columns.items()} for first in (0, 32, 64))
+    size = statistics.CHUNK
+    chunks = [{name: x[first : first + size] for name, x in columns.items()} for first in range(0, 70, size)]
     in_chunks = statistics.sums_over_chunks(chunks, 70, resamples=5)
     assert all((whole[name] == in_chunks[name]).all() for name in columns)
     with pytest.raises(ValueError):
-        statistics.sums_over_chunks(iter([columns]), 70, resamples=5)
+        statistics.sums_over_chunks(chunks[:-1], 70, resamples=5)
 
 
 def change(folder, how):

@@ -85,9 +85,10 @@ class PartCell:
     sha256: str
     """The digest of its rows (`jaxwalk.evaluation.stored_rows.RowDigest`)."""
 
-    def names(self) -> tuple[Any, ...]:
-        """Return all that is the same in every part."""
-        return tuple(list(vars(self).values())[:-3])
+    def about(self) -> dict[str, Any]:
+        """Return the fields of a `Cell` that are the same in every part."""
+        own = ("driver_seconds", "driver_steps", "sha256")
+        return {name: value for name, value in vars(self).items() if name not in own}
 
 
 @dataclass(frozen=True)
@@ -198,15 +199,9 @@ def complete(parts: Sequence[StoredPart]) -> tuple[list[StoredPart], list[str]]:
 
 def _check_equal(a: StoredPart, b: StoredPart) -> None:
     """Raise PartError unless two parts with the same number have the same rows."""
-    if a.document.cells == b.document.cells or _digests(a) == _digests(b):
-        return
-    raise PartError(
-        f"{a.folder} and {b.folder}: both are part {a.document.part.name}, but their rows differ; leave out one of them"
-    )
-
-
-def _digests(part: StoredPart) -> list[str]:
-    return [cell.sha256 for cell in part.document.cells]
+    if [cell.sha256 for cell in a.document.cells] != [cell.sha256 for cell in b.document.cells]:
+        which = f"both are part {a.document.part.name}"
+        raise PartError(f"{a.folder} and {b.folder}: {which}, but their rows differ; leave out one of them")
 
 
 def _check_alike(first: StoredPart, other: StoredPart) -> None:
@@ -235,5 +230,5 @@ def _settings(document: PartDocument) -> list[tuple[str, Any]]:
         ("its world is", document.street.sim),
         ("its options are", document.options),
         *made,
-        ("its cells are", [cell.names() for cell in document.cells]),
+        ("its cells are", [cell.about() for cell in document.cells]),
     ]

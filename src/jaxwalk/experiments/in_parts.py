@@ -7,7 +7,7 @@ so a merge has the numbers of one evaluation of all, resampled intervals include
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice, product
 from pathlib import Path
@@ -25,8 +25,7 @@ from jaxwalk.experiments.evaluating import Evaluation, Played, Tell, keep_evalua
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.interfaces import Policy
 from jaxwalk.maps import text_of
-from jaxwalk.metrics import Rows
-from jaxwalk.metrics.measurement import summarise_in_chunks
+from jaxwalk.metrics import Rows, summarise
 from jaxwalk.metrics.statistics import CHUNK
 from jaxwalk.provenance import Provenance, provenance
 from jaxwalk.runs.policy_origins import policy_origin
@@ -188,34 +187,24 @@ def _same_scenarios(parts: Sequence[StoredPart], tell: Tell) -> ScenarioSet:
     whole = hashlib.sha256()
     for part in parts:
         tell("drawing the scenarios again for their hash", part.document.span.start, first.episodes)
-        found = hash_of(_passed_on(scenario_bytes(source, part.document.span), whole.update))
+        own = hashlib.sha256()
+        for content in scenario_bytes(source, part.document.span):
+            own.update(content)
+            whole.update(content)
+        found = own.hexdigest()[:HASH_DIGITS]
         if found != part.document.scenarios_hash:
             played = f"played scenarios of hash {part.document.scenarios_hash}, not {found}"
             raise PartError(f"{part.folder}: {played}; evaluate it again with the same jaxwalk, jax and maps")
     return ScenarioSet(first.episodes, whole.hexdigest()[:HASH_DIGITS], first.seed)
 
 
-def _passed_on(contents: Iterator[bytes], also: Callable[[bytes], None]) -> Iterator[bytes]:
-    """Yield contents, each after it was passed to ``also``."""
-    for content in contents:
-        also(content)
-        yield content
-
-
 def _cell(parts: Sequence[StoredPart], number: int, rows: Rows) -> Cell:
     """Return a cell of all parts together; ``rows`` are all its rows."""
     about = [part.document.cells[number] for part in parts]
     cost = np.sum([(cell.driver_seconds, cell.driver_steps) for cell in about], axis=0)
-    named_as = about[0]
     return Cell(
-        driver=named_as.driver,
-        pedestrians=named_as.pedestrians,
-        driver_mode=named_as.driver_mode,
-        pedestrian_mode=named_as.pedestrian_mode,
-        jaywalk_multiplier=named_as.jaywalk_multiplier,
-        summary=summarise_in_chunks(rows, _chunks(parts, number)),
-        driver_observes=named_as.driver_observes,
-        pedestrian_observes=named_as.pedestrian_observes,
+        **about[0].about(),
+        summary=summarise(rows, chunks=_chunks(parts, number)),
         driver_ms_per_step=ms_per_step(cost),
         by_map=rates_by_map(rows),
     )

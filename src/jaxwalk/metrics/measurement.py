@@ -111,46 +111,31 @@ def measure(
     )
 
 
-def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summary:
-    """Return the numbers of all metrics of the rows.
+def summarise(
+    rows: Rows, *, chunks: Iterable[Rows] | None = None, resamples: int = RESAMPLES, seed: int = 0
+) -> Summary:
+    """Return the numbers of all metrics.
 
     Args:
-        rows: the rows that `measure` returned.
+        rows: measured episodes.
+        chunks: the same rows, `jaxwalk.metrics.statistics.CHUNK` episodes at a time and the last chunk with the rest:
+            if ``rows`` read their tables only when they are asked for, no more are in memory.
         resamples: number of bootstrap resamples over episodes.
         seed: seed of the bootstrap.
     """
-    columns = _columns(rows)
-    summed = episode_sums(columns, resamples=resamples, seed=seed) if columns else {}
-    return _summarised(rows, Sums(resamples, seed, _by_metric(rows, summed)))
-
-
-def summarise_in_chunks(rows: Rows, chunks: Iterable[Rows], *, resamples: int = RESAMPLES, seed: int = 0) -> Summary:
-    """Return what `summarise` returns, for rows that are too many to be in memory.
-
-    Args:
-        rows: all rows; their tables may be read when they are asked for, and one is needed at a time.
-        chunks: the same rows in chunks of `jaxwalk.metrics.statistics.CHUNK` episodes, the last one with the rest.
-        resamples: number of bootstrap resamples over episodes.
-        seed: seed of the bootstrap.
-    """
-    summed = sums_over_chunks(map(_columns, chunks), rows.episodes, resamples=resamples, seed=seed)
-    return _summarised(rows, Sums(resamples, seed, _by_metric(rows, summed)))
+    if chunks is not None:
+        summed = sums_over_chunks(map(_columns, chunks), rows.episodes, resamples=resamples, seed=seed)
+    else:
+        columns = _columns(rows)
+        summed = episode_sums(columns, resamples=resamples, seed=seed) if columns else {}
+    by_metric: dict[str, dict[str, np.ndarray]] = {metric.name: {} for metric in rows.metrics}
+    for (metric, column), found in summed.items():
+        by_metric[metric][column] = found
+    sums = Sums(resamples, seed, by_metric)
+    ordered = sorted(rows.metrics, key=lambda metric: not metric.headline)
+    return Summary(rows.episodes, {metric.name: metric.summarise(rows, sums) for metric in ordered})
 
 
 def _columns(rows: Rows) -> dict[tuple[str, str], np.ndarray]:
     """Return the columns that are resampled by episode, by the names of metric and column."""
     return {(metric.name, name): column for metric in rows.metrics for name, column in metric.columns(rows).items()}
-
-
-def _by_metric(rows: Rows, summed: Mapping[tuple[str, str], np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
-    """Return sums by metric and column."""
-    found: dict[str, dict[str, np.ndarray]] = {metric.name: {} for metric in rows.metrics}
-    for (metric, column), sums in summed.items():
-        found[metric][column] = sums
-    return found
-
-
-def _summarised(rows: Rows, sums: Sums) -> Summary:
-    """Return the numbers of all metrics, given the sums."""
-    ordered = sorted(rows.metrics, key=lambda metric: not metric.headline)
-    return Summary(rows.episodes, {metric.name: metric.summarise(rows, sums) for metric in ordered})
