@@ -10,22 +10,23 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation.document_parts import EvaluationOptions
-from jaxwalk.evaluation.parts import PART, Part, PartError, read_part
+from jaxwalk.evaluation.parts import PART, Part, PartError, complete, read_part
 from jaxwalk.evaluation.reading import DocumentError
+from jaxwalk.evaluation.settings import with_jaywalk_multiplier
 from jaxwalk.evaluation.stored_rows import StoredRowsError
 from jaxwalk.experiments import evaluating
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.experiments.in_parts import evaluate_part, merge_parts
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.metrics import statistics
-from jaxwalk.policies import AlwaysGo, ConstantSpeed, Random
+from jaxwalk.policies import AlwaysGo, ConstantSpeed
 from jaxwalk.scenarios import Archived
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import dimensions
 
 BATCH, CHUNK, EPISODES, PARTS = 8, 16, 36, 3
 """36 episodes are five batches, of which the last one is half full; parts have one, two and two of them."""
-FILES = ("results.json", "suite.md", "episodes.csv")
+FILES = ("results.json", "suite.md", "episodes-x0.25.csv", "episodes-x1.csv")
 
 
 def ignore(*_):
@@ -39,22 +40,28 @@ def patch():
 
 
 @pytest.fixture(scope="module")
-def parts(tmp_path_factory, patch):
-    """The folder of an evaluation of all, ``whole``, and of its parts ``1`` to ``3``."""
-    folder = tmp_path_factory.mktemp("parts")
+def work(patch):
+    """An evaluation with two cells, by one compiled program."""
     whole = evaluating.evaluate_grid
     patch.setattr(evaluating, "evaluate_grid", lambda *given, **more: whole(*given, **more, batch=BATCH))
     for module in ("metrics.statistics", "experiments.in_parts"):
         patch.setattr(f"jaxwalk.{module}.CHUNK", CHUNK)
-    work = Evaluation(
-        streets=(Street.create(),),
-        drivers={"constant-speed": ConstantSpeed(), "random": Random()},
+    multipliers, alike = (0.25, 1.0), ("constant-speed", "constant-speed")
+    street = Street.create()
+    return Evaluation(
+        streets=tuple(with_jaywalk_multiplier(street, multiplier) for multiplier in multipliers),
+        drivers={"constant-speed": ConstantSpeed()},
         populations={"always-go": AlwaysGo()},
         scenarios=Scenarios(EPISODES, 7),
-        options=EvaluationOptions((0.25,), compare=("constant-speed", "random"), encounters=True),
-        out=folder / "whole",
+        options=EvaluationOptions(multipliers, compare=alike, encounters=True),
     )
-    evaluate_all(work, ignore)
+
+
+@pytest.fixture(scope="module")
+def parts(work, tmp_path_factory):
+    """The folder of an evaluation of all, ``whole``, and of its parts ``1`` to ``3``."""
+    folder = tmp_path_factory.mktemp("parts")
+    evaluate_all(replace(work, out=folder / "whole"), ignore)
     for number in range(1, PARTS + 1):
         evaluate_part(work, Part(number, PARTS), folder / str(number), ignore, batch=BATCH)
     return folder
@@ -73,14 +80,31 @@ def merged(folder, *names):
 
 
 def test_a_merge_writes_what_an_evaluation_of_all_writes(parts):
-    pyarrow = pytest.importorskip("pyarrow.parquet")
+    from pyarrow import parquet
+
     found = merged(parts, 3, 1, 2)
     for name in FILES:
-        assert (parts / "merged" / name).read_text() == (parts / "whole" / name).read_text(), name
-    one, other = (pyarrow.read_table(parts / name / "encounters.parquet") for name in ("whole", "merged"))
+        assert (parts / "merged" / name).read_bytes() == (parts / "whole" / name).read_bytes(), name
+    one, other = (parquet.read_table(parts / name / "encounters.parquet") for name in ("whole", "merged"))
     assert one.equals(other)
     assert found.said == ()
     assert found.results.scenarios.count == EPISODES
+
+
+def test_a_part_that_was_killed_is_run_again_and_a_part_run_twice_counts_once(parts, work):
+    def kill(what, done, total):
+        raise KeyboardInterrupt
+
+    again, number = parts / "again", Part(2, PARTS)
+    with pytest.raises(KeyboardInterrupt):
+        evaluate_part(work, number, again, kill, batch=BATCH)
+    assert not list(again.iterdir())
+    (again / ".outcomes.1.part.parquet").write_bytes(b"what a process leaves that is killed at once")
+    evaluate_part(work, number, again, ignore, batch=BATCH)
+    assert {path.name for path in again.iterdir()} == {path.name for path in (parts / "2").iterdir()}
+    chosen, said = complete([read_part(parts / name) for name in ("2", "3", "again", "1")])
+    assert [part.folder.name for part in chosen] == ["1", "2", "3"]
+    assert said == [f"{again}: part 2/3 again, with the same rows; left out"]
 
 
 def test_parts_divide_whole_batches():
@@ -112,9 +136,9 @@ def test_a_missing_part_is_named(copied):
 
 CHANGES = {
     "its seed is 8, not 7": lambda document: document.update(seed=8),
-    "its driver is random .policy file., not random .rule.": lambda document: document["drivers"][1].update(
-        kind="policy file"
-    ),
+    "its driver is constant-speed .policy file., not constant-speed .rule.": lambda document: document["drivers"][
+        0
+    ].update(kind="policy file"),
     "its maps are": lambda document: document["street"]["maps"][0].update(hash="0" * 16),
     "its world is": lambda document: document["street"]["sim"].update(pedestrians=3),
     "its options are": lambda document: document["options"].update(encounters=False),
@@ -145,13 +169,11 @@ def test_a_part_of_other_scenarios_is_refused(copied):
         merged(copied, 1, 2, 3)
 
 
-def test_a_part_again_other_processors_and_other_versions_are_told_of(copied):
-    shutil.copytree(copied / "2", copied / "again")
+def test_other_processors_and_other_versions_are_told_of(copied):
     change(copied / "3", lambda document: document["made"].update(hardware="another"))
-    for name in ("1", "2", "3", "again"):
+    for name in ("1", "2", "3"):
         change(copied / name, lambda document: document["made"]["versions"].update(numpy="0.1"))
-    again, processors, versions = merged(copied, 1, 2, "again", 3).said
-    assert again == f"{copied / 'again'}: part 2/3 again, with the same rows; left out"
+    processors, versions = merged(copied, 1, 2, 3).said
     assert "the parts were played on " in processors and "another" in processors.partition(":")[0]
     assert "parts and merge have other versions (numpy 0.1, now " in versions
 
@@ -220,9 +242,8 @@ def change(folder, how):
     (folder / PART).write_text(json.dumps(document))
 
 
-def test_a_part_needs_drawn_scenarios_and_a_batch_that_divides(parts):
-    street = Street.create()
-    work = Evaluation((street,), {}, {}, Scenarios(20, 0), EvaluationOptions((0.25,)))
+def test_a_part_needs_drawn_scenarios_and_a_batch_that_divides(work, parts):
+    street = work.streets[0]
     points = np.zeros((1, dimensions(street.world)), np.float32)
     kept = Archived(street, points, np.ones((1, 12), bool), 0, np.zeros(1, int))
     with pytest.raises(PartError, match="only drawn scenarios"):

@@ -10,10 +10,10 @@ with further axes is a list for each row, its axes one after the other.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache, partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,6 @@ from jaxtyping import Shaped
 
 from jaxwalk.evaluation.encounter_file import check_parquet
 from jaxwalk.metrics import Rows, measure
-from jaxwalk.metrics.metric import join_tables
 from jaxwalk.sim.trajectory import without_episodes
 from jaxwalk.writing import whole
 
@@ -33,6 +32,8 @@ CELL = "cell"
 """Column with the number of the cell."""
 MAPS = "maps"
 """Table with the name of each episode's map."""
+KEPT = 4
+"""Number of columns of stored rows in memory: formulas ask for the same ones again and again."""
 
 
 class StoredRowsError(ValueError):
@@ -142,36 +143,49 @@ class StoredCell:
     dt: float
     """Duration of a step [s]."""
 
-    def tables(self, name: str) -> Iterator[Any]:
-        """Yield a table of each batch. Raise StoredRowsError if its file can't be used."""
-        path, kind = self.folder / f"{name}.parquet", tables_of(no_rows()).get(name)
-        try:
-            with path.open("rb") as content:
-                yield from self._read(path, content, kind)
-        except OSError as error:
-            raise StoredRowsError(f"{path}: can't be read ({error.strerror or error}); {ADVICE}") from error
-
-    def _read(self, path: Path, content: Any, kind: Any) -> Iterator[Any]:
-        from pyarrow import ArrowException
-        from pyarrow.parquet import ParquetFile
-
-        try:
-            file = ParquetFile(content)
-            for number in range(self.cell * self.batches, (self.cell + 1) * self.batches):
-                yield _table(file.read_row_group(number, use_threads=False), kind, self.cell)
-        except (ArrowException, ValueError, IndexError, TypeError) as error:
-            said = " ".join(str(error).split())[:200]
-            raise StoredRowsError(f"{path}: damaged ({said}); {ADVICE}") from error
-
     def rows(self) -> Iterator[Rows]:
         """Yield the rows of each batch. Raise StoredRowsError if a file can't be used."""
         blank = no_rows()
         names = list(tables_of(blank))
-        for found in zip(*(self.tables(name) for name in names), strict=True):
+        for found in zip(*(self._batches(name) for name in names), strict=True):
             tables = dict(zip(names, found, strict=True))
             maps = tables.pop(MAPS).map
             known = {name: tables.get(name, empty) for name, empty in blank.tables.items()}
             yield Rows(self.dt, len(maps), blank.metrics, known, maps)
+
+    def column(self, table: str, name: str) -> tuple[np.ndarray, list[int]]:
+        """Return a column of all batches, and the number of its rows in each. Raises as `rows` does."""
+        with self._opened(table) as file:
+            sizes = [file.metadata.row_group(number).num_rows for number in self._groups]
+            read = file.read_row_groups([*self._groups], columns=[name], use_threads=False)
+            return _values(read, name, like=getattr(tables_of(no_rows())[table], name)), sizes
+
+    @property
+    def _groups(self) -> range:
+        """The row groups of this cell in each file."""
+        return range(self.cell * self.batches, (self.cell + 1) * self.batches)
+
+    def _batches(self, name: str) -> Iterator[Any]:
+        """Yield a table of each batch."""
+        with self._opened(name) as file:
+            for number in self._groups:
+                yield _table(file.read_row_group(number, use_threads=False), tables_of(no_rows())[name], self.cell)
+
+    @contextmanager
+    def _opened(self, table: str) -> Iterator[Any]:
+        """Yield the Parquet file of a table; an error inside names it."""
+        from pyarrow import ArrowException
+        from pyarrow.parquet import ParquetFile
+
+        path = self.folder / f"{table}.parquet"
+        try:
+            with path.open("rb") as content:
+                yield ParquetFile(content)
+        except OSError as error:
+            raise StoredRowsError(f"{path}: can't be read ({error.strerror or error}); {ADVICE}") from error
+        except (ArrowException, ValueError, IndexError, TypeError) as error:
+            said = " ".join(str(error).split())[:200]
+            raise StoredRowsError(f"{path}: damaged ({said}); {ADVICE}") from error
 
 
 def _table(read: Any, kind: Any, cell: int) -> Any:
@@ -180,35 +194,45 @@ def _table(read: Any, kind: Any, cell: int) -> Any:
         raise ValueError(f"its columns are {', '.join(read.column_names)}, not {', '.join([CELL, *vars(kind)])}")
     if (read.column(CELL).to_numpy() != cell).any():
         raise ValueError(f"rows of another cell than {cell}")
-    columns = {}
-    for name, like in vars(kind).items():
-        array = read.column(name).combine_chunks()
-        flat = array if like.ndim == 1 else array.flatten()
-        text = like.dtype.hasobject
-        values = np.array(flat.to_pylist(), object) if text else flat.to_numpy(zero_copy_only=False)
-        columns[name] = values.reshape(len(array), *like.shape[1:])
-    return type(kind)(**columns)
+    return type(kind)(**{name: _values(read, name, like) for name, like in vars(kind).items()})
+
+
+def _values(read: Any, name: str, like: np.ndarray) -> np.ndarray:
+    """Return a column of a table of pyarrow; all axes but the first are those of ``like``."""
+    array = read.unify_dictionaries().column(name).combine_chunks()
+    if like.dtype.hasobject:
+        return np.array(array.dictionary.to_pylist(), object)[array.indices.to_numpy()]
+    flat = array if like.ndim == 1 else array.flatten()
+    return flat.to_numpy(zero_copy_only=False).reshape(len(array), *like.shape[1:])
+
+
+class StoredTable:
+    """A table of stored rows. A column is read whenever it is asked for."""
+
+    def __init__(self, like: Any, column: Callable[[str], np.ndarray]) -> None:
+        """Keep a table with the same columns, and what returns one of them."""
+        self._like, self._column = like, column
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        """Return a column. Raise AttributeError if there is none."""
+        if name not in vars(self._like):
+            raise AttributeError(f"{type(self._like).__name__} has no column {name}")
+        return self._column(name)
 
 
 class StoredTables(Mapping[str, Any]):
-    """The tables of stored rows, joined. One is read whenever it is asked for; only the last one is kept."""
+    """The tables of stored rows. Only the last `KEPT` columns that were asked for are in memory."""
 
     def __init__(self, cells: Sequence[StoredCell], episodes: Sequence[int]) -> None:
         """Keep where the rows are, in their order, and the number of ``episodes`` of each batch."""
         self._cells = cells
         self._offsets = np.cumsum([0, *episodes[:-1]])
-        self._last: tuple[str, Any] = ("", None)
+        self._column = lru_cache(KEPT)(self._read)
 
     def __getitem__(self, name: str) -> Any:
         """Return a table. Raise KeyError if there is none."""
-        empty = no_rows().tables[name]
-        if not vars(empty):
-            return empty
-        if self._last[0] != name:
-            self._last = ("", None)  # so that only one is in memory
-            read = list(chain.from_iterable(cell.tables(name) for cell in self._cells))
-            self._last = (name, join_tables(read, self._offsets))
-        return self._last[1]
+        like = no_rows().tables[name]
+        return StoredTable(like, partial(self._column, name)) if vars(like) else like
 
     def __iter__(self) -> Iterator[str]:
         return iter(no_rows().tables)
@@ -216,12 +240,20 @@ class StoredTables(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(no_rows().tables)
 
+    def _read(self, table: str, name: str) -> np.ndarray:
+        """Return a column of all cells; ``episode`` counts through all of them."""
+        columns, sizes = zip(*(cell.column(table, name) for cell in self._cells), strict=True)
+        column = np.concatenate(columns)
+        if name == "episode":
+            column += np.repeat(self._offsets.astype(column.dtype), [*chain.from_iterable(sizes)])
+        return column
+
 
 def stored_rows(cells: Sequence[StoredCell]) -> Rows:
     """Return the rows of one cell in the folders of all its parts, which are in the order of their scenarios.
 
-    A table is read when it is asked for. Raise StoredRowsError if a file can't be used.
+    Columns are read when they are asked for. Raise StoredRowsError if a file can't be used.
     """
-    maps = [table.map for cell in cells for table in cell.tables(MAPS)]
-    tables = StoredTables(cells, [len(names) for names in maps])
-    return Rows(cells[0].dt, sum(map(len, maps)), no_rows().metrics, tables, np.concatenate(maps))
+    maps, sizes = zip(*(cell.column(MAPS, "map") for cell in cells), strict=True)
+    episodes = [*chain.from_iterable(sizes)]
+    return Rows(cells[0].dt, sum(episodes), no_rows().metrics, StoredTables(cells, episodes), np.concatenate(maps))

@@ -119,14 +119,14 @@ class Rows:
         if any(part.metrics != first.metrics for part in parts):
             raise ValueError("rows of different metrics cannot be joined")
         offsets = np.cumsum([0, *(part.episodes for part in parts[:-1])])
-        tables = {name: join_tables([part.tables[name] for part in parts], offsets) for name in first.tables}
+        tables = {name: _join_tables([part.tables[name] for part in parts], offsets) for name in first.tables}
         maps = [part.maps for part in parts if part.maps is not None]
         known = np.concatenate(maps) if len(maps) == len(parts) else None
         return Rows(first.dt, sum(part.episodes for part in parts), first.metrics, tables, known)
 
 
-def join_tables(tables: Sequence[T], offsets: np.ndarray) -> T:
-    """Return tables one below the other; the ``episode`` columns of each are shifted by its offset."""
+def _join_tables(tables: Sequence[T], offsets: np.ndarray) -> T:
+    """Join tables one below the other; ``episode`` columns are shifted by the offsets."""
     columns = {}
     for name in vars(tables[0]):
         parts = [getattr(table, name) for table in tables]
