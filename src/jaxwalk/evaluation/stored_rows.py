@@ -32,6 +32,8 @@ CELL = "cell"
 """Column with the number of the cell."""
 MAPS = "maps"
 """Table with the name of each episode's map."""
+AT_ONCE = 32
+"""Number of batches of which a column is read at once."""
 KEPT = 4
 """Number of columns of stored rows in memory: formulas ask for the same ones again and again."""
 
@@ -155,10 +157,17 @@ class StoredCell:
 
     def column(self, table: str, name: str) -> tuple[np.ndarray, list[int]]:
         """Return a column of all batches, and the number of its rows in each. Raises as `rows` does."""
+        from pyarrow import default_memory_pool
+
+        like, groups = getattr(tables_of(no_rows())[table], name), [*self._groups]
         with self._opened(table) as file:
-            sizes = [file.metadata.row_group(number).num_rows for number in self._groups]
-            read = file.read_row_groups([*self._groups], columns=[name], use_threads=False)
-            return _values(read, name, like=getattr(tables_of(no_rows())[table], name)), sizes
+            sizes = [file.metadata.row_group(number).num_rows for number in groups]
+            some = (groups[first : first + AT_ONCE] for first in range(0, len(groups), AT_ONCE))
+            found = [_values(file.read_row_groups(x, columns=[name], use_threads=False), name, like) for x in some]
+        column = np.concatenate(found)
+        del found
+        default_memory_pool().release_unused()  # else it keeps for later what was read
+        return column, sizes
 
     @property
     def _groups(self) -> range:
@@ -206,18 +215,11 @@ def _values(read: Any, name: str, like: np.ndarray) -> np.ndarray:
     return flat.to_numpy(zero_copy_only=False).reshape(len(array), *like.shape[1:])
 
 
-class StoredTable:
-    """A table of stored rows. A column is read whenever it is asked for."""
-
-    def __init__(self, like: Any, column: Callable[[str], np.ndarray]) -> None:
-        """Keep a table with the same columns, and what returns one of them."""
-        self._like, self._column = like, column
-
-    def __getattr__(self, name: str) -> np.ndarray:
-        """Return a column. Raise AttributeError if there is none."""
-        if name not in vars(self._like):
-            raise AttributeError(f"{type(self._like).__name__} has no column {name}")
-        return self._column(name)
+def _read_when_asked(like: Any, column: Callable[[str], np.ndarray]) -> Any:
+    """Return a table of the same type as ``like``, whose columns are those that ``column`` returns for their names."""
+    kind = type(like)
+    columns = {name: property(lambda _, name=name: column(name)) for name in vars(like)}
+    return object.__new__(type(kind.__name__, (kind,), columns))
 
 
 class StoredTables(Mapping[str, Any]):
@@ -232,7 +234,7 @@ class StoredTables(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         """Return a table. Raise KeyError if there is none."""
         like = no_rows().tables[name]
-        return StoredTable(like, partial(self._column, name)) if vars(like) else like
+        return _read_when_asked(like, partial(self._column, name)) if vars(like) else like
 
     def __iter__(self) -> Iterator[str]:
         return iter(no_rows().tables)
