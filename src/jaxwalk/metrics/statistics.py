@@ -64,7 +64,7 @@ def episode_sums(
 
 
 def sums_over_chunks(
-    chunks: Iterable[Mapping[Key, Shaped[np.ndarray, "episode ..."]]],
+    chunks: Iterable[Mapping[Key, Shaped[np.ndarray, "_ ..."]]],
     episodes: int,
     *,
     resamples: int = RESAMPLES,
