@@ -20,6 +20,7 @@ COMMANDS = {
     "train": "train --run out",
     "play": "play --driver constant-speed --out out/episode.html",
     "evaluate": "evaluate --driver constant-speed --episodes 2 --out out",
+    "a part": "evaluate --driver constant-speed --episodes 2 --part 1/1 --out out",
     "rate": "rate clearance careful-human --episodes 64 --pairs 3 --out out",
     "reproduce": "reproduce --out out",
     "hidden-intent": "hidden-intent --out out",

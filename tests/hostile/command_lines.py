@@ -30,6 +30,7 @@ WORKERS = (
     "jaxwalk.cli.search.search_failures", "jaxwalk.cli.search.estimate_rate", "jaxwalk.cli.evaluate.read_archive",
     "jaxwalk.cli.importing_streets.read_source",
     "jaxwalk.cli.rate.make_rating", "jaxwalk.cli.rate.analyse_answers", "jaxwalk.cli.submit.read_entry",
+    "jaxwalk.cli.merge.merge_parts", "jaxwalk.cli.evaluate.evaluate_part",
     "jaxwalk.cli.map_new.write_whole", "jaxwalk.cli.map_check.load_network", "jaxwalk.cli.map_draw.street_picture",
 )  # fmt: skip
 """Where the work begins that a good command line asks for: a case ends there."""
@@ -68,10 +69,10 @@ LIKELY = {
     "role": ["driver", "pedestrian"], "only": ["env", "train"], "areas": ["file", "nowhere"],
     "method": ["random", "map-elites", "splitting"], "scenarios": ["file", "nowhere", "run"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
-    "answers": ["file", "nowhere"],
+    "answers": ["file", "nowhere"], "part": ["1/3", "3/3", "4/3"], "parts": ["run", "file", "nowhere"],
 }  # fmt: skip
 """By the name of an option; all others take numbers, or nothing."""
-POSITIONAL = ("runs", "policy", "files", "drivers", "file")
+POSITIONAL = ("runs", "policy", "files", "drivers", "file", "parts")
 MAPS_FIRST = (options.MapCheck, options.MapDraw)
 """Commands in which maps have no flag."""
 

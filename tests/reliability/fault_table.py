@@ -14,6 +14,7 @@ COMMANDS = {
     "observations": "observations",
     "measure": "measure tracks.parquet",
     "evaluate": f"evaluate --driver random --episodes 2 --out {OUT}",
+    "merge": f"merge part --out {OUT}",
     "train": f"train --run new {SMALL}",
     "play": f"play --driver random --out {OUT}/a.html",
     "export": f"export co-trained --out {OUT}/a.onnx",
@@ -46,6 +47,7 @@ WRITES = {
     "bench": ("bench.json", "bench.md"), "streets": ("streets.png",), "map draw": ("a.png",),
     "import": ("report.html", "report.json"),
     "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"), "rate": ("rate.html", "plan.json"),
+    "merge": ("results.json", "suite.md", "episodes.csv"),
     "search": ("search.html", "search.json", "failures.csv"),
 }  # fmt: skip
 """Files of an earlier time that a command replaces: all of them, or none."""

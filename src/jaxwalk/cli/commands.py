@@ -32,6 +32,7 @@ class Command:
 COMMANDS = (
     Command("train", options.Train, "jaxwalk.cli.train"),
     Command("evaluate", options.Evaluate, "jaxwalk.cli.evaluate"),
+    Command("merge", options.Merge, "jaxwalk.cli.merge"),
     Command("crashtest", options.Crashtest, "jaxwalk.cli.crashtest"),
     Command("search", options.Search, "jaxwalk.cli.search"),
     Command("play", options.Play, "jaxwalk.cli.play"),

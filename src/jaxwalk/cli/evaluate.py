@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -28,8 +30,10 @@ from jaxwalk.cli.options import Evaluate
 from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet, jaywalk_multiplier
 from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.evaluation.map_rates import MapRates
+from jaxwalk.evaluation.parts import Part
 from jaxwalk.experiments.again import compare_documents, evaluation_again, read_document
-from jaxwalk.experiments.evaluating import Evaluation, evaluate_all, prepared
+from jaxwalk.experiments.evaluating import Evaluation, Tell, evaluate_all, prepared
+from jaxwalk.experiments.in_parts import evaluate_part
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
@@ -55,6 +59,8 @@ MOST_MAPS = 12
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
 """The only options that an evaluation takes which is made again."""
 
+T = TypeVar("T")
+
 
 def run(options: Evaluate) -> int:
     """Evaluate and show; nothing is written unless ``--out`` names a folder."""
@@ -63,18 +69,36 @@ def run(options: Evaluate) -> int:
     check(options)
     with bad_values():
         work = _work(options)
+    if options.part is not None and options.out is not None:
+        return _one_part(work, Part.parse(options.part), options.out)
     with held(options.out) if options.out else nullcontext():
-        results = _with_progress(work)
-    if options.json:
+        results = with_progress("evaluating", partial(evaluate_all, work))
+    show(results, as_json=options.json)
+    return 0
+
+
+def show(results: Results, *, as_json: bool) -> None:
+    """Print results: as a JSON document, or as a table and sentences."""
+    if as_json:
         print(results.to_json(), end="")
-    else:
-        console = Console()
-        several = any(cell.by_map for cell in results.cells)
-        replayed = any(cell.counterfactuals for cell in results.cells)
-        needed = WIDTH + several * MAP_WIDTH + replayed * PREVENTABLE_WIDTH
-        console.width = max(console.width, needed)  # a narrower terminal wraps the lines
-        lines = [*said(results), *shields_said(results), *preventable_said(results), *cost_lines(results.cells)]
-        console.print(table(results.cells), *map(escape, [*lines, scenarios_line(results)]), sep="\n")
+        return
+    console = Console()
+    several = any(cell.by_map for cell in results.cells)
+    replayed = any(cell.counterfactuals for cell in results.cells)
+    needed = WIDTH + several * MAP_WIDTH + replayed * PREVENTABLE_WIDTH
+    console.width = max(console.width, needed)  # a narrower terminal wraps the lines
+    lines = [*said(results), *shields_said(results), *preventable_said(results), *cost_lines(results.cells)]
+    console.print(table(results.cells), *map(escape, [*lines, scenarios_line(results)]), sep="\n")
+
+
+def _one_part(work: Evaluation, part: Part, out: Path) -> int:
+    """Evaluate a part, and say what it is."""
+    with bad_values():
+        span = part.span(work.episodes)
+    with held(out):
+        with_progress("evaluating", partial(evaluate_part, work, part, out))
+    which = f"scenarios {span.start:,} to {span.stop - 1:,} of {work.episodes:,}"
+    print(f"{out}: part {part.name}, {which}; once all are there: jaxwalk merge DIR [DIR ...] --out RESULTS")
     return 0
 
 
@@ -109,7 +133,7 @@ def _again(options: Evaluate, path: Path) -> int:
     if options.out and work.options.encounters:
         check_parquet()
     with held(options.out) if options.out else nullcontext():
-        found = compare_documents(before, _with_progress(work))
+        found = compare_documents(before, with_progress("evaluating", partial(evaluate_all, work)))
     print(f"{path}: {found.in_words}")
     return DIFFERS if found.differs else 0
 
@@ -127,15 +151,15 @@ def _check_again(options: Evaluate, path: Path) -> None:
         check_writable(options.out)
 
 
-def _with_progress(work: Evaluation) -> Results:
-    """Evaluate with a progress bar."""
+def with_progress(what: str, work: Callable[[Tell], T]) -> T:
+    """Return the result of some work, with a progress bar meanwhile; ``what`` it begins with."""
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("evaluating", total=None)
+        task = bar.add_task(what, total=None)
 
         def tell(what: str, done: int, total: int) -> None:
             bar.update(task, description=escape(what), completed=done, total=total)
 
-        return evaluate_all(work, tell)
+        return work(tell)
 
 
 def check(options: Evaluate) -> None:
@@ -152,12 +176,29 @@ def check(options: Evaluate) -> None:
     check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
     if options.jaywalk_multiplier == ():
         raise UsageError("--jaywalk-multiplier needs a number, such as 0.25")
+    if options.part is not None:
+        _check_part(options, options.part)
     if options.encounters and not options.out:
         raise UsageError("--encounters needs --out DIR, where encounters.parquet is to be")
     if options.encounters:
         check_parquet()
     if options.out:
         check_writable(options.out)
+
+
+def _check_part(options: Evaluate, part: str) -> None:
+    """Raise UsageError, PartError or MissingLibraryError for a part that can't be evaluated."""
+    Part.parse(part).span(options.episodes)
+    for name, why in (
+        ("json", "results come from jaxwalk merge"),
+        ("counterfactuals", "collisions aren't replayed in parts"),
+        ("scenarios", "kept scenarios aren't evaluated in parts"),
+    ):
+        if getattr(options, name):
+            raise UsageError(f"--{name}: {why}; leave it out, or leave out --part")
+    if options.out is None:
+        raise UsageError("--part needs --out DIR, a folder for this part alone")
+    check_parquet()
 
 
 def table(cells: Sequence[Cell]) -> Table:

@@ -58,11 +58,17 @@ def evaluate(
 
 def evaluate_batches(
     street: Street, policies: Roles[Policy], source: Source, *,
-    batch: int | None = None, progress: Progress | None = None,
+    batch: int | None = None, progress: Progress | None = None, span: range | None = None,
 ) -> Iterator[Rows]:  # fmt: skip
-    """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played."""
+    """Yield the parts that `evaluate` joins, one batch at a time, as soon as each is played.
+
+    With a ``span``, which begins at a multiple of ``batch``: only the rows of its scenarios, equal to the last bit.
+    """
     batch = _size(batch)
     episodes, config = len(source), street.config
+    span = range(episodes) if span is None else span
+    if span.start % batch or not 0 <= span.start < span.stop <= episodes:
+        raise ValueError(f"a span must begin at a multiple of {batch} and lie in [0, {episodes}), not be {span}")
     maps = np.array(map_labels(street.maps), object)
     times = unhindered_times(street)
 
@@ -74,7 +80,7 @@ def evaluate_batches(
 
     def rows(first: int) -> Rows:
         scenarios, trajectory, ghosts = begun.pop(first) if first in begun else recorded(first)
-        frames, asked = len(trajectory.car_x), slice(min(batch, episodes - first))
+        frames, asked = len(trajectory.car_x), slice(min(batch, span.stop - first))
         measured = measure(
             part_of(trajectory, frames=frames, episodes=asked),
             part_of(ghosts, frames=frames, episodes=asked),
@@ -83,11 +89,11 @@ def evaluate_batches(
         known = with_delay(measured, times, scenarios)
         return replace(known, maps=maps[np.asarray(scenarios.map)[asked]])
 
-    begun = {0: recorded(0)}  # alone, so that its programs are compiled only once
+    begun = {span.start: recorded(span.start)}  # alone, so that its programs are compiled only once
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        for number, part in enumerate(pool.map(rows, range(0, episodes, batch)), 1):
+        for number, part in enumerate(pool.map(rows, range(span.start, span.stop, batch)), 1):
             if progress is not None:
-                progress(min(number * batch, episodes), episodes)
+                progress(min(number * batch, len(span)), len(span))
             yield part
     relieve()
 

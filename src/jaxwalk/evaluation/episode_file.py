@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterable
 from decimal import Decimal
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 
 from jaxwalk.metrics import OUTCOMES, Rows
 from jaxwalk.sim.crossing_kind import CONTACTS
-from jaxwalk.writing import write_whole
+from jaxwalk.writing import whole
 
 CONTACT_NAMES = ("", *(kind.word for kind in CONTACTS))
 """Names of the contact types of `jaxwalk.metrics.outcomes`, by number."""
@@ -34,21 +33,20 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
         cells: for each cell, a value for every name (None: empty), and its `Rows` last.
         names: columns that distinguish cells.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("scenario", *names, *ENDING, "map"))
-    for *values, rows in cells:
-        writer.writerows(_episode_rows(values, rows))
-    write_whole(path, text.getvalue())
+    with whole(path) as unfinished, unfinished.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("scenario", *names, *ENDING, "map"))
+        for *values, rows in cells:
+            writer.writerows(_episode_rows(values, rows))
 
 
 def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:
     table, step = rows[OUTCOMES], Decimal(f"{rows.dt:.6g}").normalize().as_tuple()
     digits = max(1, -int(step.exponent))  # as many as the duration of a step has
     outcome = np.where(table.goal, "goal", np.where(table.collision, "collision", "timeout"))
-    for i in range(len(outcome)):
-        contact = CONTACT_NAMES[table.contact[i]]
-        impact = f"{table.impact_speed[i]:.3f}" if table.collision[i] else ""
-        duration = f"{table.steps[i] * rows.dt:.{digits}f}"
-        place = "" if rows.maps is None else rows.maps[i]
-        yield int(table.scenario[i]), *values, str(outcome[i]), contact, impact, duration, place
+    maps = [""] * rows.episodes if rows.maps is None else rows.maps
+    columns = (table.scenario, outcome, table.contact, table.collision, table.impact_speed, table.steps, maps)
+    for scenario, ending, contact, collision, speed, steps, place in zip(*columns, strict=True):
+        impact = f"{speed:.3f}" if collision else ""
+        duration = f"{steps * rows.dt:.{digits}f}"
+        yield int(scenario), *values, str(ending), CONTACT_NAMES[contact], impact, duration, place

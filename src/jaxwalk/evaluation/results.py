@@ -229,13 +229,13 @@ def evaluate_grid(
             tell = partial(progress, driver_name, name) if progress is not None else None
             policies = {"driver": driver, "pedestrian": pedestrians}
             batches = evaluate_batches(street, policies, source, batch=batch, progress=tell)
-            before = _cost(driver)
+            before = driver_cost(driver)
             measured, failure = _joined(batches, {"driver": driver_name, "pedestrian": name})
             if measured is not None:
                 rows[driver_name, name] = measured
             if measured is None or failure is not None:
                 raise Stopped(str(failure), rows) from failure
-            cost = _ms_per_step(_cost(driver) - before)
+            cost = ms_per_step(driver_cost(driver) - before)
             cells.append(make_cell(street, (driver_name, driver), (name, pedestrians), measured, cost))
     return Results(ScenarioSet.of(source), tuple(cells), street=StreetOrigin.of(street)), rows
 
@@ -253,13 +253,14 @@ def _joined(batches: Iterable[Rows], names: Roles[str]) -> tuple[Rows | None, Dr
     return Rows.join(parts) if parts else None, failure
 
 
-def _cost(driver: Policy) -> Float[np.ndarray, "2"]:
+def driver_cost(driver: Policy) -> Float[np.ndarray, "2"]:
     """Return the time that a driver took so far [s], and its steps; zeros for a compiled driver."""
     host = next((x for x in jax.tree.leaves(driver) if isinstance(x, HostDriver)), None)
     return np.array((0, 0) if host is None else (host.seconds_spent, host.steps_made), float)
 
 
-def _ms_per_step(cost: Float[np.ndarray, "2"]) -> float | None:
+def ms_per_step(cost: Float[np.ndarray, "2"]) -> float | None:
+    """Return the mean time of a step [ms], from the time of all [s] and their number; None without steps."""
     seconds, steps = cost.tolist()
     return round(1000 * seconds / steps, 3) if steps else None
 

@@ -33,7 +33,7 @@ from jaxwalk.evaluation import (
     write_rows,
 )
 from jaxwalk.evaluation.document_parts import EvaluationOptions
-from jaxwalk.evaluation.shield_effects import ShieldEffect, shield_effects
+from jaxwalk.evaluation.shield_effects import shield_effects
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics import Rows
@@ -43,6 +43,7 @@ from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.scenarios import Archived, Drawn, Source
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.wording import counted
 from jaxwalk.writing import together, write_whole
 
@@ -117,18 +118,43 @@ def evaluate_all(work: Evaluation, tell: Tell) -> Results:
     populations = tuple(policy_origin("pedestrian", name) for name in work.populations)
     results, rows = _play(work, tell)
     results = replace(results, drivers=drivers, populations=populations, options=work.options, made=provenance())
-    if work.options.compare is not None:
-        results = replace(results, compared=_compared(work, work.options.compare, rows))
-    results = replace(results, shields=_shielded(work, rows))
+    results = with_comparisons(results, rows, work.options.compare, work.streets[0].config.contact)
     if work.out:
-        with together():
-            _keep_rows(work, work.out, rows)
-            _keep_results(work.out, results)
+        keep_evaluation(work.out, results, rows, encounters=work.options.encounters)
     if work.options.counterfactuals:
         results = replace(results, cells=_replayed(work, results.cells, rows, tell))
         if work.out:
             _keep_results(work.out, results)
     return results
+
+
+def with_comparisons(
+    results: Results, rows: list[Played], compare: tuple[str, str] | None, contact: ContactRule
+) -> Results:
+    """Return results with a comparison of two drivers, if asked for, and with what shields change.
+
+    ``rows`` are those of the cells, for each jaywalk multiplier; ``contact`` is the rule by which a contact counts.
+    """
+    groups = list(zip(_multipliers(results, rows), rows, strict=True))
+    shields = tuple(effect for multiplier, played in groups for effect in shield_effects(played, multiplier, contact))
+    return replace(results, shields=shields, compared=_compared(*compare, groups) if compare else ())
+
+
+def keep_evaluation(out: Path, results: Results, rows: list[Played], *, encounters: bool) -> None:
+    """Write all files of an evaluation; ``rows`` are as in `with_comparisons`."""
+    multipliers = _multipliers(results, rows)
+    with together():
+        _write_episodes(out / "episodes", multipliers, rows)
+        if encounters:
+            groups = zip(multipliers, rows, strict=True)
+            cells = [(*pair, multiplier, found) for multiplier, played in groups for pair, found in played.items()]
+            write_encounters(out / "encounters.parquet", cells)
+        _keep_results(out, results)
+
+
+def _multipliers(results: Results, rows: list[Played]) -> list[float]:
+    """Return the jaywalk multiplier of each group of rows, whose cells come one group after the other."""
+    return [cell.jaywalk_multiplier for cell in results.cells[:: len(rows[0])]]
 
 
 def _play(work: Evaluation, tell: Tell) -> tuple[Results, list[Played]]:
@@ -156,24 +182,14 @@ def _play(work: Evaluation, tell: Tell) -> tuple[Results, list[Played]]:
     return replace(found[0], cells=tuple(cell for results in found for cell in results.cells)), rows
 
 
-def _compared(work: Evaluation, pair: tuple[str, str], rows: list[Played]) -> tuple[ComparedEnding, ...]:
-    """Compare two drivers among every population on every street."""
-    a, b = pair
+def _compared(a: str, b: str, groups: list[tuple[float, Played]]) -> tuple[ComparedEnding, ...]:
+    """Compare two drivers among every population with every jaywalk multiplier."""
     among = [
-        (people, jaywalk_multiplier(street), paired(played[a, people], played[b, people]))
-        for street, played in zip(work.streets, rows, strict=True)
-        for people in work.populations
+        (people, multiplier, paired(played[a, people], played[b, people]))
+        for multiplier, played in groups
+        for people in dict.fromkeys(people for _, people in played)
     ]
     return compare_endings(a, b, among)
-
-
-def _shielded(work: Evaluation, rows: list[Played]) -> tuple[ShieldEffect, ...]:
-    """Compare drivers behind shields with themselves, where both were evaluated."""
-    return tuple(
-        effect
-        for street, played in zip(work.streets, rows, strict=True)
-        for effect in shield_effects(played, jaywalk_multiplier(street), street.config.contact)
-    )
 
 
 def _replayed(work: Evaluation, cells: tuple[Cell, ...], rows: list[Played], tell: Tell) -> tuple[Cell, ...]:
@@ -207,25 +223,16 @@ def _keep_unfinished(work: Evaluation, rows: list[Played]) -> str:
     if work.out is None:
         return f"--out DIR would have kept the {counted(episodes, 'episode')} evaluated before"
     with together():
-        files = _write_episodes(work, work.out / "episodes-partial", rows)
+        files = _write_episodes(work.out / "episodes-partial", list(map(jaywalk_multiplier, work.streets)), rows)
     return f"what was evaluated before, {counted(episodes, 'episode')}, is kept in {', '.join(map(str, files))}"
 
 
-def _keep_rows(work: Evaluation, out: Path, rows: list[Played]) -> None:
-    """Write a row per episode for each multiplier, and a row per encounter if requested."""
-    _write_episodes(work, out / "episodes", rows)
-    if work.options.encounters:
-        of_street = zip(map(jaywalk_multiplier, work.streets), rows, strict=True)
-        cells = [(*pair, multiplier, found) for multiplier, played in of_street for pair, found in played.items()]
-        write_encounters(out / "encounters.parquet", cells)
-
-
-def _write_episodes(work: Evaluation, name: Path, rows: list[Played]) -> list[Path]:
-    """Write a row per episode, in one file for each multiplier; ``rows`` may cover only the first streets."""
+def _write_episodes(name: Path, multipliers: list[float], rows: list[Played]) -> list[Path]:
+    """Write a row per episode, in one file for each multiplier; ``rows`` may cover only the first ones."""
     name.parent.mkdir(parents=True, exist_ok=True)
     files = []
-    for street, played in zip(work.streets, rows, strict=False):
-        suffix = f"-x{jaywalk_multiplier(street):g}" if len(work.streets) > 1 else ""
+    for multiplier, played in zip(multipliers, rows, strict=False):
+        suffix = f"-x{multiplier:g}" if len(multipliers) > 1 else ""
         files.append(name.with_name(f"{name.name}{suffix}.csv"))
         write_rows(files[-1], [(*pair, found) for pair, found in played.items()])
     return files

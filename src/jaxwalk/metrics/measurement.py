@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any, TypeVar
 
+import numpy as np
 import pydantic
 from pydantic_core import core_schema
 
 from jaxwalk.metrics.metric import Metric, MetricTable, Numbers, Recording, Rows, Sums, with_needs
 from jaxwalk.metrics.registry import METRICS
-from jaxwalk.metrics.statistics import RESAMPLES, episode_sums
+from jaxwalk.metrics.statistics import RESAMPLES, episode_sums, sums_over_chunks
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
@@ -110,18 +111,31 @@ def measure(
     )
 
 
-def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summary:
-    """Return the numbers of all metrics of the rows.
+def summarise(
+    rows: Rows, *, chunks: Iterable[Rows] | None = None, resamples: int = RESAMPLES, seed: int = 0
+) -> Summary:
+    """Return the numbers of all metrics.
 
     Args:
-        rows: the rows that `measure` returned.
+        rows: measured episodes.
+        chunks: the same rows, `jaxwalk.metrics.statistics.CHUNK` episodes at a time and the last chunk with the rest:
+            if ``rows`` read their tables only when they are asked for, no more are in memory.
         resamples: number of bootstrap resamples over episodes.
         seed: seed of the bootstrap.
     """
-    columns = {metric.name: metric.columns(rows) for metric in rows.metrics}
-    flat = {(name, column): values for name, found in columns.items() for column, values in found.items()}
-    summed = episode_sums(flat, resamples=resamples, seed=seed) if flat else {}
-    by_metric = {name: {column: summed[name, column] for column in found} for name, found in columns.items()}
+    if chunks is not None:
+        summed = sums_over_chunks(map(_columns, chunks), rows.episodes, resamples=resamples, seed=seed)
+    else:
+        columns = _columns(rows)
+        summed = episode_sums(columns, resamples=resamples, seed=seed) if columns else {}
+    by_metric: dict[str, dict[str, np.ndarray]] = {metric.name: {} for metric in rows.metrics}
+    for (metric, column), found in summed.items():
+        by_metric[metric][column] = found
     sums = Sums(resamples, seed, by_metric)
     ordered = sorted(rows.metrics, key=lambda metric: not metric.headline)
     return Summary(rows.episodes, {metric.name: metric.summarise(rows, sums) for metric in ordered})
+
+
+def _columns(rows: Rows) -> dict[tuple[str, str], np.ndarray]:
+    """Return the columns that are resampled by episode, by the names of metric and column."""
+    return {(metric.name, name): column for metric in rows.metrics for name, column in metric.columns(rows).items()}

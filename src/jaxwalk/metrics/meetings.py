@@ -134,9 +134,13 @@ def _strata(table: Meetings) -> tuple[Int[np.ndarray, "meeting"], Int[np.ndarray
     place = (np.rint(table.x / PLACE), np.rint(table.y / PLACE))
     quarter = np.where(np.abs(table.cos) >= np.abs(table.sin), np.sign(table.cos), 2 * np.sign(table.sin))
     speed = np.floor(table.initial_speed / SPEED_STEP)
-    alike = np.stack([table.bin, *place, quarter, speed], axis=1).astype(np.int32)
-    strata, stratum = np.unique(alike, axis=0, return_inverse=True)
-    return stratum.reshape(-1), strata[:, 0]
+    code = np.zeros(len(table.bin), np.int64)
+    for column in (table.bin, *place, quarter, speed):
+        values = column.astype(np.int64)
+        values -= values.min(initial=0)
+        code = code * (values.max(initial=0) + 1) + values
+    _, first, stratum = np.unique(code, return_index=True, return_inverse=True)
+    return stratum, table.bin[first]
 
 
 def _resampled(

@@ -62,7 +62,8 @@ class Metric(MetricTable[T], Generic[T, Numbers]):
     """A table with numbers. ``name`` is also the metric's key in the summary and in its JSON."""
 
     summarise: Callable[[Rows, Sums], Numbers]
-    """Its annotated result is the type of the numbers: frozen dataclasses and tuples of numbers and None."""
+    """Its annotated result is the type of the numbers: frozen dataclasses and tuples of numbers and None. It asks a
+    table for columns by their names, not by ``vars``: those of merged parts are read from files then."""
     columns: Callable[[Rows], Mapping[str, Shaped[np.ndarray, "episode ..."]]] = lambda rows: {}
     """The columns that are resampled by episode; `Sums` has their sums by the same names."""
     headline: bool = False

@@ -8,7 +8,7 @@ A number that does not exist (a division by zero, a median never reached) is Non
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -57,15 +57,32 @@ def episode_sums(
     the unit because steps, crossings and encounters of one episode are not independent. With fewer than two episodes
     the resamples are NaN.
     """
-    shapes = {name: np.shape(column)[1:] for name, column in columns.items()}
-    width = {name: math.prod(shape) for name, shape in shapes.items()}
     episodes = len(next(iter(columns.values())))
-    sums = np.zeros((1 + resamples, sum(width.values())))
-    for some, times in episode_draws(episodes, resamples=resamples, seed=seed):
-        flat = [column[some].reshape(times.shape[1], width[name]) for name, column in columns.items()]
-        sums += times @ np.concatenate(flat, axis=1, dtype=np.float64)
-    parts = np.split(sums, np.cumsum(list(width.values()))[:-1], axis=1)
-    return {name: part.reshape(-1, *shapes[name]) for name, part in zip(columns, parts, strict=True)}
+    chunks = ({name: column[first : first + CHUNK] for name, column in columns.items()}
+              for first in range(0, max(episodes, 1), CHUNK))  # fmt: skip
+    return sums_over_chunks(chunks, episodes, resamples=resamples, seed=seed)
+
+
+def sums_over_chunks(
+    chunks: Iterable[Mapping[Key, Shaped[np.ndarray, "_ ..."]]],
+    episodes: int,
+    *,
+    resamples: int = RESAMPLES,
+    seed: int = 0,
+) -> dict[Key, Float[np.ndarray, "draw ..."]]:
+    """Return what `episode_sums` returns, for columns in chunks of `CHUNK` episodes, the last one with the rest.
+
+    Raise ValueError unless the chunks have that many episodes, and together ``episodes``.
+    """
+    shapes: dict[Key, tuple[int, ...]] = {}
+    sums: Any = 0.0
+    for columns, (_, times) in zip(chunks, episode_draws(episodes, resamples=resamples, seed=seed), strict=True):
+        shapes = {name: np.shape(column)[1:] for name, column in columns.items()}
+        flat = [columns[name].reshape(times.shape[1], math.prod(shape)) for name, shape in shapes.items()]
+        sums = sums + times @ np.concatenate(flat, axis=1, dtype=np.float64)
+    ends = np.cumsum([math.prod(shape) for shape in shapes.values()])[:-1]
+    parts = np.split(sums, ends, axis=1)
+    return {name: part.reshape(-1, *shape) for (name, shape), part in zip(shapes.items(), parts, strict=True)}
 
 
 def episode_draws(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable, Iterator
 from typing import Any, Protocol, runtime_checkable
 
 import jax
@@ -44,13 +45,24 @@ def source_hash(source: Source) -> str:
 
     Equal sets have equal hashes, on every machine.
     """
+    return hash_of(scenario_bytes(source, range(len(source))))
+
+
+def hash_of(contents: Iterable[bytes]) -> str:
+    """Return the first `HASH_DIGITS` digits of the SHA-256 of contents, one after the other."""
     digest = hashlib.sha256()
-    for first in range(0, len(source), HASHED_AT_ONCE):
+    for content in contents:
+        digest.update(content)
+    return digest.hexdigest()[:HASH_DIGITS]
+
+
+def scenario_bytes(source: Source, span: range) -> Iterator[bytes]:
+    """Yield all arrays of the scenarios of a span, scenario after scenario, `HASHED_AT_ONCE` scenarios at a time."""
+    for first in range(span.start, span.stop, HASHED_AT_ONCE):
         numbers = first + np.arange(HASHED_AT_ONCE)
         scenarios, _ = source.take(numbers % len(source))  # always the same number, so that one program makes them all
         table = np.concatenate([_bytes(x) for x in jax.tree.leaves(scenarios)], axis=1)
-        digest.update(table[: len(source) - first].tobytes())
-    return digest.hexdigest()[:HASH_DIGITS]
+        yield table[: span.stop - first].tobytes()
 
 
 def _bytes(array: Array) -> np.ndarray:

@@ -117,6 +117,17 @@ AXES: dict[str, tuple[str, ...]] = {
 """The axes of each column of a `Trajectory` (and of `Ghosts`), by its name."""
 
 
+def without_episodes() -> Trajectory:
+    """Return a recording of no episodes, in which one person would be for one frame."""
+    sizes, kinds = {"frame": 1, "episode": 0, "ped": 1}, (np.bool_, np.int32, np.float32)
+    columns = {}
+    for name, hint in get_type_hints(Trajectory).items():
+        if hasattr(hint, "dim_str"):
+            kind = next(kind for kind in kinds if np.dtype(kind).name in hint.dtypes)
+            columns[name] = np.zeros([sizes[axis] for axis in AXES[name]], kind)
+    return Trajectory(dt=0.1, **columns)
+
+
 def part_of(recorded: Recorded, *, frames: int, episodes: slice) -> Recorded:
     """Return the first frames of some episodes of a recording."""
     which = {"frame": slice(frames), "episode": episodes}

@@ -70,11 +70,30 @@ class Evaluate:
     """Folder for results.json (all metrics), suite.md (the same as tables) and episodes.csv (a row per episode)."""
     encounters: Flag = False
     """Also encounters.parquet, a row per encounter (needs --out, and pip install "jaxwalk[data]")."""
+    part: Annotated[str | None, option("all of it", "K/N")] = None
+    """Evaluate only the K-th of N parts of the scenarios and keep its rows in --out, for `jaxwalk merge`
+    (docs/beyond-one-machine.md; needs pip install "jaxwalk[data]")."""
     json: Flag = False
     """Print one JSON document instead of the table."""
     again: Annotated[Path | None, option("none", "FILE")] = None
     """A results.json: evaluate as it says, and say if the same comes out (exit code 1 if not). Goes with --out, --trust
     and --driver-seconds only."""
+
+
+@dataclass(frozen=True)
+class Merge:
+    """Put the parts of an evaluation together: the same files as one evaluation of all.
+
+    For example: jaxwalk merge parts/* --out results
+    """
+
+    parts: Annotated[tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="DIR [DIR ...]")] = ()
+    """The folders of `jaxwalk evaluate --part 1/N --out DIR` to `--part N/N`, in any order. One that is there twice is
+    left out, if its rows are the same."""
+    out: Annotated[Path | None, option("needed", "DIR")] = None
+    """Folder for results.json, suite.md, episodes.csv and, if the parts were asked for it, encounters.parquet."""
+    json: Flag = False
+    """Print one JSON document instead of the table."""
 
 
 @dataclass(frozen=True)

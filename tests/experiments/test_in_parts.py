@@ -1,0 +1,253 @@
+"""An evaluation in parts has the numbers of an evaluation of all, to the last bit."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jaxwalk.evaluation.document_parts import EvaluationOptions
+from jaxwalk.evaluation.parts import PART, Part, PartError, complete, read_part
+from jaxwalk.evaluation.reading import DocumentError
+from jaxwalk.evaluation.settings import with_jaywalk_multiplier
+from jaxwalk.evaluation.stored_rows import StoredRowsError
+from jaxwalk.experiments import evaluating
+from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
+from jaxwalk.experiments.in_parts import evaluate_part, merge_parts
+from jaxwalk.experiments.tournament import Scenarios
+from jaxwalk.metrics import statistics
+from jaxwalk.policies import AlwaysGo, ConstantSpeed
+from jaxwalk.scenarios import Archived
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import dimensions
+
+BATCH, CHUNK, EPISODES, PARTS = 8, 16, 36, 3
+"""36 episodes are five batches, of which the last one is half full; parts have one, two and two of them."""
+FILES = ("results.json", "suite.md", "episodes-x0.25.csv", "episodes-x1.csv")
+
+
+def ignore(*_):
+    """Tell nobody."""
+
+
+@pytest.fixture(scope="module")
+def patch():
+    with pytest.MonkeyPatch.context() as patch:
+        yield patch
+
+
+@pytest.fixture(scope="module")
+def work(patch):
+    """An evaluation with two cells, by one compiled program."""
+    whole = evaluating.evaluate_grid
+    patch.setattr(evaluating, "evaluate_grid", lambda *given, **more: whole(*given, **more, batch=BATCH))
+    for module in ("metrics.statistics", "experiments.in_parts"):
+        patch.setattr(f"jaxwalk.{module}.CHUNK", CHUNK)
+    multipliers, alike = (0.25, 1.0), ("constant-speed", "constant-speed")
+    street = Street.create()
+    return Evaluation(
+        streets=tuple(with_jaywalk_multiplier(street, multiplier) for multiplier in multipliers),
+        drivers={"constant-speed": ConstantSpeed()},
+        populations={"always-go": AlwaysGo()},
+        scenarios=Scenarios(EPISODES, 7),
+        options=EvaluationOptions(multipliers, compare=alike, encounters=True),
+    )
+
+
+@pytest.fixture(scope="module")
+def parts(work, tmp_path_factory):
+    """The folder of an evaluation of all, ``whole``, and of its parts ``1`` to ``3``."""
+    folder = tmp_path_factory.mktemp("parts")
+    evaluate_all(replace(work, out=folder / "whole"), ignore)
+    for number in range(1, PARTS + 1):
+        evaluate_part(work, Part(number, PARTS), folder / str(number), ignore, batch=BATCH)
+    return folder
+
+
+@pytest.fixture
+def copied(parts, tmp_path):
+    """A copy of the parts, which may be damaged."""
+    for number in range(1, PARTS + 1):
+        shutil.copytree(parts / str(number), tmp_path / str(number))
+    return tmp_path
+
+
+def merged(folder, *names):
+    return merge_parts([read_part(folder / str(name)) for name in names], folder / "merged", ignore)
+
+
+def test_a_merge_writes_what_an_evaluation_of_all_writes(parts):
+    from pyarrow import parquet
+
+    found = merged(parts, 3, 1, 2)
+    for name in FILES:
+        assert (parts / "merged" / name).read_bytes() == (parts / "whole" / name).read_bytes(), name
+    one, other = (parquet.read_table(parts / name / "encounters.parquet") for name in ("whole", "merged"))
+    assert one.equals(other)
+    assert found.said == ()
+    assert found.results.scenarios.count == EPISODES
+
+
+def test_a_part_that_was_killed_is_run_again_and_a_part_run_twice_counts_once(parts, work):
+    def kill(what, done, total):
+        raise KeyboardInterrupt
+
+    again, number = parts / "again", Part(2, PARTS)
+    with pytest.raises(KeyboardInterrupt):
+        evaluate_part(work, number, again, kill, batch=BATCH)
+    assert not list(again.iterdir())
+    (again / ".outcomes.1.part.parquet").write_bytes(b"what a process leaves that is killed at once")
+    evaluate_part(work, number, again, ignore, batch=BATCH)
+    assert {path.name for path in again.iterdir()} == {path.name for path in (parts / "2").iterdir()}
+    chosen, said = complete([read_part(parts / name) for name in ("2", "3", "again", "1")])
+    assert [part.folder.name for part in chosen] == ["1", "2", "3"]
+    assert said == [f"{again}: part 2/3 again, with the same rows; left out"]
+
+
+def test_parts_divide_whole_batches():
+    spans = [Part(number, 3).span(1900) for number in (1, 2, 3)]
+    assert [(span.start, span.stop) for span in spans] == [(0, 512), (512, 1024), (1024, 1900)]
+    assert Part(1, 1).span(5) == range(5)
+    with pytest.raises(PartError, match="--part 1/5: 1,900 episodes are played 512 at a time, so there are at most 4"):
+        Part(1, 5).span(1900)
+
+
+@pytest.mark.parametrize("text", ["0/3", "4/3", "1", "", "-1/3", "1/0", "a/b", "1/3/5", "1.0/2", "٣/4"])
+def test_a_part_is_a_number_of_a_number(text):
+    with pytest.raises(PartError, match="must be K/N"):
+        Part.parse(text)
+    assert Part.parse("3/16") == Part(3, 16)
+
+
+def test_a_part_that_is_there_twice_and_differs_is_refused(copied):
+    shutil.copytree(copied / "2", copied / "other")
+    change(copied / "other", lambda document: document["cells"][0].update(sha256="0" * 64))
+    with pytest.raises(PartError, match="both are part 2/3, but their rows differ; leave out one of them"):
+        merged(copied, 1, 2, "other", 3)
+
+
+def test_a_missing_part_is_named(copied):
+    with pytest.raises(PartError, match=r"^2/3, 3/3 are missing; evaluate with --part 2/3, or name its folder too$"):
+        merged(copied, 1)
+
+
+CHANGES = {
+    "its seed is 8, not 7": lambda document: document.update(seed=8),
+    "its driver is constant-speed .policy file., not constant-speed .rule.": lambda document: document["drivers"][
+        0
+    ].update(kind="policy file"),
+    "its maps are": lambda document: document["street"]["maps"][0].update(hash="0" * 16),
+    "its world is": lambda document: document["street"]["sim"].update(pedestrians=3),
+    "its options are": lambda document: document["options"].update(encounters=False),
+    "its versions are": lambda document: document["made"]["versions"].update(jax="0.0.1"),
+    "it was made by commit": lambda document: document["made"].update(commit="0" * 12),
+    "its cells are": lambda document: document["cells"][0].update(driver_mode="sample"),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_parts_of_different_evaluations_are_refused(what, copied):
+    change(copied / "2", CHANGES[what])
+    with pytest.raises(PartError, match=f"isn't of the same evaluation as .*: {what}.*; leave it out"):
+        merged(copied, 1, 2, 3)
+    assert not (copied / "merged").exists()
+
+
+def test_parts_of_another_jaxwalk_are_refused(copied):
+    for number in (1, 2, 3):
+        change(copied / str(number), lambda document: document["made"]["versions"].update(jaxwalk="0.0.1"))
+    with pytest.raises(PartError, match=r"was made by version 0\.0\.1 of jaxwalk, and this is .*; merge with the same"):
+        merged(copied, 1, 2, 3)
+
+
+def test_a_part_of_other_scenarios_is_refused(copied):
+    change(copied / "3", lambda document: document.update(scenarios_hash="0" * 16))
+    with pytest.raises(PartError, match="/3: played scenarios of hash 0000000000000000, not "):
+        merged(copied, 1, 2, 3)
+
+
+def test_other_processors_and_other_versions_are_told_of(copied):
+    change(copied / "3", lambda document: document["made"].update(hardware="another"))
+    for name in ("1", "2", "3"):
+        change(copied / name, lambda document: document["made"]["versions"].update(numpy="0.1"))
+    processors, versions = merged(copied, 1, 2, 3).said
+    assert "the parts were played on " in processors and "another" in processors.partition(":")[0]
+    assert "parts and merge have other versions (numpy 0.1, now " in versions
+
+
+def test_changed_rows_are_refused(copied):
+    from pyarrow import parquet
+
+    path = copied / "2" / "outcomes.parquet"
+    table = parquet.read_table(path)
+    goals = table.column("goal").to_numpy()
+    other = table.set_column(table.column_names.index("goal"), "goal", [~np.asarray(goals)])
+    with parquet.ParquetWriter(path, other.schema) as writer:
+        for first in range(0, 2 * BATCH, BATCH):
+            writer.write_table(other.slice(first, BATCH))
+    with pytest.raises(StoredRowsError, match="/2: its rows were changed after they were written; evaluate this part"):
+        merged(copied, 1, 2, 3)
+
+
+@pytest.mark.parametrize("damage", [lambda content: content[:-9], lambda _: b"", lambda content: content[:99]])
+def test_damaged_rows_are_refused(damage, copied):
+    path = copied / "2" / "contacts.parquet"
+    path.write_bytes(damage(path.read_bytes()))
+    with pytest.raises(StoredRowsError, match=r"2/contacts\.parquet: damaged \(.*\); evaluate this part again"):
+        merged(copied, 1, 2, 3)
+    path.unlink()
+    with pytest.raises(StoredRowsError, match=r"2/contacts\.parquet: can't be read \(No such file"):
+        merged(copied, 1, 2, 3)
+
+
+def test_a_damaged_document_is_refused(copied):
+    for content, what in (("{", "no JSON"), ("[]", "of format None"), ('{"format": 1}', "damaged"), ("", "no JSON")):
+        (copied / "1" / PART).write_text(content)
+        with pytest.raises((PartError, DocumentError), match=what):
+            read_part(copied / "1")
+    (copied / "1" / PART).unlink()
+    with pytest.raises(PartError, match=r"has no part\.json, so no finished part is in it"):
+        read_part(copied / "1")
+
+
+@pytest.mark.parametrize(("field", "value"), [("episodes", 10**9), ("batch", 0), ("dt", -1.0), ("cells", [])])
+def test_impossible_numbers_of_a_document_are_refused(field, value, copied):
+    change(copied / "1", lambda document: document.update({field: value}))
+    if field == "episodes":
+        with pytest.raises(PartError, match="isn't of the same evaluation"):
+            merged(copied, 2, 1, 3)
+        return
+    with pytest.raises(DocumentError, match="damaged"):
+        read_part(copied / "1")
+
+
+def test_chunks_of_columns_have_the_sums_of_all_of_them():
+    columns = {"x": np.arange(70.0), "y": np.arange(140.0).reshape(70, 2)}
+    whole = statistics.episode_sums(columns, resamples=5)
+    size = statistics.CHUNK
+    chunks = [{name: x[first : first + size] for name, x in columns.items()} for first in range(0, 70, size)]
+    in_chunks = statistics.sums_over_chunks(chunks, 70, resamples=5)
+    assert all((whole[name] == in_chunks[name]).all() for name in columns)
+    with pytest.raises(ValueError):
+        statistics.sums_over_chunks(chunks[:-1], 70, resamples=5)
+
+
+def change(folder, how):
+    """Change the document of a part."""
+    document = json.loads((folder / PART).read_text())
+    how(document)
+    (folder / PART).write_text(json.dumps(document))
+
+
+def test_a_part_needs_drawn_scenarios_and_a_batch_that_divides(work, parts):
+    street = work.streets[0]
+    points = np.zeros((1, dimensions(street.world)), np.float32)
+    kept = Archived(street, points, np.ones((1, 12), bool), 0, np.zeros(1, int))
+    with pytest.raises(PartError, match="only drawn scenarios"):
+        evaluate_part(replace(work, scenarios=kept), Part(1, 1), parts / "new", ignore)
+    with pytest.raises(ValueError, match="batch must divide 16"):
+        evaluate_part(work, Part(1, 1), parts / "new", ignore, batch=5)
+    assert not (parts / "new").exists()
