@@ -65,7 +65,7 @@ def read_clip_grounds(path: Path) -> ClipGrounds:
     except OSError as error:
         raise TracksError(f"{path}: can't be read ({error.strerror}); check the path") from None
     except ValidationError as error:
-        raise TracksError(f"{path}: {explain(error)}") from None
+        raise TracksError(f"{path}: {explain(dict(error.errors()[0]))}") from None
     except ValueError as error:
         raise TracksError(f"{path}: not TOML ({error}); write it as docs/real-recordings.md shows") from None
     for name in ("roadway", "crosswalk"):
