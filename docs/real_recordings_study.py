@@ -31,7 +31,7 @@ from jaxwalk.writing import write_whole
 
 GROUND = Path(__file__).with_name("dut_ground.toml")
 TOP_SPEED = 2.7
-"""The car's top speed on our street [m/s]: 75 % of the moving cars' time, real ones were slower (clips of odd number)."""
+"""The car's top speed on our street [m/s]: real cars that move are slower three quarters of their time."""
 PEOPLE, EPISODES, SEED = 36, 64, 77
 LINES = {
     "waited": ("stopped before the car's path", 100.0, "%"),
@@ -69,20 +69,31 @@ def written(number: dict[str, Any], scale: float = 1.0) -> str:
 def tables(document: dict[str, Any]) -> str:
     """Return the tables of the page."""
     real, everybody = document["real"], {"real": document["real"], **document["ours"]}
-    lines = ["| where people meet a car's path | " + " | ".join(everybody) + " |", "| --- " * (1 + len(everybody)) + "|"]
+    lines = [
+        "| where people meet a car's path | " + " | ".join(everybody) + " |",
+        "| --- " * (1 + len(everybody)) + "|",
+    ]
     counts = [str(one["meetings"]["waited"]["count"]) for one in everybody.values()]
     lines.append("| meetings | " + " | ".join(counts) + " |")
     for name, (words, scale, unit) in LINES.items():
         row = [written(one["meetings"][name], scale) for one in everybody.values()]
         lines.append(f"| {words}, {unit} | " + " | ".join(row) + " |")
-    lines += ["", "| real cars, distance to the person | near crosswalk users, m/s | near others, m/s | difference, m/s |", "| --- " * 4 + "|"]
+    lines += [
+        "",
+        "| real cars, distance to the person | near crosswalk users, m/s | near others, m/s | difference, m/s |",
+        "| --- " * 4 + "|",
+    ]
     for one in real["speeds"]:
         three = " | ".join(written(one[name]) for name in ("crosswalk", "elsewhere", "difference"))
         lines.append(f"| {one['near']:g} to {one['far']:g} m | {three} |")
     lines += ["", "| real encounters | TTC < 1.5 s, % | PET < 1.5 s, % | DRAC > 3.4 m/s2, % |", "| --- " * 4 + "|"]
     for place, shares in real["encounters"].items():
         lines.append(f"| {place} | " + " | ".join(written(share, 100.0) for share in shares.values()) + " |")
-    lines += ["", "| Wasserstein-1 from real | " + " | ".join(document["ours"]) + " |", "| --- " * (1 + len(document["ours"])) + "|"]
+    lines += [
+        "",
+        "| Wasserstein-1 from real | " + " | ".join(document["ours"]) + " |",
+        "| --- " * (1 + len(document["ours"])) + "|",
+    ]
     for name, by_population in document["distances"].items():
         words, scale, unit = LINES[name]
         row = [written(number, scale) for number in by_population.values()]

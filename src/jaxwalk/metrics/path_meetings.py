@@ -30,7 +30,7 @@ STOP = 0.5
 
 @dataclass(frozen=True)
 class PathMeetings:
-    """One row per encounter in which one of both came at most 5 s after the other; NaN stands for what doesn't exist."""
+    """One row per encounter whose post-encroachment time exists; NaN stands for what doesn't exist."""
 
     episode: Int[np.ndarray, "meeting"]
     """Row of the episode."""
