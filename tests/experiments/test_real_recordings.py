@@ -70,7 +70,7 @@ def test_a_gap_by_hand(tmp_path, grounds):
 
 
 def test_who_stops_waits_and_lets_the_car_go_first(tmp_path, grounds):
-    clip(tmp_path, "a", [way(-5.0, stands=(1.5, 4.0)), way(-5.0, stands=(1.5, 1.8))])
+    clip(tmp_path, "a", [way(-5.0, stands=(1.5, 4.0)), way(-6.5, stands=(1.5, 1.8))])
     found = watch_clips(tmp_path, grounds, ["a"]).rows[PATH_MEETINGS]
     assert found.waited.tolist() == [True, False], "0.3 s is no stop"
     assert (found.pet < 0).all()
