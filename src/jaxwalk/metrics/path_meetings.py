@@ -76,7 +76,7 @@ def find_path_meetings(
         surrogates: their surrogates, row by row.
         config: says how large car and body are, and below what speed a car stands.
     """
-    rows = np.flatnonzero(~np.isnan(surrogates.pet))
+    rows = np.flatnonzero(~np.isnan(surrogates.pet)).tolist()
     stopped = _stopped(trajectory)
     entries = [_entry(trajectory, encounters, row, config) for row in rows]
     waited, accepted, speeds = [], [], []
@@ -108,7 +108,7 @@ def _stopped(trajectory: Trajectory) -> Bool[np.ndarray, "frame episode ped"]:
 
 def _entry(trajectory: Trajectory, encounters: Encounters, row: int, config: SimConfig) -> tuple[int, int]:
     """Return the first frame in which the person is on the car's path, and the one in which the car first covers it."""
-    episode, ped, limit = int(encounters.episode[row]), encounters.ped[row], round(PET_LIMIT / trajectory.dt)
+    episode, ped, limit = int(encounters.episode[row]), int(encounters.ped[row]), round(PET_LIMIT / trajectory.dt)
     walked = np.arange(encounters.enter[row], encounters.end[row] + 1)
     driven = np.arange(encounters.start[row], min(encounters.end[row] + limit, trajectory.length[episode]) + 1)
     x, y = (getattr(trajectory, f"ped_{name}")[walked, episode, ped, None] for name in ("x", "y"))
