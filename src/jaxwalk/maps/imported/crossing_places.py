@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -20,7 +20,7 @@ FROM_EDGE = 3.0
 """A crossing closer to the street's edge is left to a neighbouring street [m]."""
 NEAR_EDGE = 30.0
 """A crossing that can't be placed may find room in a neighbouring street if it lies so close to the edge [m]."""
-SAME = 2.0
+SAME = 1.0
 """A mapped crossing this close to the crosswalk of another one is the same [m]."""
 OVERLAP = 0.5
 """Crosswalks may overlap by this [m2]."""
@@ -137,7 +137,7 @@ class CrossingPlaces:
         return found
 
     def _is_same(self, other: Placed, point: np.ndarray) -> bool:
-        return any(area.distance(shapely.Point(point)) < SAME / 2 for area in other.areas)
+        return any(area.distance(shapely.Point(point)) < SAME for area in other.areas)
 
     def _made(self, chord: Chord, crossing: SourceCrossing) -> Placed | str:
         """Return the crossing on a chord, as wide as there is room for, or why there is none."""
@@ -179,7 +179,7 @@ class CrossingPlaces:
                                     kind_origin="invented")  # fmt: skip
             found = self._made(chord, source)
             if isinstance(found, Placed):
-                self.placed.append(Placed(**{**found.__dict__, "origin": "invented"}))
+                self.placed.append(replace(found, origin="invented"))
                 group = [group[one] if x == group[other] else x for x in group]
 
     def _preference(self, chord: Chord) -> tuple[bool, float]:
