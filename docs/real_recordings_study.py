@@ -23,7 +23,10 @@ from jaxwalk.formats.tracks import TracksError
 from jaxwalk.maps import as_network
 from jaxwalk.metrics.statistics import Estimate, interval
 from jaxwalk.provenance import provenance
+from jaxwalk.policies.mixture_names import MixtureError
+from jaxwalk.runs.contestant_names import ContestantError, check_name
 from jaxwalk.runs.contestants import contestant
+from jaxwalk.runs.folder import RunError
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import WORLDS
@@ -116,10 +119,15 @@ def main() -> None:
     options.add_argument("--pedestrians", nargs="*", default=["always-go", "learned", "gap-acceptance"])
     options.add_argument("--episodes", type=int, default=EPISODES)
     asked = options.parse_args()
+    if asked.episodes < 1:
+        options.error(f"--episodes must be at least 1, not {asked.episodes}")
     try:
+        for role, names in (("driver", [asked.driver]), ("pedestrian", asked.pedestrians)):
+            for name in names:
+                check_name(role, name)
         grounds = read_clip_grounds(asked.ground)
         real = watch_clips(asked.folder, grounds, sorted(grounds.clips))
-    except TracksError as error:
+    except (TracksError, ContestantError, MixtureError, RunError) as error:
         options.error(str(error))
     ours = watch_ours(asked.driver, asked.pedestrians, asked.episodes)
     document = {
