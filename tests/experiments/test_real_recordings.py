@@ -63,6 +63,7 @@ def test_a_gap_by_hand(tmp_path, grounds):
     clip(tmp_path, "a", [way(-2.0)])
     found = watch_clips(tmp_path, grounds, ["a"]).rows[PATH_MEETINGS]
     assert found.accepted == pytest.approx([13.25 / 5], abs=0.11), "to within a frame"
+    assert found.offered == pytest.approx([20 / 5], abs=0.11), "within 1.5 m of the path at once, the car 20 m before"
     assert found.crossing_speed == pytest.approx([1.0])
     assert found.waited.tolist() == [False]
     # off the path from y = 1.15 on, at 3.2 s; the front covers the place at 3.5 s
@@ -75,6 +76,7 @@ def test_who_stops_waits_and_lets_the_car_go_first(tmp_path, grounds):
     assert found.waited.tolist() == [True, False], "0.3 s is no stop"
     assert (found.pet < 0).all()
     assert np.isnan(found.accepted).all()
+    assert np.isnan(found.offered).all(), "the car has passed when they are 1.5 m before its path"
 
 
 def test_a_turned_camera_sees_the_same_ground(grounds):

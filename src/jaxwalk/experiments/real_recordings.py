@@ -54,6 +54,12 @@ class Watched:
         return self.recording[self.rows[PATH_MEETINGS].episode]
 
 
+def halves(grounds: ClipGrounds) -> tuple[list[str], list[str]]:
+    """Return the clips to fit something to, every second one from the first, and all others, to test it on."""
+    names = sorted(grounds.clips)
+    return names[::2], names[1::2]
+
+
 def watch_clips(folder: Path, grounds: ClipGrounds, names: Sequence[str]) -> Watched:
     """Measure clips of a folder. Raises TracksError if one isn't there or can't be read, or no car moves in any."""
 

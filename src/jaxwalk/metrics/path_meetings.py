@@ -26,6 +26,8 @@ STILL = 0.5
 """A person slower than this stands [m/s] ..."""
 STOP = 0.5
 """... and has stopped after standing this long without a break [s]."""
+JUDGES = SimConfig.kerb_distance
+"""A person has to judge the car this long a way before its path [m]: where ours do before a roadway."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,9 @@ class PathMeetings:
     """Row of the episode."""
     waited: Bool[np.ndarray, "meeting"]
     """The person stopped in view of the car, before it entered the car's path."""
+    offered: Float[np.ndarray, "meeting"]
+    """The time until the car is abreast of the place, at its speed in the first frame in which the person is in view and
+    at most `JUDGES` before the car's path [s]. NaN for a car that stands then or has passed: there is nothing to judge."""
     accepted: Float[np.ndarray, "meeting"]
     """If the person came first: the time that the car needed at its speed in the moment in which the person entered its
     path, to reach that place [s]. NaN for a car that stood then."""
@@ -79,17 +84,21 @@ def find_path_meetings(
     rows = np.flatnonzero(~np.isnan(surrogates.pet)).tolist()
     stopped = _stopped(trajectory)
     entries = [_entry(trajectory, encounters, row, config) for row in rows]
-    waited, accepted, speeds = [], [], []
+    waited, offered, accepted, speeds = [], [], [], []
     for row, (enters, arrives) in zip(rows, entries, strict=True):
         episode, ped = int(encounters.episode[row]), int(encounters.ped[row])
         stays = slice(encounters.enter[row], encounters.end[row] + 1), episode, ped
         waited.append(bool(stopped[:enters, episode, ped].any()))
+        judges = _judges(trajectory, episode, ped, enters)
+        to_centre = config.car_length / 2 + config.body_radius
+        offered.append(_time_to(trajectory, episode, judges, arrives, config, beyond=to_centre))
         first = surrogates.pet[row] > 0 and arrives > enters
         accepted.append(_time_to(trajectory, episode, enters, arrives, config) if first else np.nan)
         speeds.append(float(distance(trajectory.ped_vx[stays], trajectory.ped_vy[stays]).mean()))
     return PathMeetings(
         episode=encounters.episode[rows],
         waited=np.array(waited, bool),
+        offered=np.array(offered, float),
         accepted=np.array(accepted, float),
         crossing_speed=np.array(speeds, float),
         pet=surrogates.pet[rows].astype(float),
@@ -120,13 +129,23 @@ def _entry(trajectory: Trajectory, encounters: Encounters, row: int, config: Sim
     return int(walked[enters]), int(driven[covered[enters].argmax()])
 
 
-def _time_to(trajectory: Trajectory, episode: int, enters: int, arrives: int, config: SimConfig) -> float:
-    """Return the time to drive from where the car is in one frame to where it is in another, at its speed in the first
-    [s]; NaN for a car that stands."""
-    way = slice(enters, arrives + 1), episode
-    metres = distance(np.diff(trajectory.car_x[way]), np.diff(trajectory.car_y[way])).sum()
-    speed = float(trajectory.car_speed[enters, episode])
-    return float(metres) / speed if speed >= config.moving_speed else np.nan
+def _judges(trajectory: Trajectory, episode: int, ped: int, enters: int) -> int:
+    """Return the first frame in view in which the person is at most `JUDGES` before the place it enters later [m]."""
+    x, y = (getattr(trajectory, f"ped_{name}")[: enters + 1, episode, ped] for name in ("x", "y"))
+    left = np.append(np.cumsum(distance(np.diff(x), np.diff(y))[::-1])[::-1], 0.0)
+    return int((left <= JUDGES).argmax())  # out of view the way left is NaN, so no frame before is taken
+
+
+def _time_to(
+    trajectory: Trajectory, episode: int, now: int, arrives: int, config: SimConfig, *, beyond: float = 0.0
+) -> float:
+    """Return the time to drive from where the car is in a frame to ``beyond`` metres past where it is in another, at its
+    speed in the first [s]. NaN for a car that stands, or is already past."""
+    way = slice(min(now, arrives), max(now, arrives) + 1), episode
+    driven = float(distance(np.diff(trajectory.car_x[way]), np.diff(trajectory.car_y[way])).sum())
+    metres = beyond + (driven if arrives >= now else -driven)
+    speed = float(trajectory.car_speed[now, episode])
+    return metres / speed if speed >= config.moving_speed and metres >= 0 else np.nan
 
 
 def measures(meetings: PathMeetings) -> dict[str, Float[np.ndarray, "meeting"]]:

@@ -43,10 +43,12 @@ class GapAccepting(eqx.Module):
     ) -> tuple[Int[Array, "ped *batch"], Column]:
         """Return who goes, and the critical gaps [s]: kept while somebody decides, else drawn anew."""
         gap = kerb_gap(observation)
-        critical = jnp.where(gap.deciding, memory, self._critical_gaps(key, len(memory)))
+        fresh = critical_gaps(key, len(memory), self.intercept, self.per_second)
+        critical = jnp.where(gap.deciding, memory, fresh)
         go = ~gap.deciding | (gap.speed < STANDS) | (gap.ahead < 0) | (gap.ahead >= critical * gap.speed)
         return go.astype(jnp.int32), critical
 
-    def _critical_gaps(self, key: Key[Array, "*batch"], people: int) -> Column:
-        """Return a critical gap for everybody [s], each episode's from its own key."""
-        return drawn(key, lambda one: (self.intercept + jax.random.logistic(one, (people,))) / self.per_second)
+
+def critical_gaps(key: Key[Array, "*batch"], people: int, intercept: float, per_second: float) -> Column:
+    """Return a critical gap for everybody [s], each episode's from its own key."""
+    return drawn(key, lambda one: (intercept + jax.random.logistic(one, (people,))) / per_second)
