@@ -141,9 +141,7 @@ def options() -> argparse.ArgumentParser:
     found.add_argument("folder", type=Path, help="the clips, which are no part of jaxwalk")
     found.add_argument("--ground", type=Path, default=GROUND, help="areas of the clips, as docs/dut_ground.toml")
     found.add_argument("--out", type=Path, default=Path("runs/real-recordings"))
-    found.add_argument(
-        "--clips", choices=("all", "fit", "test"), default="all", help="or one half, to fit or test with"
-    )
+    found.add_argument("--clips", choices=("all", "fit", "test"), default="all", help="or half, to fit or test with")
     found.add_argument("--driver", default="idm-yield")
     usual = ["always-go", "learned", "gap-acceptance"]
     words = "names, perhaps with a world (campus@campus); the first one is compared with the others"

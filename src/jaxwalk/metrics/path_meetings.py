@@ -39,8 +39,8 @@ class PathMeetings:
     waited: Bool[np.ndarray, "meeting"]
     """The person stopped in view of the car, before it entered the car's path."""
     offered: Float[np.ndarray, "meeting"]
-    """The time until the car is abreast of the place, at its speed in the first frame in which the person is in view and
-    at most `JUDGES` before the car's path [s]. NaN for a car that stands then or has passed: there is nothing to judge."""
+    """The time until the car is abreast of the place, at its speed in the first frame in which the person is in view
+    and at most `JUDGES` before the car's path [s]. NaN for a car that stands then or has passed."""
     accepted: Float[np.ndarray, "meeting"]
     """If the person came first: the time that the car needed at its speed in the moment in which the person entered its
     path, to reach that place [s]. NaN for a car that stood then."""
@@ -139,8 +139,10 @@ def _judges(trajectory: Trajectory, episode: int, ped: int, enters: int) -> int:
 def _time_to(
     trajectory: Trajectory, episode: int, now: int, arrives: int, config: SimConfig, *, beyond: float = 0.0
 ) -> float:
-    """Return the time to drive from where the car is in a frame to ``beyond`` metres past where it is in another, at its
-    speed in the first [s]. NaN for a car that stands, or is already past."""
+    """Return the time to drive from where the car is in a frame to ``beyond`` metres past where it is in another [s].
+
+    At its speed in the first frame. NaN for a car that stands, or is already past.
+    """
     way = slice(min(now, arrives), max(now, arrives) + 1), episode
     driven = float(distance(np.diff(trajectory.car_x[way]), np.diff(trajectory.car_y[way])).sum())
     metres = beyond + (driven if arrives >= now else -driven)

@@ -1,7 +1,8 @@
 """People who give way to a car where its path is, also on the roadway: they slow down, and stand only at its edge.
 
-So did people at a real crosswalk (``docs/real-recordings.md``). Which gaps they accept is fitted to every second clip of
-it, by ``docs/real_recordings_calibration.py``; that they walk at half their pace meanwhile, and when they stand, are ours.
+So did people at a real crosswalk (``docs/real-recordings.md``). Which gaps they accept is fitted to every second clip
+of it, by ``docs/real_recordings_calibration.py``; that they walk at half their pace meanwhile, and when they stand, are
+ours.
 """
 
 from __future__ import annotations

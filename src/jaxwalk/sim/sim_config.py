@@ -192,10 +192,10 @@ WORLDS = {
 
 - ``paper``: the paper's.
 - ``paper-footprint``: the same, but a contact of the footprint is a collision.
-- ``campus``: that too, and people walk as at a real crosswalk on a campus; the car is no faster than real ones there that
-  move are three quarters of their time (``docs/real-recordings.md``).
-- ``town``: as ``paper-footprint``, and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as cars do on dry
-  roads. Its longest routes take 26 s without people, so an episode may last 60 s.
+- ``campus``: that too, and people walk as fast as at a real crosswalk on a campus; the car is no faster than real ones
+  that move are there for three quarters of their time (``docs/real-recordings.md``).
+- ``town``: as ``paper-footprint``, and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as
+  cars do on dry roads. Its longest routes take 26 s without people, so an episode may last 60 s.
 - ``blind-corner``: as ``town``, but parked vehicles and buildings hide people, and seven in ten people are in a hurry:
   they jaywalk at nine of ten crossings.
 - ``arterial``: as ``blind-corner``, but a fifth of the people are calm, two fifths in a hurry, a fifth runners, and a
