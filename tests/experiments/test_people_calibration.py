@@ -55,4 +55,4 @@ def test_people_are_fitted_to_every_second_clip(tmp_path):
     found = json.loads((tmp_path / "out" / "calibration.json").read_text())
     assert (found["clips"], found["people"]["judged"], found["people"]["accepted"]) == (names, 6, 3)
     assert 0.65 < found["people"]["critical"]["value"] < 5.0
-    assert found["people"]["fastest"]["value"] == pytest.approx(1.0, abs=0.1)
+    assert found["people"]["slowest"]["value"] < 1.0 < found["people"]["fastest"]["value"], "one stood on the roadway"
