@@ -8,9 +8,10 @@ results leave out the metrics that need them (`jaxwalk.formats.measured`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from textwrap import shorten
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -18,7 +19,7 @@ from jaxtyping import Bool, Float, Int
 from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.tracks import CAR, COLLISION, GOAL, PEDESTRIAN, Tracks, TracksError
 from jaxwalk.formats.tracks import CROSSINGS as CHOICES
-from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, Rows, measure
+from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, METRICS, Metric, Rows, measure
 from jaxwalk.metrics.braking import UNSEEN
 from jaxwalk.sim.sim_config import LARGEST, SimConfig
 from jaxwalk.sim.trajectory import Trajectory
@@ -45,18 +46,20 @@ class CarInView:
     """Times of the episode's frames [s]."""
 
 
-def measure_tracks(tracks: Tracks, *, areas: Areas | None, config: SimConfig) -> Iterator[Rows]:
+def measure_tracks(
+    tracks: Tracks, *, areas: Areas | None, config: SimConfig, metrics: Sequence[Metric[Any, Any]] = METRICS
+) -> Iterator[Rows]:
     """Yield the rows of each episode of a recording.
 
     Without ``areas`` and without the optional columns that state it, every place is roadway and none is a crosswalk.
-    A car has the size that the recording states, else that of ``config``.
+    A car has the size that the recording states, else that of ``config``. ``metrics`` must need `ENCOUNTERS`.
     """
     for view in cars_in_view(tracks, config):
         trajectory = trajectory_of(view, areas=areas, config=config)
         size = float(tracks.length[view.car[0]]), float(tracks.width[view.car[0]])
         stated = all(0 < metres <= LARGEST["car_length"] for metres in size)
         own = replace(config, car_length=size[0], car_width=size[1]) if stated else config
-        yield _without_unseen_entries(measure(trajectory, config=own), trajectory)
+        yield _without_unseen_entries(measure(trajectory, config=own, metrics=metrics), trajectory)
 
 
 def cars_in_view(tracks: Tracks, config: SimConfig) -> Iterator[CarInView]:

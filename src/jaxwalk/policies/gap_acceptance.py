@@ -22,6 +22,10 @@ class GapAccepting(eqx.Module):
     car has passed, stands, or is more than 40 m away (67 m in the world ``town``), and always on the roadway.
     """
 
+    intercept: float = eqx.field(static=True, default=INTERCEPT)
+    """P(accept) = 1 / (1 + exp(intercept - per_second x gap))."""
+    per_second: float = eqx.field(static=True, default=PER_SECOND)
+    """How fast gaps become more acceptable [1/s]."""
     view: View = eqx.field(static=True, default=KERB_VIEW)
     """What it sees."""
 
@@ -32,18 +36,19 @@ class GapAccepting(eqx.Module):
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> Column:
         """Return critical gaps [s] that are drawn anew at the first step, since nobody begins at a kerb."""
-        return jnp.full((*agents, *batch), INTERCEPT / PER_SECOND)
+        return jnp.full((*agents, *batch), self.intercept / self.per_second)
 
     def act(
         self, key: Key[Array, "*batch"], memory: Column, observation: Float[Array, "feature ped *batch"]
     ) -> tuple[Int[Array, "ped *batch"], Column]:
         """Return who goes, and the critical gaps [s]: kept while somebody decides, else drawn anew."""
         gap = kerb_gap(observation)
-        critical = jnp.where(gap.deciding, memory, _critical_gaps(key, len(memory)))
+        fresh = critical_gaps(key, len(memory), self.intercept, self.per_second)
+        critical = jnp.where(gap.deciding, memory, fresh)
         go = ~gap.deciding | (gap.speed < STANDS) | (gap.ahead < 0) | (gap.ahead >= critical * gap.speed)
         return go.astype(jnp.int32), critical
 
 
-def _critical_gaps(key: Key[Array, "*batch"], people: int) -> Column:
+def critical_gaps(key: Key[Array, "*batch"], people: int, intercept: float, per_second: float) -> Column:
     """Return a critical gap for everybody [s], each episode's from its own key."""
-    return drawn(key, lambda one: (INTERCEPT + jax.random.logistic(one, (people,))) / PER_SECOND)
+    return drawn(key, lambda one: (intercept + jax.random.logistic(one, (people,))) / per_second)

@@ -12,6 +12,7 @@ from jaxwalk.interfaces import Policy, View
 from jaxwalk.policies.diffusion import Diffusion
 from jaxwalk.policies.distracted import Distracted
 from jaxwalk.policies.gap_acceptance import GapAccepting
+from jaxwalk.policies.gives_way import GivesWay
 from jaxwalk.policies.pedsumo import PedSumo
 from jaxwalk.sim.observation import Observation
 
@@ -42,5 +43,6 @@ POPULATIONS: dict[str, Callable[[], Policy]] = {
     "diffusion": Diffusion,
     "distracted": Distracted,
     "pedsumo": PedSumo,
+    "campus": GivesWay,
 }
 """Rule-based pedestrians by name: call an entry to make the policy."""

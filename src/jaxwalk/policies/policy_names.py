@@ -23,7 +23,7 @@ RULES = {
         "belief-planner-cvar",
         "oracle",
     ),
-    "pedestrian": ("always-go", "gap-acceptance", "diffusion", "distracted", "pedsumo"),
+    "pedestrian": ("always-go", "gap-acceptance", "diffusion", "distracted", "pedsumo", "campus"),
 }
 """The rules of each role: the names in `DRIVERS` and `POPULATIONS`."""
 WITH_KNOB = (

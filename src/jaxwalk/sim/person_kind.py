@@ -55,7 +55,10 @@ rest is our choice."""
 CHILD = PersonKind("child", 1.0, tendency=0.5, walk=(0.83, 1.39), jaywalk=(2.22, 3.0))
 """Children: they walk slower than adults, and run on a jaywalk. 1.39 m/s is the child of Euro NCAP's test CPNCO
 (5 km/h) and 0.83 m/s its slow walker (3 km/h), 2.22 m/s the protocols' runner; the rest is our choice."""
-KINDS = {kind.name: kind for kind in (CALM, HURRIED, RUNNER, CHILD)}
+CAMPUS = PersonKind("campus", 1.0, tendency=0.5, walk=(0.89, 1.66))
+"""People of a real crosswalk on a campus: their pace is fitted to every second clip of it, by
+``docs/real_recordings_calibration.py``. The tendency is the mean of the paper's, not measured."""
+KINDS = {kind.name: kind for kind in (CALM, HURRIED, RUNNER, CHILD, CAMPUS)}
 """The kinds that have a name."""
 
 

@@ -182,6 +182,7 @@ HIDING = replace(TOWN, perception=True, parked=0.9, jaywalk_multiplier=1.0)
 WORLDS = {
     "paper": SimConfig(),
     "paper-footprint": SimConfig(contact="footprint"),
+    "campus": SimConfig(contact="footprint", max_speed=2.7, kinds=in_shares(campus=1.0)),
     "town": TOWN,
     "blind-corner": replace(HIDING, kinds=in_shares(calm=0.3, hurried=0.7)),
     "arterial": replace(HIDING, kinds=in_shares(calm=0.2, hurried=0.4, runner=0.2, child=0.2)),
@@ -191,8 +192,10 @@ WORLDS = {
 
 - ``paper``: the paper's.
 - ``paper-footprint``: the same, but a contact of the footprint is a collision.
-- ``town``: that too, and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as cars do on dry
-  roads. Its longest routes take 26 s without people, so an episode may last 60 s.
+- ``campus``: that too, and people walk as fast as at a real crosswalk on a campus; the car is no faster than real ones
+  that move are there for three quarters of their time (``docs/real-recordings.md``).
+- ``town``: as ``paper-footprint``, and the car drives 50 km/h where a lane allows it, slows in bends, and brakes as
+  cars do on dry roads. Its longest routes take 26 s without people, so an episode may last 60 s.
 - ``blind-corner``: as ``town``, but parked vehicles and buildings hide people, and seven in ten people are in a hurry:
   they jaywalk at nine of ten crossings.
 - ``arterial``: as ``blind-corner``, but a fifth of the people are calm, two fifths in a hurry, a fifth runners, and a

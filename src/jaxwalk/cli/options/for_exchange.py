@@ -30,7 +30,8 @@ class Tracks:
     """A bundled map, a map file or a generated street (test-2000000003, docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
+    usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
+    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
     blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
@@ -80,7 +81,8 @@ class Scenario:
     number (docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
+    usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
+    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
     blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None

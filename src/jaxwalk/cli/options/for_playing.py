@@ -26,8 +26,8 @@ class Evaluate:
     jaxwalk (co-trained, single-agent, town, paper-co-trained, paper-single-agent), run folders or policy files; or your
     own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs/drivers.md)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
-    """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo: docs/people.md); learned, town-learned and
-    paper-learned, which come with jaxwalk; run folders or policy files; or a mixture, diffusion:0.7+learned:0.3."""
+    """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo, campus: docs/people.md); learned, town-learned
+    and paper-learned, which come with jaxwalk; run folders or policy files; or a mixture, diffusion:0.7+learned:0.3."""
     shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
     """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md). The
     driver is then called co-trained+rss, and may also be named so."""
@@ -45,7 +45,8 @@ class Evaluate:
     number (docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
+    usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
+    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
     blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
@@ -121,7 +122,8 @@ class Play:
     number (docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
+    usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
+    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
     blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
@@ -173,7 +175,8 @@ class Report:
     number (docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
+    usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
+    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
     blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None

@@ -51,7 +51,8 @@ class Search:
     number (docs/streets.md)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
-    usual on other maps than paper; town: that too, and a car for towns (50 km/h, harder brakes, slower in bends);
+    usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
+    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
     blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md)."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
     """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""

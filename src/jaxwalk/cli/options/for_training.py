@@ -38,9 +38,10 @@ class Train:
     map: Annotated[tuple[str, ...], option("the recipe's: paper; town training:64", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets (training:64, docs/streets.md) to train on."""
     world: Annotated[World | None, option("the recipe's, by footprint on other maps than paper", "WORLD")] = None
-    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car; town: that
-    too, and a car for towns (50 km/h, harder brakes, slower in bends); blind-corner and arterial: that too, and people
-    are hidden, and many run (docs/perception.md)."""
+    """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car; campus:
+    that too, a slow car, and people at a measured pace (docs/real-recordings.md); town: as paper-footprint, and a car
+    for towns (50 km/h, harder brakes, slower in bends); blind-corner and arterial: that too, and people are hidden, and
+    many run (docs/perception.md)."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
     """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
     environments: Annotated[int | None, tuned("environments", "N")] = None
