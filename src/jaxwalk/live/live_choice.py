@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 import pydantic
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked
 
-from jaxwalk.scenarios import Archived
 from jaxwalk.scenarios.drawn import NUMBERS, SEEDS
 
 EXACT = pydantic.ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
@@ -75,31 +73,3 @@ def read_message(text: str | bytes) -> Message:
         first = error.errors(include_url=False)[0]
         where = ".".join(map(str, first["loc"])) or "message"
         raise LiveError(f"{where}: {first['msg']}") from error
-
-
-@dataclass(frozen=True)
-class Offer:
-    """What pages can choose among: nothing else is loaded, whatever a page asks for."""
-
-    streets: dict[str, str]
-    """Names of streets, and the world that suits each."""
-    worlds: tuple[str, ...]
-    drivers: tuple[str, ...]
-    pedestrians: tuple[str, ...]
-    places: tuple[int, ...]
-    start: LiveChoice
-    """What a page opens first."""
-    kept: Archived | None = field(default=None)
-    """Scenarios of a file, which decide street, world and places; None: scenarios are drawn."""
-
-    def check(self, choice: LiveChoice) -> None:
-        """Raise LiveError for a choice of what isn't offered."""
-        offered = {
-            "street": self.streets, "world": self.worlds, "driver": self.drivers, "pedestrians": self.pedestrians,
-            "places": self.places,
-        }  # fmt: skip
-        for name, names in offered.items():
-            if getattr(choice, name) not in names:
-                raise LiveError(f"{name}: {getattr(choice, name)!r:.60} isn't offered; choose one of the list")
-        if self.kept is not None and choice.number >= len(self.kept):
-            raise LiveError(f"number: the file has scenarios 0 to {len(self.kept) - 1}")

@@ -1,4 +1,4 @@
-"""What a page of `jaxwalk live` is sent: the start of a record (`jaxwalk.viewer.record`), then a frame for each step."""
+"""What a page of `jaxwalk live` is sent: the start of a record (`jaxwalk.viewer.record`), then frame by frame."""
 
 from __future__ import annotations
 
@@ -68,7 +68,10 @@ def moment_record(frame: Mapping[str, np.ndarray], known: np.ndarray | None) -> 
     one["car_heading"] = np.arctan2(one["car_sin"], one["car_cos"])
     perceived = one.get("perceived")
     bits = state_bits(one["going"], one["on_roadway"], one["crossing"], perceived)
-    people = [[round(float(x), 2), round(float(y), 2), int(state)] for x, y, state in zip(one["ped_x"], one["ped_y"], bits, strict=True)]
+    people = [
+        [round(float(x), 2), round(float(y), 2), int(state)]
+        for x, y, state in zip(one["ped_x"], one["ped_y"], bits, strict=True)
+    ]
     if known is not None and perceived is not None:
         for ped in np.flatnonzero(np.asarray(known)[..., 0] & ~perceived):
             people[ped] += [round(float(one[name][ped]), 2) for name in ("last_seen_x", "last_seen_y")]

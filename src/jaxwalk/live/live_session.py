@@ -17,8 +17,9 @@ from jaxwalk.evaluation.hosted import ask
 from jaxwalk.evaluation.playing import Underway, answered, begin, check_actions, host_driver, play_block
 from jaxwalk.interfaces import Policy
 from jaxwalk.live.by_hand import ByHand
-from jaxwalk.live.live_choice import LiveChoice, LiveError, Offer
+from jaxwalk.live.live_choice import LiveChoice, LiveError
 from jaxwalk.live.live_frames import first_record, moment_record
+from jaxwalk.live.live_offer import Offer
 from jaxwalk.policies import RouteFollower
 from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.scenarios import Archived, Drawn
