@@ -68,6 +68,8 @@ def _answer(connection: ServerConnection, request: Request, hosts: list[str]) ->
         return connection.respond(403, "This server answers only by its own name.\n")
     if any(origin not in [f"http://{host}" for host in hosts] for origin in origins):
         return connection.respond(403, "This server answers only its own page.\n")
+    if request.method != "GET":
+        return connection.respond(405, "This server answers only GET.\n")
     if request.path == SOCKET:
         return None
     if request.path != "/":

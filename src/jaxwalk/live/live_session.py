@@ -26,6 +26,7 @@ from jaxwalk.scenarios import Archived, Drawn
 from jaxwalk.scenarios.archive_file import write_archive
 from jaxwalk.scenarios.archived import keys_of, scenarios_at
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.recording import Frame
 from jaxwalk.sim.sim_config import rules_of
 from jaxwalk.sim.world import as_written
 
@@ -89,9 +90,10 @@ class LiveSession:
                 host.init((), (1,))
         self.choice, self._street, self._source = _as_played(choice, street, source), street, source
         self._policies, self._setup, self._game = policies, setup, game
-        self._known = first.get("perceived")
+        frame = _on_host(first)
+        self._known = frame.get("perceived")
         shown = {"choice": asdict(self.choice), "hides": street.world.rules.perception and street.world.slots > 0}
-        return {**shown, **first_record(street, scenarios), "frame": moment_record(first, None)}
+        return {**shown, **first_record(street, scenarios), "frame": moment_record(frame, None)}
 
     def step(self) -> dict[str, Any]:
         """Make one step, and return its frame, with the ending if it was the last one. There must be one to make.
@@ -107,7 +109,7 @@ class LiveSession:
                 answer = ask(host, seen, playing=np.array([True]), numbers=numbers, step=now)
             policies = answered(policies, answer)
         self._game, frames = play_block(replace(self._setup, policies=policies), self._game, 1)
-        frame = jax.tree.map(lambda x: np.asarray(x)[0], frames)
+        frame = {name: column[0] for name, column in _on_host(frames).items()}
         with named({"driver": self.choice.driver, "pedestrian": self.choice.pedestrians}):
             check_actions(self._street, self._game, numbers)
         shown = moment_record(frame, self._known)
@@ -150,6 +152,10 @@ def _with_rule(street: Street, name: str, value: float | None) -> Street:
     if value is None:
         return street
     return eqx.tree_at(lambda street: getattr(street.world.rules, name), street, _on_device(value))
+
+
+def _on_host(frame: Frame) -> dict[str, np.ndarray]:
+    return {name: np.asarray(column) for name, column in frame.items()}
 
 
 def _on_device(numbers: Any) -> jax.Array:
