@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import webbrowser
+from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
 
@@ -11,6 +12,7 @@ from jaxwalk.cli.checks import check_count, check_driver_seconds, check_kept, ch
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Live
 from jaxwalk.live.live_offer import offer_of
+from jaxwalk.live.live_session import LiveSession
 from jaxwalk.maps import each_map
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.folder import check_writable
@@ -24,14 +26,19 @@ LONGEST = 525_600.0
 def run(options: Live) -> int:
     """Serve the page until Ctrl-C, or for the time that was asked for."""
     check(options)
-    from jaxwalk.live.live_server import live_server
-    from jaxwalk.live.live_session import LiveSession
-
     kept = read_archive(options.scenarios) if options.scenarios else None
     where = Where(each_map(options.map), options.world, options.people)
     offer = offer_of(options.driver, options.pedestrians, where, seed=options.seed, kept=kept)
     load = partial(contestant, trust=options.trust, seconds=options.driver_seconds)
-    server, address = live_server(options.port, lambda: LiveSession(offer, options.out, load))
+    serve_pages(options, lambda: LiveSession(offer, options.out, load))
+    return 0
+
+
+def serve_pages(options: Live, make_session: Callable[[], LiveSession]) -> None:
+    """Serve until Ctrl-C, or for the time that was asked for."""
+    from jaxwalk.live.live_server import live_server
+
+    server, address = live_server(options.port, make_session)
     with server:
         print(f"Open {address} in a browser of this machine; Ctrl-C ends the server", flush=True)
         if options.open:
@@ -41,7 +48,6 @@ def run(options: Live) -> int:
             timer.daemon = True
             timer.start()
         server.serve_forever()
-    return 0
 
 
 def check(options: Live) -> None:

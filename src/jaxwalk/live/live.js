@@ -39,6 +39,9 @@ class GrowingEpisode extends Episode {
   }
 }
 
+// A word for a shell.
+const quoted = (word) => (/^[\w./:+-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`);
+
 class Live {
   constructor(element, address) {
     this.element = element;
@@ -169,8 +172,8 @@ class Live {
 
   #saved(path) {
     const line = this.find(".saved"), command = document.createElement("code");
-    const { driver, pedestrians } = this.choice;
-    command.textContent = `jaxwalk play --scenarios ${path} --driver ${driver} --pedestrians ${pedestrians} --html`;
+    const [file, driver, people] = [path, this.choice.driver, this.choice.pedestrians].map(quoted);
+    command.textContent = `jaxwalk play --scenarios ${file} --driver ${driver} --pedestrians ${people} --html`;
     line.replaceChildren(`Saved as ${path}. To play it again: `, command);
   }
 
