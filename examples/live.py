@@ -15,4 +15,6 @@ speeds = [session.step()["car"][3] for _ in range(20)]
 session.hand = (1.0, -1.0, float("nan"))  # and brakes
 while speeds[-1] > 0:
     speeds.append(session.step()["car"][3])
-print(f"up to {max(speeds):.1f} m/s and down again in {len(speeds) * session.dt:.1f} s; {session.save()} has the scenario")
+print(
+    f"up to {max(speeds):.1f} m/s and down again in {len(speeds) * session.dt:.1f} s; {session.save()} has the scenario"
+)

@@ -53,7 +53,15 @@ def test_the_page_may_call_nobody_but_its_server(address):
 def test_its_name_is_the_loopback_address_or_localhost(address):
     port = urlsplit(address).port
     assert ask(address, Host=f"localhost:{port}")[0] == 200
-    for host in (f"evil.example:{port}", "evil.example", "127.0.0.1", "localhost", f"127.0.0.1:{port + 1}", "", f"[::1]:{port}"):
+    for host in (
+        f"evil.example:{port}",
+        "evil.example",
+        "127.0.0.1",
+        "localhost",
+        f"127.0.0.1:{port + 1}",
+        "",
+        f"[::1]:{port}",
+    ):
         assert ask(address, Host=host)[0] == 403, host
 
 
@@ -76,7 +84,9 @@ def test_a_socket_after_dns_rebinding_is_refused(address):
         connect(f"ws://evil.example:{port}/socket", sock=here, origin=f"http://evil.example:{port}")
 
 
-@pytest.mark.parametrize("path", ["/etc/passwd", "/../../etc/passwd", "/%2e%2e/x", "/live.js", "/socket/", "//", "/?x=1"])
+@pytest.mark.parametrize(
+    "path", ["/etc/passwd", "/../../etc/passwd", "/%2e%2e/x", "/live.js", "/socket/", "//", "/?x=1"]
+)
 def test_there_is_no_other_file(address, path):
     assert ask(address, path)[0] == 404
 
@@ -167,7 +177,13 @@ def test_a_message_that_is_none_is_a_problem(said):
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("street", "/etc/passwd"), ("driver", "/tmp/mine.py:Mine"), ("pedestrians", "x"), ("world", "test-track"), ("places", 1000)],
+    [
+        ("street", "/etc/passwd"),
+        ("driver", "/tmp/mine.py:Mine"),
+        ("pedestrians", "x"),
+        ("world", "test-track"),
+        ("places", 1000),
+    ],
 )
 def test_what_is_not_offered_is_not_loaded(name, value):
     choice = {"street": "paper", "world": "paper", "places": 12, "driver": "route-follower", "pedestrians": "always-go"}

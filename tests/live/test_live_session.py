@@ -134,7 +134,8 @@ def test_who_is_lost_from_sight_has_the_place_where_they_were_last_seen():
     frame = {
         "car_x": np.array([5.0]), "car_y": np.array([6.0]), "car_cos": np.array([0.0]), "car_sin": np.array([1.0]),
         "car_speed": np.array([2.0]), "car_acceleration": np.array([-3.0]), "ped_x": people, "ped_y": people + 10,
-        "going": flags, "on_roadway": ~flags, "crossing": np.zeros((2, 1), int), "perceived": np.array([[True], [False]]),
+        "going": flags, "on_roadway": ~flags, "crossing": np.zeros((2, 1), int),
+        "perceived": np.array([[True], [False]]),
         "last_seen_x": people - 0.5, "last_seen_y": people + 9,
     }  # fmt: skip
     shown = moment_record(frame, np.array([[True], [True]]))

@@ -20,6 +20,7 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 from websockets.sync.server import Server, ServerConnection, serve
+from websockets.typing import Origin
 
 from jaxwalk.live.live_choice import LONGEST, LiveError, Message, read_message
 from jaxwalk.live.live_page import live_page
@@ -51,7 +52,7 @@ def live_server(port: int, make_session: Callable[[], LiveSession]) -> tuple[Ser
     server = serve(
         lambda connection: _serve_page(connection, make_session()),
         sock=listening,
-        origins=[f"http://{host}" for host in hosts],
+        origins=[Origin(f"http://{host}") for host in hosts],
         process_request=lambda connection, request: _answer(connection, request, hosts),
         server_header=None,
         compression=None,
