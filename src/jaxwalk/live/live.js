@@ -1,43 +1,9 @@
 // Plays what the server of jaxwalk.live sends, and sends what a person chooses and how they drive.
 
 const DIALS = ["people", "jaywalk_multiplier", "max_speed", "parked"];
-const HELD = {
-  ArrowUp: "throttle", w: "throttle", ArrowDown: "brake", s: "brake", ArrowLeft: "left", a: "left", ArrowRight: "right", d: "right",
-};
-const STEERING = 0.4; // share of the largest steering angle while a key is held
 const LATE = 3; // steps that the drawing may be behind what was received
 const SHOWN = 20; // seconds that the strips show at least
 const PATIENCE = 400; // milliseconds before it is said that something takes time
-
-// An episode of which only the start is known, and which grows frame by frame.
-class GrowingEpisode extends Episode {
-  constructor(record, dt) {
-    super({}, record, dt);
-    for (const name of Object.keys(this.car)) this.car[name] = [];
-    for (const one of this.people) Object.assign(one, { x: [], y: [], state: [], lost: { x: [], y: [] } });
-  }
-
-  grow({ car: [x, y, heading, speed, command], people, ending, touched }) {
-    const { car } = this, before = this.last;
-    const turned = before < 0 ? 0 : Math.round((car.heading[before] - heading) / (2 * Math.PI)) * 2 * Math.PI;
-    const acceleration = before < 0 ? 0 : (speed - car.speed[before]) / this.dt;
-    Object.entries({ x, y, heading: heading + turned, speed, command, acceleration }).forEach(([name, value]) => car[name].push(value));
-    for (const [ped, [px, py, state, lostX, lostY]] of people.entries()) {
-      const one = this.people[ped];
-      one.x.push(px);
-      one.y.push(py);
-      one.state.push(state);
-      if (lostX !== undefined) (one.lost.x.push(lostX), one.lost.y.push(lostY));
-      Object.assign(one, sights(one.state));
-    }
-    this.last += 1;
-    this.end = this.last * this.dt;
-    if (ending) {
-      this.touched = new Set(touched);
-      this.events.push({ frame: this.last, what: ending, ped: touched[0] ?? null });
-    }
-  }
-}
 
 // A word for a shell.
 const quoted = (word) => (/^[\w./:+-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`);
@@ -48,10 +14,10 @@ class Live {
     this.find = (selector) => element.querySelector(selector);
     this.form = this.find("form");
     this.strips = new Strips(this.find(".strips"));
-    this.held = new Set();
+    this.wheel = new Wheel(element, (message) => this.tell(message), () => this.choice && this.#caption());
     this.shows = {};
     this.time = 0;
-    this.playing = this.drives = false;
+    this.playing = false;
     this.wanted = this.asked = null;
     this.#listen();
     this.socket = new WebSocket(address);
@@ -191,7 +157,7 @@ class Live {
 
   #caption() {
     const { driver, pedestrians, number, seed } = this.choice;
-    const who = this.drives ? "You drive" : `${driver} drives`;
+    const who = this.wheel.drives ? "You drive" : `${driver} drives`;
     this.find("figcaption").textContent = `${who} among ${pedestrians}, scenario ${number} of ${this.kept ? "the file" : `seed ${seed}`}`;
   }
 
@@ -275,48 +241,13 @@ class Live {
     return this.wanted ?? this.asked ?? this.choice;
   }
 
-  drive(drives) {
-    this.drives = drives;
-    const button = this.find("[data-do=drive]");
-    button.setAttribute("aria-pressed", drives);
-    button.textContent = drives ? "Give the car back" : "Drive yourself";
-    if (this.choice) this.#caption();
-    this.#tellHand();
-  }
-
-  #tellHand() {
-    const [throttle, brake, left, right] = ["throttle", "brake", "left", "right"].map((name) => this.held.has(name));
-    for (const button of this.element.querySelectorAll("[data-hold]")) button.classList.toggle("held", this.held.has(button.dataset.hold));
-    this.tell({ do: "hand", drives: this.drives, pedal: brake ? -1 : throttle ? 1 : 0, steering: left === right ? null : left ? STEERING : -STEERING });
-  }
-
-  // Presses or releases one of the pedals or the wheel; a press takes over from the driver.
-  hold(name, on) {
-    if (this.held.has(name) === on) return;
-    if (on) this.held.add(name);
-    else this.held.delete(name);
-    if (on && !this.drives) this.drive(true);
-    else this.#tellHand();
-  }
-
-  release() {
-    if (!this.held.size) return;
-    this.held.clear();
-    this.#tellHand();
-  }
-
   #listen() {
     const actions = {
       toggle: () => this.toggle(), step: () => this.tell({ do: "step" }), again: this.again,
-      next: () => this.#next(), drive: () => this.drive(!this.drives), usual: () => this.#changed("usual"),
+      next: () => this.#next(), drive: () => this.wheel.drive(!this.wheel.drives), usual: () => this.#changed("usual"),
       save: () => this.tell({ do: "save" }),
     };
     for (const button of this.element.querySelectorAll("[data-do]")) button.addEventListener("click", () => actions[button.dataset.do]());
-    for (const button of this.element.querySelectorAll("[data-hold]")) {
-      const name = button.dataset.hold;
-      button.addEventListener("pointerdown", (event) => (button.setPointerCapture(event.pointerId), this.hold(name, true)));
-      for (const end of ["pointerup", "pointercancel"]) button.addEventListener(end, () => this.hold(name, false));
-    }
     for (const name of SWITCHES) {
       this.#show(name, this.find(`[name=${name}]`).checked);
       this.find(`[name=${name}]`).addEventListener("change", (event) => (this.#show(name, event.target.checked), this.draw()));
@@ -325,12 +256,7 @@ class Live {
     this.form.addEventListener("input", () => this.#sayDials());
     this.form.addEventListener("change", (event) => this.#changed(event.target.name));
     this.form.addEventListener("submit", (event) => event.preventDefault());
-    addEventListener("blur", () => this.release());
     document.addEventListener("keydown", (event) => this.#key(event, actions));
-    document.addEventListener("keyup", (event) => {
-      const held = HELD[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-      if (held) this.hold(held, false);
-    });
   }
 
   #next() {
@@ -341,11 +267,11 @@ class Live {
 
   #key(event, actions) {
     if (event.ctrlKey || event.metaKey || event.altKey || !this.episode) return;
-    const { tagName: tag, type } = event.target, key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const { tagName: tag, type } = event.target, key = letter(event);
     if (/^(SELECT|INPUT|TEXTAREA)$/.test(tag) && type !== "checkbox") return; // they have keys of their own
     if (key === " " && /^(BUTTON|A|SUMMARY|INPUT)$/.test(tag)) return;
     const named = { " ": "toggle", ".": "step", r: "again", n: "next", t: "drive" }[key];
-    if (HELD[key]) this.hold(HELD[key], true);
+    if (HELD[key]) this.wheel.hold(HELD[key], true);
     else if (named) actions[named]();
     else return;
     event.preventDefault();

@@ -57,6 +57,7 @@ def live_server(port: int, make_session: Callable[[], LiveSession]) -> tuple[Ser
         server_header=None,
         compression=None,
         max_size=LONGEST,
+        ping_interval=None,  # a page that sleeps is still there when it wakes
         logger=QUIET,
     )
     return server, f"http://{hosts[0]}/"
