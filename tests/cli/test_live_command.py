@@ -32,7 +32,7 @@ def test_it_says_its_address_and_ends_after_the_time(place, capsys):
     ],
 )
 def test_options_that_make_no_sense(line, message, place, capsys):
-    assert main(["live", "--minutes", "0.001", *line.split()]) == 2
+    assert main(["live", "--out", "there", *line.split()]) == 2
     err = " ".join(capsys.readouterr().err.split())
     assert message in err and err.count("jaxwalk: ") == 1
 

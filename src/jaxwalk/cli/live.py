@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import webbrowser
 from collections.abc import Callable
+from contextlib import closing
 from functools import partial
 from importlib.util import find_spec
 
@@ -39,7 +40,7 @@ def serve_pages(options: Live, make_session: Callable[[], LiveSession]) -> None:
     from jaxwalk.live.live_server import live_server
 
     server, address = live_server(options.port, make_session)
-    with server:
+    with closing(server.socket):  # a server that doesn't serve yet can't be shut down
         print(f"Open {address} in a browser of this machine; Ctrl-C ends the server", flush=True)
         if options.open:
             webbrowser.open(address)
@@ -47,7 +48,8 @@ def serve_pages(options: Live, make_session: Callable[[], LiveSession]) -> None:
             timer = threading.Timer(60 * options.minutes, server.shutdown)
             timer.daemon = True
             timer.start()
-        server.serve_forever()
+        with server:
+            server.serve_forever()
 
 
 def check(options: Live) -> None:

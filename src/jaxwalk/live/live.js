@@ -30,7 +30,7 @@ class Live {
   #hear({ kind, ...said }) {
     ({
       offer: () => this.#offer(said), begin: () => this.#begin(said), frame: () => this.#frame(said),
-      busy: () => (this.waiting = setTimeout(() => this.say("Compiling the simulation for this choice, which is done once. It may take a minute …"), PATIENCE)),
+      busy: () => (this.waiting = setTimeout(() => this.say("Preparing: what is new in this choice is compiled, once. It may take a minute …"), PATIENCE)),
       playing: () => this.#showPlaying(said.playing),
       saved: () => this.#saved(said.path),
       problem: () => this.#problem(said.text),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import secrets
 import socket
 import time
@@ -46,7 +47,8 @@ def live_server(port: int, make_session: Callable[[], LiveSession]) -> tuple[Ser
     try:
         listening = socket.create_server((ADDRESS, port))
     except (OSError, OverflowError) as error:
-        raise LiveError(f"port {port}: {getattr(error, 'strerror', None) or error}; name another one, or 0") from error
+        why = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
+        raise LiveError(f"port {port}: {why}; name another one, or 0") from error
     port = listening.getsockname()[1]
     hosts = [f"{name}:{port}" for name in (ADDRESS, "localhost")]
     server = serve(
