@@ -90,6 +90,7 @@ pictures: install  ## the pictures of README and docs, and an animation for talk
 	$(BIN)/jaxwalk play --suite blind-corner --driver clearance --scenario 3 --time 6 --out docs/images/blind-corner.png
 	$(BIN)/jaxwalk report --out runs/report
 	$(BIN)/python docs/screenshots.py runs/report/report.html docs/images
+	$(BIN)/python docs/live_screenshot.py docs/images
 
 docs: install  ## the site, into build/site: pages, the reference from the code, links checked
 	$(UV) pip install --quiet --python $(BIN)/python -r requirements/docs.txt

@@ -26,6 +26,7 @@ COMMANDS = {
     "search": f"search route-follower --simulations 1 --minimise 0 --out {OUT}",
     "report": f"report random --pedestrians always-go --episodes 2 --incidents 0 --out {OUT}",
     "rate": f"rate clearance careful-human --episodes 64 --pairs 3 --out {OUT}",
+    "live": f"live --port 0 --minutes 0.05 --out {OUT}",
     "bench": f"bench --only env --environments 8 --seconds 0.05 --out {OUT}",
     "reproduce": "reproduce --updates 1 --episodes 2 --out new",
     "hidden-intent": "hidden-intent --updates 1 --episodes 2 --seeds 1 --out new",
@@ -79,7 +80,7 @@ class Fault:
 
 NO_OUTPUT = ("train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier")
 """Commands that print nothing on standard output, or only in the end."""
-NO_FILES = ("observations", "measure", "map check")
+NO_FILES = ("observations", "measure", "map check", "live")
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 UNTIL = {INT: 130, TERM: 143, HUP: 143}
 ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}

@@ -36,6 +36,7 @@ COMMANDS = (
     Command("crashtest", options.Crashtest, "jaxwalk.cli.crashtest"),
     Command("search", options.Search, "jaxwalk.cli.search"),
     Command("play", options.Play, "jaxwalk.cli.play"),
+    Command("live", options.Live, "jaxwalk.cli.live"),
     Command("reproduce", options.Reproduce, "jaxwalk.cli.reproduce"),
     Command("report", options.Report, "jaxwalk.cli.report"),
     Command("rate", options.Rate, "jaxwalk.cli.rate"),

@@ -89,26 +89,42 @@ def play(
     if keys.ndim != 1 or scenarios.route.shape != keys.shape:
         shapes = f"keys {keys.shape}, scenarios {scenarios.route.shape}"
         raise ValueError(f"play needs a batch of scenarios and one key for each, not: {shapes}")
-    last = np.full(keys.shape, street.world.rules.horizon) if until is None else until
     numbers = np.arange(len(keys)) if numbers is None else np.asarray(numbers)
-    host = _host_driver(policies)
-    compiled = policies if host is None else _answered(policies, Given(street.roles["driver"].zeros(keys.shape)))
-    setup = Setup(street, compiled, scenarios, keys, jnp.asarray(last, jnp.int32))
-    memory = fresh_memory(street, cast_of(compiled), keys.shape)
-    game, first = _begin(street, memory, scenarios)
-    if isinstance(policies["driver"], Shielded):
-        game = replace(game, shield=Intervention(jnp.zeros_like(game.ended), jnp.zeros_like(game.ended)))
-        first |= _frame_of_shield(game)
+    host = host_driver(policies)
+    setup, game, first = begin(street, policies, scenarios, keys, until)
     blocks = [{name: np.asarray(x)[None] for name, x in first.items()}]
     rest = _play(setup, game) if host is None else _ask_and_play(setup, policies, host, game, numbers)
     for after, frames in rest:
         game = after
         blocks.append({name: np.asarray(x) for name, x in frames.items()})
-    _check_actions(street, game, numbers)
+    check_actions(street, game, numbers)
     return _trajectory(street, scenarios, game, blocks, numbers)
 
 
-def _host_driver(policies: Roles[Policy]) -> HostDriver | None:
+def begin(
+    street: Street,
+    policies: Roles[Policy],
+    scenarios: Scenario,
+    keys: Key[Array, "episode"],
+    until: Int[np.ndarray, "episode"] | None = None,
+) -> tuple[Setup, Underway, Frame]:
+    """Return what stays the same in a batch of episodes, their start, and its frame 0: what `play_block` goes on from.
+
+    A `HostDriver` is replaced by a `Given`, which stands still until `answered` puts its answer there. The arguments
+    are those of `play`.
+    """
+    last = np.full(keys.shape, street.world.rules.horizon) if until is None else until
+    host = host_driver(policies)
+    compiled = policies if host is None else answered(policies, Given(street.roles["driver"].zeros(keys.shape)))
+    setup = Setup(street, compiled, scenarios, keys, jnp.asarray(last, jnp.int32))
+    game, first = _begin(street, fresh_memory(street, cast_of(compiled), keys.shape), scenarios)
+    if isinstance(policies["driver"], Shielded):
+        game = replace(game, shield=Intervention(jnp.zeros_like(game.ended), jnp.zeros_like(game.ended)))
+        first |= _frame_of_shield(game)
+    return setup, game, first
+
+
+def host_driver(policies: Roles[Policy]) -> HostDriver | None:
     """Return the driver that cannot be compiled, wherever it is in the policies; None if there is none."""
     hosts = {id(x): x for x in jax.tree.leaves(policies) if isinstance(x, HostDriver)}
     if len(hosts) > 1:
@@ -120,11 +136,11 @@ def _host_driver(policies: Roles[Policy]) -> HostDriver | None:
 def _play(setup: Setup, game: Underway) -> Iterator[tuple[Underway, Frame]]:
     """Yield block after block, until all episodes have ended."""
     while not bool(game.ended.all()):
-        game, frames = _play_block(setup, game, BLOCK)
+        game, frames = play_block(setup, game, BLOCK)
         yield game, frames
 
 
-def _answered(policies: Roles[Policy], answer: Given) -> Roles[Policy]:
+def answered(policies: Roles[Policy], answer: Given) -> Roles[Policy]:
     """Return the policies with an answer in place of the driver that cannot be compiled, wherever it is in them."""
     return jax.tree.map(lambda x: answer if isinstance(x, HostDriver) else x, policies)
 
@@ -139,12 +155,12 @@ def _ask_and_play(
         while (playing := ~np.asarray(game.ended)).any():
             seen = setup.street.observe(setup.scenarios, game.state, driver.view)
             answer = ask(driver, seen, playing=playing, numbers=numbers, step=next(steps))
-            setup = eqx.tree_at(lambda setup: setup.policies, setup, _answered(policies, answer))
-            game, frames = _play_block(setup, game, 1)
+            setup = eqx.tree_at(lambda setup: setup.policies, setup, answered(policies, answer))
+            game, frames = play_block(setup, game, 1)
             yield game, frames
 
 
-def _check_actions(street: Street, game: Underway, numbers: Int[np.ndarray, "episode"]) -> None:
+def check_actions(street: Street, game: Underway, numbers: Int[np.ndarray, "episode"]) -> None:
     """Raise ActionError for the first episode that an action outside its space has ended."""
     for role, spec in street.roles.items():
         actions = np.asarray(game.actions[role])
@@ -172,7 +188,7 @@ def _frame_of_shield(game: Underway) -> Frame:
 
 
 @eqx.filter_jit
-def _play_block(setup: Setup, game: Underway, steps: int) -> tuple[Underway, Frame]:
+def play_block(setup: Setup, game: Underway, steps: int) -> tuple[Underway, Frame]:
     """Return the episodes after this number of steps, and the steps' frames along a leading axis."""
 
     def body(game: Underway, _: None) -> tuple[Underway, Frame]:

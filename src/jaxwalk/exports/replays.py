@@ -77,7 +77,7 @@ class _Plans(NamedTuple):
 def _plans(street: Street, scenarios: Scenario) -> _Plans:
     config = street.config
     paths = walking_paths(street.world, scenarios, reach=config.horizon * config.dt * config.fastest)
-    return _Plans(paths, _routes(street, scenarios), np.asarray(scenarios.map).tolist())
+    return _Plans(paths, routes_of(street, scenarios), np.asarray(scenarios.map).tolist())
 
 
 def _entries_of(street: Street, trajectory: Trajectory, plans: _Plans, names: tuple[str, str]) -> list[dict[str, Any]]:
@@ -88,7 +88,7 @@ def _entries_of(street: Street, trajectory: Trajectory, plans: _Plans, names: tu
     )
 
 
-def _routes(street: Street, scenarios: Scenario) -> list[np.ndarray]:
+def routes_of(street: Street, scenarios: Scenario) -> list[np.ndarray]:
     """Return the car's lane route in every scenario, with a point for each metre, ``(point, 2)`` [m]."""
     maps, every = jax.device_get(street.world.maps), round(1 / ROUTE_SPACING)
     chosen = list(zip(np.asarray(scenarios.map).tolist(), np.asarray(scenarios.route).tolist(), strict=True))

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Int, Key
+from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.rollout import EVALUATION, draw_batch, scenario_key, seed_key
 from jaxwalk.scenarios.source import source_hash
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.scenario import Scenario
+from jaxwalk.sim.scenario import Scenario, dimensions, uniforms
 
 SEEDS = 2**31
 """Seeds lie in [0, this)."""
@@ -47,11 +48,21 @@ class Drawn:
 
     def take(self, numbers: Int[np.ndarray, "episode"]) -> tuple[Scenario, Key[Array, "episode"]]:
         """Return the scenarios of these numbers, and a key for each. Raise ValueError for a number out of range."""
+        keys = self._keys(numbers)
+        return _draw(self.street, keys), keys
+
+    def points(self, numbers: Int[np.ndarray, "episode"]) -> Float[np.ndarray, "episode number"]:
+        """Return the points of the unit cube that these scenarios are at: what `Archived` keeps of them.
+
+        Raise ValueError for a number out of range.
+        """
+        return np.asarray(_points(self._keys(numbers), dimensions(self.street.world)))
+
+    def _keys(self, numbers: Int[np.ndarray, "episode"]) -> Key[Array, "episode"]:
         for wrong in numbers[(numbers < 0) | (numbers >= self.count)][:1]:
             raise ValueError(f"scenario must lie in [0, {self.count}), not {wrong}")
         fold_in = jax.vmap(jax.random.fold_in, in_axes=(None, 0))
-        keys = fold_in(seed_key(self.seed, EVALUATION), jnp.asarray(numbers))
-        return _draw(self.street, keys), keys
+        return fold_in(seed_key(self.seed, EVALUATION), jnp.asarray(numbers))
 
     def hash(self) -> str:
         """Return the hash of the scenarios."""
@@ -65,4 +76,14 @@ class Drawn:
 @eqx.filter_jit
 def _draw(street: Street, keys: Key[Array, "episode"]) -> Scenario:
     """Draw the first episode of each environment."""
-    return draw_batch(street, scenario_key(keys, jnp.zeros(keys.shape, jnp.int32)))
+    return draw_batch(street, _first_keys(keys))
+
+
+@partial(jax.jit, static_argnums=1)
+def _points(keys: Key[Array, "episode"], count: int) -> Float[Array, "episode number"]:
+    """Return the numbers from which `_draw` makes the scenarios."""
+    return jax.vmap(lambda key: uniforms(key, count))(_first_keys(keys))
+
+
+def _first_keys(keys: Key[Array, "episode"]) -> Key[Array, "episode"]:
+    return scenario_key(keys, jnp.zeros(keys.shape, jnp.int32))

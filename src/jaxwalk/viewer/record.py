@@ -46,11 +46,11 @@ def make_records(
     for episode in range(len(trajectory.length)):
         record = _episode(trajectory, episode)
         if trajectory.parked is not None:
-            record["parked"] = _boxes(trajectory.parked_in(episode))
+            record["parked"] = boxes_record(trajectory.parked_in(episode))
         if trajectory.perceived is not None:
             _add_last_seen(record, trajectory, episode)
         record["events"] = _events(trajectory, episode, crossings, encounters)
-        record["route"] = None if routes is None else _line(routes[episode])
+        record["route"] = None if routes is None else line_record(routes[episode])
         if paths is not None:
             record["paths"] = _plans(trajectory, episode, paths)
         packed.append(_pack(record))
@@ -68,7 +68,7 @@ def _differences(values: np.ndarray, per_unit: int) -> list[int]:
     return np.diff(whole, prepend=0).tolist()
 
 
-def _line(points: np.ndarray) -> Record:
+def line_record(points: np.ndarray) -> Record:
     """Return a polyline ``(point, 2)`` [m] as a record."""
     return {"x": _differences(points[:, 0], PER_METRE), "y": _differences(points[:, 1], PER_METRE)}
 
@@ -77,10 +77,8 @@ def _episode(t: Trajectory, e: int) -> Record:
     """Return the episode's goal and everything that moves."""
     frames = slice(int(t.length[e]) + 1)
     heading = np.unwrap(np.arctan2(t.car_sin[frames, e], t.car_cos[frames, e]))
-    state = t.going[frames, e] * GOING + t.on_roadway[frames, e] * ON_ROADWAY
-    state = state + (t.crossing[frames, e] == JAYWALK) * JAYWALKS
-    if t.perceived is not None:
-        state = state + ~t.perceived[frames, e] * UNPERCEIVED
+    perceived = None if t.perceived is None else t.perceived[frames, e]
+    state = state_bits(t.going[frames, e], t.on_roadway[frames, e], t.crossing[frames, e], perceived)
     return {
         "goal": [round(float(t.goal_x[e]), 2), round(float(t.goal_y[e]), 2)],
         "touched": np.flatnonzero(t.touched[e]).tolist() if t.collision[e] else [],
@@ -103,11 +101,19 @@ def _episode(t: Trajectory, e: int) -> Record:
     }
 
 
-def _boxes(boxes: np.ndarray) -> Record:
+def state_bits(
+    going: np.ndarray, on_roadway: np.ndarray, crossing: np.ndarray, perceived: np.ndarray | None
+) -> np.ndarray:
+    """Return the bits of people's states from four columns of a `Trajectory` of one shape."""
+    state = going * GOING + on_roadway * ON_ROADWAY + (crossing == JAYWALK) * JAYWALKS
+    return state if perceived is None else state + ~perceived * UNPERCEIVED
+
+
+def boxes_record(boxes: np.ndarray) -> Record:
     """Return the boxes of parked vehicles, ``(vehicle, column)``, as a record."""
     x, y, cos, sin, half_length, half_width = boxes.T
     sizes = {"length": _differences(2 * half_length, PER_METRE), "width": _differences(2 * half_width, PER_METRE)}
-    return {**_line(np.stack([x, y], axis=1)), "heading": _differences(np.arctan2(sin, cos), PER_RADIAN), **sizes}
+    return {**line_record(np.stack([x, y], axis=1)), "heading": _differences(np.arctan2(sin, cos), PER_RADIAN), **sizes}
 
 
 def _add_last_seen(record: Record, t: Trajectory, e: int) -> None:
@@ -117,7 +123,7 @@ def _add_last_seen(record: Record, t: Trajectory, e: int) -> None:
     record["delay"] = round(float(age[now].min()) / t.dt) if now.any() else 0
     for ped, person in enumerate(record["people"]):
         lost = np.flatnonzero(now[:-1, ped] & ~now[1:, ped]) + 1
-        person["lost"] = _line(np.stack([x[lost, ped], y[lost, ped]], axis=1))
+        person["lost"] = line_record(np.stack([x[lost, ped], y[lost, ped]], axis=1))
 
 
 def _events(t: Trajectory, e: int, crossings: Crossings, encounters: Encounters) -> list[Record]:
@@ -152,5 +158,5 @@ def _plan(paths: Paths, e: int, ped: int, walked: float) -> Record:
     legs = int(np.searchsorted(arrivals, arrivals[now], side="right"))
     goals = np.flatnonzero(np.diff(arrivals[: legs + 1])) + 1
     jaywalks = np.flatnonzero(paths.jaywalk[:legs, ped, e])
-    line = _line(np.stack([x[: legs + 1], y[: legs + 1]], axis=1))
+    line = line_record(np.stack([x[: legs + 1], y[: legs + 1]], axis=1))
     return {**line, "jaywalks": jaywalks.tolist(), "goals": goals.tolist()}

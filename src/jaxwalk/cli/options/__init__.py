@@ -3,6 +3,7 @@
 from jaxwalk.cli.options.for_bench import Bench
 from jaxwalk.cli.options.for_drivers import Export, Observations
 from jaxwalk.cli.options.for_exchange import Measure, Scenario, Tracks
+from jaxwalk.cli.options.for_live import Live
 from jaxwalk.cli.options.for_playing import Crashtest, Evaluate, Frontier, Merge, Play, Report, Share
 from jaxwalk.cli.options.for_raters import Rate
 from jaxwalk.cli.options.for_search import Search
@@ -12,6 +13,6 @@ from jaxwalk.cli.options.for_training import CoTraining, Generalisation, HiddenI
 
 __all__ = [
     "Bench", "CoTraining", "Crashtest", "Evaluate", "Export", "Frontier", "Generalisation", "HiddenIntent", "Import",
-    "MapCheck", "MapDraw", "MapNew", "Measure", "Merge", "Observations", "Play", "Rate", "Report", "Reproduce",
+    "Live", "MapCheck", "MapDraw", "MapNew", "Measure", "Merge", "Observations", "Play", "Rate", "Report", "Reproduce",
     "RiskAware", "Scenario", "Search", "Share", "Streets", "Submit", "Tracks", "Train",
 ]  # fmt: skip
