@@ -12,11 +12,14 @@ from jaxwalk.maps.imported.region import Region
 from jaxwalk.maps.imported.source_map import SourceMap
 from jaxwalk.maps.imported.street_maker import ImportedStreet
 from jaxwalk.maps.imported.street_report import ImportReport
+from jaxwalk.maps.imported.sumo_source import sumo_map
 from jaxwalk.maps.imported.tiles import inside, single_street, tiles
 
 OSM = (".osm", ".pbf")
 """How the names of OpenStreetMap files end."""
-KNOWN = "OpenStreetMap (.osm, .osm.pbf)"
+SUMO = (".net.xml", ".net.xml.gz")
+"""How the names of SUMO networks end."""
+KNOWN = "OpenStreetMap (.osm, .osm.pbf) and SUMO networks (.net.xml, .net.xml.gz)"
 CUT_OFF = "where its road is cut off at the edge"
 """Why a crossing lies in no street."""
 
@@ -30,6 +33,8 @@ def read_source(path: Path, region: Region | None = None, *, left: bool = False)
         raise ImportRefusal(f"{path}: no such file; check the name")
     if path.name.lower().endswith(OSM):
         return osm_map(path, region, left=left)
+    if path.name.lower().endswith(SUMO):
+        return sumo_map(path, region, left=left)
     raise ImportRefusal(f"{path}: not a format that is known by its name; known are {KNOWN}")
 
 

@@ -1,0 +1,145 @@
+"""Reading SUMO networks (.net.xml) with sumolib; places are the network's own metres."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.sax import SAXException, handler, make_parser
+
+import numpy as np
+
+from jaxwalk.maps.imported.osm_reading import ATTRIBUTION, needed
+from jaxwalk.maps.imported.refusals import ImportRefusal
+from jaxwalk.maps.imported.region import Region
+from jaxwalk.maps.imported.source_map import Box
+from jaxwalk.maps.imported.xml_safety import CHUNK, opened, refuse_declarations
+
+MOST_BYTES = 80_000_000
+"""Largest network, unpacked [bytes]."""
+HEAD = 1 << 16
+"""What netconvert says of a network stands in its first bytes."""
+CARS = "passenger"
+"""The class of vehicles whose lanes are imported."""
+PEOPLE = "pedestrian"
+_SET = '{option}[^>]*value="(?!false|0")'
+_DAMAGED = (SAXException, KeyError, IndexError, ValueError, AttributeError, TypeError, OSError, EOFError)
+
+
+class SumoNet(NamedTuple):
+    """A network."""
+
+    edges: list[Any]
+    """Those of roads, sumolib's ``Edge``."""
+    inner: dict[str, Any]
+    """The lanes inside junctions by their ids, sumolib's ``Lane``."""
+    crossings: list[Any]
+    walking_areas: list[Any]
+    nodes: list[Any]
+    """Junctions, sumolib's ``Node``."""
+    left: bool
+    """Whether traffic keeps left."""
+    guessed: frozenset[str]
+    """Which of "crossings" and "sidewalks" netconvert has guessed."""
+    attribution: str
+    region: Box | None
+    """What was asked for, as `points` has it."""
+
+    def points(self, shape: Iterable[tuple[float, ...]]) -> np.ndarray:
+        """Return points (point, 2) [m], none twice in a row, with x to the west where traffic keeps left."""
+        found = np.array([(-x if self.left else x, y) for x, y, *_ in shape], float).reshape(-1, 2)
+        keep = np.concatenate([[True], np.hypot(*np.diff(found, axis=0).T) > 1e-6]) if len(found) else []
+        return found[np.asarray(keep, bool)]
+
+
+class _Handler(handler.ContentHandler):
+    """Passes elements on to sumolib's reader, and keeps what that one doesn't."""
+
+    def __init__(self, reader: Any) -> None:
+        super().__init__()
+        self.reader = reader
+        self.root = ""
+        self.left = False
+        self.from_osm = False
+
+    def startElement(self, name: str, attrs: Any) -> None:
+        if not self.root:
+            self.root = name
+            self.left = attrs.get("lefthand", "") in ("true", "1", "yes")
+        self.from_osm |= name == "param" and attrs.get("key") == "origId"
+        self.reader.startElement(name, attrs)
+
+    def endElement(self, name: str) -> None:
+        self.reader.endElement(name)
+
+    def endDocument(self) -> None:
+        self.reader.endDocument()
+
+
+def read_net(path: Path, region: Region | None) -> SumoNet:
+    """Return a network. Raise ImportRefusal if it can't be read or is too large."""
+    sumolib = needed("sumolib", path, "sumo")
+    refuse_declarations(path)
+    parts = _Handler(sumolib.net.NetReader(withPedestrianConnections=True, withFoes=False))
+    try:
+        _parse(path, parts)
+        net = parts.reader.getNet()
+        found = _sorted(path, net, parts, None if region is None else _box(path, net, region, parts.left))
+    except _DAMAGED as error:
+        if isinstance(error, ImportRefusal):
+            raise
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+        raise ImportRefusal(
+            f"{path}: can't be read as a SUMO network ({reason}); make it again by netconvert"
+        ) from None
+    return found
+
+
+def _parse(path: Path, parts: _Handler) -> None:
+    parser = make_parser()
+    parser.setContentHandler(parts)
+    seen = 0
+    with opened(path) as file:
+        for chunk in iter(lambda: file.read(CHUNK), b""):
+            seen += len(chunk)
+            if seen > MOST_BYTES:
+                raise ImportRefusal(f"{path}: larger than {MOST_BYTES:,} bytes; cut a part out, as with "
+                                    "'netconvert --keep-edges.in-boundary'")  # fmt: skip
+            parser.feed(chunk)  # pyright: ignore[reportAttributeAccessIssue]
+            if parts.root not in ("", "net"):
+                raise ImportRefusal(f"{path}: begins with <{parts.root}>, not with <net>; name a SUMO network")
+    parser.close()  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _sorted(path: Path, net: Any, parts: _Handler, region: Box | None) -> SumoNet:
+    """Return the parts of a network that are needed. Raise ValueError if a place isn't finite."""
+    with opened(path) as file:
+        head = file.read(HEAD).split(b"<net ")[0].decode("utf-8", "replace")
+    edges = net.getEdges()
+    by_function = {kind: [x for x in edges if x.getFunction() == kind] for kind in ("", "crossing", "walkingarea")}
+    inner = {lane.getID(): lane for x in edges if x.getFunction() == "internal" for lane in x.getLanes()}
+    shapes = [lane.getShape() for edge in edges for lane in edge.getLanes()]
+    if not np.isfinite([number for shape in shapes for point in shape for number in point]).all():
+        raise ValueError("a place isn't finite")
+    from_osm = parts.from_osm or bool(re.search(_SET.format(option="osm-files"), head))
+    words = {"crossings": ("crossings.guess",), "sidewalks": ("sidewalks.guess", "sidewalks.guess.from-permissions")}
+    guessed = [word for word, options in words.items() if any(_is_set(head, option) for option in options)]
+    named = ATTRIBUTION if from_osm else f"SUMO network {path.name}, which names no author"
+    return SumoNet(by_function[""], inner, by_function["crossing"], by_function["walkingarea"], net.getNodes(),
+                   parts.left, frozenset(guessed), named, region)  # fmt: skip
+
+
+def _is_set(head: str, option: str) -> bool:
+    return re.search(_SET.format(option=f"<{re.escape(option)} "), head) is not None
+
+
+def _box(path: Path, net: Any, region: Region, left: bool) -> Box:
+    """Return a region in a network's metres, mirrored if traffic keeps left. Raise ImportRefusal if it has no place."""
+    needed("pyproj", path)
+    if not net.hasGeoProj():
+        raise ImportRefusal(f"{path}: doesn't say where on earth it lies; leave --centre and --bbox out")
+    corners = np.array([net.convertLonLat2XY(*corner) for corner in region.corners().tolist()])
+    corners = corners * (-1.0 if left else 1.0, 1.0)
+    (west, south), (east, north) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    return west, south, east, north
