@@ -56,8 +56,11 @@ class WalkLines:
             nodes.insert(0, (0.0, self.add(shapely.get_coordinates(line)[0], waypoint=True)))
         if nodes[-1][0] < line.length - SAME:
             nodes.append((line.length, self.add(shapely.get_coordinates(line)[-1], waypoint=True)))
+        shortest: dict[frozenset[int], float] = {}  # two nodes of a closed line may follow each other both ways around
         for (begin, one), (end, other) in pairwise(nodes):
-            if frozenset((one, other)) in self.straight:
+            shortest[frozenset((one, other))] = min(shortest.get(frozenset((one, other)), np.inf), end - begin)
+        for (begin, one), (end, other) in pairwise(nodes):
+            if frozenset((one, other)) in self.straight and end - begin <= shortest[frozenset((one, other))]:
                 self.edges.append((one, other))
                 continue
             cuts = np.linspace(begin, end, int(np.ceil((end - begin) / WAYPOINT_EVERY)) + 1)

@@ -65,5 +65,5 @@ def report_of(source: SourceMap, streets: Sequence[ImportedStreet], file: str, *
     )  # fmt: skip
     return ImportReport(
         file, source.format, source.attribution, strict, reports, source.elements, source.elsewhere, source.left_out,
-        nowhere,
+        nowhere, source.notes,
     )  # fmt: skip

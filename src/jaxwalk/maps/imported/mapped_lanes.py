@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.generated.lane_paths import FROM_KERB, LaneBuilder, connect, gentle_way
 from jaxwalk.maps.imported.kerb_ground import surface
-from jaxwalk.maps.imported.lane_net import SWATH, LaneNet, along, fits, heading
+from jaxwalk.maps.imported.lane_net import STRAIGHT, SWATH, LaneNet, along, fits, heading
 from jaxwalk.maps.imported.osm_ground import without_gaps
 from jaxwalk.maps.imported.road_chains import rounded
 
@@ -21,6 +21,10 @@ SHORTEST = 2.0
 """A lane that is shorter is a part of the ways over it [m]."""
 NARROW, PULLED = 3.0, 3.0
 """Lanes whose ends are nearer to each other than ``NARROW`` are cut by ``PULLED``, so that bends have room [m]."""
+ROUNDS = 3
+"""Lanes are cut again, so often, for ways that have no room."""
+COARSE, LEAST_STRAIGHT = 0.6, 1.0
+"""A mapped way with needless bends is simplified by this, and leaves its lanes straight for at least this long [m]."""
 RADIUS = 12.0
 """Largest radius of an arc through a junction whose way isn't mapped [m]."""
 MOST_OVER = 4
@@ -58,25 +62,41 @@ def mapped_lane_net(
     """
     lines = [_smooth(lane.line) for lane in lanes]
     short = {n for n, line in enumerate(lines) if line is None or shapely.LineString(line).length < SHORTEST}
+    whole = {n: line for n, line in enumerate(lines) if line is not None and n not in short}
     joined = _over_short(turns, short, lanes)
-    pulled = _pulled(lines, joined)
-    built = LaneBuilder()
-    numbers = {}
-    for n, line in enumerate(pulled):
-        if line is not None and n not in short:
-            numbers[n] = built.add(line, lanes[n].width, lanes[n].limit)
-    count = len(built.lines)
     clear = roadway.buffer(-FROM_KERB)
     shapely.prepare([clear, roadway])
-    ways = [_way(built, turn, numbers, (clear, roadway)) for turn in joined]
+    cut, ways = _ways(whole, joined, (clear, roadway))
+    built = LaneBuilder()
+    numbers = {n: built.add(line, lanes[n].width, lanes[n].limit) for n, line in cut.items()}
+    count = len(built.lines)
     for turn, way in zip(joined, ways, strict=True):
         if way is not None:
             connect(built, numbers[turn.before], way, numbers[turn.after])
     swaths = [shapely.LineString(way).buffer(SWATH, quad_segs=4) for way in ways if way is not None]
-    whole = surface(without_gaps(shapely.union_all([roadway, *swaths])))
-    return LaneNet(
-        built.lanes(), np.arange(len(built.lines)) >= count, whole, tuple(junctions), sum(way is None for way in ways)
-    )
+    ground = surface(without_gaps(shapely.union_all([roadway, *swaths])))
+    inside = np.arange(len(built.lines)) >= count
+    return LaneNet(built.lanes(), inside, ground, tuple(junctions), sum(way is None for way in ways))
+
+
+def _ways(
+    whole: dict[int, np.ndarray], turns: Sequence[MappedTurn], room: tuple[BaseGeometry, BaseGeometry]
+) -> tuple[dict[int, np.ndarray], list[np.ndarray | None]]:
+    """Return the lanes, cut where ways need room, and the way of each turn; None for one that has no room."""
+    at_end = {x.before for x in turns if np.hypot(*(whole[x.after][0] - whole[x.before][-1])) < NARROW}
+    at_begin = {x.after for x in turns if np.hypot(*(whole[x.after][0] - whole[x.before][-1])) < NARROW}
+    cuts = {n: np.array([n in at_begin, n in at_end]) * PULLED for n in whole}
+    for _ in range(ROUNDS):
+        cut = {n: _cut(line, cuts[n]) for n, line in whole.items()}
+        ways = [_way((cut[x.before], cut[x.after]), x.line, room) for x in turns]
+        tight = [turn for turn, way in zip(turns, ways, strict=True) if way is None]
+        for n in {turn.before for turn in tight}:
+            cuts[n] = cuts[n] + (0.0, PULLED)
+        for n in {turn.after for turn in tight}:
+            cuts[n] = cuts[n] + (PULLED, 0.0)
+        if not tight:
+            break
+    return cut, ways
 
 
 def band(line: np.ndarray, width: float) -> BaseGeometry:
@@ -118,41 +138,32 @@ def _over_short(turns: Sequence[MappedTurn], short: set[int], lanes: Sequence[Ma
     return [turn for turn in found.values() if turn.before != turn.after]
 
 
-def _pulled(lines: Sequence[np.ndarray | None], turns: Sequence[MappedTurn]) -> list[np.ndarray | None]:
-    """Return the lines, shorter where a way from one to another has no length."""
-    begins, ends = set(), set()
-    for turn in turns:
-        one, other = lines[turn.before], lines[turn.after]
-        if one is not None and other is not None and np.hypot(*(other[0] - one[-1])) < NARROW:
-            ends.add(turn.before)
-            begins.add(turn.after)
-    return [_cut(line, n in begins, n in ends) for n, line in enumerate(lines)]
-
-
-def _cut(line: np.ndarray | None, at_begin: bool, at_end: bool) -> np.ndarray | None:
-    if line is None or not (at_begin or at_end):
-        return line
+def _cut(line: np.ndarray, metres: np.ndarray) -> np.ndarray:
+    """Return a line (point, 2) without some metres (2,) at its begin and its end, at most a third of it at each."""
     whole = shapely.LineString(line)
-    most = min(PULLED, whole.length / 3)
-    return shapely.get_coordinates(shapely.ops.substring(whole, at_begin * most, whole.length - at_end * most))
+    begin, end = np.minimum(metres, whole.length / 3).tolist()
+    return shapely.get_coordinates(shapely.ops.substring(whole, begin, whole.length - end)) if begin or end else line
 
 
 def _way(
-    built: LaneBuilder, turn: MappedTurn, numbers: dict[int, int], room: tuple[BaseGeometry, BaseGeometry]
+    lanes: tuple[np.ndarray, np.ndarray], mapped: np.ndarray, room: tuple[BaseGeometry, BaseGeometry]
 ) -> np.ndarray | None:
     """Return the line (point, 2) of a way from one lane to another: as mapped if it can be; None without room."""
     clear, roadway = room
-    one, other = (built.lines[numbers[n]] for n in (turn.before, turn.after))
+    one, other = lanes
     headings = (heading(one[-2:]), heading(other[:2]))
     straight = np.stack([one[-1], other[0]])
-    return next((x for x in _tries(straight, headings, turn.line, clear) if fits(x, headings, roadway)), None)
+    return next((x for x in _tries(straight, headings, mapped, clear) if fits(x, headings, roadway)), None)
 
 
 def _tries(
     straight: np.ndarray, headings: tuple[float, float], mapped: np.ndarray, clear: BaseGeometry
 ) -> Iterator[np.ndarray]:
-    """Yield lines (point, 2) between two ends (2, 2), the mapped one first."""
-    if len(mapped) > 2 and (line := along(straight, headings, mapped)) is not None:
-        yield line
+    """Yield lines (point, 2) between two ends (2, 2): first as mapped, then with fewer bends, then by our own rule."""
+    for coarse, leg in ((0.0, STRAIGHT), (COARSE, STRAIGHT), (COARSE, LEAST_STRAIGHT)) if len(mapped) > 2 else ():
+        inner = shapely.get_coordinates(shapely.simplify(shapely.LineString(mapped), coarse))
+        line = along(straight, headings, inner, leg)
+        if line is not None:
+            yield line
     turning = float(np.angle(np.exp(1j * (headings[1] - headings[0]))))
     yield gentle_way((straight[0], straight[1]), (headings[0], turning), RADIUS, clear)

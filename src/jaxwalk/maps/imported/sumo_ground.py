@@ -14,10 +14,15 @@ from jaxwalk.maps.imported.kerb_ground import surface
 from jaxwalk.maps.imported.mapped_lanes import band, beyond_end
 from jaxwalk.maps.imported.osm_ground import KERB_RADIUS, without_gaps
 from jaxwalk.maps.imported.source_map import Box
-from jaxwalk.maps.imported.sumo_reading import CARS, PEOPLE, SumoNet
+from jaxwalk.maps.imported.sumo_reading import PEOPLE, SumoNet
 
-HEAVY = frozenset({CARS, "bus", "truck", "delivery", "emergency", "taxi", "tram", "rail_urban", "all"})
-"""A lane for people that none of these may use is a sidewalk."""
+LIGHT = frozenset({PEOPLE, "wheelchair", "bicycle", "scooter", "moped"})
+"""A lane for people that nobody else may use is a sidewalk."""
+OFF_ROAD = frozenset({
+    "tram", "rail", "rail_urban", "rail_electric", "rail_fast", "subway", "cable_car", "ship", "container", "aircraft",
+    "drone",
+})  # fmt: skip
+"""An edge that nobody but these and `LIGHT` may use is no road."""
 AT_EDGE = 30.0
 """A road that ends this close to the network's edge goes on beyond it [m]."""
 AROUND_JUNCTION, AROUND_CORNERS = 4.0, 8.0
@@ -31,7 +36,12 @@ def is_for(lane: Any, kind: str) -> bool:
 
 def is_walk(lane: Any) -> bool:
     """Return whether a lane is a sidewalk or a path."""
-    return is_for(lane, PEOPLE) and HEAVY.isdisjoint(lane.getPermissions())
+    return is_for(lane, PEOPLE) and "all" not in lane.getPermissions() and lane.getPermissions() <= LIGHT
+
+
+def is_road(edge: Any) -> bool:
+    """Return whether an edge has a lane for motor vehicles."""
+    return any(lane.getPermissions() - LIGHT - OFF_ROAD for lane in edge.getLanes())
 
 
 def is_roadway(lane: Any) -> bool:

@@ -15,7 +15,7 @@ from jaxwalk.maps.imported.osm_reading import AROUND, MOST_AREA
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
 from jaxwalk.maps.imported.source_map import Box, Origin, SourceCrossing, SourceMap, WalkEvidence
-from jaxwalk.maps.imported.sumo_ground import is_for, is_walk, junction_regions, open_ends, roadway
+from jaxwalk.maps.imported.sumo_ground import OFF_ROAD, is_for, is_road, is_walk, junction_regions, open_ends, roadway
 from jaxwalk.maps.imported.sumo_reading import CARS, PEOPLE, SumoNet, read_net
 from jaxwalk.maps.network import CrossingType
 from jaxwalk.wording import counted
@@ -62,23 +62,30 @@ def sumo_map(path: Path, region: Region | None, *, left: bool = False) -> Source
         evidence=tuple(_evidence(net)),
         elements=tuple(_elements(net, edges)),
         left_out=tuple(_left_out(net, edges, made.no_turns)),
+        notes=tuple(
+            f"netconvert has guessed the {word} (its options in the file say so): they count as inferred"
+            for word in sorted(net.guessed)
+        ),
         elsewhere=_elsewhere(net, edges),
         mirrored=net.left,
     )
 
 
 def _imported(net: SumoNet) -> list[Any]:
-    """Return the edges of roads for cars, in the region."""
-    found = [edge for edge in net.edges if edge.getType() not in LEFT_OUT and any(map(_is_driven, edge.getLanes()))]
+    """Return the edges of roads, in the region; none if no car may drive on any."""
+    found = [edge for edge in net.edges if edge.getType() not in LEFT_OUT and is_road(edge)]
+    if not any(_is_driven(lane) for edge in found for lane in edge.getLanes()):
+        return []
     if net.region is None:
         return found
     west, south, east, north = (x + sign * AROUND for x, sign in zip(net.region, (-1, -1, 1, 1), strict=True))
     box = shapely.box(west, south, east, north)
-    return [
-        x
-        for x in found
-        if any(box.intersects(shapely.LineString(_line(net, y))) for y in x.getLanes() if _is_driven(y))
-    ]
+    return [edge for edge in found if box.intersects(shapely.LineString(_middle(net, edge)))]
+
+
+def _middle(net: SumoNet, edge: Any) -> np.ndarray:
+    """Return the line of an edge's first lane that has one (point, 2) [m]."""
+    return next((line for lane in edge.getLanes() if len(line := _line(net, lane)) > 1), np.zeros((2, 2)))
 
 
 def _is_driven(lane: Any) -> bool:
@@ -90,7 +97,7 @@ def _line(net: SumoNet, lane: Any) -> np.ndarray:
 
 
 def _extent(net: SumoNet, edges: Sequence[Any]) -> Box:
-    points = np.concatenate([_line(net, lane) for edge in edges for lane in edge.getLanes() if _is_driven(lane)])
+    points = np.concatenate([_line(net, lane) for edge in edges for lane in edge.getLanes()])
     (west, south), (east, north) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
     return west, south, east, north
 
@@ -169,8 +176,8 @@ def _evidence(net: SumoNet) -> Iterator[WalkEvidence]:
 
 def _elements(net: SumoNet, edges: Sequence[Any]) -> Iterator[dict[str, Any]]:
     """Yield the facts of each road."""
-    for edge in edges:
-        lanes = [lane for lane in edge.getLanes() if _is_driven(lane)]
+    driven = [(edge, own) for edge in edges if (own := [lane for lane in edge.getLanes() if _is_driven(lane)])]
+    for edge, lanes in driven:
         width = lanes[0].getWidth()
         yield {
             "element": f"edge {edge.getID()}", "name": edge.getName(), "class": edge.getType(),
@@ -189,8 +196,9 @@ def _left_out(net: SumoNet, edges: Sequence[Any], no_turns: int) -> Iterator[str
     mixed = sum(any(is_for(lane, PEOPLE) and _is_driven(lane) for lane in edge.getLanes()) for edge in edges)
     if mixed:
         yield f"people on the roadway of {counted(mixed, 'edge')}: here they walk beside it, and cross it"
-    for word in sorted(net.guessed):
-        yield f"nothing of this, but netconvert has guessed {word} (its options are in the file): they are inferred"
+    buses = sum(not any(map(_is_driven, edge.getLanes())) for edge in edges)
+    if buses:
+        yield f"the lanes of {counted(buses, 'edge')} where no car may drive: they are roadway, on which nobody drives"
     if no_turns:
         yield f"{counted(no_turns, 'turn')} at junctions: no room for a car that turns within 4.54 m"
 
@@ -200,8 +208,8 @@ def _elsewhere(net: SumoNet, edges: Sequence[Any]) -> dict[str, int]:
     imported = set(map(id, edges))
     others = [x for x in net.crossings if not any(id(edge) in imported for edge in x.getCrossingEdges())]
     kinds = Counter(
-        "tracks" if any(is_for(lane, kind) for edge in x.getCrossingEdges() for lane in edge.getLanes()
-                        for kind in ("tram", "rail_urban")) else "other ways"
+        "tracks" if any(lane.getPermissions() & OFF_ROAD for edge in x.getCrossingEdges() for lane in edge.getLanes())
+        else "other ways"
         for x in others
     )  # fmt: skip
     return dict(sorted(kinds.items()))
