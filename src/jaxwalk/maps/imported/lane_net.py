@@ -51,7 +51,10 @@ def fits(line: np.ndarray, headings: tuple[float, float], roadway: BaseGeometry)
     turns = np.angle(np.exp(1j * (np.arctan2(steps[:, 1], steps[:, 0]) - np.array(headings))))
     if np.abs(turns).max() > SHARPEST_JOINT or smallest_radius(line) < TIGHTEST:
         return False
-    return shapely.LineString(line).difference(roadway).length <= MOST_OFF
+    whole = shapely.LineString(line)
+    if roadway.covers(whole):  # which is quick if the roadway is prepared
+        return True
+    return whole.difference(shapely.clip_by_rect(roadway, *whole.buffer(1.0).bounds)).length <= MOST_OFF
 
 
 def along(

@@ -14,15 +14,13 @@ from jaxwalk.maps.imported.kerb_ground import surface
 from jaxwalk.maps.imported.mapped_lanes import band, beyond_end
 from jaxwalk.maps.imported.osm_ground import KERB_RADIUS, without_gaps
 from jaxwalk.maps.imported.source_map import Box
-from jaxwalk.maps.imported.sumo_reading import PEOPLE, SumoNet
+from jaxwalk.maps.imported.sumo_reading import CARS, PEOPLE, SumoNet
 
 LIGHT = frozenset({PEOPLE, "wheelchair", "bicycle", "scooter", "moped"})
 """A lane for people that nobody else may use is a sidewalk."""
-OFF_ROAD = frozenset({
-    "tram", "rail", "rail_urban", "rail_electric", "rail_fast", "subway", "cable_car", "ship", "container", "aircraft",
-    "drone",
-})  # fmt: skip
-"""An edge that nobody but these and `LIGHT` may use is no road."""
+TRACKS = frozenset({"tram", "rail", "rail_urban", "rail_electric", "rail_fast", "subway"})
+ROAD = frozenset({"all", CARS, "bus", "coach", "taxi", "truck"})
+"""An edge that none of these may use is no road."""
 AT_EDGE = 30.0
 """A road that ends this close to the network's edge goes on beyond it [m]."""
 AROUND_JUNCTION, AROUND_CORNERS = 4.0, 8.0
@@ -40,8 +38,8 @@ def is_walk(lane: Any) -> bool:
 
 
 def is_road(edge: Any) -> bool:
-    """Return whether an edge has a lane for motor vehicles."""
-    return any(lane.getPermissions() - LIGHT - OFF_ROAD for lane in edge.getLanes())
+    """Return whether an edge has a lane for cars, lorries or buses."""
+    return any(lane.getPermissions() & ROAD for lane in edge.getLanes())
 
 
 def is_roadway(lane: Any) -> bool:

@@ -15,7 +15,7 @@ from jaxwalk.maps.imported.osm_reading import AROUND, MOST_AREA
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
 from jaxwalk.maps.imported.source_map import Box, Origin, SourceCrossing, SourceMap, WalkEvidence
-from jaxwalk.maps.imported.sumo_ground import OFF_ROAD, is_for, is_road, is_walk, junction_regions, open_ends, roadway
+from jaxwalk.maps.imported.sumo_ground import TRACKS, is_for, is_road, is_walk, junction_regions, open_ends, roadway
 from jaxwalk.maps.imported.sumo_reading import CARS, PEOPLE, SumoNet, read_net
 from jaxwalk.maps.network import CrossingType
 from jaxwalk.wording import counted
@@ -208,7 +208,7 @@ def _elsewhere(net: SumoNet, edges: Sequence[Any]) -> dict[str, int]:
     imported = set(map(id, edges))
     others = [x for x in net.crossings if not any(id(edge) in imported for edge in x.getCrossingEdges())]
     kinds = Counter(
-        "tracks" if any(lane.getPermissions() & OFF_ROAD for edge in x.getCrossingEdges() for lane in edge.getLanes())
+        "tracks" if any(lane.getPermissions() & TRACKS for edge in x.getCrossingEdges() for lane in edge.getLanes())
         else "other ways"
         for x in others
     )  # fmt: skip
