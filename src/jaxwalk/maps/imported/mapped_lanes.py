@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -67,16 +67,45 @@ def mapped_lane_net(
     clear = roadway.buffer(-FROM_KERB)
     shapely.prepare([clear, roadway])
     cut, ways = _ways(whole, joined, (clear, roadway))
+    driven = [(turn, way) for turn, way in zip(joined, ways, strict=True) if way is not None]
     built = LaneBuilder()
-    numbers = {n: built.add(line, lanes[n].width, lanes[n].limit) for n, line in cut.items()}
+    numbers: dict[int, int] = {}
+    for chain, line in _chains(cut, driven, lanes):
+        number = built.add(line, lanes[chain[0]].width, lanes[chain[0]].limit)
+        numbers |= dict.fromkeys(chain, number)
     count = len(built.lines)
-    for turn, way in zip(joined, ways, strict=True):
-        if way is not None:
+    for turn, way in driven:
+        if numbers[turn.before] != numbers[turn.after]:
             connect(built, numbers[turn.before], way, numbers[turn.after])
     swaths = [shapely.LineString(way).buffer(SWATH, quad_segs=4) for way in ways if way is not None]
     ground = surface(without_gaps(shapely.union_all([roadway, *swaths])))
     inside = np.arange(len(built.lines)) >= count
     return LaneNet(built.lanes(), inside, ground, tuple(junctions), sum(way is None for way in ways))
+
+
+def _chains(
+    cut: dict[int, np.ndarray], driven: Sequence[tuple[MappedTurn, np.ndarray]], lanes: Sequence[MappedLane]
+) -> Iterator[tuple[list[int], np.ndarray]]:
+    """Yield lanes that follow each other without fork, merge or crossing as one, with its line, and the others."""
+    into, out = Counter(turn.after for turn, _ in driven), Counter(turn.before for turn, _ in driven)
+    lines = [shapely.LineString(way) for _, way in driven]
+    met = Counter(shapely.STRtree(lines).query(lines, "intersects")[0].tolist()) if lines else Counter()
+    onward = {
+        turn.before: (turn.after, way) for number, (turn, way) in enumerate(driven)
+        if out[turn.before] == into[turn.after] == met[number] == 1
+        and lanes[turn.before][1:] == lanes[turn.after][1:]
+    }  # fmt: skip
+    later = {after for after, _ in onward.values()}
+    used: set[int] = set()
+    for first in sorted(cut, key=lambda n: n in later):  # those that follow nothing first; then closed roads
+        chain, line = [first], [cut[first]]
+        while first not in used and chain[-1] in onward and onward[chain[-1]][0] not in (*used, *chain):
+            after, way = onward[chain[-1]]
+            chain.append(after)
+            line += [way, cut[after]]
+        if first not in used:
+            used |= set(chain)
+            yield chain, np.concatenate(line)
 
 
 def _ways(

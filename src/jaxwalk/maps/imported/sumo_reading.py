@@ -122,12 +122,20 @@ def _sorted(path: Path, net: Any, parts: _Handler, region: Box | None) -> SumoNe
     shapes = [lane.getShape() for edge in edges for lane in edge.getLanes()]
     if not np.isfinite([number for shape in shapes for point in shape for number in point]).all():
         raise ValueError("a place isn't finite")
+    missing = [node.getID() for edge in by_function[""] for node in _ends(edge) if not node.getType()]
+    if missing:
+        raise ValueError(f"junction {missing[0]} isn't in it")
     from_osm = parts.from_osm or bool(re.search(_SET.format(option="osm-files"), head))
     words = {"crossings": ("crossings.guess",), "sidewalks": ("sidewalks.guess", "sidewalks.guess.from-permissions")}
     guessed = [word for word, options in words.items() if any(_is_set(head, option) for option in options)]
     named = ATTRIBUTION if from_osm else f"SUMO network {path.name}, which names no author"
     return SumoNet(by_function[""], inner, by_function["crossing"], by_function["walkingarea"], net.getNodes(),
                    parts.left, frozenset(guessed), named, region)  # fmt: skip
+
+
+def _ends(edge: Any) -> tuple[Any, Any]:
+    """Return the junctions of an edge."""
+    return edge.getFromNode(), edge.getToNode()
 
 
 def _is_set(head: str, option: str) -> bool:
