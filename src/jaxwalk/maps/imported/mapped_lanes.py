@@ -115,6 +115,8 @@ def _ways(
     at_end = {x.before for x in turns if np.hypot(*(whole[x.after][0] - whole[x.before][-1])) < NARROW}
     at_begin = {x.after for x in turns if np.hypot(*(whole[x.after][0] - whole[x.before][-1])) < NARROW}
     cuts = {n: np.array([n in at_begin, n in at_end]) * PULLED for n in whole}
+    cut: dict[int, np.ndarray] = {}
+    ways: list[np.ndarray | None] = []
     for _ in range(ROUNDS):
         cut = {n: _cut(line, cuts[n]) for n, line in whole.items()}
         ways = [_way((cut[x.before], cut[x.after]), x.line, room) for x in turns]

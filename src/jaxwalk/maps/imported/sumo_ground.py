@@ -89,7 +89,7 @@ def open_ends(net: SumoNet, edges: Sequence[Any], extent: Box) -> Iterator[BaseG
         if one_way or min(x - west, east - x, y - south, north - y) < AT_EDGE:
             lanes = [(lane, at_end) for edge, at_end in own for lane in _paved(edge)]
             lines = [(net.points(lane.getShape())[:: 1 if at_end else -1], lane.getWidth()) for lane, at_end in lanes]
-            yield shapely.union_all([beyond_end(line, width) for line, width in lines])
+            yield shapely.union_all([beyond_end(line, width) for line, width in lines if len(line) > 1])
 
 
 def _junctions(net: SumoNet, edges: Sequence[Any]) -> Iterator[tuple[Any, list[tuple[Any, bool]]]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,7 +25,10 @@ CARS = "passenger"
 """The class of vehicles whose lanes are imported."""
 PEOPLE = "pedestrian"
 _SET = '{option}[^>]*value="(?!false|0")'
-_DAMAGED = (SAXException, KeyError, IndexError, ValueError, AttributeError, TypeError, OSError, EOFError)
+_DAMAGED = (
+    SAXException, KeyError, IndexError, ValueError, AttributeError, TypeError, RuntimeError, OSError, EOFError, zlib.error,
+)  # fmt: skip
+"""What sumolib, the XML parser, gzip and pyproj raise for damaged files."""
 
 
 class SumoNet(NamedTuple):
@@ -36,8 +40,6 @@ class SumoNet(NamedTuple):
     """The lanes inside junctions by their ids, sumolib's ``Lane``."""
     crossings: list[Any]
     walking_areas: list[Any]
-    nodes: list[Any]
-    """Junctions, sumolib's ``Node``."""
     left: bool
     """Whether traffic keeps left."""
     guessed: frozenset[str]
@@ -129,8 +131,10 @@ def _sorted(path: Path, net: Any, parts: _Handler, region: Box | None) -> SumoNe
     words = {"crossings": ("crossings.guess",), "sidewalks": ("sidewalks.guess", "sidewalks.guess.from-permissions")}
     guessed = [word for word, options in words.items() if any(_is_set(head, option) for option in options)]
     named = ATTRIBUTION if from_osm else f"SUMO network {path.name}, which names no author"
-    return SumoNet(by_function[""], inner, by_function["crossing"], by_function["walkingarea"], net.getNodes(),
-                   parts.left, frozenset(guessed), named, region)  # fmt: skip
+    crossings, walks = (
+        [x for x in by_function[kind] if len(x.getLanes()) == 1] for kind in ("crossing", "walkingarea")
+    )
+    return SumoNet(by_function[""], inner, crossings, walks, parts.left, frozenset(guessed), named, region)
 
 
 def _ends(edge: Any) -> tuple[Any, Any]:
