@@ -41,7 +41,7 @@ def pytest_addoption(parser):
         metavar="N",
         help="list the N (30) files and tests that cost most",
     )
-    parser.addoption("--part", metavar="K/N", help="run only part K of N of the files with long tests")
+    parser.addoption("--part", metavar="K/N", help="run only part K of N of the long tests")
 
 
 def pytest_configure(config):
@@ -71,10 +71,15 @@ def pytest_collection_modifyitems(config, items):
     items.sort(key=lambda item: rank.get(_room(item.nodeid), len(rank)))
     if config.getoption("part"):
         part, parts = map(int, config.getoption("part").split("/"))
-        files = sorted({_file(item.nodeid) for item in items if item.get_closest_marker("long")})
-        chosen = set(files[part % parts :: parts])
-        config.hook.pytest_deselected(items=[item for item in items if _file(item.nodeid) not in chosen])
-        items[:] = [item for item in items if _file(item.nodeid) in chosen]
+        units = sorted({_unit(item.nodeid) for item in items if item.get_closest_marker("long")})
+        chosen = set(units[part % parts :: parts])
+        config.hook.pytest_deselected(items=[item for item in items if _unit(item.nodeid) not in chosen])
+        items[:] = [item for item in items if _unit(item.nodeid) in chosen]
+
+
+def _unit(nodeid):
+    """What stays together in a part: one case of a test with many, or else a file, whose tests share what took long."""
+    return nodeid if "[" in nodeid else _file(nodeid)
 
 
 def _file(nodeid):
@@ -239,8 +244,8 @@ def whole(tiny, tmp_path_factory):
     """The run of an uninterrupted training."""
     from jaxwalk.runs.folder import Run
     from jaxwalk.runs.progress import Display
-    from jaxwalk.runs.training import train
+    from jaxwalk.runs.training import train_in
 
     run = Run.create(tmp_path_factory.mktemp("runs") / "whole", tiny)
-    train(run, display=Display(Console(file=io.StringIO())))
+    train_in(run, display=Display(Console(file=io.StringIO())))
     return run

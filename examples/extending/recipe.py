@@ -1,13 +1,8 @@
 """Add a recipe: the world, the rewards and the learner's numbers of a training, under a name."""
 
-from dataclasses import replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
-
+from jaxwalk import train
 from jaxwalk.learning.config import RoleConfig, TrainConfig
 from jaxwalk.recipes import RECIPES, Experiment
-from jaxwalk.runs.folder import Run
-from jaxwalk.runs.training import train
 
 TINY = Experiment(
     recipe="tiny",
@@ -26,7 +21,5 @@ TINY = Experiment(
 )
 RECIPES[TINY.recipe] = TINY
 
-with TemporaryDirectory() as folder:
-    experiment = replace(RECIPES["tiny"], seed=1)
-    trained = train(Run.create(Path(folder) / "run", experiment))
-    print(f"{trained.updates} updates, {trained.steps} steps in {trained.seconds:.0f} s")
+trained = train("tiny", seed=1)
+print(f"{trained.updates} updates, {trained.steps} steps in {trained.seconds:.0f} s")

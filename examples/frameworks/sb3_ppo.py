@@ -1,11 +1,11 @@
 """Train a driver with Stable-Baselines3's PPO among people who always go, and compare it with the route-follower.
 
-    pip install 'jaxwalk[envs]' stable-baselines3
+    pip install 'jaxwalk[frameworks]'
     python examples/frameworks/sb3_ppo.py                   # some minutes on two cores
     python examples/frameworks/sb3_ppo.py --brief           # very briefly, as a test
 
-``PPO("MlpPolicy", gymnasium.make("jaxwalk/Street-v0"))`` works as it is. This script steps 512 streets at once:
-`Streets` gives the vector environment Stable-Baselines3's interface, which differs from Gymnasium's.
+``PPO("MlpPolicy", gymnasium.make("jaxwalk/Street-v0"))`` works as it is, too, with a single street;
+`StreetVecEnv` steps 512 at once.
 """
 
 import argparse
@@ -15,10 +15,10 @@ import gymnasium
 import numpy as np
 import torch
 from stable_baselines3 import PPO
-from stable_baselines3.common.vec_env import VecEnv
 
 import jaxwalk.adapters.gymnasium
 from jaxwalk import Street, evaluate, summarise
+from jaxwalk.adapters.stable_baselines3 import StreetVecEnv
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.recipes import RECIPES
@@ -28,49 +28,6 @@ gymnasium.register_envs(jaxwalk.adapters.gymnasium)
 
 SCALE = 0.1  # critics learn values of about 1 fastest
 REWARD = {term: SCALE * weight for term, weight in RECIPES["fast"].driver_weights.items()}
-
-
-class Streets(VecEnv):
-    """The vector environment with Stable-Baselines3's interface: an ended episode's last observation is in its info."""
-
-    def __init__(self, count, **options):
-        self.streets = gymnasium.make_vec(
-            "jaxwalk/Street-v0", num_envs=count, autoreset_mode="SameStep", reward=REWARD, **options
-        )
-        super().__init__(count, self.streets.single_observation_space, self.streets.single_action_space)
-
-    def reset(self):
-        observation, _ = self.streets.reset(seed=self._seeds[0])
-        self._reset_seeds()
-        return observation
-
-    def step_async(self, actions):
-        self.actions = actions
-
-    def step_wait(self):
-        observation, reward, terminated, truncated, info = self.streets.step(self.actions)
-        infos = [{} for _ in range(self.num_envs)]
-        for place in np.flatnonzero(terminated | truncated):
-            infos[place] = {
-                "terminal_observation": info["final_obs"][place],
-                "TimeLimit.truncated": bool(truncated[place]),
-            }
-        return observation, reward.astype(np.float32), terminated | truncated, infos
-
-    def close(self):
-        self.streets.close()
-
-    def get_attr(self, attr_name, indices=None):
-        return [getattr(self.streets, attr_name)] * len(list(self._get_indices(indices)))
-
-    def set_attr(self, attr_name, value, indices=None):
-        setattr(self.streets, attr_name, value)
-
-    def env_method(self, method_name, *method_args, indices=None, **method_kwargs):
-        return [getattr(self.streets, method_name)(*method_args, **method_kwargs)]
-
-    def env_is_wrapped(self, wrapper_class, indices=None):
-        return [False] * len(list(self._get_indices(indices)))
 
 
 def outcomes(model, scenarios, *, seed, batch=512):
@@ -96,7 +53,7 @@ def train(options):
     count, steps = options.environments, 64
     model = PPO(
         "MlpPolicy",
-        Streets(count),
+        StreetVecEnv(count, reward=REWARD),
         n_steps=steps,
         batch_size=count * steps // 32,
         n_epochs=2,

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from jaxwalk.policies import POPULATIONS as POPULATIONS
     from jaxwalk.policies import LearnedPolicy as LearnedPolicy
     from jaxwalk.policies import load_policy as load_policy
+    from jaxwalk.runs.entry import resume as resume
+    from jaxwalk.runs.entry import train as train
     from jaxwalk.scenarios import Drawn as Drawn
     from jaxwalk.sim.environment import Street as Street
     from jaxwalk.sim.sim_config import SimConfig as SimConfig
@@ -38,7 +40,9 @@ _HOMES = {
     "load_policy": "policies",
     "measure": "metrics",
     "play": "evaluation",
+    "resume": "runs.entry",
     "summarise": "metrics",
+    "train": "runs.entry",
 }
 
 __all__ = [*_HOMES, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll] (each import above re-exports itself)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import replace
+from pathlib import Path
 
 import jax
 import pytest
@@ -15,8 +16,8 @@ from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import save_policy
 from jaxwalk.recipes import RECIPES
+from jaxwalk.runs.entry import Trained
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.training import TrainingEnd
 from jaxwalk.sim.observation import size
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -250,13 +251,14 @@ def test_out_of_memory_is_said(place, capsys, monkeypatch):
     def train(*_, **__):
         raise RuntimeError("RESOURCE_EXHAUSTED: Out of memory allocating 99999999999 bytes.")
 
-    monkeypatch.setattr("jaxwalk.cli.train.train", train)
+    monkeypatch.setattr("jaxwalk.runs.entry.train_in", train)
     assert main(["train", "--run", "r"]) == 2
     assert "jaxwalk: not enough memory; ask for fewer environments" in capsys.readouterr().err
 
 
 def test_brackets_in_a_folder_are_no_markup(place, capsys, monkeypatch):
-    monkeypatch.setattr("jaxwalk.cli.train.train", lambda *_, **__: TrainingEnd(1, 64, 1.0, False))
+    ended = Trained(1, 64, 1.0, False, folder=Path("a[/b]"))
+    monkeypatch.setattr("jaxwalk.cli.train.train", lambda *_, **__: ended)
     assert main(["train", "--run", "a[/b]"]) == 0
     assert "jaxwalk evaluate --driver a[/b]" in capsys.readouterr().err
 

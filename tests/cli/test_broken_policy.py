@@ -87,7 +87,7 @@ def test_a_study_names_which_of_its_trainings_broke(broken, place, command, firs
         shutil.copy(place / "broken.safetensors", run.path / POLICY)
         return SimpleNamespace(interrupted=False, steps=1, seconds=1.0)
 
-    monkeypatch.setattr(study, "train", train)
+    monkeypatch.setattr(study, "train_in", train)
     monkeypatch.setattr(tournament, "COMPARED", [])
     assert main([command, *["--updates", "1", "--episodes", "8", "--seeds", "2", "--out", "made"]]) == 2
     assert f"jaxwalk: {first}: {NOTHING_MADE}" in " ".join(capsys.readouterr().err.split())

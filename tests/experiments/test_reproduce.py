@@ -229,7 +229,7 @@ def test_later_co_trainings_are_as_long_as_the_first(tiny, tmp_path, quiet, monk
         return module_trained
 
     module_trained = type("Trained", (), {"interrupted": False, "steps": 1, "seconds": 1.0})()
-    monkeypatch.setattr(study, "train", train)
+    monkeypatch.setattr(study, "train_in", train)
     work = module.Reproduction(tmp_path, Plan(minutes=5.0, seeds=3), quiet, tiny)
     module._co_train(work)
     module._train_alone(work)

@@ -21,7 +21,7 @@ from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 
 WORKERS = (
-    "jaxwalk.cli.train.train", "jaxwalk.runs.study.train", "jaxwalk.runs.study.Work._do",
+    "jaxwalk.runs.entry.train_in", "jaxwalk.runs.study.train_in", "jaxwalk.runs.study.Work._do",
     "jaxwalk.experiments.evaluating.evaluate_grid",
     "jaxwalk.cli.play._page", "jaxwalk.cli.play._drawing", "jaxwalk.experiments.driver_report.play_rounds",
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",

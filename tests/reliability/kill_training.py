@@ -35,7 +35,7 @@ from jaxwalk.recipes import RECIPES, Experiment, with_training
 from jaxwalk.runs.folder import METRICS, Run
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import make_street
-from jaxwalk.runs.training import begin, train
+from jaxwalk.runs.training import begin, train_in
 from jaxwalk.writing import is_unfinished
 
 UPDATES = 24
@@ -64,7 +64,7 @@ def sit(folder: str, checkpoint_minutes: float) -> None:
     jax.config.update("jax_num_cpu_devices", 2)
     path = Path(folder)
     run = Run.open(path) if (path / "config.json").is_file() else Run.create(path, small())
-    train(
+    train_in(
         run,
         resume=True,
         display=Display(Console(file=io.StringIO()), watch=True),

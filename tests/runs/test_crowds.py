@@ -14,7 +14,7 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import Session
 from jaxwalk.runs.street import WorldError, make_street, on_devices
-from jaxwalk.runs.training import begin, train
+from jaxwalk.runs.training import begin, train_in
 
 CROWDS = (2, 3)
 
@@ -49,7 +49,7 @@ def test_the_tables_of_streets_are_once_on_every_device(small_town):
 @pytest.mark.long
 def test_a_resumed_training_of_crowds_equals_an_uninterrupted_one(small_town, tmp_path, quiet, monkeypatch):
     whole = Run.create(tmp_path / "whole", small_town)
-    train(whole, display=Display(quiet))
+    train_in(whole, display=Display(quiet))
     assert [line["people"] for line in whole.metrics()] == [2, 3, 2, 3, 2, 3]
 
     record = Session.record
@@ -60,9 +60,9 @@ def test_a_resumed_training_of_crowds_equals_an_uninterrupted_one(small_town, tm
 
     monkeypatch.setattr(Session, "record", record_and_stop)
     cut = Run.create(tmp_path / "cut", small_town)
-    assert train(cut, display=Display(quiet)).interrupted
+    assert train_in(cut, display=Display(quiet)).interrupted
     monkeypatch.undo()
-    assert not train(Run.open(cut.path), resume=True, display=Display(quiet)).interrupted
+    assert not train_in(Run.open(cut.path), resume=True, display=Display(quiet)).interrupted
     assert cut.policy.read_bytes() == whole.policy.read_bytes()
     told = [[{**line, "seconds": 0} for line in run.metrics()] for run in (whole, cut)]
     assert told[0] == told[1]

@@ -17,7 +17,7 @@ from jaxwalk.policies import DRIVERS, POPULATIONS, load_policy
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.progress import Display
-from jaxwalk.runs.training import train
+from jaxwalk.runs.training import train_in
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -59,7 +59,7 @@ def test_one_pedestrian_and_short_steps(tmp_path):
 def test_one_environment_trains(tmp_path, tiny, sim, multiplier):
     short = with_training(tiny, environments=1, updates=2)
     run = Run.create(tmp_path / "run", replace(short, sim=sim, jaywalk_multiplier=multiplier))
-    trained = train(run, display=Display(Console(file=io.StringIO())))
+    trained = train_in(run, display=Display(Console(file=io.StringIO())))
     assert (trained.updates, trained.steps) == (2, 16)
     for line in (run.path / "metrics.jsonl").read_text().splitlines():
         assert all(map(math.isfinite, json.loads(line).values())), line

@@ -12,7 +12,7 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import Session
 from jaxwalk.runs.street import WorldError, make_street
-from jaxwalk.runs.training import train
+from jaxwalk.runs.training import train_in
 
 LIMITS = (CostLimit("contact", limit=0.01, worth=15.0), CostLimit("impact_speed", limit=2.0, tail=0.99, worth=0.02))
 
@@ -42,7 +42,7 @@ def test_a_resumed_training_with_limits_equals_an_uninterrupted_one(tiny, tmp_pa
     """The files of run folders hold limits, multipliers and thresholds."""
     experiment = single_agent(limited(tiny, *LIMITS))
     whole = Run.create(tmp_path / "whole", experiment)
-    train(whole, display=Display(quiet))
+    train_in(whole, display=Display(quiet))
 
     record = Session.record
 
@@ -52,11 +52,11 @@ def test_a_resumed_training_with_limits_equals_an_uninterrupted_one(tiny, tmp_pa
 
     monkeypatch.setattr(Session, "record", record_and_stop)
     cut = Run.create(tmp_path / "cut", experiment)
-    assert train(cut, display=Display(quiet)).interrupted
+    assert train_in(cut, display=Display(quiet)).interrupted
     monkeypatch.undo()
     cut = Run.open(cut.path)
     assert cut.experiment.train.roles["driver"].limits == LIMITS
-    assert not train(cut, resume=True, display=Display(quiet)).interrupted
+    assert not train_in(cut, resume=True, display=Display(quiet)).interrupted
     assert cut.policy.read_bytes() == whole.policy.read_bytes()
     told = [[{**line, "seconds": 0} for line in run.metrics()] for run in (whole, cut)]
     assert told[0] == told[1]

@@ -18,7 +18,7 @@ from jaxwalk.runs.planning import replan
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import DivergedError, Session
 from jaxwalk.runs.street import make_street, shared_out
-from jaxwalk.runs.training import UnwrittenError, begin, is_finished, train
+from jaxwalk.runs.training import UnwrittenError, begin, is_finished, train_in
 from limits import files_at_most
 from reliability.kill_training import board
 
@@ -88,14 +88,14 @@ def test_there_are_events_for_tensorboard(whole):
 def test_resumed_training_equals_uninterrupted(whole, tiny, tmp_path, quiet, stopping, monkeypatch):
     run = Run.create(tmp_path / "cut", tiny)
     stopping(2)
-    stopped = train(run, display=Display(quiet))
+    stopped = train_in(run, display=Display(quiet))
     monkeypatch.undo()
     assert stopped.interrupted
     assert 2 <= stopped.updates < 6
     with (run.path / "metrics.jsonl").open("a") as file:  # a crash after the checkpoint
         file.write('{"update": 5, "seconds": 1}\n{"update": 6, "sec')
     again = Run.open(run.path)
-    assert not train(again, resume=True, display=Display(quiet)).interrupted
+    assert not train_in(again, resume=True, display=Display(quiet)).interrupted
     assert _told(again) == _told(whole)
     assert board(again.path).keys() == board(whole.path).keys()  # no update twice, though 3 and more came again
     _assert_same(again, whole)
@@ -104,13 +104,13 @@ def test_resumed_training_equals_uninterrupted(whole, tiny, tmp_path, quiet, sto
 
 def test_resuming_what_is_finished_changes_nothing(whole, quiet):
     before = {path: path.read_bytes() for path in whole.path.glob("*.json*")}
-    assert train(whole, resume=True, display=Display(quiet)).updates == 6
+    assert train_in(whole, resume=True, display=Display(quiet)).updates == 6
     assert {path: path.read_bytes() for path in whole.path.glob("*.json*")} == before
 
 
 def test_minutes_become_a_number_of_updates(tiny, tmp_path, quiet):
     timed = Run.create(tmp_path / "timed", replace(with_training(tiny, updates=1000), minutes=0.02))
-    made = train(timed, display=Display(quiet)).updates
+    made = train_in(timed, display=Display(quiet)).updates
     assert Run.open(timed.path).experiment.train.updates == made
     assert timed.metrics()[-1]["learning_rate"] == pytest.approx(tiny.train.learning_rate / made, rel=1e-3)
 
@@ -121,16 +121,16 @@ def test_a_plan_by_minutes_trains_like_that_number_of_updates(whole, tiny, tmp_p
     monkeypatch.setattr(training, "plan_by_time", lambda session, learner, limit: replan(session, learner, 6))
     monkeypatch.setattr(training, "shortened", lambda *_, **__: None)
     timed = Run.create(tmp_path / "timed", replace(with_training(tiny, updates=1000), minutes=1.0))
-    train(timed, display=Display(quiet))
+    train_in(timed, display=Display(quiet))
     _assert_same(timed, whole)
 
 
 def test_a_plan_that_was_shortened_after_the_checkpoint_counts(tiny, tmp_path, quiet, stopping):
     run = Run.create(tmp_path / "cut", tiny)
     stopping(2)
-    train(run, display=Display(quiet))
+    train_in(run, display=Display(quiet))
     run.describe(with_training(tiny, updates=5))  # then killed
-    assert train(Run.open(run.path), resume=True, display=Display(quiet)).updates == 5
+    assert train_in(Run.open(run.path), resume=True, display=Display(quiet)).updates == 5
     assert run.metrics()[-1]["learning_rate"] == pytest.approx(tiny.train.learning_rate / 5, rel=1e-3)
 
 
@@ -149,9 +149,9 @@ def test_a_training_by_minutes_killed_before_its_plan_is_planned_when_resumed(ti
     monkeypatch.setattr(training, "plan_by_time", killed)
     run = Run.create(tmp_path / "timed", replace(with_training(tiny, updates=1000), minutes=7.0))
     with pytest.raises(KeyboardInterrupt):
-        train(run, display=Display(quiet))
+        train_in(run, display=Display(quiet))
     monkeypatch.setattr(training, "plan_by_time", plan)
-    assert train(Run.open(run.path), resume=True, display=Display(quiet)).updates == 2
+    assert train_in(Run.open(run.path), resume=True, display=Display(quiet)).updates == 2
     assert limits == [420.0]
     assert Run.open(run.path).experiment == with_training(tiny, updates=2)
 
@@ -159,7 +159,7 @@ def test_a_training_by_minutes_killed_before_its_plan_is_planned_when_resumed(ti
 def test_a_policy_of_an_earlier_update_is_not_the_end(whole, tiny, tmp_path, quiet, stopping):
     run = Run.create(tmp_path / "cut", tiny)
     stopping(2)
-    train(run, display=Display(quiet))
+    train_in(run, display=Display(quiet))
     assert is_finished(whole)
     assert not is_finished(run)
 
@@ -175,13 +175,13 @@ def test_a_full_disk_keeps_the_last_checkpoint_and_says_so(whole, tiny, tmp_path
     monkeypatch.setattr(Session, "record", fill)
     run = Run.create(tmp_path / "full", tiny)
     with no_room, pytest.raises(UnwrittenError) as caught:
-        train(run, display=Display(quiet), checkpoint_minutes=1e-9)
+        train_in(run, display=Display(quiet), checkpoint_minutes=1e-9)
     assert str(caught.value) == (
         f"{run.path}: training stopped ({run.path / 'metrics.jsonl'}: File too large); the checkpoint of update 3 is "
         f"kept. Remove the cause, then resume with: jaxwalk train --resume {run.path}"
     )
     monkeypatch.undo()
-    train(Run.open(run.path), resume=True, display=Display(quiet))
+    train_in(Run.open(run.path), resume=True, display=Display(quiet))
     assert _told(run) == _told(whole)
     _assert_same(run, whole)
 
@@ -189,12 +189,12 @@ def test_a_full_disk_keeps_the_last_checkpoint_and_says_so(whole, tiny, tmp_path
 def test_a_damaged_checkpoint_costs_the_updates_since_the_one_before(whole, tiny, tmp_path, stopping, monkeypatch):
     run, said = Run.create(tmp_path / "cut", tiny), io.StringIO()
     stopping(3)
-    train(run, display=Display(Console(file=said)), checkpoint_minutes=1e-9)
+    train_in(run, display=Display(Console(file=said)), checkpoint_minutes=1e-9)
     monkeypatch.undo()
     newest = run.checkpoints / str(checkpoint.latest(run.checkpoints))
     for file in newest.rglob("*.ocdbt"):
         file.write_bytes(b"")
-    train(Run.open(run.path), resume=True, display=Display(Console(file=said)))
+    train_in(Run.open(run.path), resume=True, display=Display(Console(file=said)))
     assert f"checkpoint {newest.name} can't be read" in said.getvalue()
     assert (run.checkpoints / f"{newest.name}.damaged").is_dir()
     assert _told(run) == _told(whole)
@@ -211,14 +211,14 @@ def test_numbers_that_are_not_finite_stop_training(whole, tiny, tmp_path, quiet,
     monkeypatch.setattr(mappo, "update", spoiled)
     run = Run.create(tmp_path / "spoiled", tiny)
     with pytest.raises(DivergedError, match=r"update 4 gave numbers that are not finite; .* of update 3 are kept"):
-        train(run, display=Display(quiet))
+        train_in(run, display=Display(quiet))
     assert checkpoint.latest(run.checkpoints) == 3
     assert [line["update"] for line in run.metrics()] == [1, 2, 3]
 
 
 def test_the_car_alone_trains_among_always_go(tiny, tmp_path, quiet):
     run = Run.create(tmp_path / "alone", single_agent(with_training(tiny, updates=1)))
-    train(run, display=Display(quiet))
+    train_in(run, display=Display(quiet))
     assert list(read_metadata(run.policy)["roles"]) == ["driver"]
     assert read_metadata(run.policy)["single_agent"]
     assert "pedestrian/kl" not in run.metrics()[0]

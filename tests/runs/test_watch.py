@@ -7,7 +7,7 @@ import pytest
 
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.progress import Display
-from jaxwalk.runs.training import train
+from jaxwalk.runs.training import train_in
 from jaxwalk.runs.watch import POINTS, curves
 
 
@@ -48,10 +48,10 @@ def test_a_watched_training_writes_its_page_and_resuming_goes_on_with_it(tiny, t
     run = Run.create(tmp_path / "run", tiny)
     with monkeypatch.context() as interrupted:
         interrupted.setattr("jaxwalk.runs.training.Stop.requested", True)
-        train(run, display=Display(quiet, watch=True))
+        train_in(run, display=Display(quiet, watch=True))
     assert "watch.html in a browser" in quiet.file.getvalue()
     assert (_told(run)["status"], _told(run)["update"], _told(run)["curves"]) == ("stopped", 0, {})
-    train(Run.open(run.path), resume=True, display=Display(quiet))
+    train_in(Run.open(run.path), resume=True, display=Display(quiet))
     told = _told(run)
     assert (told["status"], told["update"], told["planned"], told["steps"]) == ("finished", 6, 6, 384)
     assert told["at"] == [1, 2, 3, 4, 5, 6]
@@ -65,7 +65,7 @@ def test_a_training_that_fails_says_so(whole, tiny, tmp_path, quiet, monkeypatch
     monkeypatch.setattr("jaxwalk.learning.mappo.update", broken)
     run = Run.create(tmp_path / "run", tiny)
     with pytest.raises(RuntimeError, match="out of order"):
-        train(run, display=Display(quiet, watch=True))
+        train_in(run, display=Display(quiet, watch=True))
     assert _told(run)["status"] == "failed"
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 COMMANDS = ("jaxwalk", "make", "pip", "for", "export", "sed", ".ci/versions", ".venv/bin/python", "python")
 """First words of blocks without a language that are command lines; all others are text."""
-REASONS = ("GPU", "cluster", "account", "study", "tool", "data", "torch", "fragment", "installed")
+REASONS = ("GPU", "cluster", "account", "study", "tool", "data", "torch", "package", "fragment", "installed")
 """Why a block isn't run: what it needs, or that it takes hours, is a tool of this repository, part of a larger program,
 or what was done before the tests."""
 OPENING = re.compile(r'^```(?P<language>\w*)(?: title="(?P<title>[^"]+)")?$')

@@ -11,11 +11,10 @@ from rich.console import Console
 from jaxwalk.cli.errors import INTERRUPTED, UsageError, bad_values
 from jaxwalk.cli.options import Train
 from jaxwalk.recipes import LONGEST, RECIPES, Experiment, load_experiment, single_agent, with_training
-from jaxwalk.runs.folder import Run, check_new, check_writable
+from jaxwalk.runs.entry import Upkeep, resume, train
+from jaxwalk.runs.folder import check_new
 from jaxwalk.runs.progress import Display
-from jaxwalk.runs.street import make_street, shared_out
-from jaxwalk.runs.training import train
-from jaxwalk.shards import mesh_of
+from jaxwalk.runs.street import shared_out
 from jaxwalk.sim.sim_config import rules_of
 from jaxwalk.wording import counted
 
@@ -31,27 +30,21 @@ GOES_WITH_RESUME = ("resume", "checkpoint_minutes", "watch")
 def run(options: Train) -> int:
     """Train or resume; return 130 if Ctrl-C ended it."""
     check(options)
-    begun = Run.open(options.resume) if options.resume else None
-    experiment = begun.experiment if begun else make_experiment(options)
-    with bad_values():
-        street = make_street(experiment, begun.maps() if begun else None)
-        experiment = experiment if begun or options.shards else shared_out(experiment)
-        mesh_of(experiment.train.shards)
-    if begun:
-        check_writable(begun.path)
-    folder = begun or Run.create(options.run_folder or "", experiment, street.maps)
-    name = "single-agent" if experiment.single_agent else "co-trained"
-    display = Display(Console(stderr=True), name, options.watch)
-    trained = train(
-        folder, resume=begun is not None, display=display,
-        checkpoint_minutes=options.checkpoint_minutes, street=street,
-    )  # fmt: skip
+    console = Console(stderr=True)
+    upkeep = Upkeep(console, watch=options.watch, checkpoint_minutes=options.checkpoint_minutes)
+    if options.resume:
+        trained = resume(options.resume, upkeep=upkeep)
+    else:
+        experiment = make_experiment(options)
+        undecided = options.shards is None and experiment.train.shards == 1
+        trained = train(shared_out(experiment) if undecided else experiment, options.run_folder, upkeep=upkeep)
+    say = Display(console).say
     done = f"{counted(trained.updates, 'update')}, {counted(trained.steps, 'step')}"
     made = f"{done} in {trained.seconds / 60:.1f} minutes"
     if trained.interrupted:
-        display.say(f"Interrupted after {made}. Resume with: jaxwalk train --resume {folder.path}")
+        say(f"Interrupted after {made}. Resume with: jaxwalk train --resume {trained.folder}")
         return INTERRUPTED
-    display.say(f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {folder.path}")
+    say(f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {trained.folder}")
     return 0
 
 

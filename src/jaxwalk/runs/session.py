@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from textwrap import shorten
 from typing import Any
 
 import jax
+import numpy as np
 
 from jaxwalk.learning import checkpoint
 from jaxwalk.learning.config import TrainConfig
@@ -24,6 +26,13 @@ from jaxwalk.runs.street import on_devices
 from jaxwalk.runs.watch import WatchPage
 from jaxwalk.sim.environment import Street
 
+OnUpdate = Callable[[Mapping[str, int | float]], bool | None]
+"""Is called after each update with its line of ``metrics.jsonl``; True ends the training."""
+
+
+class CallbackError(TypeError):
+    """``on_update`` returned neither None nor a truth value."""
+
 
 class DivergedError(RunError):
     """Training produced a number that is not finite."""
@@ -37,6 +46,15 @@ def unplanned(config: TrainConfig) -> TrainConfig:
     return replace(config, updates=1)
 
 
+@dataclass(frozen=True)
+class Routine:
+    """What a session does between updates."""
+
+    checkpoint_seconds: float = 120.0
+    """Time between checkpoints [s]."""
+    on_update: OnUpdate | None = None
+
+
 @dataclass
 class Session:
     """Makes updates, records and shows their metrics, and saves checkpoints."""
@@ -48,6 +66,10 @@ class Session:
     stop: Stop
     page: WatchPage | None = None
     """The page that shows the progress."""
+    routine: Routine = Routine()
+    """What happens between updates."""
+    told_to_stop: bool = False
+    """Whether ``on_update`` ended the training."""
     begun: float = field(default_factory=time.monotonic)
     """When the session began [s]."""
     earlier: float = 0.0
@@ -86,6 +108,9 @@ class Session:
         self.progress.show(updates, values)
         if self.page is not None:
             self.page.show(line)
+        tell = self.routine.on_update
+        if tell is not None and _wants_to_stop(tell(dict(line))) and not self.stop.requested:
+            self.told_to_stop = self.stop.requested = True
 
     def save(self, learner: Learner) -> None:
         """Write a checkpoint and the policy of a learner. Its last update is recorded, so its numbers are finite."""
@@ -96,6 +121,15 @@ class Session:
             checkpoint.save(self.run.checkpoints, learner, updates=updates, about=about)
         save_policy(self.run.policy, learner, policy_metadata(self.run, self.street.maps, updates))
         self.saved = time.monotonic()
+
+
+def _wants_to_stop(answer: object) -> bool:
+    """Return whether ``on_update`` ends the training. Raise CallbackError if it answered with something else."""
+    if answer is None or isinstance(answer, bool | np.bool_):
+        return bool(answer)
+    raise CallbackError(
+        f"on_update must return True to end the training, or None to go on, not {shorten(repr(answer), 60)}"
+    )
 
 
 def _what_diverged(updates: int, fixed: Sequence[str]) -> str:

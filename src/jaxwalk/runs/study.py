@@ -24,7 +24,7 @@ from jaxwalk.runs.folder import Run, RunError, check_writable, is_empty
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import shared_out
-from jaxwalk.runs.training import is_finished, train
+from jaxwalk.runs.training import is_finished, train_in
 from jaxwalk.sim.environment import Street
 from jaxwalk.wording import counted
 from jaxwalk.writing import remove_unfinished, write_whole
@@ -111,7 +111,7 @@ class Work(Generic[P]):
             self.say(f"{said}: there already, {counted(steps, 'step')}")
             return
         relieve()
-        trained = train(run, resume=begun, display=Display(self.console, said))
+        trained = train_in(run, resume=begun, display=Display(self.console, said))
         if trained.interrupted:
             raise Interrupted
         self.say(f"{said}: {counted(trained.steps, 'step')} in {trained.seconds / 60:.1f} minutes")

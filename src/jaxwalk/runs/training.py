@@ -20,7 +20,7 @@ from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.planning import plan_by_time, replan, shortened, with_plan
 from jaxwalk.runs.progress import Display, Pace, TrainingProgress
-from jaxwalk.runs.session import Session, unplanned
+from jaxwalk.runs.session import OnUpdate, Routine, Session, unplanned
 from jaxwalk.runs.stop import Stop
 from jaxwalk.runs.street import crowded, fixed_policies, make_street
 from jaxwalk.runs.watch import WatchPage, there_is_one
@@ -42,7 +42,9 @@ class TrainingEnd:
     seconds: float
     """Time spent by all sessions of the training, including compiling [s]."""
     interrupted: bool
-    """Whether Ctrl-C ended it; it can be resumed."""
+    """Whether Ctrl-C or another signal ended it; it can be resumed."""
+    stopped: bool = False
+    """Whether ``on_update`` ended it before the plan was done; it can be resumed."""
 
 
 class UnwrittenError(RunError):
@@ -57,15 +59,16 @@ def is_finished(run: Run) -> bool:
     return made.get("updates", 0) >= run.experiment.train.updates and made.get("config_hash", run.hash) == run.hash
 
 
-def train(
+def train_in(
     run: Run,
     *,
     resume: bool = False,
     display: Display | None = None,
     checkpoint_minutes: float = CHECKPOINT_MINUTES,
+    on_update: OnUpdate | None = None,
     street: Street | None = None,
 ) -> TrainingEnd:
-    """Train until the run's planned number of updates is made.
+    """Train in a run folder until its planned number of updates is made.
 
     Where the experiment says minutes, as many updates are planned as fit into them, compiling included.
 
@@ -74,6 +77,7 @@ def train(
         resume: continue from the newest checkpoint.
         display: how progress is shown; by default on standard error.
         checkpoint_minutes: minutes between checkpoints.
+        on_update: is told each update, and may end the training.
         street: `make_street` of the run's experiment, if it is made already.
 
     Raises:
@@ -88,7 +92,8 @@ def train(
         street = street or make_street(run.experiment, run.maps((display or Display()).say))
         if not (run.path / MAPS).is_file():  # a folder of an older version, or killed while it was made
             keep_maps(run.path, street.maps)
-        return _train(run, street, resume, display or Display(), 60 * checkpoint_minutes)
+        shown = display or Display()
+        return _train(run, street, resume, shown, Routine(60 * checkpoint_minutes, on_update))
 
 
 @contextmanager
@@ -109,8 +114,8 @@ def _kept(run: Run) -> str:
     return "there is no checkpoint yet" if updates is None else f"the checkpoint of update {updates} is kept"
 
 
-def _train(run: Run, street: Street, resume: bool, display: Display, checkpoint_seconds: float) -> TrainingEnd:
-    """Do what `train` does, while no other process can write into the folder."""
+def _train(run: Run, street: Street, resume: bool, display: Display, routine: Routine) -> TrainingEnd:
+    """Do what `train_in` does, while no other process can write into the folder."""
     begun, minutes, train = time.monotonic(), run.experiment.minutes, run.experiment.train
     learner = begin(run, street, resume=resume, tell=display.say)
     done, per_update = int(learner.updates), run.experiment.steps_per_update
@@ -122,13 +127,14 @@ def _train(run: Run, street: Street, resume: bool, display: Display, checkpoint_
         if page is not None:
             display.say(f"Watch it: open {page.path.absolute()} in a browser")
         earlier = log.kept[-1]["seconds"] if log.kept else 0.0
-        session = Session(run, street, log, progress, stop, page, begun=begun, earlier=earlier)
+        session = Session(run, street, log, progress, stop, page, routine, begun=begun, earlier=earlier)
         if minutes is not None:
             learner = plan_by_time(session, learner, 60 * minutes)
-        learner = _loop(session, learner, 60 * minutes if minutes else math.inf, checkpoint_seconds)
+        learner = _loop(session, learner, 60 * minutes if minutes else math.inf)
     updates = int(learner.updates)
-    interrupted = updates < int(learner.planned)
-    return TrainingEnd(updates, updates * per_update, session.seconds, interrupted)
+    ended_early = updates < int(learner.planned)
+    stopped = ended_early and session.told_to_stop
+    return TrainingEnd(updates, updates * per_update, session.seconds, ended_early and not stopped, stopped)
 
 
 def _page(run: Run, display: Display, pace: Pace, log: MetricsLog) -> AbstractContextManager[WatchPage | None]:
@@ -157,7 +163,7 @@ def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None]
     return with_plan(learner, experiment.train.updates)
 
 
-def _loop(session: Session, learner: Learner, limit: float, checkpoint_seconds: float) -> Learner:
+def _loop(session: Session, learner: Learner, limit: float) -> Learner:
     """Make update after update; fetch the metrics of each one while the next one runs."""
     waiting: tuple[Any, int, Learner] | None = None
     done = int(learner.updates)
@@ -169,7 +175,7 @@ def _loop(session: Session, learner: Learner, limit: float, checkpoint_seconds: 
         if waiting:
             session.record(*waiting)
         waiting = (metrics, done, before)
-        if time.monotonic() - session.saved > checkpoint_seconds:
+        if time.monotonic() - session.saved > session.routine.checkpoint_seconds:
             session.record(*waiting)
             waiting = None
             session.save(learner)

@@ -26,7 +26,8 @@ CARS = "passenger"
 PEOPLE = "pedestrian"
 _SET = '{option}[^>]*value="(?!false|0")'
 _DAMAGED = (
-    SAXException, KeyError, IndexError, ValueError, AttributeError, TypeError, RuntimeError, OSError, EOFError, zlib.error,
+    SAXException, KeyError, IndexError, ValueError, AttributeError, TypeError, RuntimeError, OSError, EOFError,
+    zlib.error,
 )  # fmt: skip
 """What sumolib, the XML parser, gzip and pyproj raise for damaged files."""
 
