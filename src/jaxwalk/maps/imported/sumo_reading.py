@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 from xml.sax import SAXException, handler, make_parser
 
 import numpy as np
@@ -102,17 +102,23 @@ def read_net(path: Path, region: Region | None) -> SumoNet:
 def _parse(path: Path, parts: _Handler) -> None:
     parser = make_parser()
     parser.setContentHandler(parts)
-    seen = 0
     with opened(path) as file:
-        for chunk in iter(lambda: file.read(CHUNK), b""):
-            seen += len(chunk)
-            if seen > MOST_BYTES:
-                raise ImportRefusal(f"{path}: larger than {MOST_BYTES:,} bytes; cut a part out, as with "
-                                    "'netconvert --keep-edges.in-boundary'")  # fmt: skip
+        for chunk in _chunks(path, file):
             parser.feed(chunk)  # pyright: ignore[reportAttributeAccessIssue]
             if parts.root not in ("", "net"):
                 raise ImportRefusal(f"{path}: begins with <{parts.root}>, not with <net>; name a SUMO network")
     parser.close()  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _chunks(path: Path, file: IO[bytes]) -> Iterator[bytes]:
+    """Yield a file piece by piece. Raise ImportRefusal if it is too large."""
+    seen = 0
+    while chunk := file.read(CHUNK):
+        seen += len(chunk)
+        if seen > MOST_BYTES:
+            raise ImportRefusal(f"{path}: larger than {MOST_BYTES:,} bytes; cut a part out, as with "
+                                "'netconvert --keep-edges.in-boundary'")  # fmt: skip
+        yield chunk
 
 
 def _sorted(path: Path, net: Any, parts: _Handler, region: Box | None) -> SumoNet:
