@@ -6,7 +6,7 @@ import re
 import zlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import Any, NamedTuple
 from xml.sax import SAXException, handler, make_parser
 
 import numpy as np
@@ -59,14 +59,16 @@ class SumoNet(NamedTuple):
 class _Handler(handler.ContentHandler):
     """Passes elements on to sumolib's reader, and keeps what that one doesn't."""
 
-    def __init__(self, reader: Any) -> None:
+    def __init__(self, path: Path, reader: Any) -> None:
         super().__init__()
-        self.reader = reader
+        self.path, self.reader = path, reader
         self.root = ""
         self.left = False
         self.from_osm = False
 
     def startElement(self, name: str, attrs: Any) -> None:
+        if not self.root and name != "net":
+            raise ImportRefusal(f"{self.path}: begins with <{name}>, not with <net>; name a SUMO network")
         if not self.root:
             self.root = name
             self.left = attrs.get("lefthand", "") in ("true", "1", "yes")
@@ -84,7 +86,7 @@ def read_net(path: Path, region: Region | None) -> SumoNet:
     """Return a network. Raise ImportRefusal if it can't be read or is too large."""
     sumolib = needed("sumolib", path, "sumo")
     refuse_declarations(path)
-    parts = _Handler(sumolib.net.NetReader(withPedestrianConnections=True, withFoes=False))
+    parts = _Handler(path, sumolib.net.NetReader(withPedestrianConnections=True, withFoes=False))
     try:
         _parse(path, parts)
         net = parts.reader.getNet()
@@ -105,12 +107,10 @@ def _parse(path: Path, parts: _Handler) -> None:
     with opened(path) as file:
         for chunk in _chunks(path, file):
             parser.feed(chunk)  # pyright: ignore[reportAttributeAccessIssue]
-            if parts.root not in ("", "net"):
-                raise ImportRefusal(f"{path}: begins with <{parts.root}>, not with <net>; name a SUMO network")
     parser.close()  # pyright: ignore[reportAttributeAccessIssue]
 
 
-def _chunks(path: Path, file: IO[bytes]) -> Iterator[bytes]:
+def _chunks(path: Path, file: Any) -> Iterator[bytes]:
     """Yield a file piece by piece. Raise ImportRefusal if it is too large."""
     seen = 0
     while chunk := file.read(CHUNK):
