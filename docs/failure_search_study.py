@@ -74,6 +74,7 @@ def main() -> None:
         "pedestrian": contestant(street, "pedestrian", asked.pedestrians),
     }
     plan = {name: getattr(asked, name) for name in ("suite", "driver", "pedestrians", "simulations")} | {"grid": GRID}
+    plan["origin"] = json.loads(json.dumps(asdict(policy_origin("driver", asked.driver))))
     document = json.loads(asked.out.read_text()) if asked.out.exists() else {"plan": plan, "searches": []}
     if document["plan"] != plan:
         raise SystemExit(f"{asked.out}: is of another plan; name another file")
@@ -81,18 +82,18 @@ def main() -> None:
     for seed in range(asked.seeds):
         for method in (name for name in asked.methods if (name, seed) not in done):
             found = search(street, policies, method, seed, asked.simulations)
-            document["searches"].append(found)
+            document["searches"].append(found | {"made": asdict(provenance())})
             print({name: found[name] for name in ("method", "seed", "failures", "cells", "both", "human")}, flush=True)
-            made = {"made": asdict(provenance()), "origin": asdict(policy_origin("driver", asked.driver))}
             asked.out.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(asked.out, json.dumps(document | made, indent=1) + "\n")
+            write_whole(asked.out, json.dumps(document, indent=1) + "\n")
     for method in asked.methods:
         mine = [one for one in document["searches"] if one["method"] == method]
         cells, good = (np.array([one[name] for one in mine]) for name in ("cells", "both"))
         failures = np.array([one["failures"] for one in mine])
         print(
-            f"{method}: {cells.mean():.1f} kinds [{cells.min()}, {cells.max()}], {good.mean():.1f} of them plausible "
-            f"and avoidable, {1000 * failures.mean() / asked.simulations:.2f} failures per 1,000 scenarios"
+            f"{method}, {len(mine)} seeds: {cells.mean():.1f} kinds ({cells.min()} to {cells.max()}), "
+            f"{good.mean():.1f} plausible and avoidable, "
+            f"{1000 * failures.mean() / asked.simulations:.2f} failures per 1,000 scenarios"
         )
 
 

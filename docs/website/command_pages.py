@@ -6,7 +6,6 @@ import ast
 import dataclasses
 import inspect
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from jaxwalk.cli.arguments import RENAMED
@@ -101,8 +100,3 @@ def _plain(text: str) -> str:
     """Return a docstring as Markdown in one cell or paragraph."""
     lines = text.replace("|", r"\|").replace("``", "`")
     return lines.replace("<", "&lt;").replace("*", r"\*") if "`" not in lines else lines
-
-
-def write(path: Path) -> None:
-    """Write the page."""
-    path.write_text(commands_page(), encoding="utf-8")

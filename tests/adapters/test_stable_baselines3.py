@@ -1,23 +1,29 @@
 """The streets as Stable-Baselines3's vector environment: its own checks, beside Gymnasium's, ends, a short training."""
 
+import gymnasium
 import numpy as np
 import pytest
 
-gymnasium = pytest.importorskip("gymnasium")
-pytest.importorskip("stable_baselines3")
-
-from jaxwalk.adapters.gymnasium import StreetVectorEnv  # noqa: E402 (needs what may be missing)
-from jaxwalk.adapters.players import AdapterError  # noqa: E402
-from jaxwalk.adapters.stable_baselines3 import StreetVecEnv  # noqa: E402
-from jaxwalk.sim.sim_config import SimConfig  # noqa: E402
+from jaxwalk.adapters.gymnasium import StreetVectorEnv
+from jaxwalk.adapters.players import AdapterError
+from jaxwalk.sim.sim_config import SimConfig
 
 OPTIONS = {"config": SimConfig(horizon=120), "pedestrians": "learned"}
 FULL_THROTTLE, BRAKE = np.array([1, 0], np.float32), np.array([-1, 0], np.float32)
 
 
 @pytest.fixture(scope="module")
-def streets():
-    return StreetVecEnv(3, **OPTIONS)
+def make():
+    """The vector environment's class, where Stable-Baselines3 is."""
+    pytest.importorskip("stable_baselines3")
+    from jaxwalk.adapters.stable_baselines3 import StreetVecEnv
+
+    return StreetVecEnv
+
+
+@pytest.fixture(scope="module")
+def streets(make):
+    return make(3, **OPTIONS)
 
 
 def test_it_steps_as_gymnasiums_vector_environment_does(streets):
@@ -49,8 +55,15 @@ def test_seeds_and_scenarios_are_those_of_the_other_adapters(streets):
     assert not np.array_equal(streets.reset(), first)  # without a seed: the next episodes
 
 
-def test_costs_are_in_each_info_if_they_are_asked_for():
-    streets = StreetVecEnv(3, costs=("critical_time",), **OPTIONS)
+def test_options_are_the_same_for_all_streets(streets):
+    streets.set_options([{"scenario": 5}, {"scenario": 9}, {}])
+    with pytest.raises(AdapterError, match="options can't differ: the streets are one environment"):
+        streets.reset()
+    streets.set_options({})
+
+
+def test_costs_are_in_each_info_if_they_are_asked_for(make):
+    streets = make(3, costs=("critical_time",), **OPTIONS)
     streets.reset()
     *_, infos = streets.step(np.tile(BRAKE, (3, 1)))
     assert [info["cost"] for info in infos] == [0.0] * 3

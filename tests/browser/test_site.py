@@ -54,6 +54,7 @@ def test_the_search_finds_from_disk(site, open_file):
     page.wait_for_timeout(2000)  # the index is read, then searched
     page.keyboard.press("Enter")
     page.wait_for_url("**/*shield*.html*")
+    assert "shield" in page.locator("h1").first.inner_text().lower()
 
 
 def test_dark_mode_is_the_readers_choice_and_stays(site, open_file):
@@ -71,6 +72,7 @@ def test_three_doors_lead_on(site, open_file):
     for number, first in enumerate(("my-driver", "train-and-compare", "reading-the-evidence")):
         page.locator(".doors li").nth(number).locator("a").first.click()
         page.wait_for_url(f"**/tutorials/{first}.html")
+        assert page.locator("h1").count() == 1
         page.go_back()
 
 

@@ -60,6 +60,7 @@ def test_answers_are_analysed(place, answers, capsys):
         ("--out elsewhere --answers answers-0.json", "elsewhere/plan.json: no such file; name the folder"),
         ("--out there --answers answers-0.json answers-0.json", "is of the same rater as answers-0.json"),
         ("--out there --answers there/plan.json", "there/plan.json: damaged"),
+        ("clearance random --out there", "--out there: answers to the page there need its plan.json"),
         ("clearance", "2 to 20 different drivers can be rated, not 1"),
         ("clearance clearance", "2 to 20 different drivers can be rated, not 1"),
         ("clearance random --pairs 2", "--pairs must lie in [3, 200], not 2"),

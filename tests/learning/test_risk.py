@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from jaxwalk.acting import Nothing
-from jaxwalk.interfaces import Box
 from jaxwalk.learning.advantages import normalised
 from jaxwalk.learning.casting import shard_of
 from jaxwalk.learning.checkpoint import restore, save
@@ -20,6 +19,7 @@ from jaxwalk.learning.mappo import init, update
 from jaxwalk.learning.risk import charge, constrained, controlled, fresh_multipliers, measured, tracked
 from jaxwalk.learning.turns import init_in_turns, update_in_turns
 from learning import games
+from learning.fined_games import HASTE, TOLL, made
 
 LIMIT = CostLimit("fine", limit=0.5)
 ROLE = RoleConfig(actor_hidden=(16,), critic_hidden=(16,), entropy=0.02, initial_std=0.3)
@@ -116,36 +116,6 @@ def test_the_threshold_goes_where_the_tail_begins():
     moved = [float(tracked(limit, jnp.float32(2.0), jnp.float32(beyond))) for beyond in (0.25, 0.375, 0.5, 1.0, 0.0)]
     np.testing.assert_allclose(moved, [2.0, 2.25, 2.5, 2.5, 1.5])
     assert float(tracked(limit, jnp.float32(0.2), jnp.float32(0.0))) == 0.0
-
-
-class Toll(games.Game):
-    """Action 1 pays 1, and in half of the scenarios, those of -1, it costs 4."""
-
-    def step(self, scenario, state, actions):
-        after, outcome = super().step(scenario, state, actions)
-        fine = jnp.where(scenario < 0, 4.0, 0.0) * actions["driver"]
-        return after, dataclasses.replace(outcome, costs={"driver": {"fine": fine, "nothing": 0.0 * fine}})
-
-
-class Haste(games.Game):
-    """Action a, in [-1, 1], pays a and costs (1 + a)^2 u; the scenario u is any number in [0, 1)."""
-
-    def draw(self, key):
-        return jax.random.uniform(key)
-
-    def step(self, scenario, state, actions):
-        after, outcome = super().step(scenario, state, actions)
-        fine = (1.0 + actions["driver"][0]) ** 2 * scenario
-        return after, dataclasses.replace(outcome, costs={"driver": {"fine": fine, "nothing": 0.0 * fine}})
-
-
-def made(kind, **options):
-    """A game of this kind that pays what the driver does."""
-    plain = games.game("bandit", **options)
-    return kind(**{field.name: getattr(plain, field.name) for field in dataclasses.fields(plain)})
-
-
-TOLL, HASTE = made(Toll), made(Haste, driver=Box(1), shows=False)
 
 
 class Still(eqx.Module):

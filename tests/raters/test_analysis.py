@@ -63,7 +63,7 @@ def test_known_preferences_are_found(plan):
     assert hits.tau.low <= hits.tau.value <= hits.tau.high
     assert (alike.tau.value, alike.drivers) == (None, 7)
     assert found.repeated[1] == 60
-    assert "raters find driver-0 the safest" in headline(found) or "put driver-0 first" in headline(found)
+    assert "raters find driver-0 safer than driver-1" in headline(found) or "put driver-0 first" in headline(found)
     text = answers_page(plan, found)
     assert "| driver-0 | " in text and "Krippendorff's alpha" in text and "Which car drove more safely?" in text
 

@@ -51,6 +51,13 @@ def test_what_is_missing_is_said():
         choose_pairs({"a": busy, "b": busy}, 2, each=3, seed=0)
 
 
+def test_both_clips_begin_while_their_episodes_go_on():
+    """In half a second the one car is at its goal, and only then the other one meets somebody."""
+    soon = rows(*[Scene(5, [Walk(90.0, 20.0)], goal=True)] * 3)
+    with pytest.raises(RatingError, match="a and b meet somebody in 0 scenarios"):
+        choose_pairs({"a": soon, "b": rows(MEETS, MEETS, MEETS)}, 2, each=3, seed=0)
+
+
 def test_our_numbers_are_those_of_each_driver():
     found = {
         one.name: one

@@ -59,7 +59,7 @@ def test_a_clear_winner():
     assert sentences.rests == (
         "It rests on 1,000 simulated scenarios of seed 3 with 12 pedestrians each on paper, the same for every driver, "
         "among 1 population of people (always-go): 123 km and 4,567 encounters in all; it is about these very "
-        "policies, and another training of them may turn out otherwise."
+        "policies: one that was trained may turn out otherwise when trained again."
     )
 
 
@@ -115,7 +115,7 @@ def test_three_training_seeds_are_too_few():
 @pytest.mark.parametrize(
     ("training", "seeds", "about"),
     [
-        ("one", 1, "about these very policies, and another training of them may turn out otherwise"),
+        ("one", 1, "about these very policies: one that was trained may turn out otherwise when trained again"),
         ("enough", 5, "5 training seeds stand behind it, so it is about training such drivers again"),
         ("none", 0, "the drivers are rules, so no training could turn out otherwise"),
     ],
@@ -158,6 +158,18 @@ def test_a_difference_among_some_people_alone_is_said_so():
         "B is safer than A among always-go: moving, it hits somebody in 0.50 % of scenarios among"
     )
     assert "among learned" not in said(found).sure
+
+
+def test_the_safest_of_three_is_so_among_those_people_only_among_whom_each_test_is_sure():
+    duels = [
+        compared("A", "B", 5, 40, p=1e-6), compared("A", "C", 5, 60, p=1e-9), compared("B", "C", 40, 60, p=0.1),
+        compared("A", "B", 20, 20, p=1.0, people="learned"), compared("A", "C", 20, 70, p=1e-6, people="learned"),
+        compared("B", "C", 20, 70, p=1e-6, people="learned"),
+    ]  # fmt: skip
+    hits = dict(zip([(d, p) for p in ("always-go", "learned") for d in "ABC"], (5, 40, 60, 20, 20, 70), strict=True))
+    found = said(evidence(*duels, hits=hits))
+    assert found.who.startswith("A is the safest of 3 drivers among always-go: ")
+    assert "; among the others no difference is shown; " in found.sure
 
 
 def of_many(count, p):

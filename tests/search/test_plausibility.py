@@ -11,7 +11,7 @@ from scipy.stats import chi2, kstest
 from jaxwalk import Street
 from jaxwalk.scenarios.archived import scenarios_at
 from jaxwalk.search.cube import ordinary
-from jaxwalk.search.plausibility import ChoiceMade, DrawsUsed, draws_used, equivalent_squares, percentile
+from jaxwalk.search.plausibility import ChoiceMade, DrawsUsed, draws_used, equivalent_squares, percentile, whose_draws
 from jaxwalk.sim.person_kind import in_shares
 from jaxwalk.sim.scenario import dimensions, parts
 from jaxwalk.sim.sim_config import SimConfig
@@ -65,3 +65,10 @@ def test_people_who_are_not_there_do_not_count(street):
     (odd,), (plain,) = (draws_used(street, each, decisions, [0]) for each in (there, left_out))
     assert len(odd.numbers) == len(plain.numbers) + 2
     assert percentile(odd) < percentile(plain)
+
+
+def test_a_follower_whose_leader_is_not_there_moves_by_its_leaders_draws():
+    leader = np.array([0, 0, 2, 2])
+    own, decisions = whose_draws(leader, np.array([False, True, True, False]), np.array([0, 3, 1, 0]))
+    assert own.tolist() == [True, False, True, False]
+    assert decisions.tolist() == [3, 0, 1, 0]

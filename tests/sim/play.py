@@ -91,6 +91,11 @@ def columns(tree, which):
     return jax.tree.map(lambda x: jnp.asarray(np.asarray(x)[..., which]), tree)  # by NumPy, which compiles nothing
 
 
+def alike(tree, which):
+    """One environment of a batch, as often as a batch has room for."""
+    return columns(tree, np.full(ENVIRONMENTS, which))
+
+
 def people(scenario, state, order):
     """The same episode with its people in another order (or some left out, or doubled)."""
     order = np.asarray(order)

@@ -10,14 +10,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.sim.cost import DRIVER_COSTS
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import arrives, closes_in, closing_speed, touches
 from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 from jaxwalk.sim.vehicle import goal
-from sim.maps import rectangles
-from sim.play import ENVIRONMENTS, actions, columns, everything, reset, with_car
+from sim.play import ENVIRONMENTS, actions, alike, columns, everything, reset, with_car
 
 BRAKE = (-1.0, 0.0)
 COAST = (0.0, 0.0)
@@ -41,36 +39,8 @@ def test_closing_in_by_hand():
     assert not closes_in(10.0, 0.0, 5.0, 0.0)
 
 
-def one(tree, env):
-    """One environment, as often as a batch has room for."""
-    return columns(tree, np.full(ENVIRONMENTS, env))
-
-
 def at_step(state, step):
     return eqx.tree_at(lambda s: s.step, state, jnp.broadcast_to(jnp.asarray(step, jnp.int32), state.step.shape))
-
-
-def alone(state, p):
-    """Distance of each person p to the nearest other one, by environment."""
-    x, y = np.asarray(state.pedestrian.x), np.asarray(state.pedestrian.y)
-    away = np.hypot(x - x[p], y - y[p])
-    away[p] = np.inf
-    return away.min(axis=0)
-
-
-@pytest.fixture(scope="module")
-def crossing_person(paid_street, scenarios, midway):
-    """Somebody on a roadway, 5 m or more from others and from the goal: (scenario, state, person), everywhere alike."""
-    people = midway.pedestrian
-    x, y = np.asarray(people.x), np.asarray(people.y)
-    goal_x, goal_y = goal(paid_street.world, scenarios)
-    roads = rectangles("roads")
-    for p, env in zip(*np.nonzero(np.asarray(people.on_roadway)), strict=True):
-        far = np.hypot(goal_x[env] - x[p, env], goal_y[env] - y[p, env]) > 8
-        room = min(abs(roads[:, 1] - y[p, env]).min(), abs(roads[:, 3] - y[p, env]).min()) > 2
-        if alone(midway, p)[env] > 5 and far and room and 4 < x[p, env] < 116 and 52 < y[p, env] < 60:
-            return one(scenarios, env), one(midway, env), p
-    pytest.fail("nobody crosses the W-E road alone")
 
 
 def test_a_collision_terminates_the_car_and_whom_it_touches(paid_street, crossing_person):
@@ -185,7 +155,7 @@ def test_a_reward_that_does_not_exist_is_refused():
 def test_driving_along_the_route(paid_street, scenarios):
     """Half a metre in a step, straight on, in the lane or beside it, straight or aslant."""
     env = int(np.flatnonzero(np.asarray(scenarios.route) == scenarios.route[0])[0])
-    scenario, state = one(scenarios, env), one(reset(paid_street, scenarios), env)
+    scenario, state = alike(scenarios, env), alike(reset(paid_street, scenarios), env)
     car = state.vehicle
     aside = np.zeros(ENVIRONMENTS, np.float32)
     aside[:4] = 0, 1, -1, 3
@@ -299,35 +269,3 @@ def test_closeness_is_the_shortfall_from_3_m_times_the_share_of_top_speed(paid_s
         expected = np.clip(1 - clearance / 3, 0, 1) * np.asarray(after.vehicle.speed) / 8.33
         np.testing.assert_allclose(outcome.rewards["driver"]["closeness"], expected, atol=1e-6)
         assert (expected > 0).any() == (speed > 0)
-
-
-def test_a_contact_costs_1_and_the_speed_of_the_car(paid_street, crossing_person):
-    scenario, state, p = crossing_person
-    away = np.full(ENVIRONMENTS, 1.9, np.float32)
-    away[1] = 3.0
-    state = with_car(
-        state, x=np.asarray(state.pedestrian.x)[p] - away, y=state.pedestrian.y[p], cos=1.0, sin=0.0, speed=5.0
-    )
-    _, outcome, _, _ = everything(paid_street, scenario, state, actions(BRAKE, 0))
-    costs = {name: np.asarray(cost) for name, cost in outcome.costs["driver"].items()}
-    assert costs.keys() == DRIVER_COSTS.keys()
-    assert list(outcome.costs) == ["driver"]
-    # 3 m/s2 for 0.1 s: 4.7 m/s; it drives 0.47 to 0.5 m, to within 1.5 m of the centre, and from 3 m it doesn't
-    np.testing.assert_array_equal(costs["contact"], np.arange(ENVIRONMENTS) != 1)
-    np.testing.assert_allclose(costs["impact_speed"], 4.7 * costs["contact"], atol=1e-5)
-
-
-def test_a_moving_car_is_charged_while_a_conflict_is_near(paid_street, scenarios, midway):
-    for speed in (0.3, 8.0):
-        after, outcome, _, _ = everything(paid_street, scenarios, with_car(midway, speed=speed), actions(COAST))
-        near = np.asarray(after.foresight.conflict[HOLD]) < 1.5
-        assert near.any() and not near.all()
-        expected = np.where(near, 0.1 * (speed >= 0.5), 0)
-        np.testing.assert_allclose(outcome.costs["driver"]["critical_time"], expected, rtol=1e-6)
-
-
-def test_a_cost_that_does_not_exist_is_refused():
-    from jaxwalk import Street
-
-    with pytest.raises(ValueError, match=r"costs\.driver\.noise is no cost; there are: contact, impact_speed"):
-        Street.create(driver_costs=("noise",))

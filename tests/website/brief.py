@@ -36,7 +36,7 @@ def briefly(words: list[str]) -> list[str]:
     words = [re.sub(r"^([a-z-]+):\d+$", r"\1:1", word) for word in words]
     if words[1] == "train" and "--recipe" in words and "--map" not in words:
         words += ["--map", "training:1"]
-    if words[1] in EPISODES and "--episodes" not in words and "--again" not in words:
+    if words[1] in EPISODES and not {"--episodes", "--again", "--scenarios"} & set(words):
         words += ["--episodes", "4"]
     return words
 

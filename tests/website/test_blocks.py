@@ -52,14 +52,15 @@ def test_the_tutorial_shows_the_driver_of_the_examples():
 def test_data_can_be_read(page):
     for block in BLOCKS[page]:
         if block.left_out is None and block.language in ("toml", "json"):
-            {"toml": tomllib.loads, "json": json.loads}[block.language](block.text)
+            read = {"toml": tomllib.loads, "json": json.loads}[block.language]
+            assert read(block.text), f"{page}:{block.line}: nothing in it"
 
 
 def _kind(block: Block) -> str:
     return "file" if block.title else block.language
 
 
-def run(words: list[str], place: Path, expected: int = 0) -> None:
+def check_run(words: list[str], place: Path, expected: int = 0) -> None:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     plain = {name: value for name, value in os.environ.items() if name not in ("PYTHONWARNINGS",)}
     cache = {"JAX_COMPILATION_CACHE_DIR": str(place / ".cache"), "PATH": path}
@@ -73,31 +74,34 @@ def run(words: list[str], place: Path, expected: int = 0) -> None:
 @pytest.mark.parametrize("page", TUTORIALS)
 def test_a_tutorial_runs_as_it_is_written(page, tmp_path):
     shutil.copy(DRIVER, tmp_path)
-    run_blocks([block for block in BLOCKS[page] if block.left_out is None], tmp_path)
+    check_blocks([block for block in BLOCKS[page] if block.left_out is None], tmp_path)
 
 
-def run_blocks(found: list[Block], place: Path) -> None:
-    """Run blocks in their order; Python that isn't interrupted by other blocks is one program."""
+def check_blocks(found: list[Block], place: Path) -> None:
+    """Run blocks in their order, and check how each ends. Python that isn't interrupted by others is one program."""
     for kind, several in groupby(found, _kind):
         group = list(several)
         if kind == "python":
-            run([sys.executable, "-c", "\n".join(block.text for block in group)], place)
+            check_run([sys.executable, "-c", "\n".join(block.text for block in group)], place)
         for block in group:
             if kind == "file":
                 (place / str(block.title)).write_text(block.text)
             elif kind == "sh":
-                run(["bash", "-e", "-c", block.text], place, block.code)
+                check_run(["bash", "-e", "-c", block.text], place, block.code)
 
 
 OTHERS = [page for page in PAGES if page not in TUTORIALS]
+PYTHON = {
+    page: [b for b in BLOCKS[page] if b.language == "python" and b.left_out is None and b.text not in EXAMPLES]
+    for page in OTHERS
+}
+"""The Python blocks of a page, but for programs that .ci/run runs as examples."""
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("page", [page for page in OTHERS if any(b.language == "python" for b in BLOCKS[page])])
+@pytest.mark.parametrize("page", [page for page, found in PYTHON.items() if found])
 def test_python_runs(page, tmp_path):
-    """But for programs that .ci/run runs as examples."""
-    found = [block for block in BLOCKS[page] if block.language == "python" and block.left_out is None]
-    run_blocks([block for block in found if block.text not in EXAMPLES], tmp_path)
+    check_blocks(PYTHON[page], tmp_path)
 
 
 @pytest.fixture(scope="module")

@@ -57,7 +57,9 @@ class StreetVecEnv(VecEnv):
         super().__init__(num_envs, self.streets.single_observation_space, self.streets.single_action_space)
 
     def reset(self) -> np.ndarray:
-        """Begin an episode in every street."""
+        """Begin an episode in every street. Raise AdapterError for options that aren't the same for all of them."""
+        if any(own != self._options[0] for own in self._options):
+            raise AdapterError(f"options can't differ: {TOGETHER}; give one dictionary")
         observation, _ = self.streets.reset(seed=self._seeds[0], options=self._options[0])
         self._reset_seeds()
         self._reset_options()

@@ -28,6 +28,8 @@ from jaxwalk.writing import together, write_whole
 
 STREET = ".json"
 """How the name of a street's file ends."""
+SHOWN = 5
+"""Pieces of advice that are printed of a single street."""
 
 
 def run(options: Import) -> int:
@@ -101,9 +103,10 @@ def _path(options: Import, street: ImportedStreet) -> Path:
 def _remove_older(options: Import, streets: Sequence[ImportedStreet]) -> None:
     """Remove the streets of an earlier import, which the report isn't about."""
     written = {_path(options, street) for street in streets if street.network is not None}
-    for old in [] if options.out.suffix == STREET else options.out.glob(f"tile-*{STREET}"):
+    single = options.out.suffix == STREET
+    for old in [options.out] if single else options.out.glob(f"tile-*{STREET}"):
         if old not in written:
-            old.unlink()
+            old.unlink(missing_ok=True)
 
 
 def _lines(report: ImportReport, page: Path) -> Iterator[str]:
@@ -119,7 +122,3 @@ def _lines(report: ImportReport, page: Path) -> Iterator[str]:
         yield from (f"  {reason}" for reason in street.reasons)
         yield from (f"  to add to the map: {advice}" for advice in street.advice[:SHOWN])
     yield f"Open {page}"
-
-
-SHOWN = 5
-"""Pieces of advice that are printed of a single street."""

@@ -57,4 +57,6 @@ def check(options: Rate) -> None:
     check_episodes(options.episodes)
     check_seed(options.seed)
     check_driver_seconds(options.driver_seconds)
+    if (options.out / PLAN).exists():
+        raise UsageError(f"--out {options.out}: answers to the page there need its {PLAN}; name another folder")
     check_writable(options.out)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxwalk.evaluation.document_parts import ComparedEnding
-from jaxwalk.metrics import OUTCOMES, Rows, holm, mcnemar, scenarios_needed
+from jaxwalk.metrics import OUTCOMES, SURE, Rows, holm, mcnemar, scenarios_needed
 from jaxwalk.wording import counted
 
 
@@ -75,8 +75,6 @@ def _ending_counts(a: np.ndarray, b: np.ndarray) -> EndingCounts:
     )
 
 
-FOUND = 0.05
-"""A difference is reported as such if its p-value is smaller than this."""
 SAID = {"collision": ("collides less", "collides more"), "goal": ("reaches the goal less", "reaches the goal more")}
 """Words for an ending that is rarer in B, and for one that is more frequent."""
 
@@ -123,11 +121,11 @@ def _in_words(b: str, people: str, ending: str, found: EndingCounts, p: float, t
     side = less if rate_b < rate_a else more
     chance = "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"
     numbers = f"{100 * rate_b:.2f} % against {100 * rate_a:.2f} %, {chance}, {counted(found.scenarios, 'scenario')}"
-    if p < FOUND:
+    if p < SURE:
         return f"{b} {side} among {people}: {numbers}."
     if rate_a == rate_b:
         return f"Equally many {ending}s of both among {people}: {numbers}."
     # One test of a family has to reach this p-value, since Holm's correction asks no more of the smallest one.
-    needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios, alpha=FOUND / tests)
+    needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios, alpha=SURE / tests)
     enough = f"rates like these take some {float(f'{needed:.1e}'):,.0f} to tell apart"
     return f"Whether {b} {side} among {people} is open: {numbers}; {enough}."

@@ -20,7 +20,7 @@ from jaxwalk.metrics.metric import Finding, Metric, MetricTable, NoRows, Recordi
 from jaxwalk.metrics.near_misses import NEAR_MISSES
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.over_seeds import FEWEST_SEEDS, OverSeeds, crossed_mean, interquartile_mean, over_seeds
-from jaxwalk.metrics.paired_tests import holm, mcnemar, paired_difference
+from jaxwalk.metrics.paired_tests import SURE, holm, mcnemar, paired_difference
 from jaxwalk.metrics.passing import PASSING
 from jaxwalk.metrics.power import scenarios_needed
 from jaxwalk.metrics.registry import METRICS
@@ -49,6 +49,7 @@ __all__ = [
     "PLACEBO",
     "SHIELD_INTERVENTIONS",
     "SPEED_DIFFERENTIAL",
+    "SURE",
     "SURROGATES",
     "SURROGATE_DISTRIBUTIONS",
     "WAITING",

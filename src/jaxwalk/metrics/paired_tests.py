@@ -48,6 +48,10 @@ def _discordant(a: np.ndarray, b: np.ndarray) -> tuple[int, int]:
     return int((a & ~b).sum()), int((b & ~a).sum())
 
 
+SURE = 0.05
+"""A difference with a smaller p-value, adjusted for all tests of one answer (`holm`), is called one."""
+
+
 def holm(p: Sequence[float]) -> tuple[float, ...]:
     """Return the adjusted p-values of a family of tests, in the same order (Holm, 1979).
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jaxwalk.raters.answers_analysis import FEWEST_RATERS, FIRM, RatedDrivers
 from jaxwalk.raters.rating_plan import RatingPlan
-from jaxwalk.report.table import Table, markdown_table, shown
+from jaxwalk.report.table import Table, shown
 from jaxwalk.wording import counted
 
 ABOUT = (
@@ -30,10 +30,10 @@ def answers_page(plan: RatingPlan, found: RatedDrivers) -> str:
         f"{plan.id}.",
         "## The drivers",
         ABOUT,
-        _markdown(Table(("driver", "strength", "answers"), rows)),
+        Table(("driver", "strength", "answers"), rows).markdown(),
         "## Beside our numbers",
         MEASURES,
-        _markdown(Table(("number", "tau", "drivers"), taus)),
+        Table(("number", "tau", "drivers"), taus).markdown(),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -41,16 +41,16 @@ def answers_page(plan: RatingPlan, found: RatedDrivers) -> str:
 def headline(found: RatedDrivers) -> str:
     """Return what may be said about the drivers."""
     if found.agreement == "unknown":
-        return (
-            f"Which driver people find safer cannot be judged: {counted(found.raters, 'rater')} passed the checks, and "
-            f"it takes {FEWEST_RATERS} who rate the same pairs."
-        )
+        few = found.raters < FEWEST_RATERS
+        why = f"it takes {FEWEST_RATERS}" if few else "their answers vary too little, or too few rated the same pairs"
+        passed = f"{counted(found.raters, 'rater')} passed the checks"
+        return f"Which driver people find safer cannot be judged: {passed}, and {why}."
     if found.agreement == "chance":
         return "The raters disagree: which driver people find safer cannot be said."
     first, second = found.drivers[:2]
     share = "" if found.agreement == "firm" else ", though they agree only in part"
     if found.lead.low is not None and found.lead.low > 0:
-        return f"The raters find {first.driver} the safest{share}."
+        return f"The raters find {first.driver} safer than {second.driver}, who comes next{share}."
     return f"The raters put {first.driver} first, but not surely before {second.driver}{share}."
 
 
@@ -75,7 +75,3 @@ def _who(found: RatedDrivers) -> str:
         f"{counted(found.raters, 'rater')} gave {counted(found.answers, 'answer')}, of which {found.ties:,} call "
         f"neither car safer{left_out}.{again}"
     )
-
-
-def _markdown(table: Table) -> str:
-    return markdown_table(table.columns, table.rows)

@@ -56,7 +56,7 @@ class RatedDrivers:
     raters: int
     """Raters who attended; the others are left out."""
     inattentive: tuple[str, ...]
-    """Ids of the raters who got a check wrong."""
+    """Ids of the raters who got a check wrong, or answered none."""
     answers: int
     """Answers that count: without checks and repeated pairs."""
     ties: int
@@ -210,10 +210,14 @@ def _measure(measure: DriverMeasure, samples: np.ndarray, raters: int) -> Measur
 
 
 def _tau(a: np.ndarray, b: np.ndarray) -> float:
-    """Return Kendall's tau-b: pairs in the same order minus pairs in the opposite one, over the pairs without ties."""
+    """Return Kendall's tau-b: pairs in the same order minus pairs in the opposite one, over the pairs without ties.
+
+    NaN where all are tied.
+    """
     first, second = np.triu_indices(len(a), 1)
     x, y = np.sign(a[first] - a[second]), np.sign(b[first] - b[second])
-    return float((x * y).sum() / np.sqrt((x**2).sum() * (y**2).sum()))
+    untied = np.sqrt((x**2).sum() * (y**2).sum())
+    return float((x * y).sum() / untied) if untied else float("nan")
 
 
 def _ends(samples: Float[np.ndarray, "sample number"], raters: int) -> list[list[float]]:

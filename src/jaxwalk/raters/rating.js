@@ -1,6 +1,7 @@
 // Shows pairs of clips in a random order and on random sides, and keeps the answers until they are saved.
 
 const data = JSON.parse(document.getElementById("data").textContent);
+const LONGEST_FRAME = 0.1; // [s]: while the page is out of sight the films wait
 const SHOWS = { hidden: true, plain: true, trails: false, follow: true };
 const find = (selector) => document.querySelector(selector);
 const hex = (bytes) => [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
@@ -94,7 +95,7 @@ class Rating {
   #tick = (now) => {
     if (!this.current) return;
     if (this.ready) {
-      if (!this.paused && this.before !== undefined) this.time += (now - this.before) / 1000;
+      if (!this.paused && this.before !== undefined) this.time += Math.min((now - this.before) / 1000, LONGEST_FRAME);
       if (this.time >= data.length) {
         this.time = 0;
         this.#allow(true);

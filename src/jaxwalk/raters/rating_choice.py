@@ -28,7 +28,7 @@ def choose_pairs(rows: Mapping[str, Rows], rated: int, *, each: int, seed: int) 
     """Return the pairs of a plan: as many of every two drivers, then the checks.
 
     A pair's scenario is drawn from those in which a car of the two meets somebody; both clips begin when the nearer of
-    their encounters does.
+    their encounters does, which is before either episode ends.
 
     Args:
         rows: what was measured of each player on the same scenarios; the rated drivers come first.
@@ -44,7 +44,8 @@ def choose_pairs(rows: Mapping[str, Rows], rated: int, *, each: int, seed: int) 
     count = max(CLIPS, ceil(each / len(duos)))
     pairs = []
     for a, b in duos:
-        begins = _nearer(_nearest(rows[names[a]]), _nearest(rows[names[b]]))
+        duo = rows[names[a]], rows[names[b]]
+        begins = _before_the_end(_nearer(*map(_nearest, duo)), duo)
         if len(begins) < count:
             raise RatingError(
                 f"{names[a]} and {names[b]} meet somebody in {len(begins)} scenarios, and {count} are needed; take "
@@ -74,6 +75,12 @@ def _nearer(a: Nearest, b: Nearest) -> Nearest:
     """Return the nearer encounter of both in each scenario."""
     far = (float("inf"), 0.0)
     return {scenario: min(a.get(scenario, far), b.get(scenario, far)) for scenario in a.keys() | b.keys()}
+
+
+def _before_the_end(begins: Nearest, rows: Sequence[Rows]) -> Nearest:
+    """Return the encounters that begin while all episodes of their scenario go on."""
+    ends = np.min([one[OUTCOMES].steps * one.dt for one in rows], axis=0)
+    return {scenario: (gap, start) for scenario, (gap, start) in begins.items() if start < ends[scenario]}
 
 
 def _checks(rows: Mapping[str, Rows]) -> Iterator[RatedPair]:

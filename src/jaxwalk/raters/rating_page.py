@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jaxwalk.raters.rating_plan import LENGTH, REPEATED, SCHEMA, RatingPlan
+from jaxwalk.viewer.filled_page import filled_in
 from jaxwalk.viewer.replay import as_script, part
 from jaxwalk.writing import write_whole
 
@@ -21,11 +22,9 @@ SECONDS_EACH = 15
 
 def write_rating_page(path: Path, plan: RatingPlan, document: dict[str, Any]) -> None:
     """Write the page. ``document`` has an entry for each clip of the plan (`clips_of`), in any order."""
-    import jinja2
-
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
     shown = plan.each + REPEATED + sum(pair.safer is not None for pair in plan.pairs)
-    page = environment.from_string(_part("rating.html")).render(
+    page = filled_in(
+        _part("rating.html"),
         question=plan.question,
         count=shown,
         minutes=max(1, round(shown * SECONDS_EACH / 60)),

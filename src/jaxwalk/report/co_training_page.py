@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from jaxwalk.evaluation.document_parts import PairedSeeds, SeedNumbers
 from jaxwalk.evaluation.results import Results
 from jaxwalk.evaluation.training_seeds import Ending
-from jaxwalk.metrics import FEWEST_SEEDS, holm
+from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
 from jaxwalk.report.material import ALWAYS_GO
 from jaxwalk.report.seed_tables import delay_table, paired_table
-from jaxwalk.report.table import Table, markdown_table, shown
+from jaxwalk.report.table import Table, shown
 from jaxwalk.wording import counted
 
 ALONE, PURE, MIXED, STAND_INS = "alone", "pure", "mixed", "-stand-ins"
@@ -25,8 +25,6 @@ FACTORS = (
 """Pairs of trainings that differ in one treatment."""
 TOUCHED: Ending = "moving contact"
 """What the answer is about."""
-SURE = 0.05
-"""Differences with a smaller p-value, adjusted for all tests of the answer, are called differences."""
 
 ABOUT = (
     "`alone`: the car learns among people who always go. In the other four trainings people learn too. `pure`: "
@@ -57,14 +55,14 @@ def page(results: Results, *, updates: int) -> str:
         TABLES,
     ]
     for people in _populations(results):
-        parts += [f"## Among {people}", _markdown(_drivers(results, people))]
+        parts += [f"## Among {people}", _drivers(results, people).markdown()]
     against, factors = ([x for x in results.paired if (x.a.driver == ALONE) == alone] for alone in (True, False))
     parts += [
         "## Against the car alone",
-        _markdown(paired_table(against)),
-        _markdown(delay_table(results.paired_delays)),
+        paired_table(against).markdown(),
+        delay_table(results.paired_delays).markdown(),
     ]
-    parts += ["## One treatment at a time", _markdown(paired_table(factors))]
+    parts += ["## One treatment at a time", paired_table(factors).markdown()]
     return "\n\n".join(parts) + "\n"
 
 
@@ -159,7 +157,3 @@ def _populations(results: Results) -> list[str]:
 def _seeds(results: Results) -> tuple[int | None, ...]:
     """Return the training seeds."""
     return _numbers(results, ALONE, ALWAYS_GO).training_seeds
-
-
-def _markdown(table: Table) -> str:
-    return markdown_table(table.columns, table.rows)

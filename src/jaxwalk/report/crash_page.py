@@ -10,6 +10,7 @@ from typing import Any
 
 from jaxwalk.evaluation.crash_outcomes import CrashOutcome
 from jaxwalk.evaluation.crash_results import NOTICE, CrashResults, DriverUnderTest
+from jaxwalk.viewer.filled_page import filled_in
 from jaxwalk.viewer.replay import as_script, gallery_style, player_html, player_script
 from jaxwalk.writing import write_whole
 
@@ -79,16 +80,12 @@ def in_words(outcome: CrashOutcome) -> str:
 
 def write_crash_page(path: Path, results: CrashResults, document: dict[str, Any]) -> None:
     """Write the page. ``document`` has the episodes of all drivers, in the order of their outcomes."""
-    import jinja2
-
     speeds = sorted({outcome.speed for driver in results.drivers for outcome in driver.outcomes})
     firsts = [sum(len(driver.outcomes) for driver in results.drivers[:n]) for n in range(len(results.drivers))]
     tables = [(driver, matrix(driver, speeds, first)) for driver, first in zip(results.drivers, firsts, strict=True)]
-    environment = jinja2.Environment(
-        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
-    )
     template = resources.files("jaxwalk.report").joinpath("crash_page.html").read_text(encoding="utf-8")
-    page = environment.from_string(template).render(
+    page = filled_in(
+        template,
         results=results, speeds=speeds, tables=tables, notice=NOTICE, css=gallery_style(), player=player_html(),
         script=player_script(), data=as_script(document),
     )  # fmt: skip

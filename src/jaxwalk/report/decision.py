@@ -10,10 +10,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from jaxwalk.evaluation.document_parts import Number, PairedSeeds
-from jaxwalk.metrics import holm
+from jaxwalk.metrics import SURE, holm
 
-SURE = 0.05
-"""A difference with a smaller p-value, adjusted for all comparisons (Holm), is called one."""
 FEWEST_HITS = 10
 """Two drivers who hit fewer people together, and too few for any test, cannot be told apart or called alike."""
 

@@ -10,7 +10,7 @@ from jaxwalk.metrics import proportion
 from jaxwalk.policies.knobs import KNOBS
 from jaxwalk.provenance import Provenance
 from jaxwalk.report.figures.frontier import LEAST
-from jaxwalk.report.table import NONE, Table, markdown_table, shown
+from jaxwalk.report.table import NONE, Table, shown
 from jaxwalk.wording import counted, first_of
 
 ABOUT = (
@@ -43,13 +43,13 @@ def frontier_page(
     ]
     knobs = [origin.name for origin in origins if origin.name in KNOBS]
     if knobs:
-        parts += ["## The knobs", _markdown(_knobs(knobs))]
+        parts += ["## The knobs", _knobs(knobs).markdown()]
     for found in suites:
         parts += [
             f"## {found.suite}",
             f"Hash of the scenarios: {found.scenario_hash}.",
             f"![Contacts against delay in {found.suite}](frontier-{found.suite}.svg)",
-            _markdown(_table(found)),
+            _table(found).markdown(),
         ]
     return "\n\n".join(parts) + "\n"
 
@@ -117,7 +117,3 @@ def _knobs(names: Sequence[str]) -> Table:
         settings = ", ".join(knob.shown(x) for x in knob.settings)
         rows.append((name, knob.what, f"{settings} {knob.unit}".rstrip(), knob.shown(knob.usual)))
     return Table(("driver", "knob", "settings", "its own"), tuple(rows))
-
-
-def _markdown(table: Table) -> str:
-    return markdown_table(table.columns, table.rows)

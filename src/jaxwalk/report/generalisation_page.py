@@ -8,7 +8,7 @@ from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.evaluation.over_streets import Counted, StreetScores, StreetSet, gap, share
 from jaxwalk.metrics import FEWEST_SEEDS
 from jaxwalk.provenance import Provenance
-from jaxwalk.report.table import NONE, Table, markdown_table, shown
+from jaxwalk.report.table import NONE, Table, shown
 from jaxwalk.wording import counted
 
 OWN, TEST = "own", "test"
@@ -44,8 +44,8 @@ def page(sets: Sequence[StreetSet], *, updates: int, made: Provenance) -> str:
         *(f"- `{found.name}`: {counted(len(found.streets), 'street')}" for found in sets if _is_usual_test(found)),
     ]
     for what, title in TITLES.items():
-        parts += [f"## {title}", f"Among {USUAL} people:", _markdown(_streets(sets, what))]
-        parts += ["On `test`, by the number of people:", _markdown(_crowds(sets, what))]
+        parts += [f"## {title}", f"Among {USUAL} people:", _streets(sets, what).markdown()]
+        parts += ["On `test`, by the number of people:", _crowds(sets, what).markdown()]
     return "\n\n".join(parts) + "\n"
 
 
@@ -113,7 +113,3 @@ def _by_driver(scores: Sequence[StreetScores]) -> dict[str, list[StreetScores]]:
 
 def _is_usual_test(found: StreetSet) -> bool:
     return found.name != OWN and found.people == USUAL
-
-
-def _markdown(table: Table) -> str:
-    return markdown_table(table.columns, table.rows)

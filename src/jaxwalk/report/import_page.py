@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 from jaxwalk.maps.imported.street_report import ImportReport, StreetReport
 from jaxwalk.maps.network import Network
+from jaxwalk.viewer.filled_page import filled_in
 from jaxwalk.viewer.ground import draw_ground
 from jaxwalk.writing import write_whole
 
@@ -40,14 +41,10 @@ def report_json(report: ImportReport) -> str:
 
 def write_import_page(path: Path, report: ImportReport, networks: Mapping[str, Network | None]) -> None:
     """Write the report as a page. ``networks`` are the streets by name; None for one that can't be used."""
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
-    )
     template = resources.files("jaxwalk.report").joinpath("import_page.html").read_text(encoding="utf-8")
     streets = [(street, _picture(street, networks.get(street.name))) for street in report.streets]
-    page = environment.from_string(template).render(
+    page = filled_in(
+        template,
         report=report, streets=streets, colours=COLOURS, verdicts=Counter(street.verdict for street in report.streets),
         crossings=list(report.crossings().values()), totals=_totals(report), origins=_origins(report),
     )  # fmt: skip
@@ -58,7 +55,7 @@ def _totals(report: ImportReport) -> dict[str, float]:
     """Return the sums over streets that can be used; what lies in several streets counts in each."""
     own = [street.pavement for street in report.streets if street.usable]
     names = ("mapped", "inferred", "joined", "invented", "known", "kept")
-    return {name: sum(getattr(x, name) for x in own) for name in names}
+    return {name: sum((getattr(x, name) for x in own), 0.0) for name in names}
 
 
 def _origins(report: ImportReport) -> dict[str, Counter[str]]:

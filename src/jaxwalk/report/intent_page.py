@@ -5,7 +5,7 @@ from __future__ import annotations
 from jaxwalk.report.intent_document import IntentDocument, IntentStreet, KnownIntent
 from jaxwalk.report.material import ALWAYS_GO
 from jaxwalk.report.seed_tables import paired_table
-from jaxwalk.report.table import NONE, Table, markdown_table, shown
+from jaxwalk.report.table import NONE, Table, shown
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.wording import counted
 
@@ -42,12 +42,8 @@ def page(document: IntentDocument) -> str:
     ]
     for street in document.streets:
         parts.append(f"## Jaywalk multiplier {street.jaywalk_multiplier:g}")
-        parts += [_markdown(table(street)) for table in (_drivers, _pairs, _known)]
+        parts += [table(street).markdown() for table in (_drivers, _pairs, _known)]
     return "\n\n".join(parts) + "\n"
-
-
-def _markdown(table: Table) -> str:
-    return markdown_table(table.columns, table.rows)
 
 
 def _drivers(street: IntentStreet) -> Table:

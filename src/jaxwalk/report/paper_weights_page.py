@@ -6,7 +6,7 @@ from jaxwalk.evaluation.results import Results
 from jaxwalk.metrics import APPROACHES, SPEED_DIFFERENTIAL
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.material import ALWAYS_GO
-from jaxwalk.report.table import NONE, Table, markdown_table, shown
+from jaxwalk.report.table import NONE, Table, shown
 from jaxwalk.wording import counted
 
 ABOUT = (
@@ -37,7 +37,7 @@ def page(results: Results, *, updates: int, planned: int) -> str:
         ABOUT,
         f"{chosen.name}, hash {chosen.hash}{origin}.",
         TABLE,
-        markdown_table(table.columns, table.rows),
+        table.markdown(),
     ]
     return "\n\n".join(parts) + "\n"
 

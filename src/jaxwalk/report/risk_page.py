@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from jaxwalk.evaluation.tail_numbers import PairedTail
-from jaxwalk.metrics import FEWEST_SEEDS, holm
+from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
 from jaxwalk.report.risk_document import LimitKept, RiskDocument
 from jaxwalk.report.seed_tables import delay_table, paired_table
-from jaxwalk.report.table import Table, markdown_table, p_value, shown
+from jaxwalk.report.table import Table, p_value, shown
 from jaxwalk.wording import counted
 
 PLAIN, LAGRANGIAN, CVAR = "plain", "lagrangian", "cvar"
 """The trainings: without limits; with limits of contacts and of time near one; with one of the worst speeds."""
 CLEARANCE = "clearance"
 """The rule that stands beside the trained cars."""
-SURE = 0.05
-"""Differences with a smaller p-value, adjusted for all tests of the answer, are called differences."""
 
 ABOUT = (
     "`plain` is the recipe `blind-corner`, `lagrangian` is `blind-corner-lagrangian`, `cvar` is `blind-corner-cvar`. "
@@ -44,13 +42,13 @@ def page(document: RiskDocument, *, updates: int) -> str:
         f"{chosen.hash}{origin}. Brackets are 95 % t-intervals over training seeds and scenarios (of the rule, over "
         "scenarios).",
         TABLES,
-        _markdown(_drivers(document)),
+        _drivers(document).markdown(),
         f"## Against `{PLAIN}`",
-        _markdown(_compared(document.compared)),
-        _markdown(paired_table(document.results.paired)),
-        _markdown(delay_table(document.results.paired_delays)),
+        _compared(document.compared).markdown(),
+        paired_table(document.results.paired).markdown(),
+        delay_table(document.results.paired_delays).markdown(),
         "## Were the limits kept in training?",
-        _markdown(_limits(document.limits)),
+        _limits(document.limits).markdown(),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -114,7 +112,3 @@ def _limits(limits: Sequence[LimitKept]) -> Table:
         )
         rows.append((driver, cost, f"{limit:g}", reached, multipliers))
     return Table(columns, tuple(rows))
-
-
-def _markdown(table: Table) -> str:
-    return markdown_table(table.columns, table.rows)

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from jaxwalk.search.found_failures import FoundFailure, SearchResults
-from jaxwalk.search.grid import CELLS, GRID, SHAPE, SIDES, SPEEDS, TIMES, part_of_axis
+from jaxwalk.search.grid import GRID, SHAPE, SIDES, SPEEDS, TIMES, part_of_axis
 from jaxwalk.sim.crossing_kind import CONTACTS
+from jaxwalk.viewer.filled_page import filled_in
 from jaxwalk.viewer.replay import as_script, gallery_style, player_html, player_script
 from jaxwalk.writing import write_whole
 
@@ -32,7 +33,6 @@ def said(failure: FoundFailure) -> str:
 def grid_rows(results: SearchResults) -> list[tuple[str, str, list[FoundFailure | None]]]:
     """Return a row for each contact and side: their names, and a failure or None for each time and speed."""
     by_cell: Mapping[int, FoundFailure] = {one.cell: one for one in results.failures}
-    columns = SHAPE[1] * SHAPE[2]
     rows = []
     for kind in CONTACTS:
         for side, name in enumerate(SIDES):
@@ -42,19 +42,14 @@ def grid_rows(results: SearchResults) -> list[tuple[str, str, list[FoundFailure 
                 for speed in range(SHAPE[1])
             ]
             rows.append((kind.word, name, [by_cell.get(place) for place in places]))
-    assert len(rows) * columns == CELLS - CELLS // SHAPE[0]
     return rows
 
 
 def write_search_page(path: Path, results: SearchResults, document: dict[str, Any]) -> None:
     """Write the page. ``document`` has the episodes of the first failures, in their order."""
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
-    )
     template = resources.files("jaxwalk.report").joinpath("search_page.html").read_text(encoding="utf-8")
-    page = environment.from_string(template).render(
+    page = filled_in(
+        template,
         results=results, rows=grid_rows(results), said=said, judged=JUDGED, grid=GRID,
         times=[part_of_axis(TIMES, part) for part in range(SHAPE[2])],
         speeds=[part_of_axis(SPEEDS, part) for part in range(SHAPE[1])],

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from jaxwalk.evaluation.document_parts import Interval, Number
-from jaxwalk.metrics import FEWEST_SEEDS, scenarios_needed
-from jaxwalk.report.decision import SURE, Decision, Duel, Evidence
+from jaxwalk.metrics import FEWEST_SEEDS, SURE, scenarios_needed
+from jaxwalk.report.decision import Decision, Duel, Evidence
 from jaxwalk.report.table import UNJUDGED, shown
 from jaxwalk.wording import MOST_NAMED, counted, first_of
 
@@ -63,9 +63,9 @@ def _who(evidence: Evidence, decision: Decision) -> tuple[str, str]:
         return _of_two(evidence, decision, other), _numbers(evidence, [leader, other], subject)
     if decision.kind == "safest":
         numbers = _numbers(evidence, [leader, decision.beaten[0]], other="the next")
-        return f"{leader} is the safest of {count} drivers", numbers
+        return f"{leader} is the safest of {count} drivers{_among(evidence, decision)}", numbers
     if decision.kind == "ahead":
-        return _ahead(decision), _numbers(evidence, [leader, decision.tied[0]])
+        return _ahead(evidence, decision), _numbers(evidence, [leader, decision.tied[0]])
     headline = {
         "even": f"No difference in safety is shown between the {count} drivers",
         "depends": f"Which of the {count} drivers is the safest depends on the people that they meet",
@@ -78,7 +78,7 @@ def _who(evidence: Evidence, decision: Decision) -> tuple[str, str]:
 def _of_two(evidence: Evidence, decision: Decision, other: str) -> str:
     a, b = decision.leader, other
     if decision.kind == "safest":
-        return f"{a} is safer than {b}{_only_among(evidence, decision.between(a, b))}"
+        return f"{a} is safer than {b}{_among(evidence, decision)}"
     if decision.kind == "depends":
         among = " and ".join(f"{duel.safer} among {duel.people}" for duel in decision.between(a, b) if duel.safer)
         return f"Which of {a} and {b} is safer depends on the people that they meet, {among}"
@@ -87,19 +87,23 @@ def _of_two(evidence: Evidence, decision: Decision, other: str) -> str:
     return f"Which of {a} and {b} is safer {UNJUDGED}"
 
 
-def _only_among(evidence: Evidence, duels: Sequence[Duel]) -> str:
-    """Return among which people a difference is sure, if not among all."""
-    sure = [duel.people for duel in duels if duel.safer]
-    return "" if len(sure) == len(evidence.populations) else f" among {' and '.join(sure)}"
+def _among(evidence: Evidence, decision: Decision) -> str:
+    """Return among which people the leader is surely safer than all others that it beats, if not among all."""
+    wins = [{duel.people for duel in decision.between(decision.leader, name) if duel.safer} for name in decision.beaten]
+    sure = [people for people in evidence.populations if all(people in won for won in wins)]
+    if len(sure) == len(evidence.populations):
+        return ""
+    return f" among {' and '.join(sure)}" if sure else ", beside each among some of the people only"
 
 
-def _ahead(decision: Decision) -> str:
+def _ahead(evidence: Evidence, decision: Decision) -> str:
     leader, tied = decision.leader, decision.tied
     judged = any(duel.judged for name in tied for duel in decision.between(leader, name))
     beaten, others = decision.beaten, len(decision.order) - 1
     than = _listed(beaten) if len(beaten) <= MOST_NAMED else f"{len(beaten)} of the {others} other drivers"
     rest = _listed(tied) if len(tied) <= MOST_NAMED else counted(len(tied), "other")
-    return f"{leader} is safer than {than}; whether also than {rest} {'is not shown' if judged else UNJUDGED}"
+    among = _among(evidence, decision)
+    return f"{leader} is safer than {than}{among}; whether also than {rest} {'is not shown' if judged else UNJUDGED}"
 
 
 def _numbers(evidence: Evidence, drivers: Sequence[str], subject: str = "it", other: str = "") -> str:
@@ -141,7 +145,7 @@ def _sure(evidence: Evidence, decision: Decision) -> str:
     if decision.kind == "unjudged":
         return _too_few(evidence, decision.duels)
     if decision.kind in ("safest", "ahead"):
-        return _sure_of(decision)
+        return _sure_of(evidence, decision)
     other = decision.tied[0] if len(decision.order) == 2 else decision.order[-1]
     if other == decision.leader:
         other = decision.order[0]
@@ -149,7 +153,7 @@ def _sure(evidence: Evidence, decision: Decision) -> str:
     said = _listed([_difference(duel, decision.leader) for duel in duels])
     if decision.kind == "depends":
         return f"The differences point to both sides: {said}."
-    return f"A{said[1:]}{_needed(duels)}."  # it begins with "among"
+    return f"{_begun(said)}{_needed(duels)}."
 
 
 def _sure_alone(evidence: Evidence, driver: str) -> str:
@@ -164,7 +168,7 @@ def _sure_alone(evidence: Evidence, driver: str) -> str:
 COMPARE = "to judge it, name a second driver beside it, such as clearance"
 
 
-def _sure_of(decision: Decision) -> str:
+def _sure_of(evidence: Evidence, decision: Decision) -> str:
     """Return how sure it is that the leader is safer than the next driver, and than the others."""
     leader, following = decision.leader, decision.beaten[0]
     sure = [duel for duel in decision.between(leader, following) if duel.safer]
@@ -175,7 +179,8 @@ def _sure_of(decision: Decision) -> str:
     )
     tests = decision.duels[0].tests
     corrected = f", corrected for {counted(tests, 'comparison')}" if tests > 1 else ""
-    return f"A{said[1:]}; {_chance(largest)}{corrected}{_unjudged(decision)}."  # it begins with "among"
+    elsewhere = "; among the others no difference is shown" if len(sure) < len(evidence.populations) else ""
+    return f"{_begun(said)}{elsewhere}; {_chance(largest)}{corrected}{_unjudged(decision)}."
 
 
 def _unjudged(decision: Decision) -> str:
@@ -266,7 +271,7 @@ def _training(evidence: Evidence) -> str:
     """Return how far the verdict reaches beyond these policies."""
     return {
         "none": "the drivers are rules, so no training could turn out otherwise",
-        "one": "it is about these very policies, and another training of them may turn out otherwise",
+        "one": "it is about these very policies: one that was trained may turn out otherwise when trained again",
         "few": f"{counted(evidence.seeds, 'training seed')} are too few for a sentence about training",
         "enough": f"{evidence.seeds} training seeds stand behind it, so it is about training such drivers again",
     }[evidence.training]
@@ -275,6 +280,11 @@ def _training(evidence: Evidence) -> str:
 def _percent(share: float | None) -> str:
     """Return a share in per cent, with as many digits as in tables."""
     return shown(Interval(share, None, None))
+
+
+def _begun(said: str) -> str:
+    """Return words as the beginning of a sentence."""
+    return said[0].upper() + said[1:]
 
 
 def _listed(parts: Sequence[str]) -> str:

@@ -18,7 +18,7 @@ from jaxwalk.metrics import (
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.provenance import Provenance
 from jaxwalk.report import avoidable_tables, driving_tables, surprise
-from jaxwalk.report.table import NONE, Table, by_type, markdown_table, shown
+from jaxwalk.report.table import NONE, Table, by_type, shown
 
 TOLD_APART = ((0.14, 0.16), (0.021, 0.034), (0.01, 0.02), (0.004, 0.005), (0.001, 0.002))
 """Pairs of collision rates for the table of scenarios needed; the first are the paper's."""
@@ -42,7 +42,7 @@ def suite(results: Results, made: Provenance) -> str:
     if any(cell.counterfactuals for cell in cells):
         parts += ["## Preventable", "\n".join(f"- {line}" for line in preventable_said(results))]
     for heading, text, table in _sections(cells):
-        parts += [f"## {heading}", text, markdown_table(table.columns, table.rows)]
+        parts += [f"## {heading}", text, table.markdown()]
     words = (f"- **{_name(cell)}**: {surprise.in_words(cell.summary[SPEED_DIFFERENTIAL])}" for cell in cells)
     return "\n\n".join(part for part in (*parts, "## In words", WORDS, "\n".join(words)) if part) + "\n"
 

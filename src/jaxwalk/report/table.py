@@ -28,6 +28,10 @@ class Table:
     brief: str = ""
     """The comparison with the paper in a few words, under which the whole is folded."""
 
+    def markdown(self) -> str:
+        """Return the table as Markdown, without a line feed at the end."""
+        return markdown_table(self.columns, self.rows)
+
 
 def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a table as Markdown, without a line feed at the end."""

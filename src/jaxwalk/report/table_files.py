@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jaxwalk.report.table import NONE, Table, markdown_table
+from jaxwalk.report.table import NONE, Table
 from jaxwalk.writing import write_whole
 
 NUMBER = r"-?\d[\d,]*(?:\.\d+)?"
@@ -30,7 +30,7 @@ def write_tables(tables: Mapping[str, Table], captions: Mapping[str, str], folde
         write_whole(folder / f"{name}.csv", text.getvalue())
         content = json.dumps(as_data(table, captions[name]), indent=1, ensure_ascii=False, allow_nan=False)
         write_whole(folder / f"{name}.json", content + "\n")
-        write_whole(folder / f"{name}.md", markdown_table(table.columns, table.rows) + "\n")
+        write_whole(folder / f"{name}.md", table.markdown() + "\n")
 
 
 def as_data(table: Table, caption: str) -> dict[str, Any]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from jaxwalk.metrics import FEWEST_SEEDS
+from jaxwalk.metrics import FEWEST_SEEDS, SURE
 from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CRITICAL, TTC_CRITICAL
-from jaxwalk.report.decision import FEWEST_HITS, SURE
+from jaxwalk.report.decision import FEWEST_HITS
 from jaxwalk.sim.events import ENCOUNTER_DISTANCE
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -75,7 +75,9 @@ def thresholds(sim: SimConfig | None) -> tuple[Said, ...]:
         ),
         Said("Sure", f"p below {SURE:g}, corrected for all comparisons (Holm); intervals are 95 %"),
         Said(
-            "Too few", f"fewer than {FEWEST_HITS} hits of two drivers together, or than {FEWEST_SEEDS} training seeds"
+            "Too few",
+            f"fewer than {FEWEST_HITS} hits of two drivers together, where no test could be sure, or than "
+            f"{FEWEST_SEEDS} training seeds",
         ),
     ]
     return tuple(found)

@@ -16,6 +16,7 @@ from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.style import as_picture
 from jaxwalk.report.table_files import write_tables
 from jaxwalk.report.watched import Gallery
+from jaxwalk.viewer.filled_page import filled_in
 from jaxwalk.viewer.replay import as_script, gallery_html, gallery_script, gallery_style
 from jaxwalk.wording import counted
 from jaxwalk.writing import write_whole
@@ -35,7 +36,8 @@ def write_report(folder: Path, material: Material) -> Path:
     write_latex(tables, captions, folder / "tables")
     first = first_screen(material)
     more = counted(len(first.folded), "more driver") if first.folded else ""
-    page = _page(
+    page = filled_in(
+        _part("page.html"),
         sections=sections, material=material, first_seed=material.training_seeds[0] if material.several else None,
         tables=tables, figures=figures, facts=_facts(material), first=first, more=more,
         printed=PRINTED, drawings=_drawings(material), style=_part("report.css"), script=_part("report.js"),
@@ -59,15 +61,6 @@ def _gallery(gallery: Gallery) -> dict[str, str]:
     """Return the gallery's parts of the page."""
     data = as_script(gallery.as_dict())
     return {"css": gallery_style(), "html": gallery_html(), "script": gallery_script(), "data": data}
-
-
-def _page(**content: Any) -> str:
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
-    )
-    return environment.from_string(_part("page.html")).render(**content)
 
 
 def _part(name: str) -> str:

@@ -63,8 +63,8 @@ def train(
 ) -> Trained:
     """Train a recipe, the training of a TOML file, or an `Experiment`.
 
-    The first Ctrl-C ends it after the update in progress, as ``on_update`` can; both leave a training that `resume`
-    continues. An exception of ``on_update`` passes through; the checkpoints before it are kept.
+    The first Ctrl-C ends it after the update in progress, as ``on_update`` can; `resume` continues what is in a folder
+    of your own. An exception of ``on_update`` passes through; that folder keeps the checkpoints before it.
 
     Args:
         recipe: a recipe's name, a file (``docs/recipes.md``), or an `Experiment`, which is trained exactly as it is.
@@ -108,7 +108,9 @@ def resume(folder: str | Path, *, on_update: OnUpdate | None = None, upkeep: Upk
         upkeep: as in `train`.
 
     Raises:
-        RunError: no such folder, another process trains there, or its configuration was edited.
+        RunError: no such folder, another process trains there, or its configuration was edited; `DivergedError`,
+            `UnwrittenError`.
+        CallbackError: as in `train`.
     """
     run, upkeep = Run.open(folder), upkeep or Upkeep()
     street = make_street(run.experiment, run.maps())

@@ -69,7 +69,7 @@ def read_archive(path: str | Path) -> Archived:
     missing = [name for name in ("points", "present", "keys") if name not in arrays]
     if missing:
         raise ArchiveError(f"{file}: has no array {', '.join(missing)}; {ADVICE}")
-    if not 1 <= len(np.atleast_1d(arrays["keys"])) <= MOST:
+    if arrays["points"].ndim != 2 or not 1 <= len(arrays["points"]) <= MOST:
         raise ArchiveError(f"{file}: must hold 1 to {MOST:,} scenarios; {ADVICE}")
     if arrays["present"].dtype != bool or arrays["keys"].dtype != np.int64:
         raise ArchiveError(f"{file}: present must be true or false, and keys 64-bit integers; {ADVICE}")

@@ -132,7 +132,7 @@ class CrossEntropy(RandomSearch):
 
     def begin(self, dimensions: int) -> State:
         """Return ordinary scores: a mean of 0."""
-        return {"mean": np.zeros(dimensions), "effective": np.array(1.0)}
+        return {"mean": np.zeros(dimensions)}
 
     def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
         """Return candidates about the mean, and some ordinary ones."""
@@ -141,7 +141,7 @@ class CrossEntropy(RandomSearch):
         return turn.fresh(to_uniform(scores + shifted * state["mean"]))
 
     def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
-        """Move the mean. ``effective`` is the effective sample size, as a share of the candidates."""
+        """Move the mean."""
         mean, found = state["mean"], to_normal(candidates.points)
         weights = 1 / (self.mixed + (1 - self.mixed) * np.exp(np.clip(found @ mean - mean @ mean / 2, -700, 700)))
         best = np.argsort(-scores, kind="stable")[: max(2, round(self.elite * len(scores)))]
@@ -149,5 +149,4 @@ class CrossEntropy(RandomSearch):
         centre = own @ found[best]
         error = np.sqrt((own**2).sum())
         centre = np.where(np.abs(centre) > self.clear * error, centre, 0.0)
-        effective = weights.sum() ** 2 / (weights**2).sum() / len(weights)
-        return {"mean": (1 - self.pace) * mean + self.pace * centre, "effective": np.array(effective)}
+        return {"mean": (1 - self.pace) * mean + self.pace * centre}

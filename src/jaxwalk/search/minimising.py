@@ -9,8 +9,10 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from jaxwalk.scenarios.archived import scenarios_at
 from jaxwalk.search.cube import Candidates
 from jaxwalk.search.driving import Driving, Played
+from jaxwalk.search.plausibility import whose_draws
 from jaxwalk.sim.scenario import dimensions, parts
 from jaxwalk.sim.world import World
 
@@ -148,16 +150,21 @@ def _draws_that_count(
     world = game.street.world
     decisions = game.play(failures, present).decisions
     where = parts(world, np.arange(dimensions(world)))
-    met = np.arange(world.crossings)[:, None] < decisions[:, None]  # failure, crossing, ped
+    leaders = scenarios_at(game.street, failures.points, None).leader
+    whose = [
+        whose_draws(None if leaders is None else np.asarray(leaders)[:, n], there, decisions[n])
+        for n, there in enumerate(present)
+    ]
+    met = [np.arange(world.crossings)[:, None] < most for _, most in whose]
     slots = np.asarray(world.maps.slot_count)[_maps(world, failures.points)] if world.slots else np.zeros(len(present))
     return [
         np.concatenate([
-            where.traits[:2, there].ravel(),
-            where.jaywalk[crossings & there],
-            where.zone[crossings & there],
+            where.traits[:2, own].ravel(),
+            where.jaywalk[crossings & own],
+            where.zone[crossings & own],
             where.parked[: int(slot)],
         ])
-        for there, crossings, slot in zip(present, met, slots, strict=True)
+        for (own, _), crossings, slot in zip(whose, met, slots, strict=True)
     ]  # fmt: skip
 
 

@@ -91,6 +91,22 @@ def draws_used(
     return [_used(street.world, _of_episode(plain, tendency, decisions, one), int(slots[one])) for one in chosen]
 
 
+def whose_draws(
+    leader: Int[np.ndarray, "ped"] | None, there: Bool[np.ndarray, "ped"], decisions: Int[np.ndarray, "ped"]
+) -> tuple[Bool[np.ndarray, "ped"], Int[np.ndarray, "ped"]]:
+    """Return whose draws matter in an episode, and for how many crossings.
+
+    Who walks in a group moves by its leader's draws, even where the leader isn't there. ``leader``: each person's, None
+    without groups.
+    """
+    if leader is None:
+        return there, decisions
+    own, most = np.zeros_like(there), np.zeros_like(decisions)
+    own[leader[there]] = True
+    np.maximum.at(most, leader[there], decisions[there])
+    return own, most
+
+
 @dataclass(frozen=True)
 class _Drawn:
     """What was drawn of one episode."""
@@ -113,9 +129,8 @@ def _used(world: World, drawn: _Drawn, slots: int) -> DrawsUsed:
     """Return the draws of one episode that mattered, on a map with this many parking slots."""
     rules, one = world.rules, drawn.scenario
     chance = np.clip(drawn.chance * float(rules.jaywalk_multiplier), 0, 1)
-    own = drawn.there if one.leader is None else drawn.there & (np.asarray(one.leader) == np.arange(len(drawn.there)))
-    crossings = np.arange(world.crossings)[:, None]
-    met = (crossings < drawn.decisions) & own
+    own, decisions = whose_draws(None if one.leader is None else np.asarray(one.leader), drawn.there, drawn.decisions)
+    met = (np.arange(world.crossings)[:, None] < decisions) & own
     jaywalks = met & (one.jaywalk_draw < chance)
     kinds = begins(rules.kinds) if rules.kinds else ()
     scores = _scores(np.asarray(one.traits), rules.pace_correlation)

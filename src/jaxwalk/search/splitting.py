@@ -194,7 +194,10 @@ def rare_rate(
 
 
 def _next_level(scores: Float[np.ndarray, "particle"], kept: float) -> float | None:
-    """Return the score that a share of the particles has or exceeds, but not everybody; None if all are equal."""
+    """Return the score that a share of the particles has or exceeds, but not everybody.
+
+    None if all are equal and below a failure.
+    """
     above = scores[scores > scores.min()]
     if not len(above):
         return None if scores.min() < FAILURE else FAILURE

@@ -14,6 +14,7 @@ import numpy as np
 from jaxwalk.maps.network import Network
 from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.viewer.drawn_map import DrawnMap
+from jaxwalk.viewer.filled_page import filled_in
 from jaxwalk.writing import write_whole
 
 SCRIPTS = ("record.js", "drawing.js", "strips.js", "touch.js", "player.js")
@@ -86,11 +87,8 @@ def gallery_script() -> str:
 
 def replay_page(document: dict[str, Any], path: Path, *, title: str) -> None:
     """Write a page that plays the episodes of a `document`."""
-    import jinja2
-
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
-    page = environment.from_string(part("replay.html")).render(
-        title=title, css=_joined("page.css", "player.css"), player=part("player.html"), data=as_script(document),
-        script=_joined(*SCRIPTS),
+    page = filled_in(
+        part("replay.html"), title=title, css=_joined("page.css", "player.css"), player=part("player.html"),
+        data=as_script(document), script=_joined(*SCRIPTS),
     )  # fmt: skip
     write_whole(path, page)

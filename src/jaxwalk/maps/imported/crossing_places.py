@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -20,9 +20,10 @@ FROM_EDGE = 3.0
 """A crossing closer to the street's edge is left to a neighbouring street [m]."""
 NEAR_EDGE = 30.0
 """A crossing that can't be placed may find room in a neighbouring street if it lies so close to the edge [m]."""
-SAME = 2.0
-"""A mapped crossing this close to the crosswalk of another one is the same if it has no room of its own, and if it is
-half as close also with room [m]."""
+SAME = 1.0
+"""A mapped crossing this close to the crosswalk of another one is the same [m]."""
+SHARED = 2.0
+"""A mapped crossing without room of its own is one way with another one whose crosswalk is this close [m]."""
 OVERLAP = 0.5
 """Crosswalks may overlap by this [m2]."""
 APART = 0.4
@@ -110,7 +111,7 @@ class CrossingPlaces:
         point = crossing.point
         about = (crossing.name, crossing.kind)
         where = (float(point[0]), float(point[1]))
-        twin = self._near(point, SAME / 2)
+        twin = self._near(point, SAME)
         if twin is not None:
             return CrossingOutcome(*about, True, f"one way with {twin.name}", point=where)
         road = self.roads.direction(point)
@@ -119,8 +120,7 @@ class CrossingPlaces:
             reason = "at the street's edge" if at_edge else "no lane near it"
             return CrossingOutcome(*about, False, reason, at_edge=at_edge, point=where)
         found = self._found(crossing, road)
-        twin = self._near(point, SAME)
-        if isinstance(found, str) and twin is not None:
+        if isinstance(found, str) and (twin := self._near(point, SHARED)) is not None:
             return CrossingOutcome(*about, True, f"one way with {twin.name}", point=where)
         if isinstance(found, str):
             near = self.region.boundary.distance(shapely.Point(point)) < NEAR_EDGE
@@ -185,7 +185,7 @@ class CrossingPlaces:
                                     kind_origin="invented")  # fmt: skip
             found = self._made(chord, source)
             if isinstance(found, Placed):
-                self.placed.append(Placed(**{**found.__dict__, "origin": "invented"}))
+                self.placed.append(replace(found, origin="invented"))
                 group = [group[one] if x == group[other] else x for x in group]
 
     def _preference(self, chord: Chord) -> tuple[bool, float]:

@@ -57,8 +57,13 @@ def mapped_crossings(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[Sou
         if found is not None:
             yield found
     left = [x for n, x in enumerate(footways) if n not in taken and x.way.tags.get("footway") == "crossing"]
-    own = [_crossing(f"way {footway.way.id}", footway.point, {}, footway) for footway in left]
-    yield from (crossing for crossing in own if crossing is not None)
+    seen: Counter[int] = Counter()
+    for footway in left:
+        seen[footway.way.id] += 1
+        name = f"way {footway.way.id}" + (f" ({seen[footway.way.id]})" if seen[footway.way.id] > 1 else "")
+        found = _crossing(name, footway.point, {}, footway)
+        if found is not None:
+            yield found
 
 
 def _crossing(name: str, place: np.ndarray, tags: Tags, footway: _Footway | None) -> SourceCrossing | None:
@@ -108,7 +113,7 @@ def _meetings(
 
 
 def crossings_elsewhere(data: OsmData) -> dict[str, int]:
-    """Return the number of crossings that lie on no imported road, by what they cross."""
+    """Return the number of crossings that lie on ways which aren't imported, by what they cross."""
     ways_at: dict[int, list[Tags]] = defaultdict(list)
     for way in data.ways:
         for node in way.nodes:
@@ -116,7 +121,7 @@ def crossings_elsewhere(data: OsmData) -> dict[str, int]:
     found: Counter[str] = Counter()
     for node, tags in data.node_tags.items():
         own = ways_at.get(node, [])
-        if is_crossing(tags) and not any(is_road(x) for x in own):
+        if own and is_crossing(tags) and not any(is_road(x) for x in own):
             found[_what(own)] += 1
     return dict(sorted(found.items()))
 

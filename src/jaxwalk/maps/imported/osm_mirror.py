@@ -18,7 +18,7 @@ OPPOSITE = -0.94
 MOST_PIECES = 2000
 """A road of more pieces is not asked."""
 CLEAR = 0.8
-"""Share of the evidence that must speak for the other side to refuse."""
+"""To refuse, the votes for the other side, less those against it, must be at least this share of all."""
 
 
 def mirrored(data: OsmData) -> OsmData:

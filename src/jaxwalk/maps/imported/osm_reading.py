@@ -41,7 +41,7 @@ class OsmData(NamedTuple):
     """x and y of nodes [m]."""
     ways: tuple[OsmWay, ...]
     node_tags: dict[int, Tags]
-    """Tags of the nodes that have some about crossings, kerbs or calming."""
+    """Tags of all nodes of the file, outside the region too, that have one of the keys that are read."""
     missing: int
     """Number of references to nodes that the file doesn't have."""
     middle: tuple[float, float]
@@ -114,7 +114,8 @@ class _Found:
         if missing and is_road(tags) and not known:
             self.missing += missing
             return
-        if around is not None and not any(around.contains(lon, lat) for _, lon, lat in known):
+        line = [(lon, lat) for _, lon, lat in known]
+        if around is not None and not (len(line) > 1 and around.meets(line)):
             return
         self.missing += missing
         nodes = [known[n][0] for n in range(len(known)) if not n or known[n][0] != known[n - 1][0]]

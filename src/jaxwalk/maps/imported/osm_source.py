@@ -71,7 +71,8 @@ def osm_map(path: Path, region: Region | None, *, left: bool = False) -> SourceM
 def _open_ends(data: OsmData, chains: Sequence[RoadChain]) -> Iterator[BaseGeometry]:
     """Yield a region across each road that ends at the map's edge, or where a road begins that isn't imported."""
     ends = Counter(node for chain in chains for node in chain.ends)
-    others = {node for way in data.ways if way.tags.get("highway") in GO_ON for node in way.nodes}
+    beyond = [way for way in data.ways if way.tags.get("highway") in GO_ON and not is_road(way.tags)]
+    others = {node for way in beyond for node in way.nodes}
     west, south, east, north = data.extent
     dead = [(chain, end, node) for chain in chains for end, node in enumerate(chain.ends) if ends[node] == 1]
     for chain, end, node in dead:
@@ -150,6 +151,7 @@ def _left_out(data: OsmData, no_turns: int) -> Iterator[str]:
         why = "private, closed, or an area" if kind in CLASSES else "not among the roads that are imported"
         yield f"{counted(count, 'way')} with highway={kind}: {why}"
     if no_turns:
-        yield f"{counted(no_turns, 'turn')} at junctions: no room for a car that turns within 4.54 m"
+        why = "too tight (a radius below 4.7 m), too sharp, or off the roadway"
+        yield f"{counted(no_turns, 'turn')} at junctions: {why}"
     if data.missing:
         yield f"{counted(data.missing, 'reference')} to nodes that the file doesn't have: parts of ways are missing"

@@ -157,7 +157,7 @@ def _lane_width(tags: Tags, lanes: int, usual: RoadClass) -> tuple[float, Origin
     whole = metres(tags.get("width:carriageway")) or metres(tags.get("width")) or metres(tags.get("est_width"))
     if whole is None:
         return usual.lane_width, "inferred"
-    parked = 0.0 if tags.get("width:carriageway") else sum(on_road(tags, side) for side in SIDES)
+    parked = sum(on_road(tags, side) for side in SIDES)  # both widths include it
     low, high = LANE_WIDTHS
     return min(max((whole - parked) / lanes, low), high), "mapped"
 
@@ -210,7 +210,7 @@ def on_road(tags: Tags, side: Side) -> float:
 
 def crossing_kind(tags: Tags, way_tags: Tags) -> tuple[CrossingType, Origin] | None:
     """Return the kind of a crossing from the tags of its node and of the way that leads over it; None: nobody may."""
-    said = [*(tags.get("crossing", "").split(";")), *(way_tags.get("crossing", "").split(";"))]
+    said = [x for each in (tags, way_tags) for x in each.get("crossing", "").split(";") if x]
     if "no" in said[:1]:
         return None
     signals = any(x in SIGNALLED for x in said) or "yes" in (
@@ -221,7 +221,7 @@ def crossing_kind(tags: Tags, way_tags: Tags) -> tuple[CrossingType, Origin] | N
     if signals:
         return "signals", "mapped"
     marked = markings not in (None, "no") or any(x in MARKED for x in said) or "crossing_ref" in tags
-    if any(x.get("traffic_calming") in RAISED for x in (tags, way_tags)) and (marked or not any(said)):
+    if any(x.get("traffic_calming") in RAISED for x in (tags, way_tags)) and (marked or not said):
         return "raised", "mapped"
     if marked and markings != "no":
         return "zebra", "mapped"

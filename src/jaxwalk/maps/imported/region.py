@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from jaxwalk.maps.imported.refusals import ImportRefusal
 
@@ -49,9 +51,9 @@ class Region(NamedTuple):
         aside = up / max(float(np.cos(np.radians(max(abs(self.south), abs(self.north))))), 0.05)
         return Region(self.west - aside, self.south - up, self.east + aside, self.north + up)
 
-    def contains(self, longitude: float, latitude: float) -> bool:
-        """Return whether a place lies in it."""
-        return self.west <= longitude <= self.east and self.south <= latitude <= self.north
+    def meets(self, line: Sequence[tuple[float, float]]) -> bool:
+        """Return whether a line of longitudes and latitudes comes into it."""
+        return bool(shapely.LineString(line).intersects(shapely.box(self.west, self.south, self.east, self.north)))
 
     def corners(self) -> np.ndarray:
         """Return longitude and latitude of its corners (4, 2)."""

@@ -82,7 +82,9 @@ def surprise(material: Material) -> Figure:
         axis.axhline(0, color=INK, lw=0.8)
         edges = [0, *(b.far for b in found)]
         axis.set(title=f"among {people}", xlim=(0, edges[-1]), xticks=edges)
-        axis.set_xlabel("distance to the nearest pedestrian of the type [m]")
+        if not bins:
+            axis.text(0.5, 0.6, "too few encounters", ha="center", transform=axis.transAxes)
+    axes[len(axes) // 2].set_xlabel("distance to the nearest pedestrian of the type [m]")
     axes[0].set_ylabel("jaywalk minus crosswalk [m/s]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
