@@ -3,6 +3,7 @@
 import gzip
 import sys
 import tracemalloc
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,7 +15,10 @@ from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.imported.importing import import_street, import_tiles, read_source, report_of
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
+from jaxwalk.maps.imported.source_map import SourceCrossing, WalkEvidence
 from jaxwalk.maps.imported.street_maker import DISTANCES
+from jaxwalk.maps.imported.sumo_ground import open_ends
+from jaxwalk.maps.imported.sumo_reading import read_net
 from maps.imported.sumo_nets import LIMIT, MIDDLE, WIDTH, road_net
 
 
@@ -82,6 +86,10 @@ def test_what_netconvert_guessed_is_inferred(tmp_path):
 def test_data_of_openstreetmap_is_named(tmp_path):
     comment = '<!-- <osm-files value="town.osm.xml"/> -->\n'
     assert "OpenStreetMap" in read_source(written(tmp_path, road_net(comment=comment))).attribution
+    names = road_net().replace("</edge>", '<param key="origId" value="7"/></edge>')
+    assert "names no author" in read_source(written(tmp_path, names)).attribution, "other formats have names too"
+    names = names.replace('id="east1"', 'id="east1" type="highway.residential"')
+    assert "OpenStreetMap" in read_source(written(tmp_path, names)).attribution
 
 
 def test_traffic_that_keeps_left_as_the_network_says(tmp_path):
@@ -94,6 +102,34 @@ def test_traffic_that_keeps_left_as_the_network_says(tmp_path):
         np.testing.assert_allclose(lane.line[:, 1], middle + (1 if east else -1) * WIDTH / 2, atol=0.01)
     with pytest.raises(ImportRefusal, match="its lanes keep right; leave --traffic left out"):
         read_source(written(tmp_path, road_net()), left=True)
+
+
+@pytest.mark.parametrize(
+    "aside, reason", [(3.8, "one way with crossing :m_c0"), (4.8, "no pavement at one of its kerbs")]
+)
+def test_a_crossing_without_room_beside_another_one_is_one_way_with_it(road, aside, reason):
+    """The crosswalk reaches 2 m to the side, and the pavement little farther."""
+    source, _ = road
+    lines = [np.array([(0.0, 50 + y), (MIDDLE + 1.0, 50 + y)]) for y in (-WIDTH - 1.25, WIDTH + 1.25)]
+    other = SourceCrossing("other", "zebra", np.array([MIDDLE + aside, 50.0]))
+    source = replace(
+        source,
+        crossings=(*source.crossings, other),
+        evidence=tuple(WalkEvidence(line, "mapped", 1.0) for line in lines),
+    )
+    first, second = import_street(source, "road", strict=True).report.crossings
+    assert first.placed and not first.reason
+    assert second.reason == reason and second.placed == reason.startswith("one way")
+
+
+def test_a_road_that_goes_on_as_a_motorway_has_an_open_end(tmp_path):
+    far = (-500.0, -500.0, 900.0, 900.0)
+    beyond = '<edge id="far" from="e" to="w" type="highway.motorway"><lane id="far_0" index="0" speed="30" ' \
+        'length="9" shape="240,50 300,50"/></edge></net>'  # fmt: skip
+    for text, count in ((road_net(), 0), (road_net().replace("</net>", beyond), 2)):
+        net = read_net(written(tmp_path, text), None)
+        edges = [edge for edge in net.edges if edge.getID() != "far"]
+        assert len(list(open_ends(net, edges, far))) == count
 
 
 def test_a_packed_network_and_a_part_of_one(tmp_path):

@@ -9,8 +9,9 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.generated.lane_paths import smallest_radius
-from jaxwalk.maps.imported.road_chains import rounded
+from jaxwalk.maps.imported.smoothing import rounded
 from jaxwalk.maps.network import Lane
+from jaxwalk.wording import counted
 
 SWATH = 1.6
 """Half the width of the roadway that a way through a junction needs [m]."""
@@ -35,6 +36,13 @@ class LaneNet(NamedTuple):
     """Regions that no street's edge may cut."""
     no_turns: int
     """Turns for which there is no room."""
+
+
+def no_room(turns: int) -> str:
+    """Return the sentence about a number of turns that aren't made."""
+    return (
+        f"{counted(turns, 'turn')} at junctions: too tight (a radius below {TIGHTEST} m), too sharp, or off the roadway"
+    )
 
 
 def heading(piece: np.ndarray) -> float:

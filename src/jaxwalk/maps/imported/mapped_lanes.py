@@ -14,8 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from jaxwalk.maps.generated.lane_paths import FROM_KERB, LaneBuilder, connect, gentle_way
 from jaxwalk.maps.imported.kerb_ground import surface
 from jaxwalk.maps.imported.lane_net import STRAIGHT, SWATH, LaneNet, along, fits, heading
-from jaxwalk.maps.imported.osm_ground import without_gaps
-from jaxwalk.maps.imported.road_chains import rounded
+from jaxwalk.maps.imported.smoothing import rounded, without_gaps
 
 SHORTEST = 2.0
 """A lane that is shorter is a part of the ways over it [m]."""

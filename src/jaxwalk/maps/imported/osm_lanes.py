@@ -21,8 +21,9 @@ from jaxwalk.maps.generated.lane_paths import (
     way_through,
 )
 from jaxwalk.maps.imported.lane_net import SWATH, LaneNet, along, fits, heading
-from jaxwalk.maps.imported.osm_ground import KERB_RADIUS, sides, without_gaps
+from jaxwalk.maps.imported.osm_ground import sides
 from jaxwalk.maps.imported.road_chains import RoadChain
+from jaxwalk.maps.imported.smoothing import KERB_RADIUS, without_gaps
 
 SHORTEST = 4.0
 """A chain that has less than this left between its mouths is a part of the junction [m]."""

@@ -12,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.imported.kerb_ground import surface
 from jaxwalk.maps.imported.mapped_lanes import band, beyond_end
-from jaxwalk.maps.imported.osm_ground import KERB_RADIUS, without_gaps
+from jaxwalk.maps.imported.smoothing import with_rounded_corners
 from jaxwalk.maps.imported.source_map import Box
 from jaxwalk.maps.imported.sumo_reading import CARS, PEOPLE, SumoNet
 
@@ -62,8 +62,7 @@ def roadway(net: SumoNet, edges: Sequence[Any]) -> BaseGeometry:
         grounds.append(surface(ground.difference(shapely.union_all(walks))))
         corners += [] if walks else [hull.buffer(AROUND_CORNERS)]
     whole = shapely.union_all([*bands, *grounds])
-    rounded = whole.buffer(KERB_RADIUS, join_style="mitre").buffer(-KERB_RADIUS, quad_segs=8)
-    return without_gaps(whole.union(rounded.intersection(shapely.union_all(corners))))
+    return with_rounded_corners(whole, shapely.union_all(corners))
 
 
 def junction_regions(net: SumoNet, edges: Sequence[Any]) -> list[BaseGeometry]:
@@ -77,16 +76,20 @@ def junction_regions(net: SumoNet, edges: Sequence[Any]) -> list[BaseGeometry]:
 
 
 def open_ends(net: SumoNet, edges: Sequence[Any], extent: Box) -> Iterator[BaseGeometry]:
-    """Yield a region across each road that ends at the network's edge, or that leads only in or only out."""
+    """Yield a region across each road that ends at the network's edge, that leads only in or only out, or that goes on
+    as a road which isn't imported.
+    """
     west, south, east, north = extent
     inside = {id(node) for node, _ in _junctions(net, edges)}
+    imported = set(map(id, edges))
     at = _by_node(edges)
     for node, own in at.values():
         if id(node) in inside:
             continue
         x, y = net.points([node.getCoord()])[0]
         one_way = len({at_end for _, at_end in own}) == 1
-        if one_way or min(x - west, east - x, y - south, north - y) < AT_EDGE:
+        goes_on = any(id(x) not in imported and is_road(x) for x in (*node.getIncoming(), *node.getOutgoing()))
+        if one_way or goes_on or min(x - west, east - x, y - south, north - y) < AT_EDGE:
             lanes = [(lane, at_end) for edge, at_end in own for lane in _paved(edge)]
             lines = [(net.points(lane.getShape())[:: 1 if at_end else -1], lane.getWidth()) for lane, at_end in lanes]
             yield shapely.union_all([beyond_end(line, width) for line, width in lines if len(line) > 1])

@@ -11,8 +11,8 @@ from xml.sax import SAXException, handler, make_parser
 
 import numpy as np
 
-from jaxwalk.maps.imported.osm_reading import ATTRIBUTION, needed
-from jaxwalk.maps.imported.refusals import ImportRefusal
+from jaxwalk.maps.imported.osm_reading import ATTRIBUTION
+from jaxwalk.maps.imported.refusals import ImportRefusal, needed
 from jaxwalk.maps.imported.region import Region
 from jaxwalk.maps.imported.source_map import Box
 from jaxwalk.maps.imported.xml_safety import CHUNK, opened, refuse_declarations
@@ -64,7 +64,7 @@ class _Handler(handler.ContentHandler):
         self.path, self.reader = path, reader
         self.root = ""
         self.left = False
-        self.from_osm = False
+        self.original_names = self.types_of_osm = False
 
     def startElement(self, name: str, attrs: Any) -> None:
         if not self.root and name != "net":
@@ -72,7 +72,8 @@ class _Handler(handler.ContentHandler):
         if not self.root:
             self.root = name
             self.left = attrs.get("lefthand", "") in ("true", "1", "yes")
-        self.from_osm |= name == "param" and attrs.get("key") == "origId"
+        self.original_names |= name == "param" and attrs.get("key") == "origId"
+        self.types_of_osm |= name == "edge" and "highway." in attrs.get("type", "")
         self.reader.startElement(name, attrs)
 
     def endElement(self, name: str) -> None:
@@ -134,7 +135,7 @@ def _sorted(path: Path, net: Any, parts: _Handler, region: Box | None) -> SumoNe
     missing = [node.getID() for edge in by_function[""] for node in _ends(edge) if not node.getType()]
     if missing:
         raise ValueError(f"junction {missing[0]} isn't in it")
-    from_osm = parts.from_osm or bool(re.search(_SET.format(option="osm-files"), head))
+    from_osm = (parts.original_names and parts.types_of_osm) or _is_set(head, "osm-files")
     words = {"crossings": ("crossings.guess",), "sidewalks": ("sidewalks.guess", "sidewalks.guess.from-permissions")}
     guessed = [word for word, options in words.items() if any(_is_set(head, option) for option in options)]
     named = ATTRIBUTION if from_osm else f"SUMO network {path.name}, which names no author"
@@ -155,7 +156,7 @@ def _is_set(head: str, option: str) -> bool:
 
 def _box(path: Path, net: Any, region: Region, left: bool) -> Box:
     """Return a region in a network's metres, mirrored if traffic keeps left. Raise ImportRefusal if it has no place."""
-    needed("pyproj", path)
+    needed("pyproj", path, "osm")
     if not net.hasGeoProj():
         raise ImportRefusal(f"{path}: doesn't say where on earth it lies; leave --centre and --bbox out")
     corners = np.array([net.convertLonLat2XY(*corner) for corner in region.corners().tolist()])

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import shapely
 
+from jaxwalk.maps.imported.lane_net import no_room
 from jaxwalk.maps.imported.mapped_lanes import MappedLane, MappedTurn, mapped_lane_net
-from jaxwalk.maps.imported.osm_reading import AROUND, MOST_AREA
 from jaxwalk.maps.imported.refusals import ImportRefusal
-from jaxwalk.maps.imported.region import Region
+from jaxwalk.maps.imported.region import AROUND, Region, refuse_large
 from jaxwalk.maps.imported.source_map import Box, Origin, SourceCrossing, SourceMap, WalkEvidence
 from jaxwalk.maps.imported.sumo_ground import TRACKS, is_for, is_road, is_walk, junction_regions, open_ends, roadway
 from jaxwalk.maps.imported.sumo_reading import CARS, PEOPLE, SumoNet, read_net
@@ -37,7 +37,7 @@ MOST_VIA = 4
 
 def sumo_map(path: Path, region: Region | None, *, left: bool = False) -> SourceMap:
     """Return what a SUMO network has; ``left``: traffic keeps left. Raise ImportRefusal if it can't be used."""
-    net = read_net(path, region)
+    net = _in_region(read_net(path, region))
     if left and not net.left:
         raise ImportRefusal(f"{path}: its lanes keep right; leave --traffic left out")
     edges = _imported(net)
@@ -45,7 +45,7 @@ def sumo_map(path: Path, region: Region | None, *, left: bool = False) -> Source
         where = "" if region is None else " in this region"
         raise ImportRefusal(f"{path}: has no roads{where} (edges with lanes for cars); name another file or part")
     extent = net.region or _extent(net, edges)
-    _check_size(path, extent)
+    refuse_large(path, extent)
     ground = roadway(net, edges)
     lanes, turns = _lanes(net, edges)
     made = mapped_lane_net(lanes, turns, ground, junction_regions(net, edges))
@@ -71,16 +71,19 @@ def sumo_map(path: Path, region: Region | None, *, left: bool = False) -> Source
     )
 
 
-def _imported(net: SumoNet) -> list[Any]:
-    """Return the edges of roads, in the region; none if no car may drive on any."""
-    found = [edge for edge in net.edges if edge.getType() not in LEFT_OUT and is_road(edge)]
-    if not any(_is_driven(lane) for edge in found for lane in edge.getLanes()):
-        return []
+def _in_region(net: SumoNet) -> SumoNet:
+    """Return a network with only the edges that come close to the region."""
     if net.region is None:
-        return found
+        return net
     west, south, east, north = (x + sign * AROUND for x, sign in zip(net.region, (-1, -1, 1, 1), strict=True))
     box = shapely.box(west, south, east, north)
-    return [edge for edge in found if box.intersects(shapely.LineString(_middle(net, edge)))]
+    return net._replace(edges=[x for x in net.edges if box.intersects(shapely.LineString(_middle(net, x)))])
+
+
+def _imported(net: SumoNet) -> list[Any]:
+    """Return the edges of roads; none if no car may drive on any."""
+    found = [edge for edge in net.edges if edge.getType() not in LEFT_OUT and is_road(edge)]
+    return found if any(_is_driven(lane) for edge in found for lane in edge.getLanes()) else []
 
 
 def _middle(net: SumoNet, edge: Any) -> np.ndarray:
@@ -100,15 +103,6 @@ def _extent(net: SumoNet, edges: Sequence[Any]) -> Box:
     points = np.concatenate([_line(net, lane) for edge in edges for lane in edge.getLanes()])
     (west, south), (east, north) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
     return west, south, east, north
-
-
-def _check_size(path: Path, extent: Box) -> None:
-    width, height = extent[2] - extent[0], extent[3] - extent[1]
-    if width * height > MOST_AREA:
-        raise ImportRefusal(
-            f"{path}: its roads cover {width / 1000:.1f} x {height / 1000:.1f} km, more than {MOST_AREA / 1e6:.0f} "
-            "km2; name a part with --centre and --radius, or --bbox"
-        )
 
 
 def _lanes(net: SumoNet, edges: Sequence[Any]) -> tuple[list[MappedLane], list[MappedTurn]]:
@@ -200,13 +194,14 @@ def _left_out(net: SumoNet, edges: Sequence[Any], no_turns: int) -> Iterator[str
     if buses:
         yield f"the lanes of {counted(buses, 'edge')} where no car may drive: they are roadway, on which nobody drives"
     if no_turns:
-        yield f"{counted(no_turns, 'turn')} at junctions: no room for a car that turns within 4.54 m"
+        yield no_room(no_turns)
 
 
 def _elsewhere(net: SumoNet, edges: Sequence[Any]) -> dict[str, int]:
-    """Return the number of crossings that lead over no imported road, by what they cross."""
-    imported = set(map(id, edges))
-    others = [x for x in net.crossings if not any(id(edge) in imported for edge in x.getCrossingEdges())]
+    """Return the number of crossings that lead only over edges which aren't imported, by what they cross."""
+    imported, near = set(map(id, edges)), set(map(id, net.edges))
+    crossed = [(x, set(map(id, x.getCrossingEdges()))) for x in net.crossings]
+    others = [x for x, own in crossed if own & near and not own & imported]
     kinds = Counter(
         "tracks" if any(lane.getPermissions() & TRACKS for edge in x.getCrossingEdges() for lane in edge.getLanes())
         else "other ways"
