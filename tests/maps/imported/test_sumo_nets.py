@@ -4,15 +4,12 @@ import gzip
 import sys
 import tracemalloc
 from dataclasses import replace
-from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 import pytest
-import shapely
 
 from jaxwalk.maps.check_network import network_faults
-from jaxwalk.maps.imported.importing import import_street, import_tiles, read_source, report_of
+from jaxwalk.maps.imported.importing import import_street, read_source, report_of
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
 from jaxwalk.maps.imported.source_map import SourceCrossing, WalkEvidence
@@ -189,23 +186,3 @@ def test_each_format_without_the_others_packages(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "sumolib", None)
     with pytest.raises(ImportRefusal, match=r'needs sumolib; install it by: pip install "jaxwalk\[sumo\]"'):
         read_source(path)
-
-
-GAMES = {"fkk_in/ingolstadt.net.xml.gz": 11, "fokr_bs_demo/fokr_bs.net.xml.gz": 8}
-
-
-@pytest.mark.long
-@pytest.mark.skipif(find_spec("sumo") is None, reason="needs the data of the package eclipse-sumo")
-@pytest.mark.parametrize("name, crossings", GAMES.items())
-def test_networks_of_eclipse_sumo(name, crossings):
-    path = Path(find_spec("sumo").submodule_search_locations[0]) / "tools/game" / name
-    source = read_source(path)
-    streets = import_tiles(source)
-    found = report_of(source, streets, name, strict=False).crossings()
-    placed = [outcome for outcome in found.values() if outcome.placed]
-    assert len(source.crossings) == crossings and len(placed) >= 0.9 * len(found)
-    assert sum(x.report.usable for x in streets) >= 0.7 * len(streets)
-    for street in (x for x in streets if x.network is not None):
-        assert network_faults(street.network, **DISTANCES) == []
-        roadway = street.network.surface("roadway")
-        assert all(roadway.buffer(0.05).covers(shapely.LineString(x.line)) for x in street.network.lanes)
