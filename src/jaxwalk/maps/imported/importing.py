@@ -1,4 +1,4 @@
-"""Importing a file: its format is told by its name and content, and each format needs only its own packages."""
+"""Importing a file: its format is told by its name, and each format needs only its own packages."""
 
 from __future__ import annotations
 
@@ -39,14 +39,26 @@ def read_source(path: Path, region: Region | None = None, *, left: bool = False)
 
 
 def import_street(source: SourceMap, name: str, *, strict: bool = False) -> ImportedStreet:
-    """Return a whole source map as one street. Raise ImportRefusal if it is too large for that."""
+    """Return a whole source map as one street; ``strict``: no sidewalk and no crossing is invented.
+
+    Raises ImportRefusal if it is too large for one street.
+    """
     return single_street(source, name, strict=strict)
 
 
 def import_tiles(
     source: SourceMap, size: float = 200.0, *, strict: bool = False, told: Callable[[int, int], None] = lambda *_: None
 ) -> list[ImportedStreet]:
-    """Return the streets of all tiles that have a mapped crossing; `tiles` says what the arguments are."""
+    """Return the streets of all tiles that have a mapped crossing.
+
+    Args:
+        source: the map.
+        size: side of a tile [m].
+        strict: whether no sidewalk and no crossing may be invented.
+        told: is called with the number of tiles made so far, and of all.
+
+    Raises ImportRefusal if no crossing is mapped.
+    """
     found = list(tiles(source, "tile", size, strict=strict, told=told))
     if not found:
         raise ImportRefusal(
@@ -56,7 +68,7 @@ def import_tiles(
 
 
 def report_of(source: SourceMap, streets: Sequence[ImportedStreet], file: str, *, strict: bool) -> ImportReport:
-    """Return the report on some streets of a source map."""
+    """Return the report on some streets of a source map, which were made of a file; ``file`` is its name."""
     reports = tuple(street.report for street in streets)
     named = {outcome.name for report in reports for outcome in report.crossings}
     nowhere = tuple(

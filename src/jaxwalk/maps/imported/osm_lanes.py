@@ -53,8 +53,10 @@ def lane_net(chains: Sequence[RoadChain], roadway: BaseGeometry, ends: Sequence[
     clusters = _clusters(chains, inside)
     by_cluster: dict[int, _Cluster] = defaultdict(_Cluster)
     for number, chain in enumerate(chains):
-        for node in chain.ends:
-            by_cluster[clusters[node]].places += [chain.curve.points[-(node == chain.ends[1])]] * inside[number]
+        for end, node in enumerate(chain.ends):
+            cluster = by_cluster[clusters[node]]
+            if inside[number]:
+                cluster.places.append(chain.curve.points[-end])  # the first point, or the last
         if not inside[number]:
             _add_lanes(built, (number, chain), ends[number], clusters, by_cluster)
     count, ways, no_turns = len(built.lines), [], 0

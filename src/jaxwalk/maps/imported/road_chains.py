@@ -72,9 +72,8 @@ def road_chains(data: OsmData) -> list[RoadChain]:
 
 def _paths(at: dict[int, list[_Segment]]) -> Iterator[list[tuple[_Segment, bool]]]:
     """Yield paths of segments between breaks, each with whether it is followed backward."""
-    breaks = [node for node, own in at.items() if _breaks(node, own)]
     used: set[int] = set()
-    nodes = [*breaks, *(node for node in at if node not in breaks)]  # the latter begin closed roads
+    nodes = sorted(at, key=lambda node: not _breaks(node, at[node]))  # breaks first; the others begin closed roads
     for node, segment in ((x, segment) for x in nodes for segment in at[x]):
         if id(segment) not in used:
             yield _follow(at, node, segment, used)
