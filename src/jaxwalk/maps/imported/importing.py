@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from jaxwalk.maps.imported.crossing_places import CrossingOutcome
+from jaxwalk.maps.imported.opendrive_source import opendrive_map
 from jaxwalk.maps.imported.osm_source import osm_map
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
@@ -19,7 +20,9 @@ OSM = (".osm", ".pbf")
 """How the names of OpenStreetMap files end."""
 SUMO = (".net.xml", ".net.xml.gz")
 """How the names of SUMO networks end."""
-KNOWN = "OpenStreetMap (.osm, .osm.pbf) and SUMO networks (.net.xml, .net.xml.gz)"
+OPENDRIVE = (".xodr",)
+"""How the names of OpenDRIVE files end."""
+KNOWN = "OpenStreetMap (.osm, .osm.pbf), SUMO networks (.net.xml, .net.xml.gz) and OpenDRIVE (.xodr)"
 CUT_OFF = "where its road is cut off at the edge"
 """Why a crossing lies in no street."""
 
@@ -35,6 +38,8 @@ def read_source(path: Path, region: Region | None = None, *, left: bool = False)
         return osm_map(path, region, left=left)
     if path.name.lower().endswith(SUMO):
         return sumo_map(path, region, left=left)
+    if path.name.lower().endswith(OPENDRIVE):
+        return opendrive_map(path, region, left=left)
     raise ImportRefusal(f"{path}: not a format that is known by its name; known are {KNOWN}")
 
 

@@ -65,13 +65,13 @@ def roadway(net: SumoNet, edges: Sequence[Any]) -> BaseGeometry:
     return with_rounded_corners(whole, shapely.union_all(corners))
 
 
-def junction_regions(net: SumoNet, edges: Sequence[Any]) -> list[BaseGeometry]:
-    """Return the regions of junctions that no street's edge may cut."""
+def junction_regions(net: SumoNet, edges: Sequence[Any], kind: str = "") -> list[BaseGeometry]:
+    """Return the regions of junctions that no street's edge may cut; ``kind``: only those whose type begins so."""
     return [
         shapely.MultiPoint(
             np.concatenate([_corners(net, edge, at_end) for edge, at_end in own] + [net.points(node.getShape())])
         ).convex_hull.buffer(AROUND_JUNCTION)
-        for node, own in _junctions(net, edges)
+        for node, own in _junctions(net, edges) if node.getType().startswith(kind)
     ]  # fmt: skip
 
 

@@ -37,12 +37,17 @@ MOST_VIA = 4
 
 def sumo_map(path: Path, region: Region | None, *, left: bool = False) -> SourceMap:
     """Return what a SUMO network has; ``left``: traffic keeps left. Raise ImportRefusal if it can't be used."""
-    net = _in_region(read_net(path, region))
+    return net_map(path, read_net(path, region), left=left)
+
+
+def net_map(path: Path, net: SumoNet, *, left: bool) -> SourceMap:
+    """Return what a network has that was read from a file, ``path``. Raise ImportRefusal if it can't be used."""
+    net = _in_region(net)
     if left and not net.left:
         raise ImportRefusal(f"{path}: its lanes keep right; leave --traffic left out")
-    edges = _imported(net)
+    edges = imported_edges(net)
     if not edges:
-        where = "" if region is None else " in this region"
+        where = "" if net.region is None else " in this region"
         raise ImportRefusal(f"{path}: has no roads{where} (edges with lanes for cars); name another file or part")
     extent = net.region or _extent(net, edges)
     refuse_large(path, extent)
@@ -80,7 +85,7 @@ def _in_region(net: SumoNet) -> SumoNet:
     return net._replace(edges=[x for x in net.edges if box.intersects(shapely.LineString(_middle(net, x)))])
 
 
-def _imported(net: SumoNet) -> list[Any]:
+def imported_edges(net: SumoNet) -> list[Any]:
     """Return the edges of roads; none if no car may drive on any."""
     found = [edge for edge in net.edges if edge.getType() not in LEFT_OUT and is_road(edge)]
     return found if any(_is_driven(lane) for edge in found for lane in edge.getLanes()) else []
@@ -160,7 +165,8 @@ def _kind(net: SumoNet, crossing: Any) -> tuple[CrossingType, Origin]:
 def _evidence(net: SumoNet) -> Iterator[WalkEvidence]:
     """Yield sidewalks, paths, and the outlines of walking areas."""
     origin = "inferred" if "sidewalks" in net.guessed else "mapped"
-    lanes = [lane for edge in net.edges for lane in edge.getLanes() if is_walk(lane)]
+    lanes = [lane for edge in net.edges for lane in edge.getLanes()]
+    lanes = [lane for lane in (*lanes, *net.inner.values()) if is_walk(lane)]
     yield from (WalkEvidence(line, origin, AT_KERB) for lane in lanes if len(line := _line(net, lane)) > 1)
     for area in net.walking_areas:
         outline = _line(net, area.getLanes()[0])
