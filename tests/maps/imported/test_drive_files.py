@@ -40,7 +40,7 @@ def test_only_crosswalks_are_read_whatever_their_ids(tmp_path):
     others = crosswalk(10, kind="pole") + crosswalk(20, kind="-1", name="Stencil_STOP") + crosswalk(30, kind="none")
     known = crosswalk(40) + crosswalk(50, kind="-1", name="ContinentalCrosswalk")
     file = opendrive_file(written(tmp_path, drive_file(others + known)))
-    assert list(file.crosswalks.values()) == ["crosswalk 9 of road 1"] * 2
+    assert list(file.crosswalks.values()) == ["crosswalk 9 of road 1", "crosswalk 9 of road 1 (2)"]
     assert [x.get("s") for x in fromstring(file.text).iter("object")] == ["40", "50"]
     assert b"geoReference" not in file.text, "else netconvert writes degrees"
 

@@ -22,8 +22,9 @@ else:
 class Import:
     """Make streets of a map of the real world, with a report of what was mapped, inferred, invented and left out.
 
-    OpenStreetMap (.osm, .osm.pbf; needs pip install "jaxwalk[osm]") and SUMO networks (.net.xml, .net.xml.gz; needs
-    pip install "jaxwalk[sumo]"). See docs/real-streets.md. For example:
+    OpenStreetMap (.osm, .osm.pbf; needs pip install "jaxwalk[osm]"), SUMO networks (.net.xml, .net.xml.gz; needs
+    pip install "jaxwalk[sumo]") and OpenDRIVE (.xodr; needs pip install "jaxwalk[opendrive]"). See
+    docs/real-streets.md. For example:
     jaxwalk import town.osm.pbf --centre 60.1699 24.9384 --radius 300 --out town
     """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -62,7 +63,7 @@ def _remove(element: Element, *tags: str) -> None:
 
 def _crosswalks(root: Element) -> Iterator[tuple[str, str]]:
     """Leave only crosswalks among the objects of all roads, and yield their new ids and where they are from."""
-    count = 0
+    seen: Counter[str] = Counter()
     everything = [(road, objects, thing) for road in root.iter("road") for objects in road.iter("objects")
                   for thing in list(objects)]  # fmt: skip
     for road, objects, thing in everything:
@@ -70,10 +71,11 @@ def _crosswalks(root: Element) -> Iterator[tuple[str, str]]:
             objects.remove(thing)
             continue
         name = f"crosswalk {thing.get('id')} of road {road.get('id')}"
-        thing.attrib |= {"id": f"crosswalk {count}", **_box(thing)}
+        seen[name] += 1
+        name += f" ({seen[name]})" if seen[name] > 1 else ""
+        thing.attrib |= {"id": f"crosswalk {seen.total()}", **_box(thing)}
         _remove(thing, *{child.tag for child in thing})
         yield thing.attrib["id"], name
-        count += 1
 
 
 def _is_crosswalk(thing: Element) -> bool:
