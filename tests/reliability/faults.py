@@ -61,10 +61,12 @@ def cases(everything: bool, pattern: str) -> Iterator[tuple[Fault, str]]:
 
 
 def prepare(folder: Path, cache: Path) -> None:
-    """Make what commands read: a trained run and a table of trajectories."""
-    for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet"):
+    """Make what commands read: a trained run, a table of trajectories, an entry of a leaderboard, and a town."""
+    entry = "evaluate --driver route-follower --episodes 2000 --out entry"
+    for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet", entry):
         done = subprocess.run(_command(line), cwd=folder, env=_environment(cache), check=False, capture_output=True)
         assert done.returncode == 0, done.stderr.decode()
+    (folder / "entry" / "README.md").write_text("a car that looks at nobody")
     cross().write(folder / "cross.osm")
 
 
