@@ -85,11 +85,13 @@ def test_a_part_of_the_earth_and_a_missing_program_are_refused(tmp_path, monkeyp
 
 
 def test_what_netconvert_says_is_named(tmp_path, monkeypatch):
-    """A program that fails, writes nothing, or doesn't end."""
+    """A program that can't run, fails, writes nothing, or doesn't end."""
     path = written(tmp_path, WHOLE)
     program = tmp_path / "netconvert"
     monkeypatch.setattr(opendrive_source, "_netconvert", lambda _: str(program))
     monkeypatch.setattr(opendrive_source, "LONGEST", 0.5)
+    with pytest.raises(ImportRefusal, match="netconvert can't be started"):
+        read_source(path)
     for script, message in (
         ("echo 'Error: no roads in it.' >&2; exit 1", r"can't make a network of it \(Error: no roads in it\.\)"),
         ("exit 0", r"can't make a network of it \(exit code 0\)"),

@@ -57,7 +57,7 @@ def test_a_road_of_an_opendrive_file(tmp_path):
 
 def test_an_opendrive_file_of_which_netconvert_makes_nothing(tmp_path):
     path = tmp_path / "road.xodr"
-    for text in (drive_file("").replace('type="driving"', 'type="none"'), drive_file("").replace("<line/>", "")):
+    for text in (drive_file("").replace('type="driving"', 'type="special9"'), drive_file("").replace("<line/>", "")):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(ImportRefusal) as refusal:
             read_source(path)

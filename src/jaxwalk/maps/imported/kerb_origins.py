@@ -120,14 +120,15 @@ def touching(stretches: Sequence[Stretch], walks: Sequence[shapely.LineString]) 
 def known_lines(walks: Sequence[shapely.LineString], stretches: Sequence[Stretch]) -> Iterator[shapely.LineString]:
     """Yield the parts of lines of people that aren't invented, those that touch as one."""
     for number, group in groupby(stretches, lambda stretch: stretch.walk):
-        walk, own = walks[number], list(group)
-        parts: list[np.ndarray] = []
-        for known, run in groupby(own, lambda stretch: stretch.origin != "invented"):
-            ends = list(run)
-            if known:
-                part = shapely.ops.substring(walk, ends[0].begin, ends[-1].end)
-                parts.append(shapely.get_coordinates(part))
-        if len(parts) > 1 and walk.is_ring and "invented" not in (own[0].origin, own[-1].origin):
-            parts[0] = np.concatenate([parts.pop(), parts[0][1:]])
-        lines = [walk] if all(x.origin != "invented" for x in own) else map(shapely.LineString, parts)
-        yield from (line for line in lines if line.length > SHORTEST)
+        yield from (line for line in _known(walks[number], list(group)) if line.length > SHORTEST)
+
+
+def _known(walk: shapely.LineString, stretches: Sequence[Stretch]) -> list[shapely.LineString]:
+    """Return the parts of a line of people that aren't invented; a closed one may go on where it begins."""
+    runs = [list(run) for known, run in groupby(stretches, lambda x: x.origin != "invented") if known]
+    if len(runs) == 1 and len(runs[0]) == len(stretches):
+        return [walk]
+    parts = [shapely.get_coordinates(shapely.ops.substring(walk, run[0].begin, run[-1].end)) for run in runs]
+    if len(parts) > 1 and walk.is_ring and "invented" not in (stretches[0].origin, stretches[-1].origin):
+        parts[0] = np.concatenate([parts.pop(), parts[0][1:]])
+    return [shapely.LineString(part) for part in parts]

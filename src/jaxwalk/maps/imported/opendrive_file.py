@@ -25,6 +25,7 @@ class DriveFile(NamedTuple):
     text: bytes
     crosswalks: dict[str, str]
     """By their ids in ``text``: the ids of the object and its road in the file, in words."""
+    lane_types: tuple[str, ...]
 
 
 def opendrive_file(path: Path) -> DriveFile:
@@ -53,7 +54,8 @@ def opendrive_file(path: Path) -> DriveFile:
         crosswalks = dict(_crosswalks(root))
     except ValueError as error:
         raise ImportRefusal(f"{path}: a crosswalk isn't as the format has it ({error}); export it again") from None
-    return DriveFile(tostring(root), crosswalks)
+    types = sorted({lane.get("type", "") for lane in root.iter("lane")})
+    return DriveFile(tostring(root), crosswalks, tuple(types))
 
 
 def _remove(element: Element, *tags: str) -> None:

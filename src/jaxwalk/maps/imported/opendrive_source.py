@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.etree.ElementTree import parse
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import shapely
@@ -36,8 +37,7 @@ LANES = {
     **dict.fromkeys(("bus", "taxi"), "bus"), "biking": "bicycle", "tram": "tram", "rail": "rail",
     **dict.fromkeys(("sidewalk", "walking"), "pedestrian"),
 }  # fmt: skip
-"""Who may use the lanes of a type. All others (border, curb, median, none) are no part of the roadway."""
-NOBODY = ("none", "border", "curb", "median")
+"""Who may use the lanes of a type. Those of all others (border, curb, median, none) are no part of the roadway."""
 OPTIONS = (
     "--xml-validation", "never", "--offset.disable-normalization", "--opendrive.import-all-lanes",
     "--opendrive.internal-shapes", "--opendrive.lane-shapes", "--output.street-names", "--no-warnings",
@@ -55,12 +55,13 @@ def opendrive_map(path: Path, region: Region | None, *, left: bool = False) -> S
     made = net_map(path, net, left=left)
     found = tuple(_crossings(net, made, file, outlines))
     lost = len(file.crosswalks) - len(found)
+    more = (f"{counted(lost, 'crosswalk')} that netconvert doesn't place",) if lost else ()
     return replace(
         made,
         format="OpenDRIVE, roads by netconvert",
         attribution=f"OpenDRIVE file {path.name}, which names no author",
         crossings=found,
-        left_out=(*made.left_out, *[f"{counted(lost, 'crosswalk')} that netconvert doesn't place"] * bool(lost)),
+        left_out=made.left_out + more,
     )
 
 
@@ -82,13 +83,15 @@ def _converted(path: Path, program: str, file: DriveFile, folder: Path) -> tuple
     """Return the network of a file, and the outlines (corner, 2) of objects by their ids [m]."""
     roads, types, made, shapes = (folder / name for name in ("roads.xodr", "types.xml", "made.net.xml", "shapes.xml"))
     roads.write_bytes(file.text)
-    types.write_text(_lane_types(), encoding="utf-8")
+    types.write_text(_lane_types(file.lane_types), encoding="utf-8")
     files = ("--opendrive-files", roads, "--type-files", types, "--output-file", made, "--polygon-output", shapes)
     command = [program, *OPTIONS, *map(str, files)]
     try:
         done = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False, cwd=folder)
     except subprocess.TimeoutExpired:
         raise ImportRefusal(f"{path}: netconvert took longer than {LONGEST:g} s; cut a part out") from None
+    except OSError as error:
+        raise ImportRefusal(f"{path}: netconvert can't be started ({error}); install eclipse-sumo again") from None
     if done.returncode or not made.is_file():
         said = done.stderr.decode("utf-8", "replace").replace(str(roads), path.name)
         errors = [line for line in said.splitlines() if line.startswith("Error")] or said.splitlines()[-1:]
@@ -101,11 +104,10 @@ def _converted(path: Path, program: str, file: DriveFile, folder: Path) -> tuple
     return net, dict(_outlines(shapes)) if shapes.is_file() else {}
 
 
-def _lane_types() -> str:
-    """Return the file that says who may use which lanes."""
-    types = [f'<type id="{name}" allow="{who}" priority="1"/>' for name, who in LANES.items()]
-    types += [f'<type id="{name}" disallow="all"/>' for name in NOBODY]
-    return f"<types>{''.join(types)}</types>"
+def _lane_types(names: Iterable[str]) -> str:
+    """Return the file that says who may use lanes of some types; without it, everybody may use unknown ones."""
+    said = {name: f'allow="{LANES[name]}" priority="1"' if name in LANES else 'disallow="all"' for name in names}
+    return f"<types>{''.join(f'<type id={quoteattr(name)} {who}/>' for name, who in said.items())}</types>"
 
 
 def _outlines(path: Path) -> Iterator[tuple[str, np.ndarray]]:

@@ -54,9 +54,8 @@ def lane_net(chains: Sequence[RoadChain], roadway: BaseGeometry, ends: Sequence[
     by_cluster: dict[int, _Cluster] = defaultdict(_Cluster)
     for number, chain in enumerate(chains):
         for end, node in enumerate(chain.ends):
-            cluster = by_cluster[clusters[node]]
-            if inside[number]:
-                cluster.places.append(chain.curve.points[-end])  # the first point, or the last
+            own = [chain.curve.points[-end]] if inside[number] else []  # the first point, or the last
+            by_cluster[clusters[node]].places += own
         if not inside[number]:
             _add_lanes(built, (number, chain), ends[number], clusters, by_cluster)
     count, ways, no_turns = len(built.lines), [], 0
