@@ -50,14 +50,17 @@ class WalkLines:
         A closed line is joined all around, from its first node on.
         """
         line, nodes = self.lines[number], sorted(self.on_line[number])
-        if line.is_ring and nodes:
+        closed = line.is_ring
+        if closed and nodes:
             line, nodes = _from(line, nodes)
         if not nodes or nodes[0][0] > SAME:
             nodes.insert(0, (0.0, self.add(shapely.get_coordinates(line)[0], waypoint=True)))
         if nodes[-1][0] < line.length - SAME:
             nodes.append((line.length, self.add(shapely.get_coordinates(line)[-1], waypoint=True)))
+        # Two nodes of a closed line may follow each other both ways around: only the shorter way is without nodes.
         for (begin, one), (end, other) in pairwise(nodes):
-            if frozenset((one, other)) in self.straight:
+            is_shorter = not closed or end - begin <= line.length / 2
+            if frozenset((one, other)) in self.straight and is_shorter:
                 self.edges.append((one, other))
                 continue
             cuts = np.linspace(begin, end, int(np.ceil((end - begin) / WAYPOINT_EVERY)) + 1)

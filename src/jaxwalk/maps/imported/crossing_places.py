@@ -22,6 +22,8 @@ NEAR_EDGE = 30.0
 """A crossing that can't be placed may find room in a neighbouring street if it lies so close to the edge [m]."""
 SAME = 1.0
 """A mapped crossing this close to the crosswalk of another one is the same [m]."""
+SHARED = 2.0
+"""A mapped crossing without room of its own is one way with another one whose crosswalk is this close [m]."""
 OVERLAP = 0.5
 """Crosswalks may overlap by this [m2]."""
 APART = 0.4
@@ -109,7 +111,7 @@ class CrossingPlaces:
         point = crossing.point
         about = (crossing.name, crossing.kind)
         where = (float(point[0]), float(point[1]))
-        twin = next((x for x in self.placed if self._is_same(x, point)), None)
+        twin = self._near(point, SAME)
         if twin is not None:
             return CrossingOutcome(*about, True, f"one way with {twin.name}", point=where)
         road = self.roads.direction(point)
@@ -118,6 +120,8 @@ class CrossingPlaces:
             reason = "at the street's edge" if at_edge else "no lane near it"
             return CrossingOutcome(*about, False, reason, at_edge=at_edge, point=where)
         found = self._found(crossing, road)
+        if isinstance(found, str) and (twin := self._near(point, SHARED)) is not None:
+            return CrossingOutcome(*about, True, f"one way with {twin.name}", point=where)
         if isinstance(found, str):
             near = self.region.boundary.distance(shapely.Point(point)) < NEAR_EDGE
             return CrossingOutcome(*about, False, found, at_edge=near, point=where)
@@ -136,8 +140,10 @@ class CrossingPlaces:
             found = found if isinstance(moved, str) else moved
         return found
 
-    def _is_same(self, other: Placed, point: np.ndarray) -> bool:
-        return any(area.distance(shapely.Point(point)) < SAME for area in other.areas)
+    def _near(self, point: np.ndarray, metres: float) -> Placed | None:
+        """Return a placed crossing with a crosswalk so close to a point (2,), or None."""
+        at = shapely.Point(point)
+        return next((x for x in self.placed if any(area.distance(at) < metres for area in x.areas)), None)
 
     def _made(self, chord: Chord, crossing: SourceCrossing) -> Placed | str:
         """Return the crossing on a chord, as wide as there is room for, or why there is none."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import groupby
+from collections.abc import Iterator, Sequence
+from itertools import groupby, pairwise
 from typing import NamedTuple
 
 import numpy as np
 import shapely
+import shapely.ops
 
 from jaxwalk.maps.imported.source_map import Origin, WalkEvidence
 
@@ -17,6 +18,8 @@ PARALLEL = 0.87
 """Cosine of the largest angle between a line of people and what speaks of it: 30 degrees."""
 JOINED = 15.0
 """A gap in what the source says, up to this length, is closed: corners of junctions, driveways [m]."""
+SHORTEST = 1.0
+"""A shorter part of a line of people is left out [m]."""
 RANK: tuple[Origin, ...] = ("mapped", "inferred", "invented")
 
 
@@ -82,16 +85,50 @@ class KerbEvidence:
 
 
 def _closed(stretches: list[Stretch], *, ring: bool) -> list[Stretch]:
-    """Return the stretches with short gaps between parts that aren't invented closed."""
+    """Return the stretches of a line with short gaps between parts that aren't invented closed.
+
+    A gap of a closed line may lie across the line's begin and end.
+    """
     last = len(stretches) - 1
+    across = ring and last > 0 and stretches[0].origin == stretches[last].origin == "invented"
 
     def known(number: int) -> bool:
         inside = 0 <= number <= last or (ring and last > 0)
         return inside and stretches[number % len(stretches)].origin != "invented"
 
+    def is_gap(number: int) -> bool:
+        metres, before, after = stretches[number].metres, number - 1, number + 1
+        if across and number in (0, last):
+            metres, before, after = stretches[0].metres + stretches[last].metres, last - 1, 1
+        return metres <= JOINED and known(before) and known(after)
+
     return [
-        stretch._replace(origin="inferred", joined=True)
-        if stretch.origin == "invented" and stretch.metres <= JOINED and known(n - 1) and known(n + 1)
-        else stretch
+        stretch._replace(origin="inferred", joined=True) if stretch.origin == "invented" and is_gap(n) else stretch
         for n, stretch in enumerate(stretches)
     ]
+
+
+def touching(stretches: Sequence[Stretch], walks: Sequence[shapely.LineString]) -> Iterator[tuple[int, int]]:
+    """Yield the numbers of each two stretches that follow each other, also where a closed line begins and ends."""
+    for walk, group in groupby(range(len(stretches)), lambda n: stretches[n].walk):
+        own = list(group)
+        yield from pairwise(own)
+        if len(own) > 1 and walks[walk].is_ring:
+            yield own[-1], own[0]
+
+
+def known_lines(walks: Sequence[shapely.LineString], stretches: Sequence[Stretch]) -> Iterator[shapely.LineString]:
+    """Yield the parts of lines of people that aren't invented, those that touch as one."""
+    for number, group in groupby(stretches, lambda stretch: stretch.walk):
+        yield from (line for line in _known(walks[number], list(group)) if line.length > SHORTEST)
+
+
+def _known(walk: shapely.LineString, stretches: Sequence[Stretch]) -> list[shapely.LineString]:
+    """Return the parts of a line of people that aren't invented; a closed one may go on where it begins."""
+    runs = [list(run) for known, run in groupby(stretches, lambda x: x.origin != "invented") if known]
+    if len(runs) == 1 and len(runs[0]) == len(stretches):
+        return [walk]
+    parts = [shapely.get_coordinates(shapely.ops.substring(walk, run[0].begin, run[-1].end)) for run in runs]
+    if len(parts) > 1 and walk.is_ring and "invented" not in (stretches[0].origin, stretches[-1].origin):
+        parts[0] = np.concatenate([parts.pop(), parts[0][1:]])
+    return [shapely.LineString(part) for part in parts]

@@ -11,17 +11,14 @@ from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.imported.osm_tags import Side, parked
 from jaxwalk.maps.imported.road_chains import ChainPiece, RoadChain
+from jaxwalk.maps.imported.smoothing import with_rounded_corners
 
-KERB_RADIUS = 5.0
-"""Radius of kerbs at corners [m]."""
 AROUND = 8.0
 """Corners are rounded this far around a junction's roadway [m]."""
 LONGEST_MOUTH, STEP, PROBE = 25.0, 0.5, 0.05
 """A mouth is looked for so far from a junction, in such steps, this far beside the road [m]."""
 WIDENED = 3.0
 """Where only lanes change, their ends are so far apart from the place [m]."""
-FINEST = 0.01
-"""Kerbs are simplified by at most this [m]."""
 
 
 def strip_width(piece: ChainPiece, side: Side) -> float:
@@ -50,17 +47,10 @@ def band(chain: RoadChain, low: float, high: float, right: float, left: float) -
 def raw_roadway(chains: Sequence[RoadChain]) -> BaseGeometry:
     """Return the union of all roads, with corners rounded at junctions."""
     whole = shapely.union_all(list(_bands(chains)))
-    rounded = whole.buffer(KERB_RADIUS, join_style="mitre").buffer(-KERB_RADIUS, quad_segs=8)
     around = shapely.union_all([
         shapely.Point(place).buffer(reach + AROUND) for _, place, reach, count in junctions(chains) if count > 2
     ])  # fmt: skip
-    return without_gaps(whole.union(rounded.intersection(around)))
-
-
-def without_gaps(surface: BaseGeometry) -> BaseGeometry:
-    """Return a surface without gaps of less than a metre and without needless corners."""
-    closed = surface.buffer(0.5, join_style="mitre").buffer(-0.5, join_style="mitre")
-    return closed.union(surface).simplify(FINEST)
+    return with_rounded_corners(whole, around)
 
 
 def _bands(chains: Sequence[RoadChain]) -> Iterator[BaseGeometry]:

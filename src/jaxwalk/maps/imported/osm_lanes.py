@@ -6,7 +6,6 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -18,43 +17,20 @@ from jaxwalk.maps.generated.lane_paths import (
     LaneBuilder,
     connect,
     joined_lanes,
-    smallest_radius,
     turning,
     way_through,
 )
-from jaxwalk.maps.imported.osm_ground import KERB_RADIUS, sides, without_gaps
-from jaxwalk.maps.imported.road_chains import RoadChain, rounded
-from jaxwalk.maps.network import Lane
+from jaxwalk.maps.imported.lane_net import SWATH, LaneNet, along, fits, heading
+from jaxwalk.maps.imported.osm_ground import sides
+from jaxwalk.maps.imported.road_chains import RoadChain
+from jaxwalk.maps.imported.smoothing import KERB_RADIUS, without_gaps
 
 SHORTEST = 4.0
 """A chain that has less than this left between its mouths is a part of the junction [m]."""
 U_TURN = 2.6
 """Nobody turns by more than this [rad]."""
-SWATH = 1.6
-"""Half the width of the roadway that a way through a junction needs [m]."""
-MOST_OFF = 6.0
-"""A way through a junction that is off the mapped roadway for longer than this isn't made [m]."""
-TIGHTEST = 4.7
-"""Smallest radius of a way through a junction [m]: the car turns within 4.54 m."""
-SHARPEST_JOINT = 0.09
-"""The direction of a way differs from that of its lanes by at most this [rad]; networks allow 0.1."""
-STRAIGHT = 3.0
-"""A way that follows the roads inside a junction leaves and meets its lanes straight, for this long [m]."""
 AROUND = 2.0
 """A junction's region reaches this far beyond its lanes [m]."""
-
-
-class LaneNet(NamedTuple):
-    """The lanes of all roads, and the ground that they need."""
-
-    lanes: tuple[Lane, ...]
-    in_junction: np.ndarray
-    """bool (lane,)"""
-    roadway: BaseGeometry
-    junctions: tuple[BaseGeometry, ...]
-    """Regions that no street's edge may cut."""
-    no_turns: int
-    """Turns for which there is no room."""
 
 
 @dataclass
@@ -77,8 +53,9 @@ def lane_net(chains: Sequence[RoadChain], roadway: BaseGeometry, ends: Sequence[
     clusters = _clusters(chains, inside)
     by_cluster: dict[int, _Cluster] = defaultdict(_Cluster)
     for number, chain in enumerate(chains):
-        for node in chain.ends:
-            by_cluster[clusters[node]].places += [chain.curve.points[-(node == chain.ends[1])]] * inside[number]
+        for end, node in enumerate(chain.ends):
+            own = [chain.curve.points[-end]] if inside[number] else []  # the first point, or the last
+            by_cluster[clusters[node]].places += own
         if not inside[number]:
             _add_lanes(built, (number, chain), ends[number], clusters, by_cluster)
     count, ways, no_turns = len(built.lines), [], 0
@@ -180,38 +157,11 @@ def _through(
         inner_line = ways[place_in[id(before[0])]].get(cluster.nodes_out[place_out[id(after[0])]])
         line = way_through(built, before, after, (KERB_RADIUS, clear))
         one, other = built.lines[before[0].lanes[before[1]]], built.lines[after[0].lanes[after[1]]]
-        headings = (_heading(one[-2:]), _heading(other[:2]))
-        if inner_line is not None and len(inner_line) and not _fits(line, headings, roadway):
-            line = _along(line, headings, inner_line)
-        if line is None or not _fits(line, headings, roadway):
+        headings = (heading(one[-2:]), heading(other[:2]))
+        if inner_line is not None and len(inner_line) and not fits(line, headings, roadway):
+            line = along(line, headings, inner_line)
+        if line is None or not fits(line, headings, roadway):
             yield None
             continue
         connect(built, before[0].lanes[before[1]], line, after[0].lanes[after[1]])
         yield line
-
-
-def _heading(piece: np.ndarray) -> float:
-    """Return the direction of a straight piece (2, 2) [rad]."""
-    return float(np.arctan2(*(piece[1] - piece[0])[::-1]))
-
-
-def _fits(line: np.ndarray, headings: tuple[float, float], roadway: BaseGeometry) -> bool:
-    """Return whether a way through a junction leads on from its lanes, isn't too tight, and not long off the roadway.
-
-    ``headings`` are those of the lanes at its begin and its end [rad].
-    """
-    steps = line[[1, -1]] - line[[0, -2]]
-    turns = np.angle(np.exp(1j * (np.arctan2(steps[:, 1], steps[:, 0]) - np.array(headings))))
-    if np.abs(turns).max() > SHARPEST_JOINT or smallest_radius(line) < TIGHTEST:
-        return False
-    return shapely.LineString(line).difference(roadway).length <= MOST_OFF
-
-
-def _along(line: np.ndarray, headings: tuple[float, float], inner: np.ndarray) -> np.ndarray | None:
-    """Return the way (point, 2) between the ends of a line that follows the roads inside a junction."""
-    begin, end = line[0], line[-1]
-    ahead, after = (np.array([np.cos(angle), np.sin(angle)]) for angle in headings)
-    first, last = begin + STRAIGHT * ahead, end - STRAIGHT * after
-    between = inner[((inner - first) @ ahead > 1) & ((last - inner) @ after > 1)]
-    curve = rounded(np.concatenate([[begin, first], between, [last, end]]))
-    return None if curve is None else np.concatenate([curve.points[:-1], [end]])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -11,16 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jaxwalk.maps.imported.osm_tags import CLASSES, Tags, is_road
-from jaxwalk.maps.imported.refusals import ImportRefusal
-from jaxwalk.maps.imported.region import Region
+from jaxwalk.maps.imported.refusals import ImportRefusal, needed
+from jaxwalk.maps.imported.region import AROUND, Region, refuse_large
 from jaxwalk.maps.imported.xml_safety import refuse_declarations
 
 MOST_BYTES = {".osm": 400_000_000, ".pbf": 100_000_000}
 """Largest file by the end of its name [bytes]: some ten million nodes, of which 16 bytes each are kept meanwhile."""
-MOST_AREA = 12e6
-"""Largest area of the roads' bounding box [m2]."""
-AROUND = 60.0
-"""What lies so close around a region is read with it, so that roads don't end at its edge [m]."""
 ATTRIBUTION = "© OpenStreetMap contributors, ODbL 1.0"
 LICENCE = "https://www.openstreetmap.org/copyright"
 
@@ -55,8 +50,8 @@ def read_osm(path: Path, region: Region | None) -> OsmData:
 
     Raises ImportRefusal if it can't be read, is too large, or has no roads.
     """
-    osmium = needed("osmium", path)
-    needed("pyproj", path)
+    osmium = needed("osmium", path, "osm")
+    needed("pyproj", path, "osm")
     most = MOST_BYTES[path.suffix.lower()]
     if path.stat().st_size > most:
         raise ImportRefusal(f"{path}: larger than {most:,} bytes; cut a part out, as with 'osmium extract'")
@@ -75,14 +70,6 @@ def read_osm(path: Path, region: Region | None) -> OsmData:
         raise ImportRefusal(f"{path}: has no roads{where} (ways with highway={', '.join(list(CLASSES)[2:8:2])} ...); "
                             "name another file or part")  # fmt: skip
     return found.in_metres(path, region)
-
-
-def needed(name: str, path: Path, extra: str = "osm") -> ModuleType:
-    """Return a module of an extra. Raise ImportRefusal if it isn't installed."""
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise ImportRefusal(f'{path}: reading it needs {name}; install it by: pip install "jaxwalk[{extra}]"') from None
 
 
 class _Found:
@@ -125,7 +112,7 @@ class _Found:
 
     def in_metres(self, path: Path, region: Region | None) -> OsmData:
         """Return what was read, by a transverse Mercator projection about its middle."""
-        pyproj = needed("pyproj", path)
+        pyproj = needed("pyproj", path, "osm")
         on_roads = {node for way in self.ways if is_road(way.tags) for node in way.nodes}
         roads = np.array([self.degrees[node] for node in on_roads]) if region is None else region.corners()
         lon, lat = (roads.min(axis=0) + roads.max(axis=0)) / 2
@@ -139,11 +126,7 @@ class _Found:
         covered = np.stack(project(roads[:, 0], roads[:, 1]), axis=1)
         (west, south), (east, north) = covered.min(axis=0).tolist(), covered.max(axis=0).tolist()
         extent = (west, south, east, north)
-        if not np.isfinite(extent).all() or (east - west) * (north - south) > MOST_AREA:
-            raise ImportRefusal(
-                f"{path}: its roads cover {(east - west) / 1000:.1f} x {(north - south) / 1000:.1f} km, more than "
-                f"{MOST_AREA / 1e6:.0f} km2; name a part with --centre and --radius, or --bbox"
-            )
+        refuse_large(path, extent)
         return OsmData(places, tuple(self.ways), self.node_tags, self.missing, (float(lat), float(lon)), extent)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from jaxwalk.maps.imported.lane_net import no_room
 from jaxwalk.maps.imported.osm_crossings import crossings_elsewhere, mapped_crossings
 from jaxwalk.maps.imported.osm_ground import band, mouths, raw_roadway, sides, strip_width, way_side
 from jaxwalk.maps.imported.osm_lanes import lane_net
@@ -151,7 +152,6 @@ def _left_out(data: OsmData, no_turns: int) -> Iterator[str]:
         why = "private, closed, or an area" if kind in CLASSES else "not among the roads that are imported"
         yield f"{counted(count, 'way')} with highway={kind}: {why}"
     if no_turns:
-        why = "too tight (a radius below 4.7 m), too sharp, or off the roadway"
-        yield f"{counted(no_turns, 'turn')} at junctions: {why}"
+        yield no_room(no_turns)
     if data.missing:
         yield f"{counted(data.missing, 'reference')} to nodes that the file doesn't have: parts of ways are missing"

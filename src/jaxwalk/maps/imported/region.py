@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 
 from jaxwalk.maps.imported.refusals import ImportRefusal
+from jaxwalk.maps.imported.source_map import Box
 
 DEGREE = 111_320.0
 """Metres that a degree of latitude is long, and a degree of longitude at the equator."""
 RADII = (30.0, 1500.0)
 """Smallest and largest radius of a region [m]."""
+AROUND = 60.0
+"""What lies so close around a region is read with it, so that roads don't end at its edge [m]."""
+MOST_AREA = 12e6
+"""Largest area of the bounding box of what is imported [m2]."""
 
 
 class Region(NamedTuple):
@@ -59,3 +65,13 @@ class Region(NamedTuple):
         """Return longitude and latitude of its corners (4, 2)."""
         return np.array([(self.west, self.south), (self.east, self.south), (self.east, self.north),
                          (self.west, self.north)])  # fmt: skip
+
+
+def refuse_large(path: Path, extent: Box) -> None:
+    """Raise ImportRefusal if the roads of a file cover too much ground."""
+    width, height = extent[2] - extent[0], extent[3] - extent[1]
+    if not width * height <= MOST_AREA:
+        raise ImportRefusal(
+            f"{path}: its roads cover {width / 1000:.1f} x {height / 1000:.1f} km, more than {MOST_AREA / 1e6:.0f} "
+            "km2; name a part with --centre and --radius, or --bbox"
+        )

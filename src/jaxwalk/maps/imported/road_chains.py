@@ -14,13 +14,7 @@ import shapely
 from jaxwalk.maps.generated.curve import Curve
 from jaxwalk.maps.imported.osm_reading import OsmData, OsmWay
 from jaxwalk.maps.imported.osm_tags import LaneProfile, is_road, road_facts
-
-CUT, RADII = 0.8, (8.0, 40.0)
-"""A bend's arc passes its corner at this distance, unless its radius would leave these bounds [m]."""
-NOISE = 0.15
-"""Corners nearer than this to the line between their neighbours are left out [m]."""
-SHORTEST = 0.5
-"""A shorter chain is left out [m]."""
+from jaxwalk.maps.imported.smoothing import rounded
 
 
 class ChainPiece(NamedTuple):
@@ -78,9 +72,8 @@ def road_chains(data: OsmData) -> list[RoadChain]:
 
 def _paths(at: dict[int, list[_Segment]]) -> Iterator[list[tuple[_Segment, bool]]]:
     """Yield paths of segments between breaks, each with whether it is followed backward."""
-    breaks = [node for node, own in at.items() if _breaks(node, own)]
     used: set[int] = set()
-    nodes = [*breaks, *(node for node in at if node not in breaks)]  # the latter begin closed roads
+    nodes = sorted(at, key=lambda node: not _breaks(node, at[node]))  # breaks first; the others begin closed roads
     for node, segment in ((x, segment) for x in nodes for segment in at[x]):
         if id(segment) not in used:
             yield _follow(at, node, segment, used)
@@ -139,28 +132,3 @@ def _places(line: np.ndarray, curve: Curve) -> list[float]:
     near = np.array([shape.project(shapely.Point(place)) for place in line])
     near[0], near[-1] = 0.0, curve.metres[-1]
     return np.maximum.accumulate(near).tolist()
-
-
-def rounded(line: np.ndarray) -> Curve | None:
-    """Return a line (point, 2) [m] with arcs at its corners, or None if it has no length."""
-    simple = shapely.get_coordinates(shapely.simplify(shapely.LineString(line), NOISE))
-    steps = np.diff(simple, axis=0)
-    lengths = np.hypot(*steps.T)
-    if lengths.sum() < SHORTEST:
-        return None
-    keep = lengths > 1e-3
-    steps, lengths = steps[keep], lengths[keep]
-    headings = np.arctan2(steps[:, 1], steps[:, 0])
-    turns = np.angle(np.exp(1j * np.diff(headings)))
-    half = np.tan(np.minimum(np.abs(turns), 3.0) / 2)
-    wanted = np.clip(CUT / np.maximum(1 / np.cos(np.minimum(np.abs(turns), 3.0) / 2) - 1, 1e-6), *RADII) * half
-    cuts = np.minimum(wanted, 0.48 * np.minimum(lengths[:-1], lengths[1:]))
-    before, after = np.concatenate([[0.0], cuts]), np.concatenate([cuts, [0.0]])
-    pieces: list[tuple[float, float]] = []
-    for number, straight in enumerate((lengths - before - after).tolist()):
-        if straight > 1e-6:
-            pieces.append((straight, 0.0))
-        if number < len(turns) and abs(turns[number]) > 1e-6:
-            radius = cuts[number] / half[number]
-            pieces.append((radius * abs(turns[number]), float(np.sign(turns[number])) / radius))
-    return Curve.of(simple[0], float(headings[0]), pieces)

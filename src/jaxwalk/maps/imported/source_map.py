@@ -90,6 +90,8 @@ class SourceMap:
     """For the report: roads with the facts about them, and where each fact is from."""
     left_out: tuple[str, ...] = ()
     """What isn't imported, and why, in sentences."""
+    notes: tuple[str, ...] = ()
+    """What else a reader of the report should know of the source, in sentences."""
     elsewhere: dict[str, int] = field(default_factory=dict)
     """Number of crossings of what isn't imported, such as tracks and cycleways."""
     mirrored: bool = False

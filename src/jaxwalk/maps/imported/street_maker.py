@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import shapely
-import shapely.ops
 from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.imported.crossing_places import CrossingOutcome, CrossingPlaces, Placed, RoadLines, connected_parts
 from jaxwalk.maps.imported.kerb_ground import KerbGround, polygons
-from jaxwalk.maps.imported.kerb_origins import KerbEvidence, Stretch
+from jaxwalk.maps.imported.kerb_origins import KerbEvidence, Stretch, known_lines
 from jaxwalk.maps.imported.source_map import Box, SourceMap, StreetFrame
 from jaxwalk.maps.imported.street_parts import street_areas
 from jaxwalk.maps.imported.street_report import StreetReport
@@ -98,7 +97,7 @@ class StreetMaker:
         ground = self.ground.within(region).beside(road)
         stretches = self.evidence.stretches(ground.walks)
         if self.strict:
-            ground = ground.with_walks(list(_known(ground.walks, stretches)))
+            ground = ground.with_walks(list(known_lines(ground.walks, stretches)))
             stretches = self.evidence.stretches(ground.walks)
         lanes, inside = lanes_within(self.source, region, ground.roadway)
         return _Site(box, region, ground, stretches, lanes, inside)
@@ -199,32 +198,6 @@ def _distinct(line: np.ndarray) -> np.ndarray:
     keep = np.concatenate([[True], apart[:-1], [True]])
     keep[-2] &= bool(apart[-1]) or len(line) == 2
     return line[keep]
-
-
-def _known(walks: Sequence[shapely.LineString], stretches: Sequence[Stretch]) -> Iterator[shapely.LineString]:
-    """Yield the parts of lines of people that aren't invented."""
-    for stretch in _merged(stretches):
-        walk = walks[stretch.walk]
-        whole = stretch.begin <= 0 and stretch.end >= walk.length
-        part = walk if whole else shapely.ops.substring(walk, stretch.begin, stretch.end)
-        if isinstance(part, shapely.LineString) and part.length > 1:
-            yield part
-
-
-def _merged(stretches: Sequence[Stretch]) -> Iterator[Stretch]:
-    """Yield the stretches that aren't invented, those that follow each other as one."""
-    last: Stretch | None = None
-    for stretch in stretches:
-        if stretch.origin == "invented":
-            continue
-        if last is not None and last.walk == stretch.walk and last.end == stretch.begin:
-            last = last._replace(end=stretch.end)
-            continue
-        if last is not None:
-            yield last
-        last = stretch
-    if last is not None:
-        yield last
 
 
 def _connected(site: _Site, placed: list[Placed]) -> tuple[list[int], list[Placed], list[Placed]]:

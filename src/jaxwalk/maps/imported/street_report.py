@@ -131,6 +131,8 @@ class ImportReport:
     left_out: tuple[str, ...]
     nowhere: tuple[CrossingOutcome, ...] = ()
     """Mapped crossings that lie in no street."""
+    notes: tuple[str, ...] = ()
+    """What else a reader should know of the source."""
 
     def crossings(self) -> dict[str, CrossingOutcome]:
         """Return what became of each mapped crossing in the street where it fared best."""

@@ -10,7 +10,7 @@ import shapely
 import shapely.ops
 
 from jaxwalk.maps.imported.crossing_places import CrossingOutcome, Placed
-from jaxwalk.maps.imported.kerb_origins import Stretch
+from jaxwalk.maps.imported.kerb_origins import Stretch, touching
 from jaxwalk.maps.imported.source_map import StreetFrame
 from jaxwalk.maps.imported.street_report import (
     CrossingFacts,
@@ -119,7 +119,7 @@ def _pavement(built: Built) -> PavementNumbers:
         return round(sum((s.metres for s in stretches if s.origin == origin and s.joined == joined), 0.0), 1)
 
     known = [n for n, s in enumerate(stretches) if s.origin != "invented" and not s.joined]
-    group = _parts(stretches, built.mapped)
+    group = _parts(built)
     sums: dict[int, float] = {}
     for n in known:
         sums[group[n]] = sums.get(group[n], 0.0) + stretches[n].metres
@@ -138,19 +138,19 @@ def _pavement(built: Built) -> PavementNumbers:
     )
 
 
-def _parts(stretches: Sequence[Stretch], placed: Sequence[Placed]) -> list[int]:
+def _parts(built: Built) -> list[int]:
     """Return the connected part of each stretch: known ones that touch, or that a crossing joins."""
+    stretches = built.stretches
     group = list(range(len(stretches)))
 
     def join(one: int, other: int) -> None:
         low, high = group[one], group[other]
         group[:] = [low if x == high else x for x in group]
 
-    for n in range(len(stretches) - 1):
-        a, b = stretches[n], stretches[n + 1]
-        if a.walk == b.walk and a.end == b.begin and not ({a.origin, b.origin} & {"invented"} or a.joined or b.joined):
-            join(n, n + 1)
-    for crossing in placed:
+    for one, other in touching(stretches, built.lines):
+        if not any(stretches[n].origin == "invented" or stretches[n].joined for n in (one, other)):
+            join(one, other)
+    for crossing in built.mapped:
         ends = [_stretch_at(stretches, walk, place) for walk, place in zip(*crossing.chord[1:3], strict=True)]
         known = [n for n in ends if n is not None and stretches[n].origin != "invented" and not stretches[n].joined]
         if len(known) == 2:

@@ -21,10 +21,13 @@ SHORTEST_LANE = 3.0
 """A shorter piece of a lane at the street's edge is left out [m]."""
 ENDS = 0.03
 """A lane ends where the roadway does if it is so close to its edge [m]."""
-TIGHTEST = 4.6
-"""Routes lead over no lane that bends with a smaller radius [m]."""
+TIGHTEST_DRIVEN = 4.6
+"""Routes lead over no lane that bends with a smaller radius [m]. The car turns within 4.54 m; ways through
+junctions are made with a little more (`lane_net`), because places are rounded later."""
 LONGEST_ROUTE, SHORTEST_ROUTE = 220.0, 40.0
 """Length of routes [m]: 220 m at 30 km/h take 26 s of an episode's 50."""
+LONGEST_DRIVE = 40.0
+"""A route takes at most this long at the speed limit [s]."""
 MOST_ROUTES = 32
 """Most routes of a street, unless its crossings need more."""
 BEFORE = 8.0
@@ -125,7 +128,9 @@ class RouteFinder:
     def __init__(self, lanes: Sequence[Lane]) -> None:
         self.lanes = lanes
         self.lengths = [lane.length() for lane in lanes]
-        self.good = [smallest_radius(lane.line) >= TIGHTEST for lane in lanes]
+        self.good = [smallest_radius(lane.line) >= TIGHTEST_DRIVEN for lane in lanes]
+        self.worth = [max(1.0, LONGEST_ROUTE / (LONGEST_DRIVE * lane.speed_limit)) for lane in lanes]
+        """Metres of a route's greatest length that a metre of a lane takes: more than one where cars are slow."""
         self.followed = {after for lane in lanes for after in lane.successors}
 
     def routes(self, crosswalks: Sequence[Sequence[shapely.Polygon]]) -> tuple[list[LaneRoute], list[bool]]:
@@ -177,12 +182,22 @@ class RouteFinder:
         """Yield the routes along a way: one, or several that overlap where it is too long for one."""
         first, last = self.lengths[way[0]], self.lengths[way[-1]]
         begin, end = min(FROM_END, first / 2), sum(self.lengths[n] for n in way) - min(FROM_END, last / 2)
-        count = int(np.ceil((end - begin) / LONGEST_ROUTE))
+        metres, worth = self._along(way)
+        low, high = np.interp([begin, end], metres, worth).tolist()
+        count = int(np.ceil((high - low) / LONGEST_ROUTE))
         if count <= 1:
             yield self._route(way, begin, end)
             return
-        starts = np.linspace(begin, end - LONGEST_ROUTE, count + 1)
-        yield from (self._route(way, start, start + LONGEST_ROUTE) for start in starts.tolist())
+        for start in np.linspace(low, high - LONGEST_ROUTE, count + 1).tolist():
+            begin, end = np.interp([start, start + LONGEST_ROUTE], worth, metres).tolist()
+            yield self._route(way, begin, end)
+
+    def _along(self, way: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+        """Return how far the ends of a way's lanes lie from its begin, and what that takes of a longest route [m]."""
+        lengths = np.array([self.lengths[n] for n in way])
+        worth = np.array([self.worth[n] for n in way])
+        metres, taken = (np.concatenate([[0.0], np.cumsum(each)]) for each in (lengths, lengths * worth))
+        return metres, taken
 
     def _route(self, way: Sequence[int], begin: float, end: float) -> LaneRoute:
         """Return the route between two places of a way [m]."""
@@ -226,8 +241,11 @@ class RouteFinder:
             begin = min(1.0, self.lengths[way[0]] / 4)
             if total - 2 * begin >= SHORTEST_ROUTE:
                 at = sum(self.lengths[n] for n in way[: way.index(lane)]) + self.lengths[lane] / 2
-                first = max(begin, at - LONGEST_ROUTE / 2)
-                return self._route(way, first, min(total - begin, first + LONGEST_ROUTE))
+                metres, worth = self._along(way)
+                low, middle, high = np.interp([begin, at, total - begin], metres, worth).tolist()
+                low = max(low, middle - LONGEST_ROUTE / 2)
+                ends = np.interp([low, min(high, low + LONGEST_ROUTE)], worth, metres).tolist()
+                return self._route(way, *ends)
         return None
 
     def _metres(self, way: Sequence[int], until: int) -> float:

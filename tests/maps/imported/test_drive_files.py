@@ -1,0 +1,103 @@
+"""OpenDRIVE files before netconvert reads them. What it makes of them is tested in test_eclipse_sumo.py."""
+
+import sys
+from xml.etree.ElementTree import fromstring
+
+import pytest
+
+from jaxwalk.maps.imported import opendrive_source
+from jaxwalk.maps.imported.importing import read_source
+from jaxwalk.maps.imported.opendrive_file import opendrive_file
+from jaxwalk.maps.imported.refusals import ImportRefusal
+from jaxwalk.maps.imported.region import Region
+from maps.imported.drive_files import LOCAL, ON_ROAD, crosswalk, drive_file
+
+
+def written(folder, text):
+    path = folder / "road.xodr"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    "thing, s, t, length",
+    [
+        (crosswalk(120), 120, 0, 7),
+        (crosswalk(120, size="", t=-1.0, outline=LOCAL), 120, 0, 7),
+        (crosswalk(120, size="", outline=ON_ROAD), 200, 0, 4),
+    ],
+    ids=["length and width", "outline of its own", "outline on the road"],
+)
+def test_a_crosswalk_has_a_place_and_a_size(tmp_path, thing, s, t, length):
+    file = opendrive_file(written(tmp_path, drive_file(thing)))
+    (found,) = fromstring(file.text).iter("object")
+    numbers = {name: float(found.get(name)) for name in ("s", "t", "length", "width")}
+    assert numbers == pytest.approx({"s": s, "t": t, "length": length, "width": 11 - length}, abs=1e-9)
+    assert file.crosswalks == {found.get("id"): "crosswalk 9 of road 1"} and not list(found)
+
+
+def test_only_crosswalks_are_read_whatever_their_ids(tmp_path):
+    others = crosswalk(10, kind="pole") + crosswalk(20, kind="-1", name="Stencil_STOP") + crosswalk(30, kind="none")
+    known = crosswalk(40) + crosswalk(50, kind="-1", name="ContinentalCrosswalk")
+    file = opendrive_file(written(tmp_path, drive_file(others + known)))
+    assert list(file.crosswalks.values()) == ["crosswalk 9 of road 1", "crosswalk 9 of road 1 (2)"]
+    assert [x.get("s") for x in fromstring(file.text).iter("object")] == ["40", "50"]
+    assert b"geoReference" not in file.text, "else netconvert writes degrees"
+
+
+def test_names_may_have_a_space_of_their_own(tmp_path):
+    text = drive_file(crosswalk(40)).replace("<OpenDRIVE>", '<OpenDRIVE xmlns="http://code.asam.net/opendrive">')
+    assert len(opendrive_file(written(tmp_path, text)).crosswalks) == 1
+
+
+WHOLE = drive_file(crosswalk(40))
+BAD = {
+    "cut off": (WHOLE[: len(WHOLE) // 2], "not XML that can be read"),
+    "nothing": ("", "not XML that can be read"),
+    "a document type": (WHOLE.replace("<OpenDRIVE>", "<!DOCTYPE a><OpenDRIVE>"), "declares a document type"),
+    "another root": (drive_file("", root="net"), "begins with <net>, not with <OpenDRIVE>"),
+    "left": (drive_file("", rule="LHT"), "traffic keeps left on road 1"),
+    "a word for a number": (drive_file(crosswalk(40, size='length="long"')), "a crosswalk isn't as the format has it"),
+    "no place": (drive_file(crosswalk("nan", size="", outline=LOCAL)), "s of <object>: nan"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text, message", BAD.values(), ids=BAD)
+def test_a_bad_file_ends_in_one_message(tmp_path, text, message):
+    path = written(tmp_path, text)
+    with pytest.raises(ImportRefusal) as refusal:
+        opendrive_file(path)
+    said = str(refusal.value)
+    assert message in said and said.startswith(str(path)) and "\n" not in said and ";" in said
+
+
+def test_a_part_of_the_earth_and_a_missing_program_are_refused(tmp_path, monkeypatch):
+    path = written(tmp_path, WHOLE)
+    with pytest.raises(ImportRefusal, match="OpenDRIVE files are read whole; leave --centre and --bbox out"):
+        read_source(path, Region.around(60.17, 24.94, 100.0))
+    monkeypatch.setattr(opendrive_source, "find_spec", lambda _: None)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ImportRefusal, match=r'needs SUMO\'s program netconvert; .*pip install "jaxwalk\[opendrive\]"'):
+        read_source(path)
+    monkeypatch.setitem(sys.modules, "sumolib", None)
+    with pytest.raises(ImportRefusal, match=r'needs sumolib; install it by: pip install "jaxwalk\[opendrive\]"'):
+        read_source(path)
+
+
+def test_what_netconvert_says_is_named(tmp_path, monkeypatch):
+    """A program that can't run, fails, writes nothing, or doesn't end."""
+    path = written(tmp_path, WHOLE)
+    program = tmp_path / "netconvert"
+    monkeypatch.setattr(opendrive_source, "_netconvert", lambda _: str(program))
+    monkeypatch.setattr(opendrive_source, "LONGEST", 0.5)
+    with pytest.raises(ImportRefusal, match="netconvert can't be started"):
+        read_source(path)
+    for script, message in (
+        ("echo 'Error: no roads in it.' >&2; exit 1", r"can't make a network of it \(Error: no roads in it\.\)"),
+        ("exit 0", r"can't make a network of it \(exit code 0\)"),
+        ("exec sleep 30", "took longer than 0.5 s"),
+    ):
+        program.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+        program.chmod(0o700)
+        with pytest.raises(ImportRefusal, match=message):
+            read_source(path)
