@@ -58,7 +58,7 @@ def moment_record(frame: Mapping[str, np.ndarray], known: np.ndarray | None) -> 
 
     Args:
         frame: the moment's columns, ``(episode)`` or ``(ped, episode)``.
-        known: who was perceived by the car in the frame before, ``(ped, episode)``; None at the start and without perception.
+        known: who was perceived in the frame before, ``(ped, episode)``; None at the start and without perception.
 
     Returns:
         ``car``: x, y [m], heading [rad], speed [m/s] and commanded acceleration [m/s2]. ``people``: x, y and the bits
