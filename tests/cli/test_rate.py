@@ -58,6 +58,14 @@ def test_answers_are_analysed(place, answers, capsys):
     [
         ("--out there --answers nowhere.json", "nowhere.json: no such file; check the name"),
         ("--out elsewhere --answers answers-0.json", "elsewhere/plan.json: no such file; name the folder"),
+        (
+            "--pairs 5 --out there --answers answers-0.json",
+            "--pairs: --answers analyses what there/plan.json says; leave it out",
+        ),
+        (
+            "clearance oracle --out there --answers answers-0.json",
+            "drivers: --answers analyses what there/plan.json says",
+        ),
         ("--out there --answers answers-0.json answers-0.json", "is of the same rater as answers-0.json"),
         ("--out there --answers there/plan.json", "there/plan.json: damaged"),
         ("clearance random --out there", "--out there: answers to the page there need its plan.json"),

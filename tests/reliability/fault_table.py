@@ -21,6 +21,7 @@ COMMANDS = {
     "tracks": f"tracks --driver random --out {OUT}/a.parquet",
     "scenario": f"scenario --driver random --out {OUT}",
     "share": f"share run --episodes 2 --out {OUT}/a.safetensors",
+    "submit": f"submit entry --out {OUT}/a.md",
     "crashtest": f"crashtest random --suite r152 --beside none --out {OUT}",
     "search": f"search route-follower --simulations 1 --minimise 0 --out {OUT}",
     "report": f"report random --pedestrians always-go --episodes 2 --incidents 0 --out {OUT}",
@@ -42,7 +43,7 @@ COMMANDS = {
 WRITES = {
     "evaluate": ("results.json", "suite.md", "episodes.csv"), "play": ("a.html",), "export": ("a.onnx",),
     "tracks": ("a.parquet",), "scenario": ("episode.xosc", "map.xodr", "commonroad.xml"),
-    "share": ("a.safetensors", "a.md"), "report": ("report.html", "results.json", "episodes.csv"),
+    "share": ("a.safetensors", "a.md"), "submit": ("a.md",), "report": ("report.html", "results.json", "episodes.csv"),
     "bench": ("bench.json", "bench.md"), "streets": ("streets.png",), "map draw": ("a.png",),
     "import": ("report.html", "report.json"),
     "crashtest": ("crashtest.html", "crashtest.json", "crashtest.csv"), "rate": ("rate.html", "plan.json"),

@@ -61,11 +61,13 @@ def cases(everything: bool, pattern: str) -> Iterator[tuple[Fault, str]]:
 
 
 def prepare(folder: Path, cache: Path) -> None:
-    """Make what commands read: a trained run, a table of trajectories and a part of an evaluation."""
+    """Make what commands read: a trained run, trajectories, a part of an evaluation, an entry of a leaderboard, a town."""
     part = "evaluate --driver random --episodes 2 --part 1/1 --out part"
-    for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet", part):
+    entry = "evaluate --driver route-follower --episodes 2000 --out entry"
+    for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet", part, entry):
         done = subprocess.run(_command(line), cwd=folder, env=_environment(cache), check=False, capture_output=True)
         assert done.returncode == 0, done.stderr.decode()
+    (folder / "entry" / "README.md").write_text("a car that looks at nobody")
     cross().write(folder / "cross.osm")
 
 

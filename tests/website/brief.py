@@ -18,7 +18,7 @@ SMALL = {
 EPISODES = ("evaluate", "report", "tracks", "share")
 CHECKED = (
     "train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier", "crashtest",
-    "bench",
+    "bench", "submit",
 )  # fmt: skip
 """Commands that can't be made short: they run up to where their work begins, which has tests of its own."""
 ELSEWHERE = ("driver.pt", "ppo.zip", "theirs.parquet", "07_tracks.csv", "clip_traj_ped_filtered.csv")
@@ -36,6 +36,8 @@ def briefly(words: list[str]) -> list[str]:
     words = [re.sub(r"^([a-z-]+):\d+$", r"\1:1", word) for word in words]
     if words[1] == "train" and "--recipe" in words and "--map" not in words:
         words += ["--map", "training:1"]
+    if "splitting" in words:
+        words += ["--particles", "64", "--repeats", "2"]
     if words[1] in EPISODES and not {"--episodes", "--again", "--scenarios"} & set(words):
         words += ["--episodes", "4"]
     return words
@@ -55,6 +57,8 @@ def provide(words: list[str], trained: Path) -> None:
             shutil.copytree(trained, path)
         elif found := MODULE.match(word):
             _write_driver(Path(f"{found[1]}.py"), found[2])
+        elif word.startswith("zoo/"):
+            path.mkdir(parents=True, exist_ok=True)
         elif word == "town.osm":
             cross().write(path)
         elif word in ("driver.onnx", "first.safetensors") and not path.exists():

@@ -45,6 +45,7 @@ COMMANDS = (
     Command("risk-aware", options.RiskAware, "jaxwalk.cli.risk_aware"),
     Command("frontier", options.Frontier, "jaxwalk.cli.frontier"),
     Command("share", options.Share, "jaxwalk.cli.share"),
+    Command("submit", options.Submit, "jaxwalk.cli.submit"),
     Command("tracks", options.Tracks, "jaxwalk.cli.tracks"),
     Command("measure", options.Measure, "jaxwalk.cli.measure"),
     Command("scenario", options.Scenario, "jaxwalk.cli.scenario"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 from rich.console import Console
 
 from jaxwalk.cli.casting import cast
@@ -26,7 +28,7 @@ MOST_PAIRS = 200
 def run(options: Rate) -> int:
     """Make the page for raters, or analyse their answers."""
     if options.answers:
-        check_writable(options.out)
+        _check_answers(options)
         plan = read_plan(options.out / PLAN)
         with held(options.out):
             found = analyse_answers(options.out, plan, options.answers)
@@ -46,6 +48,15 @@ def run(options: Rate) -> int:
         )  # fmt: skip
     print(f"Send raters {page}; when they have sent their files: jaxwalk rate --out {options.out} --answers FILES")
     return 0
+
+
+def _check_answers(options: Rate) -> None:
+    """Raise UsageError for options that the page has decided already."""
+    given = [f.name for f in fields(Rate) if getattr(options, f.name) != f.default and f.name not in ("answers", "out")]
+    if given:
+        option = given[0] if given[0] == "drivers" else f"--{given[0].replace('_', '-')}"
+        raise UsageError(f"{option}: --answers analyses what {options.out / PLAN} says; leave it out")
+    check_writable(options.out)
 
 
 def check(options: Rate) -> None:

@@ -7,10 +7,11 @@ from jaxwalk.cli.options.for_playing import Crashtest, Evaluate, Frontier, Merge
 from jaxwalk.cli.options.for_raters import Rate
 from jaxwalk.cli.options.for_search import Search
 from jaxwalk.cli.options.for_streets import Import, MapCheck, MapDraw, MapNew, Streets
+from jaxwalk.cli.options.for_submitting import Submit
 from jaxwalk.cli.options.for_training import CoTraining, Generalisation, HiddenIntent, Reproduce, RiskAware, Train
 
 __all__ = [
     "Bench", "CoTraining", "Crashtest", "Evaluate", "Export", "Frontier", "Generalisation", "HiddenIntent", "Import",
     "MapCheck", "MapDraw", "MapNew", "Measure", "Merge", "Observations", "Play", "Rate", "Report", "Reproduce",
-    "RiskAware", "Scenario", "Search", "Share", "Streets", "Tracks", "Train",
+    "RiskAware", "Scenario", "Search", "Share", "Streets", "Submit", "Tracks", "Train",
 ]  # fmt: skip
