@@ -61,7 +61,7 @@ def cases(everything: bool, pattern: str) -> Iterator[tuple[Fault, str]]:
 
 
 def prepare(folder: Path, cache: Path) -> None:
-    """Make what commands read: a trained run, trajectories, a part of an evaluation, an entry of a leaderboard, a town."""
+    """Make what commands read: a run, trajectories, a part of an evaluation, an entry of a leaderboard, a town."""
     part = "evaluate --driver random --episodes 2 --part 1/1 --out part"
     entry = "evaluate --driver route-follower --episodes 2000 --out entry"
     for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet", part, entry):
