@@ -15,14 +15,14 @@ from jaxwalk.policies import AlwaysGo, RouteFollower
 pytestmark = pytest.mark.long
 SIZES = (32_768, 131_072)
 """Numbers of episodes; both are several chunks."""
-GROWTH = 1.0
-"""Most growth [kB] with an episode, whose rows take 1.4 kB: a million episodes then need 1 GB more."""
+GROWTH = 0.5
+"""Most growth [kB] with an episode, whose rows take 1.4 kB: a million episodes then need 0.5 GB more."""
 
 
 def test_a_merge_of_a_million_episodes_fits_into_memory(tmp_path):
     street = Street.create()
     policies = {"driver": RouteFollower(), "pedestrian": AlwaysGo()}
-    batches = list(evaluate_batches(street, policies, Drawn(street, 0, 2 * BATCH)))
+    batches = list(evaluate_batches(street, policies, Drawn(street, 0, 2 * BATCH), batch=BATCH))
     peaks = []
     for episodes in SIZES:
         with RowWriter(tmp_path) as writer:
