@@ -48,7 +48,7 @@ from jaxwalk.scenarios.archive_file import read_archive
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.wording import counted, first_of
 
-TOUCHED = "disc / footprint %"
+TOUCHED = "moving car: disc / footprint %"
 """The shares of the episodes in which the moving car touched somebody, by either rule."""
 WIDTH, MAP_WIDTH, PREVENTABLE_WIDTH = 172, 18, 24
 """What the table needs [characters], and what the columns of maps and of preventable contacts need more."""

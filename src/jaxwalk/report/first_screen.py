@@ -30,6 +30,10 @@ class DriverLine:
     standing: str
     hits: tuple[tuple[str, str], ...]
     """For each population: the share of scenarios with a hit, and the cell, as in ``co-trained among learned``."""
+    hardest: str
+    """Car speed at the hit that is likeliest to injure somebody seriously [m/s]."""
+    collides: str
+    """Share of scenarios that end in any collision, on average over populations."""
     arrives: str
     """Share of scenarios in which it arrives, on average over populations."""
     delay: str
@@ -171,13 +175,26 @@ def _line(material: Material, evidence: Evidence, decision: Decision, driver: st
     delays = [material.over_seeds(driver, people).mean_delay.mean.value for people in evidence.populations]
     known = [delay for delay in delays if delay is not None]
     hits = ((shown(evidence.hits[driver, people]), f"{driver} among {people}") for people in evidence.populations)
+    rates = {
+        (driver, people): material.over_seeds(driver, people).collision_rate.mean for people in evidence.populations
+    }
     return DriverLine(
         driver=driver,
         standing=decision.standing(driver),
         hits=tuple(hits),
+        hardest=_hardest(material.gallery, driver),
+        collides=shown(Interval(evidence.mean(rates, driver), None, None)),
         arrives=shown(Interval(evidence.mean(evidence.goals, driver), None, None)),
         delay=f"{sum(known) / len(known):.2f}" if known else NONE,
     )
+
+
+def _hardest(gallery: Gallery | None, driver: str) -> str:
+    """Return the speed at the worst hit of a driver; `NONE` if it hit nobody, or nothing can be watched."""
+    incidents = gallery.incidents if gallery else ()
+    mine = [one for one in incidents if gallery and gallery.episodes[one.episode].driver == driver]
+    hit = min((one for one in mine if one.kind == "collision" and one.moving), key=_order, default=None)
+    return NONE if hit is None or hit.speed is None else f"{hit.speed:.1f}"
 
 
 def to_watch(gallery: Gallery | None, subject: str) -> tuple[tuple[ToWatch, ...], str]:

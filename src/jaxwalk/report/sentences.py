@@ -236,7 +236,9 @@ def _needed(duels: Sequence[Duel]) -> str:
         needed = scenarios_needed(*rates, both=first.both / max(first.pairs, 1), alpha=SURE / max(duels[0].tests, 1))
     except ValueError:  # a damaged document's counts contradict its rates
         return ""
-    return f"; to tell such shares apart takes some {float(f'{needed:.1e}'):,.0f} scenarios (--episodes)"
+    return (
+        f"; to tell shares that far apart from chance takes some {float(f'{needed:.1e}'):,.0f} scenarios (--episodes)"
+    )
 
 
 def _too_few(evidence: Evidence, duels: Sequence[Duel]) -> str:
