@@ -18,7 +18,7 @@ from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import belief, pedestrian
 from jaxwalk.sim.crossing_kind import LegKind
 from jaxwalk.sim.observation import Observation, bounds
-from jaxwalk.sim.person_kind import CALM, CHILD, HURRIED, KINDS, RUNNER, PersonKind, begins, in_shares
+from jaxwalk.sim.person_kind import CALM, CAMPUS, CHILD, HURRIED, KINDS, RUNNER, PersonKind, begins, in_shares
 from jaxwalk.sim.sim_config import WORLDS
 from sim.passersby import drawn, walked
 
@@ -143,7 +143,7 @@ def test_a_file_from_before_there_were_kinds_is_read(hurried, kinds):
 
 
 def test_named_kinds_have_their_names():
-    assert KINDS == {"calm": CALM, "hurried": HURRIED, "runner": RUNNER, "child": CHILD}
+    assert KINDS == {"calm": CALM, "hurried": HURRIED, "runner": RUNNER, "child": CHILD, "campus": CAMPUS}
     with pytest.raises(ValueError, match="no kind 'adult' of people; there are: calm, hurried, runner, child"):
         in_shares(adult=1.0)
 
