@@ -14,7 +14,7 @@ from jaxwalk.evaluation.document_parts import Interval, PolicyOrigin, StreetOrig
 from jaxwalk.evaluation.reading import Origin, as_results
 from jaxwalk.maps import MapText
 from jaxwalk.metrics import measure
-from jaxwalk.report.first_screen import WORST, driven_in, evidence_of, first_screen, to_watch, training_of
+from jaxwalk.report.first_screen import WORST, driven_in, evidence_of, first_screen, hardest_hit, to_watch, training_of
 from jaxwalk.report.reversals import Claim, apart, sentence, state
 from jaxwalk.report.table import Table
 from jaxwalk.report.table_files import as_data
@@ -84,6 +84,17 @@ def test_the_worst_five_of_the_subject_come_first():
     many = dataclasses.replace(gallery, incidents=gallery.incidents * 50)
     assert len(to_watch(many, "rash")[0]) == WORST
     assert to_watch(None, "rash") == ((), "")
+
+
+def test_the_hardest_hit_of_each_driver():
+    gallery = watched(gallery_document())
+    drivers = {gallery.episodes[one.episode].driver for one in gallery.incidents}
+    assert {driver: hardest_hit(gallery, driver) for driver in (*drivers, "nobody")} == {
+        "rash": "5.0",
+        "timid": "–",
+        "nobody": "–",
+    }
+    assert hardest_hit(None, "rash") == "–"
 
 
 def test_exposure_limits_and_thresholds_follow_the_world(one):

@@ -182,14 +182,14 @@ def _line(material: Material, evidence: Evidence, decision: Decision, driver: st
         driver=driver,
         standing=decision.standing(driver),
         hits=tuple(hits),
-        hardest=_hardest(material.gallery, driver),
+        hardest=hardest_hit(material.gallery, driver),
         collides=shown(Interval(evidence.mean(rates, driver), None, None)),
         arrives=shown(Interval(evidence.mean(evidence.goals, driver), None, None)),
         delay=f"{sum(known) / len(known):.2f}" if known else NONE,
     )
 
 
-def _hardest(gallery: Gallery | None, driver: str) -> str:
+def hardest_hit(gallery: Gallery | None, driver: str) -> str:
     """Return the speed at the worst hit of a driver; `NONE` if it hit nobody, or nothing can be watched."""
     incidents = gallery.incidents if gallery else ()
     mine = [one for one in incidents if gallery and gallery.episodes[one.episode].driver == driver]
