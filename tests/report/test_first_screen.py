@@ -91,7 +91,7 @@ def test_the_hardest_hit_of_each_driver():
     drivers = {gallery.episodes[one.episode].driver for one in gallery.incidents}
     assert {driver: hardest_hit(gallery, driver) for driver in (*drivers, "nobody")} == {
         "rash": "5.0",
-        "timid": "–",
+        "careful": "5.0",
         "nobody": "–",
     }
     assert hardest_hit(None, "rash") == "–"
