@@ -167,7 +167,8 @@ def test_every_view_of_a_tendency_shows_the_worlds(hurrying, scenarios):
 
 def test_a_world_names_its_multiplier_and_whoever_gives_one_wins(hurrying):
     assert {name: rules.jaywalk_multiplier for name, rules in WORLDS.items()} == {
-        "paper": 0.25, "paper-footprint": 0.25, "town": 0.25, "blind-corner": 1.0, "arterial": 1.0, "test-track": 0.25,
+        "paper": 0.25, "paper-footprint": 0.25, "campus": 0.25, "town": 0.25, "blind-corner": 1.0, "arterial": 1.0,
+        "test-track": 0.25,
     }  # fmt: skip
     assert rules_of("blind-corner", ()).jaywalk_multiplier == 1
     assert rules_of("paper", (), WORLDS["blind-corner"]) == SimConfig()
