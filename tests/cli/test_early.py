@@ -6,7 +6,6 @@ import codecs
 import json
 import subprocess
 import sys
-import time
 from importlib import resources
 
 import pytest
@@ -35,6 +34,8 @@ WRONG = {
     "scenario --driver random --pedestrians nobody": "nobody: no pedestrian of that name",
     "frontier --driver clearance nobody": "nobody: no driver of that name",
     "frontier --pedestrians nobody": "nobody: no pedestrian of that name",
+    "report --driver random": "--driver: leave it out; drivers come first, as in: jaxwalk report co-trained clearance",
+    "evaluate --driver mine.py": "mine.py: name the class in it too, as in mine.py:MyDriver",
     "report nobody": "nobody: no driver of that name",
     "export nobody --out a.onnx": "nobody: no driver of that name",
     "share empty --out a.safetensors": "empty: is no run folder",
@@ -71,6 +72,7 @@ def test_names_and_files_are_checked_before_jax_is_imported(place):
     (place / "full").mkdir()
     (place / "full" / "notes.txt").write_text("mine")
     (place / "half.toml").write_text("size = [60, 20]\n")
+    (place / "mine.py").write_text("class MyDriver: pass\n")
     command = [sys.executable, "-c", PROGRAM, json.dumps(list(WRONG))]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -85,9 +87,7 @@ def test_the_names_of_rules_are_those_of_the_policies():
 
 def test_faults_of_a_map_are_one_a_line(place, capsys):
     (place / "half.toml").write_text("size = [60, 20]\n")
-    begun = time.monotonic()
     assert main(["evaluate", "--driver", "random", "--map", "half.toml"]) == 2
-    assert time.monotonic() - begun < 2
     head, *faults = capsys.readouterr().err.splitlines()
     assert head == f"jaxwalk: map half.toml has {len(faults)} faults:"
     assert faults[0] == "  - car: missing; add it (docs/maps.md lists all keys)"

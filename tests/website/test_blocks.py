@@ -13,6 +13,7 @@ from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 
+import jax
 import pytest
 
 from hostile.command_lines import nothing_is_done
@@ -63,7 +64,8 @@ def _kind(block: Block) -> str:
 def check_run(words: list[str], place: Path, expected: int = 0) -> None:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     plain = {name: value for name, value in os.environ.items() if name not in ("PYTHONWARNINGS",)}
-    cache = {"JAX_COMPILATION_CACHE_DIR": str(place / ".cache"), "PATH": path}
+    kept = jax.config.jax_compilation_cache_dir or place / ".cache"  # pages repeat each other's commands
+    cache = {"JAX_COMPILATION_CACHE_DIR": str(kept), "PATH": path}
     done = subprocess.run(
         words, cwd=place, env=plain | cache, capture_output=True, text=True, timeout=LONGEST, check=False
     )

@@ -26,9 +26,12 @@ def gathered(command: str, kind: type, words: Sequence[str]) -> list[str]:
         words: the words after the command's name.
 
     Raises:
-        UsageError: an option that takes one value is repeated, or an option has another name now.
+        UsageError: an option that takes one value is repeated, an option has another name now, or ``--driver`` stands
+            before drivers that need no option.
     """
     options, renamed = dict(_options(kind)), RENAMED.get(command, {})
+    if "--driver" in words and "driver" not in options and options.keys() & {"drivers", "runs"}:
+        raise UsageError(f"--driver: leave it out; drivers come first, as in: jaxwalk {command} co-trained clearance")
     parts: list[list[str]] = [[]]
     seen: dict[str, list[str]] = {}
     for word in words:

@@ -61,6 +61,8 @@ def policy_file(role: str, name: str) -> Path:
             hint = f"go on with the training: jaxwalk train --resume {path}"
             raise RunError(f"{path}: has no {file.name}: it stopped before its first checkpoint; {hint}")
         return file
+    if path.suffix == ".py" and path.is_file():
+        raise ContestantError(f"{name}: name the class in it too, as in {name}:MyDriver")
     if path.is_file():
         return path
     known = ", ".join((*RULES[role], *SHIPPED[role]))

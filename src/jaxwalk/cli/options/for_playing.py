@@ -166,8 +166,8 @@ class Report:
     incidents: Annotated[int, option("40", "N")] = 40
     """Show the N worst collisions and N nearest misses of each driver and population; 0: none."""
     counterfactuals: Annotated[int, option("0", "N")] = 0
-    """Also replay up to N collisions of each driver and population: a table says which a careful human would have
-    avoided."""
+    """Beside the incidents to watch, which are always replayed: up to N collisions of each driver and population, for
+    a table that says which a careful human would have avoided."""
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
