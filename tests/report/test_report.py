@@ -18,6 +18,7 @@ from jaxwalk.report import Material, ReportError, write_report
 from jaxwalk.report.figures import FIGURES
 from jaxwalk.report.paper_tables import TABLES
 from jaxwalk.report.sections import SECTIONS
+from jaxwalk.report.table import NONE
 from jaxwalk.report.verdicts import Versus, brief, verdict
 from report.material import material
 
@@ -259,6 +260,10 @@ def test_any_drivers_among_any_people(documents, tmp_path, undrawn):
     assert "Training seeds" not in text
     assert "None" not in text
     assert "Differs from the paper" not in text
+    for path in (tmp_path / "tables").glob("*.csv"):
+        head, *rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
+        empty = [name for place, name in enumerate(head) if all(row[place] in ("", NONE) for row in rows)]
+        assert not [name for name in empty if "paper" in name], path.name
     assert "data-cell" not in text.split('<script type="application/json"')[0]  # the gallery is about others
     assert len(_table(tmp_path, "matrix")) == 6
 

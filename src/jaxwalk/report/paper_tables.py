@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from itertools import product
 
 from jaxwalk.evaluation.document_parts import Interval
@@ -19,8 +20,15 @@ QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
 
 
 def make_all(names: Iterable[str], material: Material) -> dict[str, Table]:
-    """Return the tables with these names."""
-    return {name: TABLES[name](material) for name in names}
+    """Return the tables with these names; a column of the paper's numbers is left out where it has none."""
+    return {name: _without_empty(TABLES[name](material)) for name in names}
+
+
+def _without_empty(table: Table) -> Table:
+    known = [any(row[place] != NONE for row in table.rows) for place in range(len(table.columns))]
+    kept = [place for place, column in enumerate(table.columns) if known[place] or "paper" not in column]
+    columns, *rows = (tuple(row[place] for place in kept) for row in (table.columns, *table.rows))
+    return replace(table, columns=columns, rows=tuple(rows))
 
 
 def _beside(material: Material, against: list[Versus], reason: str) -> dict[str, str]:
