@@ -50,7 +50,7 @@ from jaxwalk.wording import counted, first_of
 
 TOUCHED = "moving car: disc / footprint %"
 """The shares of the episodes in which the moving car touched somebody, by either rule."""
-WIDTH, MAP_WIDTH, PREVENTABLE_WIDTH = 172, 18, 24
+WIDTH, MAP_WIDTH, PREVENTABLE_WIDTH = 184, 18, 24
 """What the table needs [characters], and what the columns of maps and of preventable contacts need more."""
 PREVENTABLE = "preventable %"
 """The share of the replayed collisions that a careful human would have avoided."""
