@@ -52,6 +52,9 @@ def main() -> None:
         value, low, high = (people[name][part] for part in ("value", "low", "high"))
         ends = "undefined" if low is None else f"{low:.2f}, {high:.2f}"
         print(f"{words}: {value:.2f} [{ends}]")
+    seen = people["approach_seen"]
+    curve = " ".join("undefined" if seen[name] is None else f"{seen[name]:.2f}" for name in list(LINES)[:3])
+    print(f"of the {seen['judged']} in view before they judge, {seen['accepted']} came first; the same three: {curve}")
 
 
 if __name__ == "__main__":

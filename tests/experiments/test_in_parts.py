@@ -13,12 +13,13 @@ from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.evaluation.parts import PART, Part, PartError, complete, read_part
 from jaxwalk.evaluation.reading import DocumentError
 from jaxwalk.evaluation.settings import with_jaywalk_multiplier
-from jaxwalk.evaluation.stored_rows import StoredRowsError
+from jaxwalk.evaluation.stored_rows import StoredRowsError, StoredTable, no_rows
 from jaxwalk.experiments import evaluating
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.experiments.in_parts import evaluate_part, merge_parts
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.metrics import statistics
+from jaxwalk.metrics.encounters import ENCOUNTERS, Encounters
 from jaxwalk.policies import AlwaysGo, ConstantSpeed
 from jaxwalk.scenarios import Archived
 from jaxwalk.sim.environment import Street
@@ -251,3 +252,14 @@ def test_a_part_needs_drawn_scenarios_and_a_batch_that_divides(work, parts):
     with pytest.raises(ValueError, match="batch must divide 16"):
         evaluate_part(work, Part(1, 1), parts / "new", ignore, batch=5)
     assert not (parts / "new").exists()
+
+
+def test_a_stored_table_reads_what_it_is_asked_for():
+    asked = []
+    table = StoredTable(no_rows()[ENCOUNTERS], lambda name: asked.append(name) or np.arange(3))
+    assert isinstance(table, Encounters)
+    assert asked == []
+    assert table.ped.tolist() == [0, 1, 2]
+    assert asked == ["ped"]
+    with pytest.raises(AttributeError, match="Encounters has no column pedestrian"):
+        _ = table.pedestrian

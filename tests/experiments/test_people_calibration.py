@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 import sys
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 from experiments.test_real_recordings import GROUND, ROOT, clip, way
-from jaxwalk.experiments.people_calibration import car_speed, fit_gap_acceptance, fit_pace, fit_people
+from jaxwalk.experiments.people_calibration import car_speed, fit_gap_acceptance, fit_pace, fit_people, why_no_curve
 from jaxwalk.experiments.real_recordings import halves, watch_clips
 from jaxwalk.formats.clip_grounds import read_clip_grounds
 from jaxwalk.formats.tracks import TracksError
@@ -25,9 +26,33 @@ def test_the_likeliest_curve_by_hand():
     assert fit_gap_acceptance(gaps, accepted) == pytest.approx((3 * ODDS, ODDS), rel=1e-4)
 
 
-@pytest.mark.parametrize("accepted", [[0, 0, 1, 1], [1, 1, 0, 0], [1, 1, 1, 1], [0, 0, 0, 0]])
-def test_no_finite_curve_is_likeliest_where_a_gap_parts_everybody(accepted):
-    assert np.isnan(fit_gap_acceptance(np.arange(4.0), np.array(accepted, bool))).all()
+@pytest.mark.parametrize("scale", [1.0, 1e-3, 1e3])
+@pytest.mark.parametrize("later", [0.0, 200.0])
+def test_the_curve_has_no_favourite_unit_or_origin(scale, later):
+    """The log odds are those of the test before, at the gaps as they are here."""
+    gaps, accepted = np.repeat([2.0, 4.0], 4) * scale + later, np.array([1, 0, 0, 0, 1, 1, 1, 0], bool)
+    intercept, slope = fit_gap_acceptance(gaps, accepted)
+    assert slope == pytest.approx(ODDS / scale, rel=1e-4)
+    assert intercept / slope == pytest.approx(3 * scale + later)
+
+
+@pytest.mark.parametrize(
+    ("gaps", "accepted", "reason"),
+    [
+        ([0, 1, 2, 3], [0, 0, 1, 1], "2.00 s parts the 2 accepted ones from the 2 others"),
+        ([0, 1, 2, 3], [1, 1, 0, 0], "no longer than others on average \\(0.50 s, 2.50 s"),
+        ([0, 1, 2, 3], [1, 1, 1, 1], "everybody accepted one, of 4"),
+        ([0, 1, 2, 3], [0, 0, 0, 0], "nobody accepted one, of 4"),
+        ([], [], "nobody had a gap to judge"),
+        ([1.1, 4.1, 2.1, 3.1], [1, 1, 0, 0], "no longer than others on average \\(2.60 s, 2.60 s"),
+        ([1, 5, 2, 3, 9], [1, 1, 0, 0, 0], "no longer than others on average"),
+    ],
+)
+def test_no_finite_curve_that_rises_is_likeliest(gaps, accepted, reason):
+    """The last two have a curve, flat or falling: nobody's critical gap."""
+    given = np.array(gaps, float), np.array(accepted, bool)
+    assert np.isnan(fit_gap_acceptance(*given)).all()
+    assert re.search(reason, why_no_curve(*given) or "")
 
 
 def test_an_even_range_of_speeds_is_found_again():
@@ -46,7 +71,7 @@ def test_people_are_fitted_to_every_second_clip(tmp_path):
     clip(tmp_path, "f", [way(-2.0), way(-6.0)])
     names, _ = halves(grounds)
     assert car_speed(tmp_path, grounds, names) == pytest.approx(5.0)
-    with pytest.raises(TracksError, match="say nothing about gaps"):
+    with pytest.raises(TracksError, match=r"fit no curve of accepted gaps: 4\.10 s parts"):
         fit_people(watch_clips(tmp_path, grounds, ["a"]))
     program = [sys.executable, str(ROOT / "docs" / "real_recordings_calibration.py"), str(tmp_path)]
     options = ["--ground", str(tmp_path / "ground.toml"), "--out", str(tmp_path / "out")]
@@ -54,5 +79,7 @@ def test_people_are_fitted_to_every_second_clip(tmp_path):
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "out" / "calibration.json").read_text())
     assert (found["clips"], found["people"]["judged"], found["people"]["accepted"]) == (names, 6, 3)
+    seen = found["people"]["approach_seen"]
+    assert (seen["judged"], seen["accepted"], seen["critical"]) == (3, 0, None), "three stand at the edge at once"
     assert 0.65 < found["people"]["critical"]["value"] < 5.0
     assert found["people"]["slowest"]["value"] < 1.0 < found["people"]["fastest"]["value"], "one stood on the roadway"

@@ -12,10 +12,13 @@ import numpy as np
 import pytest
 
 from formats.scene import car, person, recording
-from jaxwalk.experiments.real_recordings import describe, distances, in_window, watch_clips
+from jaxwalk.experiments.real_recordings import MEASURED, describe, distances, in_windows, watch_clips
+from jaxwalk.formats.areas import Areas, parse_areas
 from jaxwalk.formats.clip_grounds import read_clip_grounds
+from jaxwalk.formats.recordings import measure_tracks
 from jaxwalk.formats.tracks import TracksError
 from jaxwalk.metrics.path_meetings import PATH_MEETINGS
+from jaxwalk.sim.sim_config import SimConfig
 
 ROOT = Path(__file__).parents[2]
 RATE = 10.0
@@ -64,10 +67,25 @@ def test_a_gap_by_hand(tmp_path, grounds):
     found = watch_clips(tmp_path, grounds, ["a"]).rows[PATH_MEETINGS]
     assert found.accepted == pytest.approx([13.25 / 5], abs=0.11), "to within a frame"
     assert found.offered == pytest.approx([20 / 5], abs=0.11), "within 1.5 m of the path at once, the car 20 m before"
+    assert found.approach_seen.tolist() == [False]
     assert found.crossing_speed == pytest.approx([1.0])
     assert found.waited.tolist() == [False]
     # off the path from y = 1.15 on, at 3.2 s; the front covers the place at 3.5 s
     assert found.pet == pytest.approx([0.4], abs=0.11)
+
+
+def test_nobody_has_accepted_a_gap_unseen(tmp_path, grounds):
+    """Two are on the car's path when first seen, one of them later; the third is 1.85 m before it, on the roadway."""
+    later = way(-2.0)
+    later[:11] = np.nan
+    clip(tmp_path, "a", [way(-1.0), later, way(-3.0)], speed=4.0)
+    text = (tmp_path / "a_traj_ped_filtered.csv").read_text()
+    seen = "".join(line for line in text.splitlines(keepends=True) if "nan" not in line)
+    (tmp_path / "a_traj_ped_filtered.csv").write_text(seen)
+    found = watch_clips(tmp_path, grounds, ["a"]).rows[PATH_MEETINGS]
+    assert (found.pet > 0).all()
+    assert np.isnan(found.accepted).tolist() == [True, True, False]
+    assert found.approach_seen.tolist() == [False, False, True]
 
 
 def test_who_stops_waits_and_lets_the_car_go_first(tmp_path, grounds):
@@ -102,12 +120,47 @@ def test_intervals_and_distances_are_over_clips(tmp_path, grounds):
     assert away["same"][0] == 0
 
 
+def street(*crosswalks: float) -> Areas:
+    """Return a road along y = 0, 8 m wide, with crosswalks 4 m wide at places x."""
+
+    def feature(kind: str, left: float, right: float) -> dict:
+        corners = [[left, -4], [right, -4], [right, 4], [left, 4], [left, -4]]
+        geometry = {"type": "Polygon", "coordinates": [corners]}
+        return {"type": "Feature", "properties": {"kind": kind}, "geometry": geometry}
+
+    features = [feature("roadway", -50, 50), *(feature("crosswalk", x - 2, x + 2) for x in crosswalks)]
+    return parse_areas({"type": "FeatureCollection", "features": features}, "a street")
+
+
 def test_the_window_cuts_and_forgets():
     tracks = recording(car(0, 4, -20, 0, 10.0), person(0, 4, 0, 5), person(0, 4, 0, 15))
-    seen = in_window(replace(tracks, known={"speed": tracks.t}), 0.0, 0.0)
+    (seen,) = in_windows(replace(tracks, known={"speed": tracks.t}), street(0.0))
     assert seen.known == {}
     assert set(seen.id) == {0, 1}
     assert np.abs(seen.x).max() <= 10
+    with pytest.raises(TracksError, match="no crosswalk"):
+        next(in_windows(tracks, street()))
+
+
+def test_everybody_counts_at_the_nearest_of_two_crosswalks():
+    """They are at x = 0 and 12, so both windows show what is between 2 and 10. Person 2 walks there along the kerb."""
+    tracks = recording(
+        car(0, 8, -20, 0, 5.0), person(0, 8, 5, -6, 0, 1.5), person(0, 8, 2, 5, 0.5), person(0, 8, 7, 6, 0, -1.5)
+    )
+    both = [*in_windows(tracks, street(0.0, 12.0))]
+    assert [sorted(set(seen.id)) for seen in both] == [[0, 1, 2], [0, 3]]
+    met = [[*measure_tracks(seen, areas=street(0.0, 12.0), config=SimConfig(), metrics=MEASURED)] for seen in both]
+    assert [sum(len(rows[PATH_MEETINGS].pet) for rows in each) for each in met] == [1, 1]
+
+
+def test_a_second_crossing_may_count_at_another_crosswalk():
+    """Up at x = 1 to the kerb, along it, and down at x = 11: from the first kerb on, all of it counts there."""
+    up, along, down = person(0, 4, 1, -5, 0, 2.5), person(4.04, 8, 1, 5, 2.5), person(8.04, 12, 11, 5, 0, -2.5)
+    tracks = recording(up, along, down, ids=(1, 1, 1))
+    first, second = in_windows(tracks, street(0.0, 12.0))
+    assert (first.t.max(), first.y.max()) == pytest.approx((3.56, 3.9), abs=0.05)
+    assert second.t.min() == pytest.approx(4.4, abs=0.05), "not before x = 2, where the second window begins"
+    assert second.t.max() == 12.0
 
 
 @pytest.mark.parametrize(

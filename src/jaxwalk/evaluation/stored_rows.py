@@ -215,11 +215,21 @@ def _values(read: Any, name: str, like: np.ndarray) -> np.ndarray:
     return flat.to_numpy(zero_copy_only=False).reshape(len(array), *like.shape[1:])
 
 
-def _read_when_asked(like: Any, column: Callable[[str], np.ndarray]) -> Any:
-    """Return a table of the same type as ``like``, whose columns are those that ``column`` returns for their names."""
-    kind = type(like)
-    columns = {name: property(lambda _, name=name: column(name)) for name in vars(like)}
-    return object.__new__(type(kind.__name__, (kind,), columns))
+class StoredTable:
+    """A table whose columns are read when they are asked for. For ``isinstance`` it has the type of a measured one."""
+
+    def __init__(self, like: Any, column: Callable[[str], np.ndarray]) -> None:
+        """Have the type and the names of the columns of ``like``; ``column`` reads the one of a name."""
+        self._like = like
+        self._column = column
+
+    __class__: Any = property(lambda self: type(self._like))
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        """Return a column. Raise AttributeError if there is none, and StoredRowsError if its file can't be used."""
+        if name.startswith("_") or name not in vars(self._like):
+            raise AttributeError(f"{type(self._like).__name__} has no column {name}")
+        return self._column(name)
 
 
 class StoredTables(Mapping[str, Any]):
@@ -234,7 +244,7 @@ class StoredTables(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         """Return a table. Raise KeyError if there is none."""
         like = no_rows().tables[name]
-        return _read_when_asked(like, partial(self._column, name)) if vars(like) else like
+        return StoredTable(like, partial(self._column, name)) if vars(like) else like
 
     def __iter__(self) -> Iterator[str]:
         return iter(no_rows().tables)

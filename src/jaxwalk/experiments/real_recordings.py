@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 import shapely
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.stats import wasserstein_distance
 
 from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.clip_grounds import ClipGrounds
 from jaxwalk.formats.recordings import measure_tracks
-from jaxwalk.formats.tracks import Tracks, TracksError, tracks_of
+from jaxwalk.formats.tracks import PEDESTRIAN, Tracks, TracksError, tracks_of
 from jaxwalk.formats.vci import PEOPLE, read_vci
 from jaxwalk.metrics import ENCOUNTERS, SPEED_DIFFERENTIAL, SURROGATES, Rows
 from jaxwalk.metrics.crossings import TYPES
@@ -72,22 +72,50 @@ def watch_clips(folder: Path, grounds: ClipGrounds, names: Sequence[str]) -> Wat
 
 def watch_episodes(trajectory: Trajectory, areas: Areas, config: SimConfig) -> Watched:
     """Measure episodes of ours as a camera over each crosswalk sees them, which knows nothing but positions."""
-    places = [polygon.centroid for polygon in shapely.get_parts(areas.crosswalk)]
 
     def parts(tracks: Tracks) -> Iterator[Rows]:
-        for place in places:
-            seen = in_window(tracks, place.x, place.y)
+        for seen in in_windows(tracks, areas):
             yield from measure_tracks(seen, areas=areas, config=config, metrics=MEASURED)
 
     return _watched([list(parts(tracks)) for tracks in tracks_of(trajectory)])
 
 
-def in_window(tracks: Tracks, x: float, y: float) -> Tracks:
-    """Return the rows of a recording near a point [m], without what only a simulator knows."""
-    near = np.maximum(np.abs(tracks.x - x), np.abs(tracks.y - y)) <= WINDOW
+def in_windows(tracks: Tracks, areas: Areas) -> Iterator[Tracks]:
+    """Yield what is seen through the window about each crosswalk, without what only a simulator knows.
+
+    Windows of neighbours overlap. A car is seen through all of them; a person who goes onto the roadway only through
+    that of the crosswalk that is nearest to the way there, so that nobody counts twice. Raises TracksError if there is
+    no crosswalk.
+    """
+    places = shapely.get_coordinates(shapely.centroid(shapely.get_parts(areas.crosswalk)))
+    if not len(places):
+        raise TracksError("this street has no crosswalk to look at; choose one that has")
+    aside = np.abs(np.stack([tracks.x, tracks.y], axis=1)[:, None] - places).max(axis=2)
+    people = tracks.type == PEDESTRIAN
+    nearest = _nearest(tracks, people & areas.locate(tracks.x, tracks.y)[0], aside)
     columns = {field.name: getattr(tracks, field.name) for field in fields(Tracks)}
-    kept = {name: values[near] for name, values in columns.items() if isinstance(values, np.ndarray)}
-    return replace(tracks, known={}, **kept)
+    for number in range(len(places)):
+        seen = (aside[:, number] <= WINDOW) & (~people | (nearest == number))
+        kept = {name: values[seen] for name, values in columns.items() if isinstance(values, np.ndarray)}
+        yield replace(tracks, known={}, **kept)
+
+
+def _nearest(
+    tracks: Tracks, crossing: Bool[np.ndarray, "row"], aside: Float[np.ndarray, "row place"]
+) -> Int[np.ndarray, "row"]:
+    """Return the number of the crosswalk at which each row counts: the nearest one to a whole stay on the roadway.
+
+    Rows before a stay belong to it, as the way there. ``aside`` is the distance as a window measures it [m].
+    """
+    order = np.lexsort((tracks.t, tracks.id))
+    on, who = crossing[order], tracks.id[order]
+    begins = np.append(True, (np.diff(who) != 0) | (on[:-1] & ~on[1:]))
+    stay = np.cumsum(begins) - 1
+    # A place on the way counts only if the person never is on the roadway: it is farther off than any place there.
+    away = aside[order] + np.where(on, 0.0, aside.max())[:, None]
+    nearest = np.empty(len(order), int)
+    nearest[order] = np.minimum.reduceat(away, np.flatnonzero(begins)).argmin(axis=1)[stay]
+    return nearest
 
 
 def _watched(parts: list[list[Rows]]) -> Watched:

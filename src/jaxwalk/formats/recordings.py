@@ -87,6 +87,8 @@ def _pieces(tracks: Tracks) -> list[Int[np.ndarray, "_"]]:
 
     Raises TracksError if a road user has two rows at one time.
     """
+    if not len(tracks.t):
+        return []
     order = np.lexsort((tracks.t, tracks.id))
     same, later = np.diff(tracks.id[order]) == 0, np.diff(tracks.t[order])
     if (twice := np.flatnonzero(same & (later <= 0))).size:

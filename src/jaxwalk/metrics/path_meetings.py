@@ -41,9 +41,12 @@ class PathMeetings:
     offered: Float[np.ndarray, "meeting"]
     """The time until the car is abreast of the place, at its speed in the first frame in which the person is in view
     and at most `JUDGES` before the car's path [s]. NaN for a car that stands then or has passed."""
+    approach_seen: Bool[np.ndarray, "meeting"]
+    """The person was in view in the frame before that one too, so that it is the one in which people judge the car."""
     accepted: Float[np.ndarray, "meeting"]
     """If the person came first: the time that the car needed at its speed in the moment in which the person entered its
-    path, to reach that place [s]. NaN for a car that stood then."""
+    path, to reach that place [s]. NaN for a car that stood then, and if nobody saw that moment: whoever is on the path
+    when first seen has entered it before."""
     crossing_speed: Float[np.ndarray, "meeting"]
     """Mean speed of the person on the roadway [m/s]."""
     pet: Float[np.ndarray, "meeting"]
@@ -84,21 +87,23 @@ def find_path_meetings(
     rows = np.flatnonzero(~np.isnan(surrogates.pet)).tolist()
     stopped = _stopped(trajectory)
     entries = [_entry(trajectory, encounters, row, config) for row in rows]
-    waited, offered, accepted, speeds = [], [], [], []
+    waited, offered, seen, accepted, speeds = [], [], [], [], []
     for row, (enters, arrives) in zip(rows, entries, strict=True):
         episode, ped = int(encounters.episode[row]), int(encounters.ped[row])
         stays = slice(encounters.enter[row], encounters.end[row] + 1), episode, ped
         waited.append(bool(stopped[:enters, episode, ped].any()))
         judges = _judges(trajectory, episode, ped, enters)
+        seen.append(_seen_before(trajectory, episode, ped, judges))
         to_centre = config.car_length / 2 + config.body_radius
         offered.append(_time_to(trajectory, episode, judges, arrives, config, beyond=to_centre))
-        first = surrogates.pet[row] > 0 and arrives > enters
+        first = surrogates.pet[row] > 0 and arrives > enters and _seen_before(trajectory, episode, ped, enters)
         accepted.append(_time_to(trajectory, episode, enters, arrives, config) if first else np.nan)
         speeds.append(float(distance(trajectory.ped_vx[stays], trajectory.ped_vy[stays]).mean()))
     return PathMeetings(
         episode=encounters.episode[rows],
         waited=np.array(waited, bool),
         offered=np.array(offered, float),
+        approach_seen=np.array(seen, bool),
         accepted=np.array(accepted, float),
         crossing_speed=np.array(speeds, float),
         pet=surrogates.pet[rows].astype(float),
@@ -127,6 +132,11 @@ def _entry(trajectory: Trajectory, encounters: Encounters, row: int, config: Sim
     covered &= np.abs(walked[:, None] - driven) <= limit
     enters = int(covered.any(axis=1).argmax())
     return int(walked[enters]), int(driven[covered[enters].argmax()])
+
+
+def _seen_before(trajectory: Trajectory, episode: int, ped: int, frame: int) -> bool:
+    """Return whether the person and the car are also in view in the frame before."""
+    return frame > 0 and not bool(np.isnan(trajectory.ped_x[frame - 1, episode, ped]))
 
 
 def _judges(trajectory: Trajectory, episode: int, ped: int, enters: int) -> int:
