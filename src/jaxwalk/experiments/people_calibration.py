@@ -125,7 +125,7 @@ def fit_people(watched: Watched) -> dict[str, Any]:
 
 
 def _approach_seen(table: PathMeetings) -> dict[str, Any]:
-    """Return the curve of those people alone whom the recording shows where they judge; None where there is none."""
+    """Return the curve of only those people that the recording shows where they judge; None where there is none."""
     chosen = ~np.isnan(table.offered) & table.approach_seen
     accepted = (table.pet > 0)[chosen]
     curve = fit_gap_acceptance(table.offered[chosen], accepted)
