@@ -153,6 +153,12 @@ def test_everybody_counts_at_the_nearest_of_two_crosswalks():
     assert [sum(len(rows[PATH_MEETINGS].pet) for rows in each) for each in met] == [1, 1]
 
 
+def test_a_window_may_show_nobody():
+    near, far = in_windows(recording(car(0, 4, -4, 0, 2.0)), street(0.0, 30.0))
+    found = [[*measure_tracks(seen, areas=None, config=SimConfig(), metrics=MEASURED)] for seen in (near, far)]
+    assert [len(rows) for rows in found] == [1, 0]
+
+
 def test_a_second_crossing_may_count_at_another_crosswalk():
     """Up at x = 1 to the kerb, along it, and down at x = 11: from the first kerb on, all of it counts there."""
     up, along, down = person(0, 4, 1, -5, 0, 2.5), person(4.04, 8, 1, 5, 2.5), person(8.04, 12, 11, 5, 0, -2.5)
