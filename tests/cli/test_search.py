@@ -131,7 +131,7 @@ def test_files_that_were_changed_are_refused(street, tmp_path):
     assert found.hash() == kept.hash() and found.seed == 7 and len(found) == 3
     np.testing.assert_array_equal(found.points, points)
     np.testing.assert_array_equal(found.present, present)
-    text, arrays = read_tensors(file, HEADER)
+    text, arrays = read_tensors(file, HEADER, "file of scenarios")
     header = json.loads(text)
     wrong = {
         "outside": (arrays | {"points": points + 1}, header),

@@ -14,7 +14,16 @@ from jaxwalk.evaluation.document_parts import Interval, PolicyOrigin, StreetOrig
 from jaxwalk.evaluation.reading import Origin, as_results
 from jaxwalk.maps import MapText
 from jaxwalk.metrics import measure
-from jaxwalk.report.first_screen import WORST, driven_in, evidence_of, first_screen, hardest_hit, to_watch, training_of
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.report.first_screen import (
+    WORST,
+    driven_in,
+    evidence_of,
+    first_screen,
+    speed_at_hits,
+    to_watch,
+    training_of,
+)
 from jaxwalk.report.reversals import Claim, apart, sentence, state
 from jaxwalk.report.table import Table
 from jaxwalk.report.table_files import as_data
@@ -86,15 +95,18 @@ def test_the_worst_five_of_the_subject_come_first():
     assert to_watch(None, "rash") == ((), "")
 
 
-def test_the_hardest_hit_of_each_driver():
-    gallery = watched(gallery_document())
-    drivers = {gallery.episodes[one.episode].driver for one in gallery.incidents}
-    assert {driver: hardest_hit(gallery, driver) for driver in (*drivers, "nobody")} == {
-        "rash": "5.0",
-        "careful": "5.0",
-        "nobody": "–",
-    }
-    assert hardest_hit(None, "rash") == "–"
+def test_the_speed_at_hits_is_that_of_the_worlds_rule(one):
+    def found(rule):
+        street = StreetOrigin((), dataclasses.replace(WORLDS["paper"], contact=rule))
+        return speed_at_hits(
+            dataclasses.replace(one, results=dataclasses.replace(one.results, street=street)), "co-trained", "learned"
+        )
+
+    contacts = one.cell("co-trained", "learned").summary[MEASURED_CONTACTS]
+    assert found("disc") == Interval.of(contacts.disc.car_speed) == Interval(5.0, None, None)
+    assert found("footprint") == Interval.of(contacts.footprint.car_speed)
+    unknown = dataclasses.replace(one, results=dataclasses.replace(one.results, street=None))
+    assert speed_at_hits(unknown, "co-trained", "learned").value is None
 
 
 def test_exposure_limits_and_thresholds_follow_the_world(one):

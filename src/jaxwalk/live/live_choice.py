@@ -40,7 +40,7 @@ class LiveChoice:
     number: Annotated[int, Field(ge=0, lt=NUMBERS)] = 0
     """The scenario's number among those of the seed, or in the file of scenarios."""
     people: Annotated[int, Field(ge=0)] | None = None
-    """How many of the people are there: the first ones of those whom the file, if there is one, doesn't leave out."""
+    """How many of the people are there: the first ones. People who are left out of a file of scenarios don't count."""
     jaywalk_multiplier: Annotated[float, Field(ge=0)] | None = None
     max_speed: Annotated[float, Field(gt=0, le=LARGEST["max_speed"])] | None = None
     """The car's top speed [m/s]."""

@@ -152,7 +152,7 @@ class LiveSession:
         return street, Archived(street, points, present, seed, keys)
 
     def _there(self, choice: LiveChoice) -> np.ndarray:
-        """Return who can be there, ``(1, ped)``: in a file of scenarios those whom it doesn't leave out."""
+        """Return who can be there, ``(1, ped)``: in a file of scenarios all but those that it leaves out."""
         kept = self.offer.kept
         return np.ones((1, choice.places), bool) if kept is None else kept.present[np.array([choice.number])]
 
