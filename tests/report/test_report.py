@@ -152,9 +152,9 @@ def test_tables_of_several_seeds(several):
     assert (learned["goal %, IQM"], learned["collision %, IQM"]) == ("33.3", "66.7")
     assert [row["training seed"] for row in _table(several, "training_seeds")] == ["5", "6", "7"] * 4
     assert [row["collision %"][:4] for row in _table(several, "training_seeds")[:3]] == ["33.3", "66.7", "100."]
-    moving = [row["touched by the moving car %"][:4] for row in _table(several, "training_seeds")[:3]]
+    moving = [row["moving contacts %"][:4] for row in _table(several, "training_seeds")[:3]]
     assert moving == ["33.3", "66.7", "100."]
-    assert learned["touched by the moving car %"] == "66.7"
+    assert learned["moving contacts %"] == "66.7"
     lines = (several / "tables" / "training_seeds.md").read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("| driver | pedestrians | training seed |")
     assert len(lines) == 2 + 12

@@ -119,7 +119,7 @@ def _hits(material: Material, driver: str, people: str) -> Interval:
 def speed_at_hits(material: Material, driver: str, people: str) -> Interval:
     """Return the mean speed of the car at hits [m/s]; of several training seeds their mean, without an interval.
 
-    Hits are contacts of the moving car by the world's rule, which end the scenario. Two people who are hit at once
+    Hits are collisions of the moving car: contacts by the world's rule. Two people who are hit at once
     count twice. None without hits, and in results that don't say what the rule was.
     """
     street = material.results.street

@@ -149,7 +149,7 @@ def attribution(material: Material) -> Table:
 
 
 def contacts(material: Material) -> Table:
-    """Return what the people that the subject hit were doing, and whether the car was moving."""
+    """Return what people in the subject's collisions were doing, and whether the car was moving."""
     columns = (
         "pedestrians",
         "contact",

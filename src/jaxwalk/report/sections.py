@@ -149,7 +149,7 @@ SECTIONS = (
         theirs=DIAMONDS,
     ),
     Section(
-        "What was hit",
+        "Collisions, by what people did",
         "",
         "The collisions of {subject} by what the pedestrian was doing. With a car that stands, it was the "
         "pedestrian who walked into it.",
