@@ -187,8 +187,13 @@ def test_observations_are_listed(capsys):
     assert main(["observations", "--role", "pedestrian"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "paper: 20 features"
-    assert lines[1].split() == ["0", "to", "1", "position"]
-    assert lines[9].split() == ["18", "to", "19", "nearest_other"]
+    assert lines[1] == "     0 to    1  position        width of the map, height of the map"
+    assert lines[9].split() == ["18", "to", "19", "nearest_other", "60", "m"]
+    assert main(["observations"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "    10 to   33  people          (2 x 60 m, 2 x 8.33 m/s) x 6" in lines
+    assert "    40 to   57  if_they_turn    3 x 10 m, 12 x 0.5 m, 3 x 3 s" in lines
+    assert max(map(len, lines)) <= 100
 
 
 def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys):

@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxwalk.cli import main
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import OBSERVATIONS, Observation, bounds, part, size
@@ -208,11 +207,3 @@ def test_who_decides_at_the_kerb(scenarios, midway):
 def test_every_feature_has_units(role, name):
     for feature in OBSERVATIONS[role][name]:
         assert feature.units and feature.size % len(feature.units) == 0, feature.name
-
-
-def test_units_are_listed_with_the_features(capsys):
-    assert main(["observations"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert "    10 to   33  people          (2 x 60 m, 2 x 8.33 m/s) x 6" in lines
-    assert "    40 to   57  if_they_turn    3 x 10 m, 12 x 0.5 m, 3 x 3 s" in lines
-    assert max(map(len, lines)) <= 100
