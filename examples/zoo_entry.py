@@ -4,8 +4,10 @@ from pathlib import Path
 
 from jaxwalk.cli import main
 
-entry = Path("zoo/clearance")
-entry.mkdir(parents=True)
+entry, board = Path("zoo/clearance"), Path("leaderboard.md")
+entry.mkdir(parents=True, exist_ok=True)
 (entry / "README.md").write_text("The clearance rule as it comes with jaxwalk.\n")
-main(f"evaluate --driver clearance --episodes 2000 --out {entry}".split())
-main(f"submit {entry} --check".split())
+assert main(f"evaluate --driver clearance --episodes 2000 --out {entry}".split()) == 0
+assert main(f"submit {entry} --check --out {board}".split()) == 0
+print(board.read_text())
+assert "| clearance | yes |" in board.read_text()  # it came out again, and was played on fresh scenarios

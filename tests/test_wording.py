@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from jaxwalk.evaluation import ScenarioSet
-from jaxwalk.wording import counted, first_of
+from jaxwalk.wording import counted, first_of, plain, plain_markdown
 
 
 def test_one_is_singular_and_thousands_have_commas():
@@ -15,3 +15,14 @@ def test_long_lists_are_cut_off():
     assert [first_of(list("abcdefg")[:n], "map") for n in (1, 4, 5, 7)] == [
         "a", "a, b, c, d", "a, b, c, d and 1 more map", "a, b, c, d and 3 more maps",
     ]  # fmt: skip
+
+
+def test_a_strangers_text_controls_no_terminal():
+    assert plain("a\x1b[31mb\nc\u202ed\u2028e\x7f") == "a [31mb c d e "
+    assert plain("Zoë's 車") == "Zoë's 車"
+    assert plain("x" * 300, 20) == "x" * 17 + "..." and plain("x" * 20, 20) == "x" * 20
+
+
+def test_a_strangers_text_is_no_markup_of_a_page():
+    assert plain_markdown("<script>a|b</script>") == "&lt;script&gt;a\\|b&lt;/script&gt;"
+    assert plain_markdown("![x](javascript:y) {: onclick=z}") == r"\!\[x\](javascript:y) \{: onclick=z\}"

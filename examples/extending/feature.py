@@ -14,7 +14,7 @@ def crowd(moment):
     return (jnp.mean(jnp.abs(moment.state.foresight.nearest.left) < 4, axis=0),)
 
 
-OBSERVATIONS["driver"]["route-crowd"] = (*ROUTE, Feature("crowd", 1, share, crowd))
+OBSERVATIONS["driver"]["route-crowd"] = (*ROUTE, Feature("crowd", 1, share, crowd, ("all six of them",)))
 
 street = Street.create()
 scenario = street.draw(jax.random.key(0))

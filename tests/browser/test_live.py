@@ -67,6 +67,26 @@ def test_a_scenario_is_played_driven_and_saved(opened, tmp_path, check_both_sche
     shows(page, "[name=people-said]", "11 of 12")
     page.click("[data-do=save]")
     shows(page, ".saved", "--scenarios")
-    (path,) = (tmp_path / "saved").iterdir()
+    (path,) = (tmp_path / "saved").glob("*.safetensors")
     kept = read_archive(path)
     assert (kept.seed, kept.keys.tolist(), int(kept.present.sum())) == (0, [3], 11)
+
+
+def test_arrow_keys_drive_and_turn_no_dial_that_was_pointed_at(opened):
+    page = opened
+    shows(page, ".said", "Ready")
+    page.locator("[name=max_speed]").click()  # in its middle
+    turned = page.locator("[name=max_speed-said]").text_content()
+    shows(page, ".said", "Ready")
+    for key in ("ArrowUp", "ArrowLeft"):
+        page.keyboard.press(key)
+    shows(page, "figcaption", "You drive")
+    assert page.locator("[name=max_speed-said]").text_content() == turned != "30 km/h"
+
+    page.keyboard.press("t")
+    page.locator("[name=driver]").click()
+    page.select_option("[name=driver]", "clearance")
+    shows(page, "figcaption", "clearance drives")
+    page.keyboard.press("ArrowDown")
+    shows(page, "figcaption", "You drive")
+    assert page.locator("[name=driver]").input_value() == "clearance"

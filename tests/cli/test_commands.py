@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import json
 import os
 import re
@@ -10,6 +11,7 @@ import subprocess
 import sys
 
 import pytest
+from rich.console import Console
 
 from jaxwalk.cli import main
 from jaxwalk.cli.casting import cast
@@ -185,8 +187,13 @@ def test_observations_are_listed(capsys):
     assert main(["observations", "--role", "pedestrian"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "paper: 20 features"
-    assert lines[1].split() == ["0", "to", "1", "position"]
-    assert lines[9].split() == ["18", "to", "19", "nearest_other"]
+    assert lines[1] == "     0 to    1  position        width of the map, height of the map"
+    assert lines[9].split() == ["18", "to", "19", "nearest_other", "60", "m"]
+    assert main(["observations"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "    10 to   33  people          (2 x 60 m, 2 x 8.33 m/s) x 6" in lines
+    assert "    40 to   57  if_they_turn    3 x 10 m, 12 x 0.5 m, 3 x 3 s" in lines
+    assert max(map(len, lines)) <= 100
 
 
 def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys):
@@ -216,13 +223,29 @@ def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys)
 
 
 def test_the_table_marks_who_sees_what_is_hidden():
-    from jaxwalk.cli.evaluate import table
+    from jaxwalk.cli.evaluation_table import table
 
     cell = material(1).results.cells[0]
     sets = ("route", "route-belief", "route-told", "privileged")
     shown = table([dataclasses.replace(cell, driver="mine", driver_observes=name) for name in sets])
     marked = ["mine", "mine", "mine (route-told)", "mine (privileged)"]
     assert list(shown.columns[0].cells) == marked
+
+
+@pytest.mark.parametrize("width", [60, 80, 120, 200])
+def test_a_narrow_terminal_has_several_tables(width):
+    from jaxwalk.cli.evaluation_table import OF_MAPS, tables
+
+    cells = material(1).results.cells[:3]
+    written = io.StringIO()
+    console = Console(width=width, file=written)
+    made = tables(cells, console)
+    assert (len(made) == 1) == (width == 200)
+    console.print(*made, sep="\n")
+    text = written.getvalue()
+    assert max(len(line) for line in text.splitlines()) <= width and "…" not in text
+    assert all(text.count(name) == 1 for name in (*OF_MAPS, "95 % intervals in brackets"))
+    assert text.count(cells[0].pedestrians) >= len(made)
 
 
 def test_play_draws(place, capsys):

@@ -34,6 +34,7 @@ WRONG = {
     "scenario --driver random --pedestrians nobody": "nobody: no pedestrian of that name",
     "frontier --driver clearance nobody": "nobody: no driver of that name",
     "frontier --pedestrians nobody": "nobody: no pedestrian of that name",
+    "report --driver=random": "--driver: leave it out; drivers come first, as in: jaxwalk report co-trained clearance",
     "report --driver random": "--driver: leave it out; drivers come first, as in: jaxwalk report co-trained clearance",
     "evaluate --driver mine.py": "mine.py: name the class in it too, as in mine.py:MyDriver",
     "report nobody": "nobody: no driver of that name",

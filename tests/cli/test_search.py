@@ -131,7 +131,7 @@ def test_files_that_were_changed_are_refused(street, tmp_path):
     assert found.hash() == kept.hash() and found.seed == 7 and len(found) == 3
     np.testing.assert_array_equal(found.points, points)
     np.testing.assert_array_equal(found.present, present)
-    text, arrays = read_tensors(file, HEADER)
+    text, arrays = read_tensors(file, HEADER, "file of scenarios")
     header = json.loads(text)
     wrong = {
         "outside": (arrays | {"points": points + 1}, header),
@@ -158,5 +158,5 @@ def test_files_that_were_changed_are_refused(street, tmp_path):
         assert type(caught.value).__module__.startswith("jaxwalk"), name
         assert isinstance(caught.value, ArchiveError) or name == "other map", name
     save_file(load_file(file), tmp_path / "bad.safetensors")
-    with pytest.raises(ArchiveError, match="no `jaxwalk search` wrote it"):
+    with pytest.raises(ArchiveError, match="no file of scenarios, as `jaxwalk search` and `jaxwalk live` write them"):
         read_archive(tmp_path / "bad.safetensors")

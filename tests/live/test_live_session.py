@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -9,14 +12,15 @@ import pytest
 
 from jaxwalk.evaluation import play
 from jaxwalk.evaluation.playing import play_block
-from jaxwalk.live.live_choice import LiveError
+from jaxwalk.live import live_session
+from jaxwalk.live.live_choice import LiveError, read_message
 from jaxwalk.live.live_frames import moment_record
 from jaxwalk.live.live_offer import FROM_FILE, offer_of
-from jaxwalk.live.live_session import NOBODY_DRIVES, LiveSession, street_of
+from jaxwalk.live.live_session import NOBODY_DRIVES, LiveSession, _with_rule, street_of
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.scenarios import Drawn
-from jaxwalk.scenarios.archive_file import read_archive
+from jaxwalk.scenarios.archive_file import read_archive, write_archive
 from jaxwalk.sim.suites import Where
 from live.live_fakes import START
 
@@ -126,6 +130,49 @@ def test_a_file_of_scenarios_decides_where(session, tmp_path):
     _, source = other._dialled(offer.start)
     assert source.present.sum() == 7
     assert (source.seed, source.keys.tolist()) == (5, [2])
+
+
+def _kept_of(session, present, **rules):
+    """A file's scenario with these people alone, on a street with other numbers for some rules."""
+    session.open(MIDDLE)
+    kept = session._source
+    street = kept.street
+    for name, value in rules.items():
+        street = _with_rule(street, name, value)
+    return replace(kept, street=street, present=np.isin(np.arange(12), present)[None])
+
+
+def test_who_is_left_out_of_a_file_stays_out(session, tmp_path):
+    offer = offer_of([], [], Where(), kept=_kept_of(session, [3, 7, 8]))
+    other = LiveSession(offer, tmp_path, contestant)
+    for people, there in ((None, [3, 7, 8]), (3, [3, 7, 8]), (2, [3, 7]), (12, [3, 7, 8]), (0, [])):
+        _, source = other._dialled(replace(offer.start, people=people))
+        assert np.flatnonzero(source.present[0]).tolist() == there
+
+
+def test_dials_reach_to_the_numbers_of_a_file(session, tmp_path):
+    offer = offer_of(["route-follower"], ["always-go"], Where(), kept=_kept_of(session, [1], max_speed=35.0))
+    other = LiveSession(offer, tmp_path, contestant)
+    begun = other.open(offer.start)
+    assert (begun["choice"]["max_speed"], begun["choice"]["people"], begun["most"]) == (35.0, 1, 1)
+    again = read_message(json.dumps({"do": "open", "choice": begun["choice"]})).choice
+    assert other.open(again)["choice"] == begun["choice"]
+    for choice in (replace(offer.start, max_speed=36.0), replace(offer.start, jaywalk_multiplier=11.0)):
+        with pytest.raises(LiveError, match="must be"):
+            other.open(choice)
+    with pytest.raises(LiveError, match="max_speed: must be 1 to 30, not 35"):
+        session.open(replace(MIDDLE, max_speed=35.0))
+
+
+def test_pages_that_save_at_once_have_files_of_their_own(session, monkeypatch):
+    session.open(MIDDLE)
+    others = [LiveSession(session.offer, session._folder / "at-once", contestant) for _ in range(3)]
+    for other in others:
+        other.choice, other._source = session.choice, session._source
+    monkeypatch.setattr(live_session, "write_archive", lambda *args: (time.sleep(0.05), write_archive(*args)))
+    with ThreadPoolExecutor() as pool:
+        paths = list(pool.map(LiveSession.save, others))
+    assert len(set(paths)) == 3 and all(len(read_archive(path)) == 1 for path in paths)
 
 
 def test_who_is_lost_from_sight_has_the_place_where_they_were_last_seen():

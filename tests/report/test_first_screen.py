@@ -14,7 +14,16 @@ from jaxwalk.evaluation.document_parts import Interval, PolicyOrigin, StreetOrig
 from jaxwalk.evaluation.reading import Origin, as_results
 from jaxwalk.maps import MapText
 from jaxwalk.metrics import measure
-from jaxwalk.report.first_screen import WORST, driven_in, evidence_of, first_screen, hardest_hit, to_watch, training_of
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.report.first_screen import (
+    WORST,
+    driven_in,
+    evidence_of,
+    first_screen,
+    speed_at_hits,
+    to_watch,
+    training_of,
+)
 from jaxwalk.report.reversals import Claim, apart, sentence, state
 from jaxwalk.report.table import Table
 from jaxwalk.report.table_files import as_data
@@ -86,15 +95,18 @@ def test_the_worst_five_of_the_subject_come_first():
     assert to_watch(None, "rash") == ((), "")
 
 
-def test_the_hardest_hit_of_each_driver():
-    gallery = watched(gallery_document())
-    drivers = {gallery.episodes[one.episode].driver for one in gallery.incidents}
-    assert {driver: hardest_hit(gallery, driver) for driver in (*drivers, "nobody")} == {
-        "rash": "5.0",
-        "careful": "5.0",
-        "nobody": "–",
-    }
-    assert hardest_hit(None, "rash") == "–"
+def test_the_speed_at_hits_is_that_of_the_worlds_rule(one):
+    def found(rule):
+        street = StreetOrigin((), dataclasses.replace(WORLDS["paper"], contact=rule))
+        return speed_at_hits(
+            dataclasses.replace(one, results=dataclasses.replace(one.results, street=street)), "co-trained", "learned"
+        )
+
+    contacts = one.cell("co-trained", "learned").summary[MEASURED_CONTACTS]
+    assert found("disc") == Interval.of(contacts.disc.car_speed) == Interval(5.0, None, None)
+    assert found("footprint") == Interval.of(contacts.footprint.car_speed)
+    unknown = dataclasses.replace(one, results=dataclasses.replace(one.results, street=None))
+    assert speed_at_hits(unknown, "co-trained", "learned").value is None
 
 
 def test_exposure_limits_and_thresholds_follow_the_world(one):
@@ -107,17 +119,16 @@ def test_exposure_limits_and_thresholds_follow_the_world(one):
     assert exposure["Scenarios"] == "3 for each of 7 drivers among always-go, learned"
     assert (exposure["Streets"], exposure["People"]) == ("1: paper", "12 in each scenario")
     assert exposure["Populations"] == "always-go never wait for the car; learned have learned when to wait"
-    hit = {said.name: said.text for said in paper.thresholds}["Hit"]
-    assert (
-        hit == "a scenario that ends with a contact of the car at 0.5 m/s or more; a contact: centres closer than 1.5 m"
-    )
-    assert "a body (0.25 m) overlaps the car (4.5 x 1.8 m)" in {x.name: x.text for x in hiding.thresholds}["Hit"]
+    words = {said.name: said.text for said in paper.thresholds}
+    assert words["Hit"].startswith("a collision of the car at 0.5 m/s or more;")
+    assert words["Collision"] == "a contact that ends the scenario: centres closer than 1.5 m"
+    assert "a body (0.25 m) overlaps the car (4.5 x 1.8 m)" in {x.name: x.text for x in hiding.thresholds}["Collision"]
     senses = [{said.name: said.text for said in found.limits}["Senses"] for found in (paper, hiding)]
     assert senses[0].startswith("Everybody is seen at once and without error")
     assert "within 60 m is seen at once and without error" in senses[1]
     late = dataclasses.replace(WORLDS["blind-corner"], delay=0.3, misses=0.1)
     assert "seen 0.3 s late, missed in 10 % of steps" in " ".join(said.text for said in limits(late))
-    assert [said.name for said in thresholds(None)] == ["Hit", "Encounter", "Near miss", "Sure", "Too few"]
+    assert [said.name for said in thresholds(None)] == ["Collision", "Hit", "Encounter", "Near miss", "Sure", "Too few"]
 
 
 def test_what_reverses_is_one_sentence():

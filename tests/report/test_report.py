@@ -13,13 +13,15 @@ from PIL import Image
 
 from browser.pages import gallery_document, watched
 from jaxwalk.evaluation import Results
-from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.evaluation.document_parts import Interval, StreetOrigin
+from jaxwalk.maps import MapText
 from jaxwalk.report import Material, ReportError, write_report
 from jaxwalk.report.figures import FIGURES
 from jaxwalk.report.paper_tables import TABLES
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.table import NONE
 from jaxwalk.report.verdicts import Versus, brief, verdict
+from jaxwalk.sim.sim_config import WORLDS
 from report.material import material
 
 OF_SEVERAL = ("training_seeds",)
@@ -150,9 +152,9 @@ def test_tables_of_several_seeds(several):
     assert (learned["goal %, IQM"], learned["collision %, IQM"]) == ("33.3", "66.7")
     assert [row["training seed"] for row in _table(several, "training_seeds")] == ["5", "6", "7"] * 4
     assert [row["collision %"][:4] for row in _table(several, "training_seeds")[:3]] == ["33.3", "66.7", "100."]
-    moving = [row["touched by the moving car %"][:4] for row in _table(several, "training_seeds")[:3]]
+    moving = [row["moving contacts %"][:4] for row in _table(several, "training_seeds")[:3]]
     assert moving == ["33.3", "66.7", "100."]
-    assert learned["touched by the moving car %"] == "66.7"
+    assert learned["moving contacts %"] == "66.7"
     lines = (several / "tables" / "training_seeds.md").read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("| driver | pedestrians | training seed |")
     assert len(lines) == 2 + 12
@@ -266,6 +268,25 @@ def test_any_drivers_among_any_people(documents, tmp_path, undrawn):
         assert not [name for name in empty if "paper" in name], path.name
     assert "data-cell" not in text.split('<script type="application/json"')[0]  # the gallery is about others
     assert len(_table(tmp_path, "matrix")) == 6
+
+
+def test_on_other_streets_nothing_stands_beside_the_papers_numbers(documents, tmp_path, undrawn):
+    street = StreetOrigin((MapText("town-1", "0" * 16),), WORLDS["town"])
+    elsewhere = dataclasses.replace(
+        documents, results=dataclasses.replace(documents.results, street=street), trainings=None, ablation=None,
+        episode=None, episode_svg=None, collision=None, collision_svg=None,
+    )  # fmt: skip
+    text = write_report(tmp_path, elsewhere).read_text(encoding="utf-8")
+    assert "nor collides in 60 s has timed out" in text
+    there = write_report(tmp_path / "there", documents).read_text(encoding="utf-8")
+    for said in ('<span class="source">paper', "Open diamonds", "The paper", "Aryan"):
+        assert said in there and said not in text, said
+    for path in (tmp_path / "tables").glob("*.csv"):
+        assert "paper" not in path.read_text(encoding="utf-8").splitlines()[0], path.name
+    for name in ("baselines", "speed_differential", "attribution", "quarters"):
+        figure = FIGURES[name](elsewhere)
+        labels = [label for axis in figure.axes for label in axis.get_legend_handles_labels()[1]]
+        assert labels and not [label for label in labels if "paper" in label], name
 
 
 def test_numbers_of_who_can_be_watched_are_links(documents, tmp_path, undrawn):

@@ -9,7 +9,7 @@ import pytest
 
 from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import Observation, bounds, part, size
+from jaxwalk.sim.observation import OBSERVATIONS, Observation, bounds, part, size
 from jaxwalk.sim.vehicle import goal
 from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, refreshed, reset, with_car
 
@@ -201,3 +201,9 @@ def test_who_decides_at_the_kerb(scenarios, midway):
     close = (np.hypot(dx, dy) < 40) & (ahead > -2.5)
     np.testing.assert_array_equal(decides, (lead < 0) & (to_kerb > 0) & (to_kerb <= 1.5) & close)
     assert 0 < decides.sum() < decides.size
+
+
+@pytest.mark.parametrize(("role", "name"), [(role, name) for role in OBSERVATIONS for name in OBSERVATIONS[role]])
+def test_every_feature_has_units(role, name):
+    for feature in OBSERVATIONS[role][name]:
+        assert feature.units and feature.size % len(feature.units) == 0, feature.name

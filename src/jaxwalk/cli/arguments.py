@@ -30,7 +30,11 @@ def gathered(command: str, kind: type, words: Sequence[str]) -> list[str]:
             before drivers that need no option.
     """
     options, renamed = dict(_options(kind)), RENAMED.get(command, {})
-    if "--driver" in words and "driver" not in options and options.keys() & {"drivers", "runs"}:
+    if (
+        "--driver" in (word.partition("=")[0] for word in words)
+        and "driver" not in options
+        and options.keys() & {"drivers", "runs"}
+    ):
         raise UsageError(f"--driver: leave it out; drivers come first, as in: jaxwalk {command} co-trained clearance")
     parts: list[list[str]] = [[]]
     seen: dict[str, list[str]] = {}

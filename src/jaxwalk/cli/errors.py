@@ -6,6 +6,8 @@ import errno
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from jaxwalk.wording import plain
+
 DIFFERS, BAD_INPUT, INTERRUPTED = 1, 2, 130
 """Exit codes: for results that don't come out again or fall short of what is required, for input that can't be used,
 and for Ctrl-C."""
@@ -16,6 +18,8 @@ ADVICE = {
     errno.EROFS: "name another place",
 }
 """Advice for errors of the operating system."""
+LONGEST_LINE = 2000
+"""Longest line of a message [characters]. Parts of it may be a stranger's: names, and what a driver raised."""
 
 
 class UsageError(ValueError):
@@ -38,10 +42,12 @@ def message(error: Exception) -> str | None:
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         what = " ".join(str(error.strerror or error).split())
-        return f"{where}{what}; {ADVICE.get(error.errno or 0, 'check the path and its permissions')}"
+        advice = ADVICE.get(error.errno or 0, "check the path and its permissions")
+        return plain(f"{where}{what}; {advice}", LONGEST_LINE)
     if isinstance(error, MemoryError) or "RESOURCE_EXHAUSTED" in str(error):  # (the latter is JAX's word for it)
         return "not enough memory; ask for fewer environments or pedestrians, smaller networks or smaller files"
     if not type(error).__module__.startswith("jaxwalk"):
         return None
     in_lines = hasattr(error, "faults")  # a MapError has a line for each
-    return str(error) if in_lines else " ".join(str(error).split("\n"))
+    lines = [plain(line, LONGEST_LINE) for line in str(error).split("\n")]
+    return ("\n" if in_lines else " ").join(lines)

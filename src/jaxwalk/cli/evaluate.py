@@ -9,11 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from rich.box import SIMPLE
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
-from rich.table import Table
 
 from jaxwalk.cli.checks import (
     check_count,
@@ -26,36 +24,25 @@ from jaxwalk.cli.checks import (
     place,
 )
 from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
+from jaxwalk.cli.evaluation_table import WIDEST, tables
 from jaxwalk.cli.options import Evaluate
 from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet, jaywalk_multiplier
 from jaxwalk.evaluation.document_parts import EvaluationOptions
-from jaxwalk.evaluation.map_rates import MapRates
 from jaxwalk.evaluation.parts import Part
 from jaxwalk.experiments.again import compare_documents, evaluation_again, read_document
 from jaxwalk.experiments.evaluating import Evaluation, Tell, evaluate_all, prepared
 from jaxwalk.experiments.in_parts import evaluate_part
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
-from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.policies.shield_names import with_shield
 from jaxwalk.report.suite import preventable_said, said, shields_said
-from jaxwalk.report.table import shown
 from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.scenarios.archive_file import read_archive
-from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.wording import counted, first_of
 
-TOUCHED = "moving car: disc / footprint %"
-"""The shares of the episodes in which the moving car touched somebody, by either rule."""
-WIDTH, MAP_WIDTH, PREVENTABLE_WIDTH = 184, 18, 24
-"""What the table needs [characters], and what the columns of maps and of preventable contacts need more."""
-PREVENTABLE = "preventable %"
-"""The share of the replayed collisions that a careful human would have avoided."""
-MOST_MAPS = 12
-"""Most maps in the table of a cell; of more, it shows those with the most collisions."""
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
 """The only options that an evaluation takes which is made again."""
 
@@ -83,12 +70,10 @@ def show(results: Results, *, as_json: bool) -> None:
         print(results.to_json(), end="")
         return
     console = Console()
-    several = any(cell.by_map for cell in results.cells)
-    replayed = any(cell.counterfactuals for cell in results.cells)
-    needed = WIDTH + several * MAP_WIDTH + replayed * PREVENTABLE_WIDTH
-    console.width = max(console.width, needed)  # a narrower terminal wraps the lines
+    if not console.is_terminal:  # files and pipes have lines of any length
+        console.width = max(console.width, WIDEST)
     lines = [*said(results), *shields_said(results), *preventable_said(results), *cost_lines(results.cells)]
-    console.print(table(results.cells), *map(escape, [*lines, scenarios_line(results)]), sep="\n")
+    console.print(*tables(results.cells, console), *map(escape, [*lines, scenarios_line(results)]), sep="\n")
 
 
 def _one_part(work: Evaluation, part: Part, out: Path) -> int:
@@ -199,54 +184,6 @@ def _check_part(options: Evaluate, part: str) -> None:
     if options.out is None:
         raise UsageError("--part needs --out DIR, a folder for this part alone")
     check_parquet()
-
-
-def table(cells: Sequence[Cell]) -> Table:
-    """Return the cells as a table with 95 % intervals."""
-    multipliers = {cell.jaywalk_multiplier for cell in cells}
-    made = Table(title="95 % intervals in brackets", box=SIMPLE, padding=(0, 1))
-    for name in ("driver", "pedestrians"):
-        made.add_column(name, overflow="fold")
-    if len(multipliers) > 1:
-        made.add_column("multiplier", justify="right")
-    several = any(cell.by_map for cell in cells)
-    if any(len(cell.by_map) > MOST_MAPS for cell in cells):
-        made.caption = f"the {MOST_MAPS} maps with the most collisions; --json and --out have all"
-    if several:
-        made.add_column("map", overflow="fold")
-    replayed = any(cell.counterfactuals for cell in cells)
-    numbers = ("goal %", "collision %", "timeout %", "time to goal [s]", "delay [s]", TOUCHED)
-    for name in (*numbers, *[PREVENTABLE] * replayed):
-        made.add_column(escape(name), justify="right", no_wrap=True)
-    for cell in cells:
-        extra = [f"{cell.jaywalk_multiplier:g}"] if len(multipliers) > 1 else []
-        observes = cell.driver_observes
-        judged = [escape(shown(cell.preventable_share))] if replayed else []
-        names = cell.driver + (f" ({observes})" if observes in HIDDEN else ""), cell.pedestrians
-        made.add_row(*map(escape, names), *extra, *["all"] * several, *_rates(cell), touched(cell), *judged)
-        for found in _shown_maps(cell):
-            made.add_row("", "", *[""] * len(extra), escape(found.map), *_rates(found))
-    return made
-
-
-def _shown_maps(cell: Cell) -> list[MapRates]:
-    """Return the maps in the table: all in their order, or those with the most collisions."""
-    if len(cell.by_map) <= MOST_MAPS:
-        return list(cell.by_map)
-    return sorted(cell.by_map, key=lambda found: -(found.collision_rate.value or 0))[:MOST_MAPS]
-
-
-def touched(cell: Cell) -> str:
-    """Return the shares of the episodes in which the moving car touched somebody, by either rule."""
-    found = cell.summary[MEASURED_CONTACTS]
-    return " / ".join(f"{100 * (rule.moving.value or 0):.2f}" for rule in (found.disc, found.footprint))
-
-
-def _rates(found: Cell | MapRates) -> list[str]:
-    """Return how episodes ended, as columns of the table."""
-    rates = [shown(rate) for rate in (found.goal_rate, found.collision_rate, found.timeout_rate)]
-    times = (shown(found.mean_time_to_goal, 1.0), shown(found.mean_delay, 1.0, 2))
-    return [escape(x) for x in (*rates, *times)]
 
 
 def cost_lines(cells: Sequence[Cell]) -> list[str]:

@@ -7,11 +7,11 @@ from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, part, size
 
 
 def run(options: Observations) -> int:
-    """Print every observation set of the role."""
+    """Print every observation set of the role: its features, and what 1 stands for in each."""
     for name, features in OBSERVATIONS[options.role].items():
         hidden = ", which no real car could have" if name in HIDDEN else ""
         print(f"{name}: {size(options.role, name)} features{hidden}")
         for feature in features:
             place = part(options.role, name, feature.name)
-            print(f"  {place.start:4d} to {place.stop - 1:4d}  {feature.name}")
+            print(f"  {place.start:4d} to {place.stop - 1:4d}  {feature.name:14}  {feature.units_in_words()}".rstrip())
     return 0

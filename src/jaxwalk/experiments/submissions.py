@@ -9,28 +9,22 @@ NAME/
 
 from __future__ import annotations
 
-import hashlib
 from contextlib import chdir
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from jaxwalk.evaluation import Results
-from jaxwalk.evaluation.document_parts import PolicyOrigin
 from jaxwalk.experiments.again import AgainError, Comparison, compare_documents, evaluation_again, read_document
+from jaxwalk.experiments.entry_files import CHECKED, SubmissionError, fresh_seed, missing_file
 from jaxwalk.experiments.evaluating import Tell, evaluate_all
 from jaxwalk.experiments.tournament import Scenarios
+from jaxwalk.policies.host.borrowed_modules import modules_of
 from jaxwalk.writing import write_whole
 
-CARD, RESULTS, CHECKED = "README.md", "results.json", "checked.json"
+CARD, RESULTS = "README.md", "results.json"
 FEWEST = 2000
 """Fewest scenarios of an entry: the interval of a driver without a collision in them ends at 0.18 %."""
-INSTALLED = ("rule", "shipped policy")
-"""Kinds of policies that come with jaxwalk: an entry needs no file of theirs."""
-
-
-class SubmissionError(ValueError):
-    """A folder is no entry. The message names the folder, what is missing and what to do, in one line."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +35,7 @@ class Entry:
     results: Results
     """What its author found."""
     checked: Results | None
-    """What a checker found on fresh scenarios; None if nobody has checked these very results."""
+    """What a checker found on fresh scenarios; None if nobody has checked these very files."""
 
     @property
     def name(self) -> str:
@@ -58,17 +52,18 @@ def read_entry(folder: Path) -> Entry:
     """Return the entry in a folder.
 
     Raises:
-        SubmissionError: a file is missing, or the results are not those of one driver whose files are all here, on
-            `FEWEST` drawn scenarios.
-        AgainError, DocumentError: ``results.json`` or ``checked.json`` can't be read.
+        SubmissionError: a file is missing or a link, or the results are not those of one driver whose files are all
+            here, on `FEWEST` drawn scenarios.
+        MixtureError, AgainError, DocumentError: ``results.json`` or ``checked.json`` can't be read.
     """
     for name, what in ((CARD, "says what the driver is"), (RESULTS, "`jaxwalk evaluate --out` writes")):
         if not (folder / name).is_file():
             raise SubmissionError(f"{folder}: has no {name}, which {what}; see `jaxwalk submit --help`")
     results = read_document(folder / RESULTS)
     _check(folder, results)
+    fresh = Scenarios(results.scenarios.count, fresh_seed(folder, results))
     checked = read_document(folder / CHECKED) if (folder / CHECKED).is_file() else None
-    return Entry(folder, results, checked if checked and _same_work(results, checked) else None)
+    return Entry(folder, results, checked if checked and _same_work(results, checked, fresh) else None)
 
 
 def _check(folder: Path, results: Results) -> None:
@@ -81,28 +76,21 @@ def _check(folder: Path, results: Results) -> None:
     if results.scenarios.count < FEWEST:
         few = f"{results.scenarios.count:,} scenarios are too few, {FEWEST:,} are needed"
         raise SubmissionError(f"{path}: {few}; {again} --episodes {FEWEST}")
-    for origin in (*results.drivers, *results.populations):
-        if origin.kind not in INSTALLED and not _inside(folder, origin):
-            raise SubmissionError(f"{path}: {origin.name} is not in {folder}; put its file there, and {again}")
+    named = [("driver", one.name) for one in results.drivers] + [
+        ("pedestrian", one.name) for one in results.populations
+    ]
+    for missing in (missing_file(folder, role, name) for role, name in named):
+        if missing is not None:
+            raise SubmissionError(f"{path}: {missing} is not in {folder}; put its file there, and {again}")
+    crowds = {origin.name for origin in results.populations}
+    if any(cell.driver != results.drivers[0].name or cell.pedestrians not in crowds for cell in results.cells):
+        raise SubmissionError(f"{path}: its cells name others than its drivers and populations; {again}")
 
 
-def _inside(folder: Path, origin: PolicyOrigin) -> bool:
-    """Return whether what a name stands for lies in the folder, as far as the name says it."""
-    path = Path(origin.name.partition(":")[0])
-    return not path.is_absolute() and (folder / path).resolve().is_relative_to(folder.resolve())
-
-
-def _same_work(results: Results, checked: Results) -> bool:
-    """Return whether both are of the same policies in the same world."""
-    return all(getattr(results, x) == getattr(checked, x) for x in ("drivers", "populations", "street", "options"))
-
-
-def fresh_seed(results: Results) -> int:
-    """Return the seed of a checker's scenarios: it follows from the driver's file, so nobody can choose it."""
-    driver = results.drivers[0]
-    digest = hashlib.sha256(f"{driver.sha256 or driver.name}".encode()).digest()
-    seed = int.from_bytes(digest[:4], "big") % 2**31
-    return seed if seed != results.scenarios.seed else (seed + 1) % 2**31
+def _same_work(results: Results, checked: Results, fresh: Scenarios) -> bool:
+    """Return whether both are of the same policies in the same world, and the second one of the fresh scenarios."""
+    same = all(getattr(results, x) == getattr(checked, x) for x in ("drivers", "populations", "street", "options"))
+    return same and (checked.scenarios.count, checked.scenarios.seed) == (fresh.episodes, fresh.seed)
 
 
 def check_entry(entry: Entry, tell: Tell, **loading: Any) -> tuple[Entry, Comparison]:
@@ -114,22 +102,29 @@ def check_entry(entry: Entry, tell: Tell, **loading: Any) -> tuple[Entry, Compar
         loading: how `contestant` loads drivers (``trust``, ``seconds``).
 
     Returns:
-        The entry as checked, and how its results come out again. If they differ, nothing else is played or written.
+        The entry as checked, and how its results come out again. If they differ, nothing else is played, and no check
+        stays in the folder.
 
     Raises:
         AgainError: a driver or population is missing, or another one than the results are of.
+        SubmissionError: the driver changed files of its folder.
+        DriverError: it imports a module from elsewhere, or can't be used.
         Stopped: a policy failed.
     """
     folder = entry.folder.resolve()
-    with chdir(folder):  # names in the results are seen from there
+    fresh = Scenarios(entry.results.scenarios.count, fresh_seed(folder, entry.results))
+    with chdir(folder), modules_of(folder) as check_modules:  # names in the results are seen from there
         try:
             work = evaluation_again(Path(RESULTS), entry.results, out=None, **loading)
         except AgainError as error:
             raise AgainError(f"{entry.folder}: {error}") from error
+        check_modules()
         found = compare_documents(entry.results, evaluate_all(work, tell))
-        if found.differs:
-            return replace(entry, checked=None), found
-        fresh = Scenarios(entry.results.scenarios.count, fresh_seed(entry.results))
-        checked = evaluate_all(replace(work, scenarios=fresh), tell)
+        checked = None if found.differs else evaluate_all(replace(work, scenarios=fresh), tell)
+    if checked is None:
+        (folder / CHECKED).unlink(missing_ok=True)
+        return replace(entry, checked=None), found
+    if fresh_seed(folder, entry.results) != fresh.seed:
+        raise SubmissionError(f"{entry.folder}: its driver changes files of this folder; let it write elsewhere")
     write_whole(folder / CHECKED, checked.to_json())
     return replace(entry, checked=checked), found

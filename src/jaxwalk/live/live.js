@@ -56,7 +56,7 @@ class Live {
     for (const part of this.form.querySelectorAll("[data-drawn]")) part.hidden = this.kept;
   }
 
-  #begin({ choice, record, dt, map, frame, hides }) {
+  #begin({ choice, record, dt, map, frame, hides, most }) {
     this.#answered();
     const same = this.episode && JSON.stringify(map) === this.drawn;
     const canvas = this.find(".stage canvas");
@@ -71,7 +71,7 @@ class Live {
     this.episode = new GrowingEpisode(record, dt);
     this.episode.grow(frame);
     this.time = 0;
-    this.#fill(hides);
+    this.#fill(hides, most);
     for (const part of this.element.querySelectorAll("[data-only=sight]")) part.hidden = record.delay === undefined;
     for (const button of this.element.querySelectorAll("button")) button.disabled = false;
     this.#caption();
@@ -86,16 +86,24 @@ class Live {
     this.asked = null;
   }
 
-  #fill(hides) {
+  // A dial reaches as far as any value that it was to show, so that it shows each as it is.
+  #fill(hides, most = this.form.elements.people.max) {
     const { elements } = this.form;
-    elements.people.max = this.choice.places;
+    elements.people.max = most;
     elements.parked.disabled = !hides;
+    for (const { dial, value } of DIALS.slice(1).map((name) => ({ dial: elements[name], value: this.choice[name] }))) {
+      if (value === null) continue;
+      dial.min = Math.min(dial.min, value);
+      dial.max = Math.max(dial.max, value);
+    }
     for (const name of Object.keys(this.choice)) if (this.choice[name] !== null) elements[name].value = this.choice[name];
     this.#sayDials(hides);
   }
 
-  #sayDials(hides = !this.form.elements.parked.disabled) {
-    const { elements } = this.form, value = (name) => Number(elements[name].value);
+  // Says each dial's exact number; of one that is being turned, where it stands.
+  #sayDials(hides = !this.form.elements.parked.disabled, turned = null) {
+    const { elements } = this.form, exact = (name) => (name === turned ? null : this.choice?.[name]);
+    const value = (name) => exact(name) ?? Number(elements[name].value);
     const said = {
       people: `${value("people")} of ${elements.people.max}`,
       jaywalk_multiplier: value("jaywalk_multiplier").toFixed(2),
@@ -233,6 +241,7 @@ class Live {
     for (const field of ["places", "seed", "number"]) choice[field] = Number(elements[field].value);
     if (DIALS.includes(name)) choice[name] = Math.round(Number(elements[name].value) * 100) / 100; // others keep their exact number
     if (["street", "world", "places", "usual"].includes(name)) for (const dial of DIALS) choice[dial] = null;
+    if (name === "number" && this.kept) choice.people = null; // each scenario of a file has its own people
     this.#want(choice);
   }
 
@@ -253,10 +262,22 @@ class Live {
       this.find(`[name=${name}]`).addEventListener("change", (event) => (this.#show(name, event.target.checked), this.draw()));
     }
     this.find("[name=rate]").addEventListener("change", () => this.playing && this.tell({ do: "play", rate: this.rate }));
-    this.form.addEventListener("input", () => this.#sayDials());
+    this.form.addEventListener("input", ({ target }) => this.#sayDials(undefined, target.name));
+    this.#leaveWhatWasPointedAt();
     this.form.addEventListener("change", (event) => this.#changed(event.target.name));
     this.form.addEventListener("submit", (event) => event.preventDefault());
     document.addEventListener("keydown", (event) => this.#key(event, actions));
+  }
+
+  // Arrow keys turn the dial that has the focus. Who got there with Tab wants that; who used a pointer wants to drive
+  // with the next ones.
+  #leaveWhatWasPointedAt() {
+    let pointed = false;
+    const leave = ({ target }) => pointed && target.matches("select, [type=range]") && target.blur();
+    this.element.addEventListener("pointerdown", () => (pointed = true));
+    this.element.addEventListener("keydown", () => (pointed = false));
+    this.element.addEventListener("change", leave);
+    this.element.addEventListener("click", (event) => event.target.type === "range" && leave(event));
   }
 
   #next() {

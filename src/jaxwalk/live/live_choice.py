@@ -9,10 +9,13 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass as checked
 
 from jaxwalk.scenarios.drawn import NUMBERS, SEEDS
+from jaxwalk.sim.sim_config import LARGEST
 
 EXACT = pydantic.ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
-FASTEST = 30.0
-"""Highest top speed that can be chosen [m/s]."""
+SLOWEST, FASTEST = 1.0, 30.0
+"""Limits of the top speed that can be chosen [m/s], where no file of scenarios has another one."""
+MOST_JAYWALKS = 10.0
+"""Largest jaywalk multiplier that can be chosen, where no file of scenarios has a larger one."""
 LONGEST = 4_000
 """Longest message of a page, in bytes."""
 
@@ -37,9 +40,9 @@ class LiveChoice:
     number: Annotated[int, Field(ge=0, lt=NUMBERS)] = 0
     """The scenario's number among those of the seed, or in the file of scenarios."""
     people: Annotated[int, Field(ge=0)] | None = None
-    """How many of the people are there: the first ones."""
-    jaywalk_multiplier: Annotated[float, Field(ge=0, le=10)] | None = None
-    max_speed: Annotated[float, Field(ge=1, le=FASTEST)] | None = None
+    """How many of the people are there: the first ones. People who are left out of a file of scenarios don't count."""
+    jaywalk_multiplier: Annotated[float, Field(ge=0)] | None = None
+    max_speed: Annotated[float, Field(gt=0, le=LARGEST["max_speed"])] | None = None
     """The car's top speed [m/s]."""
     parked: Annotated[float, Field(gt=0, le=1)] | None = None
     """Share of the parking slots in which a vehicle stands and hides people."""

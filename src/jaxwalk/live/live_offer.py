@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from jaxwalk.live.live_choice import LiveChoice, LiveError
+from jaxwalk.live.live_choice import FASTEST, MOST_JAYWALKS, SLOWEST, LiveChoice, LiveError
 from jaxwalk.maps.generated import SPLITS
 from jaxwalk.policies import SHIPPED
 from jaxwalk.policies.policy_names import RULES
@@ -47,8 +47,16 @@ class Offer:
         for name, names in offered.items():
             if getattr(choice, name) not in names:
                 raise LiveError(f"{name}: {getattr(choice, name)!r:.60} isn't offered; choose one of the list")
+        self._check_dial("jaywalk_multiplier", choice.jaywalk_multiplier, (0.0, MOST_JAYWALKS))
+        self._check_dial("max_speed", choice.max_speed, (SLOWEST, FASTEST))
         if self.kept is not None and choice.number >= len(self.kept):
             raise LiveError(f"number: the file has scenarios 0 to {len(self.kept) - 1}")
+
+    def _check_dial(self, name: str, value: float | None, limits: tuple[float, float]) -> None:
+        """Raise LiveError for a value beyond the limits of a dial, which reach to the value of the file."""
+        known = limits if self.kept is None else (*limits, getattr(self.kept.street.config, name))
+        if value is not None and not min(known) <= value <= max(known):
+            raise LiveError(f"{name}: must be {min(known):g} to {max(known):g}, not {value:g}")
 
 
 def offer_of(

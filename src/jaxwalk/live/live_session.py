@@ -22,6 +22,7 @@ from jaxwalk.live.live_frames import first_record, moment_record
 from jaxwalk.live.live_offer import Offer
 from jaxwalk.policies import RouteFollower
 from jaxwalk.policies.world_numbers import with_limits
+from jaxwalk.runs.lock import held
 from jaxwalk.scenarios import Archived, Drawn
 from jaxwalk.scenarios.archive_file import write_archive
 from jaxwalk.scenarios.archived import keys_of, scenarios_at
@@ -34,6 +35,8 @@ Load = Callable[[Street, str, str], Policy]
 """A function of street, role and name that returns the policy of that name."""
 NOBODY_DRIVES = (0.0, 0.0, float("nan"))
 """The hand of a page where the chosen driver drives."""
+PATIENCE = 10.0
+"""How long a page waits until others have saved [s]."""
 
 
 @lru_cache(maxsize=8)
@@ -92,7 +95,8 @@ class LiveSession:
         self._policies, self._setup, self._game = policies, setup, game
         frame = _on_host(first)
         self._known = frame.get("perceived")
-        shown = {"choice": asdict(self.choice), "hides": street.world.rules.perception and street.world.slots > 0}
+        hides = street.world.rules.perception and street.world.slots > 0
+        shown = {"choice": asdict(self.choice), "hides": hides, "most": int(self._there(choice).sum())}
         return {**shown, **first_record(street, scenarios), "frame": moment_record(frame, None)}
 
     def step(self) -> dict[str, Any]:
@@ -124,8 +128,9 @@ class LiveSession:
         about = {"kind": "live", "driver": choice.driver, "pedestrians": choice.pedestrians}
         self._folder.mkdir(parents=True, exist_ok=True)
         origin = "kept" if self.offer.kept is not None else f"seed-{choice.seed}"
-        path = _new_name(self._folder, f"{Path(choice.street).stem}-{origin}-{choice.number}")
-        write_archive(path, self._source, about)
+        with held(self._folder, seconds=PATIENCE):  # another page may save under the same name
+            path = _new_name(self._folder, f"{Path(choice.street).stem}-{origin}-{choice.number}")
+            write_archive(path, self._source, about)
         return path
 
     def _dialled(self, choice: LiveChoice) -> tuple[Street, Archived]:
@@ -138,13 +143,18 @@ class LiveSession:
         street = _with_rule(street, "parked", choice.parked if street.world.slots else None)
         row = np.array([choice.number])
         if kept is not None:
-            points, present, seed, keys = kept.points[row], kept.present[row], kept.seed, kept.keys[row]
+            points, seed, keys = kept.points[row], kept.seed, kept.keys[row]
         else:
             points, seed, keys = Drawn(street, choice.seed).points(row), choice.seed, row
-            present = np.ones((1, street.world.rules.pedestrians), bool)
-        if choice.people is not None:
-            present = present & (np.arange(present.shape[1]) < choice.people)
+        present = self._there(choice)
+        if choice.people is not None:  # who is left out of a file stays so, and doesn't count
+            present = present & (np.cumsum(present) <= choice.people)
         return street, Archived(street, points, present, seed, keys)
+
+    def _there(self, choice: LiveChoice) -> np.ndarray:
+        """Return who can be there, ``(1, ped)``: in a file of scenarios all but those that it leaves out."""
+        kept = self.offer.kept
+        return np.ones((1, choice.places), bool) if kept is None else kept.present[np.array([choice.number])]
 
 
 def _with_rule(street: Street, name: str, value: float | None) -> Street:

@@ -10,7 +10,7 @@ from jaxwalk.evaluation.training_seeds import Ending
 from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
 from jaxwalk.report.material import ALWAYS_GO
 from jaxwalk.report.seed_tables import delay_table, paired_table
-from jaxwalk.report.table import Table, shown
+from jaxwalk.report.table import MOVING, Table, shown
 from jaxwalk.wording import counted
 
 ALONE, PURE, MIXED, STAND_INS = "alone", "pure", "mixed", "-stand-ins"
@@ -136,7 +136,7 @@ def _why(results: Results) -> list[str]:
 
 
 def _drivers(results: Results, people: str) -> Table:
-    columns = ("driver", "touched %", "of each seed", "goal %", "delay [s]", "people wait %")
+    columns = ("driver", MOVING, "of each seed", "goal %", "delay [s]", "people wait %")
     rows = []
     for found in (x for x in results.over_seeds if x.pedestrians == people):
         touched = found.moving_contact_rate

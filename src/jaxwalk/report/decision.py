@@ -1,6 +1,6 @@
 """Decide from comparisons on the same scenarios which driver is safer: pure functions of plain numbers.
 
-Everything is judged by *hits*: scenarios that end with a contact of the moving car, by the world's rule.
+Everything is judged by *hits*: scenarios that end with a collision of the moving car.
 """
 
 from __future__ import annotations

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from urllib.parse import urlencode
 
+from jaxwalk.evaluation import Cell
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.metrics import FEWEST_SEEDS, OUTCOMES
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report import reversals
 from jaxwalk.report.decision import Decision, Evidence, Training, decide
 from jaxwalk.report.material import ALWAYS_GO, GAP_ACCEPTANCE, LEARNED, Material
@@ -28,10 +30,9 @@ class DriverLine:
 
     driver: str
     standing: str
-    hits: tuple[tuple[str, str], ...]
-    """For each population: the share of scenarios with a hit, and the cell, as in ``co-trained among learned``."""
-    hardest: str
-    """Car speed at the hit that is likeliest to injure somebody seriously [m/s]."""
+    hits: tuple[tuple[str, str, str], ...]
+    """For each population: the share of scenarios with a hit, the mean speed of the car at hits [m/s], and the cell, as
+    in ``co-trained among learned``."""
     collides: str
     """Share of scenarios that end in any collision, on average over populations."""
     arrives: str
@@ -111,11 +112,30 @@ def evidence_of(material: Material) -> Evidence:
 
 def _hits(material: Material, driver: str, people: str) -> Interval:
     """Return the share of scenarios with a hit; of several training seeds their mean, without an interval."""
-    found = [
-        Interval.of(cell.summary[OUTCOMES].moving.per_episode)
-        for cell in material.results.cells
-        if (cell.driver, cell.pedestrians) == (driver, people)
-    ]
+    cells = _cells(material, driver, people)
+    return _mean([Interval.of(cell.summary[OUTCOMES].moving.per_episode) for cell in cells])
+
+
+def speed_at_hits(material: Material, driver: str, people: str) -> Interval:
+    """Return the mean speed of the car at hits [m/s]; of several training seeds their mean, without an interval.
+
+    Hits are collisions of the moving car: contacts by the world's rule. Two people who are hit at once
+    count twice. None without hits, and in results that don't say what the rule was.
+    """
+    street = material.results.street
+    if street is None:
+        return Interval(None, None, None)
+    contacts = [cell.summary[MEASURED_CONTACTS] for cell in _cells(material, driver, people)]
+    return _mean([Interval.of(getattr(found, street.sim.contact).car_speed) for found in contacts])
+
+
+def _cells(material: Material, driver: str, people: str) -> list[Cell]:
+    """Return the cells of a driver and a population: one for each training seed."""
+    return [cell for cell in material.results.cells if (cell.driver, cell.pedestrians) == (driver, people)]
+
+
+def _mean(found: list[Interval]) -> Interval:
+    """Return the only number, or the mean of several without an interval."""
     if len(found) == 1:
         return found[0]
     values = [one.value for one in found if one.value is not None]
@@ -174,27 +194,25 @@ POPULATIONS = {
 def _line(material: Material, evidence: Evidence, decision: Decision, driver: str) -> DriverLine:
     delays = [material.over_seeds(driver, people).mean_delay.mean.value for people in evidence.populations]
     known = [delay for delay in delays if delay is not None]
-    hits = ((shown(evidence.hits[driver, people]), f"{driver} among {people}") for people in evidence.populations)
+    hits = tuple(
+        (
+            shown(evidence.hits[driver, people]),
+            shown(speed_at_hits(material, driver, people), 1.0, 1),
+            f"{driver} among {people}",
+        )
+        for people in evidence.populations
+    )
     rates = {
         (driver, people): material.over_seeds(driver, people).collision_rate.mean for people in evidence.populations
     }
     return DriverLine(
         driver=driver,
         standing=decision.standing(driver),
-        hits=tuple(hits),
-        hardest=hardest_hit(material.gallery, driver),
+        hits=hits,
         collides=shown(Interval(evidence.mean(rates, driver), None, None)),
         arrives=shown(Interval(evidence.mean(evidence.goals, driver), None, None)),
         delay=f"{sum(known) / len(known):.2f}" if known else NONE,
     )
-
-
-def hardest_hit(gallery: Gallery | None, driver: str) -> str:
-    """Return the speed at the worst hit of a driver; `NONE` if it hit nobody, or nothing can be watched."""
-    incidents = gallery.incidents if gallery else ()
-    mine = [one for one in incidents if gallery and gallery.episodes[one.episode].driver == driver]
-    hit = min((one for one in mine if one.kind == "collision" and one.moving), key=_order, default=None)
-    return NONE if hit is None or hit.speed is None else f"{hit.speed:.1f}"
 
 
 def to_watch(gallery: Gallery | None, subject: str) -> tuple[tuple[ToWatch, ...], str]:

@@ -126,6 +126,12 @@ class Material:
         return next((people for people in self.populations if people != ALWAYS_GO), ALWAYS_GO)
 
     @property
+    def beside_paper(self) -> bool:
+        """Whether the paper's numbers stand beside ours: everything was on its street, as far as the results say."""
+        street = self.results.street
+        return street is None or all(found.name == "paper" and found.text is None for found in street.maps)
+
+    @property
     def rival(self) -> str | None:
         """The driver drawn next to the subject: the car trained alone, or else the first other driver."""
         others = [driver for driver in self.drivers if driver != self.subject]

@@ -21,14 +21,19 @@ QUARTER_NAMES = ("0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1")
 
 def make_all(names: Iterable[str], material: Material) -> dict[str, Table]:
     """Return the tables with these names; a column of the paper's numbers is left out where it has none."""
-    return {name: _without_empty(TABLES[name](material)) for name in names}
+    return {name: _with_theirs(TABLES[name](material), material.beside_paper) for name in names}
 
 
-def _without_empty(table: Table) -> Table:
-    known = [any(row[place] != NONE for row in table.rows) for place in range(len(table.columns))]
-    kept = [place for place, column in enumerate(table.columns) if known[place] or "paper" not in column]
+def _with_theirs(table: Table, beside: bool) -> Table:
+    """Return the table without columns of the paper's numbers that have none, or where they can't stand beside ours."""
+    known = [beside and any(row[place] != NONE for row in table.rows) for place in range(len(table.columns))]
+    kept = [place for place, column in enumerate(table.columns) if known[place] or not _is_theirs(column)]
     columns, *rows = (tuple(row[place] for place in kept) for row in (table.columns, *table.rows))
     return replace(table, columns=columns, rows=tuple(rows))
+
+
+def _is_theirs(column: str) -> bool:
+    return "paper" in (column.partition(", ")[0], column.rpartition(", ")[2])
 
 
 def _beside(material: Material, against: list[Versus], reason: str) -> dict[str, str]:
@@ -144,7 +149,7 @@ def attribution(material: Material) -> Table:
 
 
 def contacts(material: Material) -> Table:
-    """Return what the people that the subject hit were doing, and whether the car was moving."""
+    """Return what people in the subject's collisions were doing, and whether the car was moving."""
     columns = (
         "pedestrians",
         "contact",

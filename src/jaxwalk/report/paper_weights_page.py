@@ -6,7 +6,7 @@ from jaxwalk.evaluation.results import Results
 from jaxwalk.metrics import APPROACHES, SPEED_DIFFERENTIAL
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.material import ALWAYS_GO
-from jaxwalk.report.table import NONE, Table, shown
+from jaxwalk.report.table import MOVING, NONE, Table, shown
 from jaxwalk.wording import counted
 
 ABOUT = (
@@ -44,7 +44,7 @@ def page(results: Results, *, updates: int, planned: int) -> str:
 
 def _table(results: Results) -> Table:
     columns = (
-        "weights", "people", "seed", "touched %", "goal %", "delay [s]", "people wait %",
+        "weights", "people", "seed", MOVING, "goal %", "delay [s]", "people wait %",
         "faster near jaywalkers [m/s]",
     )  # fmt: skip
     rows = []

@@ -17,6 +17,8 @@ TRAINED: dict[tuple[str, str], tuple[float, float]] = {
     ("co-trained", "learned"): (78.0, 14.0),
 }
 """Goal and collision rates by driver and population (Table III)."""
+DRIVERS = frozenset(BASELINES) | {driver for driver, _ in TRAINED}
+"""The drivers whose rates the paper has."""
 
 ABLATION: dict[float, tuple[float, float]] = {
     0.0: (77.0, 15.0),

@@ -8,7 +8,7 @@ from jaxwalk.evaluation.tail_numbers import PairedTail
 from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
 from jaxwalk.report.risk_document import LimitKept, RiskDocument
 from jaxwalk.report.seed_tables import delay_table, paired_table
-from jaxwalk.report.table import Table, p_value, shown
+from jaxwalk.report.table import MOVING, Table, p_value, shown
 from jaxwalk.wording import counted
 
 PLAIN, LAGRANGIAN, CVAR = "plain", "lagrangian", "cvar"
@@ -77,7 +77,7 @@ def _verdict(one: PairedTail, p: float) -> str:
 
 
 def _drivers(document: RiskDocument) -> Table:
-    columns = ("driver", "worst hundredth [m/s]", "of each seed", "touched %", "goal %", "delay [s]")
+    columns = ("driver", "worst hundredth [m/s]", "of each seed", MOVING, "goal %", "delay [s]")
     numbers = {found.driver: found for found in document.results.over_seeds}
     rows = []
     for tail in document.tails:

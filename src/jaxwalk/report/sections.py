@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from jaxwalk.metrics import FEWEST_SEEDS
-from jaxwalk.report import avoidable_tables, driving_tables
+from jaxwalk.report import avoidable_tables, driving_tables, published
 from jaxwalk.report.material import ALWAYS_GO, Material
 from jaxwalk.report.published import TRAINED
 
@@ -20,13 +20,17 @@ class Section:
     """Place of the original in the paper."""
     caption: str
     """``{subject}``, ``{crowd}`` and ``{first}`` (population) stand for names of the `Material`, ``{beside}`` for its
-    rival."""
+    rival, ``{time}`` for the longest time of an episode."""
     figure: str | None = None
     table: str | None = None
     over_seeds: bool = False
     """Whether it shows all training seeds; else it shows the first one's drivers and pedestrians."""
     applies: Callable[[Material], bool] = lambda material: True
     """Whether there is something to show."""
+    theirs: str = ""
+    """What the caption adds where the paper's numbers stand beside ours."""
+    compares: Callable[[Material], bool] = lambda material: material.beside_paper
+    """Whether the paper has numbers to stand beside ours."""
 
     @property
     def name(self) -> str:
@@ -36,24 +40,30 @@ class Section:
     def said(self, material: Material) -> str:
         """Return the caption with the names of the drivers and populations shown."""
         beside = f" and {material.rival} (dashed)" if material.rival else ""
-        return self.caption.format(
-            subject=material.subject, beside=beside, crowd=material.crowd, first=material.populations[0]
+        street = material.results.street
+        time = "its time" if street is None else f"{street.sim.horizon * street.sim.dt:g} s"
+        caption = f"{self.caption} {self.theirs}" if self.theirs and self.compares(material) else self.caption
+        return caption.format(
+            subject=material.subject, beside=beside, crowd=material.crowd, first=material.populations[0], time=time
         )
 
 
-INTERVALS = "Bars and brackets: 95 % intervals. Open diamonds: the paper's drivers."
+INTERVALS = "Bars and brackets: 95 % intervals."
+DIAMONDS = "Open diamonds: the paper's drivers."
 
 SECTIONS = (
     Section(
         "Who reaches the goal",
         "figure 3",
         "Goals and collisions of every driver on the same scenarios, among each population. "
-        f"{INTERVALS} The paper's figure mixes populations and does not say among which people its rules "
-        "drove; its trained drivers have a diamond for each population. A good driver has its goals far right and its "
-        "collisions far left; where the colours lie far apart, much depends on the people that it meets.",
+        f"{INTERVALS} A good driver has its goals far right and its collisions far left; where the colours lie far "
+        "apart, much depends on the people that it meets.",
         "baselines",
         "baselines",
         over_seeds=True,
+        theirs=f"{DIAMONDS} The paper's figure mixes populations and does not say among which people its rules drove; "
+        "its trained drivers have a diamond for each population.",
+        compares=lambda m: m.beside_paper and any(driver in published.DRIVERS for driver in m.drivers),
     ),
     Section(
         "Co-training against training alone",
@@ -77,7 +87,7 @@ SECTIONS = (
     Section(
         "Every driver among every population",
         "",
-        "What neither reaches the goal nor collides in 50 s has timed out. Few collisions with many timeouts are a "
+        "What neither reaches the goal nor collides in {time} has timed out. Few collisions with many timeouts are a "
         "car that waits, not one that drives well.",
         table="matrix",
         over_seeds=True,
@@ -109,14 +119,15 @@ SECTIONS = (
         "Speed near jaywalkers and near crosswalk users",
         "figure 4, equation 2",
         "Mean speed of {subject} among {crowd} pedestrians, by the distance to the nearest pedestrian of "
-        f"each type who is on a roadway. {INTERVALS} Left every frame weighs alike, as in the paper; in the middle "
-        "every encounter does. The paper found the car faster near jaywalkers, most so when nearest: look for red "
-        "above blue, and at the right for points above 0. In the table also: matched, where only cars at nearly the "
+        f"each type who is on a roadway. {INTERVALS} Left every frame weighs alike, in the middle every encounter "
+        "does. Where the car is faster near jaywalkers, red is above blue, and at the right points are above 0. In the "
+        "table also: matched, where only cars at nearly the "
         "same place, headed the same way and as fast at first are compared; ghosts, people that the car cannot see; "
         "and what the difference near people is beyond that near ghosts (some of it the waiting of learned people, "
         "who are no ghosts).",
         "speed_differential",
         "speed_differential",
+        theirs=f"{DIAMONDS} It weighs frames, and found the car faster near jaywalkers, most so when nearest.",
     ),
     Section(
         "The jaywalker, or the place?",
@@ -135,9 +146,10 @@ SECTIONS = (
         f"share of collisions larger than the share of exposure means more risk. {INTERVALS}",
         "attribution",
         "attribution",
+        theirs=DIAMONDS,
     ),
     Section(
-        "What was hit",
+        "Collisions, by what people did",
         "",
         "The collisions of {subject} by what the pedestrian was doing. With a car that stands, it was the "
         "pedestrian who walked into it.",
@@ -150,6 +162,7 @@ SECTIONS = (
         f"{INTERVALS}",
         "quarters",
         "quarters",
+        theirs=DIAMONDS,
     ),
     Section(
         "Who waits at the kerb",
@@ -209,6 +222,7 @@ SECTIONS = (
         "ablation",
         "ablation",
         over_seeds=True,
+        theirs=DIAMONDS,
         applies=lambda m: m.ablation is not None,
     ),
     Section(

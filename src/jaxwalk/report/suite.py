@@ -94,7 +94,7 @@ def _sections(cells: Sequence[Cell]) -> Iterable[tuple[str, str, Table]]:
 
 
 CONTACTS_CAPTION = (
-    "Episodes in which somebody was touched, by the paper's rule (disc: centres closer than 1.5 m) and by the car's "
+    "Episodes with a contact, by the paper's rule (disc: centres closer than 1.5 m) and by the car's "
     "footprint (a body overlaps the car's rectangle), whichever of them ended the episodes. Standing: somebody walked "
     "into a car below 0.5 m/s. Front, side, rear: the part of the moving car that was touched first. Worst hundredth: "
     "the car's speed in the contacts that end episodes, 0 in an episode without one, on average over the hundredth of "
@@ -170,7 +170,7 @@ def outcomes(cells: Sequence[Cell]) -> Table:
 def contacts(cells: Sequence[Cell]) -> Table:
     """Return the contacts by both rules."""
     columns = (
-        "driver", "rule", "touched %", "by the moving car %", "contacts", "standing", "front", "side", "rear",
+        "driver", "rule", "contacts %", "moving contacts %", "contacts", "standing", "front", "side", "rear",
         "car's speed [m/s]", "worst hundredth [m/s]",
     )  # fmt: skip
     rows = []

@@ -13,8 +13,8 @@ T = TypeVar("T")
 
 NONE = "–"
 """Shown for a number that does not exist."""
-MOVING = "touched by the moving car %"
-"""The column of episodes in which the moving car touched somebody, by its footprint."""
+MOVING = "moving contacts %"
+"""The column of the share of episodes with a contact of the moving car, by its footprint."""
 
 
 @dataclass(frozen=True)

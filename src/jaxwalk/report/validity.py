@@ -61,8 +61,11 @@ def _senses(sim: SimConfig | None) -> str:
 def thresholds(sim: SimConfig | None) -> tuple[Said, ...]:
     """Return the numbers at which something begins to count."""
     moving = "moving" if sim is None else f"at {sim.moving_speed:g} m/s or more"
-    ends = "" if sim is None else f"; {_contact(sim)}"
-    found = [Said("Hit", f"a scenario that ends with a contact of the car {moving}{ends}")]
+    contact = "" if sim is None else f": {_contact(sim)}"
+    found = [
+        Said("Collision", f"a contact that ends the scenario{contact}"),
+        Said("Hit", f"a collision of the car {moving}; in others somebody walks into a car that stands"),
+    ]
     if sim is not None:
         limit = f"within {sim.goal_distance:g} m of the goal, {sim.horizon * sim.dt:g} s at most"
         found.append(Said("Arrival", limit))
@@ -86,5 +89,5 @@ def thresholds(sim: SimConfig | None) -> tuple[Said, ...]:
 def _contact(sim: SimConfig) -> str:
     """Return what a contact is in a world."""
     if sim.contact == "disc":
-        return f"a contact: centres closer than {sim.collision_distance:g} m"
-    return f"a contact: a body ({sim.body_radius:g} m) overlaps the car ({sim.car_length:g} x {sim.car_width:g} m)"
+        return f"centres closer than {sim.collision_distance:g} m"
+    return f"a body ({sim.body_radius:g} m) overlaps the car ({sim.car_length:g} x {sim.car_width:g} m)"

@@ -17,16 +17,16 @@ class InUseError(ValueError):
 
 
 @contextmanager
-def held(folder: Path) -> Iterator[None]:
+def held(folder: Path, *, seconds: float = 0.0) -> Iterator[None]:
     """Keep other processes from writing into the folder, which is made if it doesn't exist.
 
     The operating system lets go of it however the process ends: after a crash nothing has to be tidied up. Raises
-    InUseError at once if another process, or another thread of this one, has it.
+    InUseError if another process, or another thread of this one, has it, at once or after a wait of some ``seconds``.
     """
     folder.mkdir(parents=True, exist_ok=True)
     lock = FileLock(folder / LOCK)
     try:
-        lock.acquire(blocking=False)
+        lock.acquire(timeout=seconds)
     except Timeout:
         raise InUseError(
             f"{folder}: another process is writing into it; wait until that has ended, or name another folder"

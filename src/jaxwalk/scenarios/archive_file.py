@@ -26,7 +26,7 @@ SCENARIOS: Final = "scenarios.safetensors"
 """Name of the file in the folder of a search."""
 MOST: Final = 100_000
 """Most scenarios in a file."""
-ADVICE: Final = "copy it again, or search again"
+ADVICE: Final = "copy it again, or make it anew"
 
 
 class ArchiveError(ValueError):
@@ -64,7 +64,7 @@ def read_archive(path: str | Path) -> Archived:
     Raises ArchiveError if it can't be used, and MapError if this jaxwalk lacks one of its maps.
     """
     file = archive_path(path)
-    text, arrays = read_tensors(file, HEADER)
+    text, arrays = read_tensors(file, HEADER, "file of scenarios, as `jaxwalk search` and `jaxwalk live` write them")
     header = _header(file, text)
     missing = [name for name in ("points", "present", "keys") if name not in arrays]
     if missing:
@@ -88,8 +88,11 @@ def archive_path(path: str | Path) -> Path:
     return Path(path) / SCENARIOS if Path(path).is_dir() else Path(path)
 
 
-def read_tensors(path: Path, entry: str) -> tuple[str, dict[str, np.ndarray]]:
-    """Return an entry of a safetensors file's header, and all its arrays. Raise ArchiveError if it can't be used."""
+def read_tensors(path: Path, entry: str, what: str) -> tuple[str, dict[str, np.ndarray]]:
+    """Return an entry of a safetensors file's header, and all its arrays. Raise ArchiveError if it can't be used.
+
+    ``what`` says in a message what a file with that entry is.
+    """
     if not path.is_file():
         raise ArchiveError(f"{path}: no such file; check the name")
     try:
@@ -99,7 +102,7 @@ def read_tensors(path: Path, entry: str) -> tuple[str, dict[str, np.ndarray]]:
     except (safetensors.SafetensorError, OSError, TypeError, AttributeError) as error:  # the last two: unknown dtypes
         raise ArchiveError(f"{path}: damaged or no safetensors file ({error}); {ADVICE}") from error
     if text is None:
-        raise ArchiveError(f"{path}: a safetensors file, but no `jaxwalk search` wrote it; check the name")
+        raise ArchiveError(f"{path}: a safetensors file, but no {what}; check the name")
     return text, arrays
 
 

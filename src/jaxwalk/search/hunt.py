@@ -111,7 +111,7 @@ def kept_hunt(path: Path, fresh: Hunt, plan: Mapping[str, Any]) -> Hunt:
 
     Raises ArchiveError if the file is damaged, or keeps a search of another plan.
     """
-    text, arrays = read_tensors(path, HEADER)
+    text, arrays = read_tensors(path, HEADER, "search in progress")
     _check_plan(path, text, plan)
     learned = {name.removeprefix(LEARNED): array for name, array in arrays.items() if name.startswith(LEARNED)}
     own = [_shape(fresh.learned[name]) == _shape(learned.get(name)) for name in fresh.learned]

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from jaxwalk.interfaces import Moment
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.crossing_kind import CROSSWALK
-from jaxwalk.sim.driver_features import ON_ROUTE
+from jaxwalk.sim.driver_features import METRES, ON_ROUTE, SPEEDS
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.everybody import for_everybody
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both
@@ -140,9 +140,16 @@ TOP_SPEED = Feature(
     1,
     lambda limits: [(0.0, limits.config.max_speed / SPEED)],
     lambda m: (vehicle.top_speed(m.world, m.state.vehicle) / SPEED,),
+    (SPEEDS,),
 )
 """The car's top speed here, by its own and by the speed limit."""
-WATCHED_PEOPLE = Feature("watched", PER_PERSON * WATCHED, _watched_bounds, _watched)
+WATCHED_PEOPLE = Feature(
+    "watched",
+    PER_PERSON * WATCHED,
+    _watched_bounds,
+    _watched,
+    (METRES, METRES, SPEEDS, SPEEDS, f"{NEARING:g} m"),
+)
 """The nearest people ahead, in the frame of the route."""
 CORRIDOR = (*ON_ROUTE, TOP_SPEED, WATCHED_PEOPLE)
 """The car in the frame of its route 22, its top speed 1, people in the frame of its route 40."""

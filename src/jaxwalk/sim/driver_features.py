@@ -10,7 +10,19 @@ from jaxtyping import Array, Float
 from jaxwalk.interfaces import Moment
 from jaxwalk.sim import future, prediction, vehicle, what_if
 from jaxwalk.sim.events import distance
-from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
+from jaxwalk.sim.features import (
+    COSINE,
+    OF_MAP,
+    SPEED,
+    Bound,
+    Feature,
+    Limits,
+    both,
+    on_map,
+    share,
+    signed,
+    within_diagonals,
+)
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.manoeuvres import AHEAD, FAR, HOLD, MANOEUVRES
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
@@ -22,6 +34,10 @@ MARGINS: dict[ContactRule, tuple[float, ...]] = {"disc": (1.0, 2.0, 3.0), "footp
 """Lower ends of the intervals in which the car sees predicted clearances in detail [m] ..."""
 MARGIN: dict[ContactRule, float] = {"disc": 1.0, "footprint": 0.5}
 """... and their length [m]."""
+METRES, SPEEDS = f"{ABSENT:g} m", f"{SPEED:g} m/s"
+"""Units of distances and of speeds."""
+PERSON_UNITS = (METRES, METRES, SPEEDS, SPEEDS)
+"""Units of `person_rows`."""
 
 
 def _goal(moment: Moment) -> tuple[Array, Array]:
@@ -99,9 +115,9 @@ def _predictions(rule: ContactRule, conflicts_of: slice) -> tuple[Feature, ...]:
         return (prediction.clearance_by(moment, rule)[1][conflicts_of] / AHEAD,)
 
     return (
-        Feature("clearance", len(MANOEUVRES), share, clearance),
-        Feature("margin", len(MANOEUVRES) * len(MARGINS[rule]), share, margin),
-        Feature("conflict", len(MANOEUVRES[conflicts_of]), share, conflict),
+        Feature("clearance", len(MANOEUVRES), share, clearance, (f"{FAR:g} m",)),
+        Feature("margin", len(MANOEUVRES) * len(MARGINS[rule]), share, margin, (f"{MARGIN[rule]:g} m",)),
+        Feature("conflict", len(MANOEUVRES[conflicts_of]), share, conflict, (f"{AHEAD:g} s",)),
     )
 
 
@@ -112,7 +128,9 @@ def _what_if(name: str, predict: Callable[[Moment, ContactRule], tuple[Array, Ar
         clearance, conflict = predict(moment, "footprint")
         return clearance / FAR, _margins(clearance, "footprint"), conflict / AHEAD
 
-    return Feature(name, len(MANOEUVRES) * (2 + len(MARGINS["footprint"])), share, predicted)
+    count, margins = len(MANOEUVRES), len(MARGINS["footprint"])
+    units = (f"{FAR:g} m",) * count + (f"{MARGIN['footprint']:g} m",) * (count * margins) + (f"{AHEAD:g} s",) * count
+    return Feature(name, count * (2 + margins), share, predicted, units)
 
 
 def _future_clearances(moment: Moment) -> Sequence[Array]:
@@ -127,20 +145,30 @@ def _limits(moment: Moment) -> Sequence[Array]:
 
 
 SPEED_OF_CAR = Feature(
-    "speed", 1, lambda limits: [(0.0, limits.config.max_speed / SPEED)], lambda m: (m.state.vehicle.speed / SPEED,)
+    "speed",
+    1,
+    lambda limits: [(0.0, limits.config.max_speed / SPEED)],
+    lambda m: (m.state.vehicle.speed / SPEED,),
+    (SPEEDS,),
 )
-STEERING = Feature("steering", 1, signed, lambda m: (m.state.vehicle.steering / m.world.rules.max_steering,))
-TO_GO = Feature("to_go", 1, _to_go_bounds, _to_go)
-PEOPLE = Feature("people", 4 * NEIGHBOURS, person_bounds, _people)
+STEERING = Feature(
+    "steering",
+    1,
+    signed,
+    lambda m: (m.state.vehicle.steering / m.world.rules.max_steering,),
+    ("largest steering angle",),
+)
+TO_GO = Feature("to_go", 1, _to_go_bounds, _to_go, (METRES,))
+PEOPLE = Feature("people", 4 * NEIGHBOURS, person_bounds, _people, PERSON_UNITS)
 
 PAPER = (
-    Feature("position", 2, share, lambda m: on_map(m, m.state.vehicle.x, m.state.vehicle.y)),
-    Feature("heading", 2, signed, lambda m: (m.state.vehicle.cos, m.state.vehicle.sin)),
+    Feature("position", 2, share, lambda m: on_map(m, m.state.vehicle.x, m.state.vehicle.y), OF_MAP),
+    Feature("heading", 2, signed, lambda m: (m.state.vehicle.cos, m.state.vehicle.sin), COSINE),
     SPEED_OF_CAR,
-    Feature("goal", 2, within_diagonals(ABSENT), lambda m: [metres / ABSENT for metres in _goal(m)]),
-    Feature("goal_distance", 1, lambda limits: [(0.0, limits.diagonal / ABSENT)], _goal_distance),
-    Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 4,)),
-    Feature("heading_error", 1, signed, _heading_error),
+    Feature("goal", 2, within_diagonals(ABSENT), lambda m: [metres / ABSENT for metres in _goal(m)], (METRES,)),
+    Feature("goal_distance", 1, lambda limits: [(0.0, limits.diagonal / ABSENT)], _goal_distance, (METRES,)),
+    Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 4,), ("4 m",)),
+    Feature("heading_error", 1, signed, _heading_error, ("pi rad",)),
     PEOPLE,
 )
 """The paper's 34: own state and goal 8, lane 2, nearest 6 people x (relative position 2, velocity 2)."""
@@ -148,14 +176,15 @@ PAPER = (
 ON_ROUTE = (
     SPEED_OF_CAR,
     STEERING,
-    Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 2,)),
-    Feature("heading", 2, signed, lambda m: vehicle.route_frame(m.state.vehicle)[1:]),
+    Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 2,), ("2 m",)),
+    Feature("heading", 2, signed, lambda m: vehicle.route_frame(m.state.vehicle)[1:], COSINE),
     TO_GO,
     Feature(
         "route",
         2 * len(POINTS),
         lambda limits: [both(limits.diagonal / (POINT_SPACING * point)) for point in POINTS for _ in "xy"],
         _route,
+        ("the point's distance along the route",),
     ),
 )
 """The car in the frame of its route: lane keeping 6, route ahead 16."""
@@ -173,8 +202,8 @@ ROUTE_FOOTPRINT = (
 """As `ROUTE`, but with clearances between the car's rectangle and people's bodies: 18 numbers if people walk on as they
 do, 18 if everybody beside the roadway turned to the car's route now, 18 if all who walk to a crosswalk took it."""
 
-FUTURE_CLEARANCES = Feature("clearances", future.MOMENTS * future.PLACES, share, _future_clearances)
+FUTURE_CLEARANCES = Feature("clearances", future.MOMENTS * future.PLACES, share, _future_clearances, (f"{FAR:g} m",))
 """How near people will be to the places ahead, at each moment. Nobody can know this."""
 
-LIMITS = Feature("limits", future.PLACES, lambda limits: [(0.0, limits.config.max_speed / SPEED)], _limits)
+LIMITS = Feature("limits", future.PLACES, lambda limits: [(0.0, limits.config.max_speed / SPEED)], _limits, (SPEEDS,))
 """The car's top speed at these places."""

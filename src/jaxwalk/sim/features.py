@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 import jax
 import jax.numpy as jnp
@@ -20,6 +21,11 @@ SPEED = 8.33
 """Speeds are scaled by this [m/s], distances by `jaxwalk.sim.prediction.ABSENT`."""
 ROWS_AT_ONCE = 8
 """XLA's CPU backend writes up to this many arrays straight into their place. With more, it copies each first."""
+
+FLAG, COSINE = ("yes or no",), ("cosine", "sine")
+"""Units of flags and of directions ..."""
+PURE, OF_MAP = ("pure number",), ("width of the map", "height of the map")
+"""... of traits, and of positions on the map."""
 
 Bound = tuple[float, float]
 """Lowest and highest value."""
@@ -58,6 +64,16 @@ class Feature:
     """Return the bounds of each number; a shorter sequence is repeated."""
     compute: Callable[[Moment], Sequence[Array]]
     """Return the numbers in order: arrays ``(*agents, *batch)``, or ``(number, *agents, *batch)`` for several."""
+    units: tuple[str, ...] = ()
+    """What a value of 1 stands for, as in ``60 m``, or what a pure number is; a shorter tuple is repeated. Empty if it
+    isn't said."""
+
+    def units_in_words(self) -> str:
+        """Return the units in order, equal ones together, as in ``(2 x 60 m, 2 x 8.33 m/s) x 6``."""
+        alike = [(unit, len(list(found))) for unit, found in groupby(self.units)]
+        words = ", ".join(unit if count == 1 else f"{count} x {unit}" for unit, count in alike)
+        times = self.size // max(1, len(self.units))
+        return words if times == 1 or len(alike) < 2 else f"({words}) x {times}"
 
 
 def share(limits: Limits) -> Sequence[Bound]:

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 from jaxwalk.interfaces import Moment
 from jaxwalk.sim import belief
 from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
-from jaxwalk.sim.features import Bound, Feature, Limits, both, share
+from jaxwalk.sim.features import FLAG, PURE, Bound, Feature, Limits, both, share
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.jaywalk import line_of
 from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, of_nearest
@@ -59,12 +59,14 @@ def _decisions_bounds(limits: Limits) -> Sequence[Bound]:
 
 
 TOLD_TENDENCIES = Feature(
-    "tendencies", NEIGHBOURS, share, lambda m: _tendencies(m, m.scenario.jaywalking_tendency(m.world))
+    "tendencies", NEIGHBOURS, share, lambda m: _tendencies(m, m.scenario.jaywalking_tendency(m.world)), PURE
 )
 """The jaywalking tendency of each of the nearest people."""
-PLACEBO = Feature("tendencies", NEIGHBOURS, share, lambda m: _tendencies(m, m.scenario.traits[2]))
+PLACEBO = Feature("tendencies", NEIGHBOURS, share, lambda m: _tendencies(m, m.scenario.traits[2]), PURE)
 """A trait of each of the nearest people that decides nothing."""
-EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendencies)
+EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendencies, PURE)
 """The posterior mean of the jaywalking tendency of each of the nearest people."""
-TOLD_DECISIONS = Feature("decisions", 3 * NEIGHBOURS, _decisions_bounds, _decisions)
+TOLD_DECISIONS = Feature(
+    "decisions", 3 * NEIGHBOURS, _decisions_bounds, _decisions, (*FLAG, f"{ABSENT:g} m", f"{ABSENT:g} m")
+)
 """Who of the nearest people has decided to jaywalk, and where."""

@@ -11,7 +11,21 @@ from jaxwalk.interfaces import Moment
 from jaxwalk.sim import pedestrian, prediction, vehicle
 from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
 from jaxwalk.sim.everybody import for_everybody, index_of, with_index
-from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both, on_map, share, signed, within_diagonals
+from jaxwalk.sim.features import (
+    COSINE,
+    FLAG,
+    OF_MAP,
+    PURE,
+    SPEED,
+    Bound,
+    Feature,
+    Limits,
+    both,
+    on_map,
+    share,
+    signed,
+    within_diagonals,
+)
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.prediction import ABSENT
 from jaxwalk.sim.state import Motion
@@ -23,6 +37,8 @@ PASSED = 2.5
 """It decides no longer once the car is this far past it [m]: a car does not come back."""
 LONG = 8.0
 """Longest time in an observation [s]; longer ones are shown as this."""
+METRES, SPEEDS, PACES = f"{ABSENT:g} m", f"{SPEED:g} m/s", "2 m/s"
+"""Units of distances, of the car's speed and of walking speeds."""
 
 
 def _in_cars_frame(moment: Moment) -> Motion:
@@ -160,37 +176,52 @@ def _speed_for_everybody(moment: Moment) -> Float[Array, "ped *batch"]:
 
 
 PAPER = (
-    Feature("position", 2, share, lambda m: on_map(m, m.state.pedestrian.x, m.state.pedestrian.y)),
-    Feature("velocity", 2, lambda limits: [both(limits.config.fastest / 2)], _velocity),
-    Feature("traits", 4, share, lambda m: (m.scenario.own_traits(m.world),)),
-    Feature("next_waypoint", 2, within_diagonals(ABSENT), _next_waypoint),
-    Feature("surface", 3, share, _surface),
-    Feature("on_jaywalk", 1, share, lambda m: (m.state.pedestrian.leg.kind == LegKind.ACROSS,)),
-    Feature("car_position", 2, within_diagonals(ABSENT), _of_car(_car_position, (1.0, 0.0))),
+    Feature("position", 2, share, lambda m: on_map(m, m.state.pedestrian.x, m.state.pedestrian.y), OF_MAP),
+    Feature("velocity", 2, lambda limits: [both(limits.config.fastest / 2)], _velocity, (PACES,)),
+    Feature("traits", 4, share, lambda m: (m.scenario.own_traits(m.world),), PURE),
+    Feature("next_waypoint", 2, within_diagonals(ABSENT), _next_waypoint, (METRES,)),
+    Feature("surface", 3, share, _surface, FLAG),
+    Feature("on_jaywalk", 1, share, lambda m: (m.state.pedestrian.leg.kind == LegKind.ACROSS,), FLAG),
+    Feature("car_position", 2, within_diagonals(ABSENT), _of_car(_car_position, (1.0, 0.0)), (METRES,)),
     Feature(
-        "car_velocity", 2, lambda limits: [both(limits.config.max_speed / SPEED)], _of_car(_car_velocity, (0.0, 0.0))
+        "car_velocity",
+        2,
+        lambda limits: [both(limits.config.max_speed / SPEED)],
+        _of_car(_car_velocity, (0.0, 0.0)),
+        (SPEEDS,),
     ),
-    Feature("nearest_other", 2, lambda limits: [both(max(limits.diagonal, ABSENT) / ABSENT)], _nearest_other),
+    Feature(
+        "nearest_other", 2, lambda limits: [both(max(limits.diagonal, ABSENT) / ABSENT)], _nearest_other, (METRES,)
+    ),
 )
 """The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's relative
 position 2 and velocity 2, nearest other pedestrian 2. Relative positions are in the map's axes."""
 
 KERB = (
-    Feature("decides", 1, share, _decides),
-    Feature("place", 2, within_diagonals(KERB_CAR_DISTANCE), _of_car(_place, (1.0, 0.0))),
-    Feature("car_motion", 3, _car_motion_bounds, _of_car(_car_motion, (0.0, 0.0, 0.0))),
-    Feature("direction", 2, signed, _of_car(_direction, (0.0, 0.0))),
-    Feature("times", 3, _times_bounds, _of_car(_times, (1.0, 1.0, 0.0))),
-    Feature("miss", 2, share, _of_car(_miss, (1.0, 1.0))),
-    Feature("pace", 1, _pace_bounds, lambda m: (m.scenario.walking_speed(m.world) / 2,)),
+    Feature("decides", 1, share, _decides, FLAG),
+    Feature(
+        "place", 2, within_diagonals(KERB_CAR_DISTANCE), _of_car(_place, (1.0, 0.0)), (f"{KERB_CAR_DISTANCE:g} m",)
+    ),
+    Feature(
+        "car_motion",
+        3,
+        _car_motion_bounds,
+        _of_car(_car_motion, (0.0, 0.0, 0.0)),
+        (SPEEDS, "largest acceleration or braking", "largest steering angle"),
+    ),
+    Feature("direction", 2, signed, _of_car(_direction, (0.0, 0.0)), COSINE),
+    Feature("times", 3, _times_bounds, _of_car(_times, (1.0, 1.0, 0.0)), (f"{LONG:g} s",)),
+    Feature("miss", 2, share, _of_car(_miss, (1.0, 1.0)), ("10 m", f"{LONG:g} s")),
+    Feature("pace", 1, _pace_bounds, lambda m: (m.scenario.walking_speed(m.world) / 2,), (PACES,)),
     Feature(
         "traits",
         3,
         share,
         lambda m: (m.scenario.jaywalking_tendency(m.world), m.scenario.traits[2], m.scenario.traits[3]),
+        PURE,
     ),
-    Feature("jaywalk", 1, share, lambda m: (m.state.pedestrian.crossing == JAYWALK,)),
-    Feature("to_kerb", 1, lambda limits: [(-1.0, limits.config.kerb_distance)], _to_kerb),
+    Feature("jaywalk", 1, share, lambda m: (m.state.pedestrian.crossing == JAYWALK,), FLAG),
+    Feature("to_kerb", 1, lambda limits: [(-1.0, limits.config.kerb_distance)], _to_kerb, ("1 m",)),
 )
 """What matters for stepping into the road: whether there is anything to decide 1, the pedestrian's position, the car's
 motion and the direction of the leg 7, the times at which both would reach the point where their paths cross 3, how

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
-from jaxwalk.sim.driver_features import PEOPLE, SPEED_OF_CAR, STEERING, TO_GO
+from jaxwalk.sim.driver_features import METRES, PEOPLE, SPEED_OF_CAR, STEERING, TO_GO
 from jaxwalk.sim.features import Feature, Limits, both, share
 from jaxwalk.sim.geometry import rotate
 from jaxwalk.sim.map_tables import POINTS
@@ -67,8 +67,8 @@ SURROUNDINGS = (
     SPEED_OF_CAR,
     STEERING,
     TO_GO,
-    Feature("route", 2 * len(POINTS), _within_map, _route),
-    Feature("edges", RAYS, share, lambda moment: (edge_distances(moment) / RANGE,)),
+    Feature("route", 2 * len(POINTS), _within_map, _route, (METRES,)),
+    Feature("edges", RAYS, share, lambda moment: (edge_distances(moment) / RANGE,), (f"{RANGE:g} m",)),
     PEOPLE,
 )
 """The car 3, points of its route 16, the road's edges 24, nearest people 24."""

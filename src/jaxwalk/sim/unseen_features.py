@@ -9,8 +9,8 @@ from jaxtyping import Array, Float
 
 from jaxwalk.interfaces import Moment
 from jaxwalk.maps.routes import ROUTE_SPACING
-from jaxwalk.sim.driver_features import person_bounds, person_rows
-from jaxwalk.sim.features import Bound, Feature, Limits, share
+from jaxwalk.sim.driver_features import PERSON_UNITS, person_bounds, person_rows
+from jaxwalk.sim.features import FLAG, Bound, Feature, Limits, share
 from jaxwalk.sim.kerbsides import FARTHEST
 from jaxwalk.sim.lookup import look_up_row
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
@@ -68,9 +68,11 @@ def _next_crosswalk(moment: Moment) -> Sequence[Array]:
     return (beside_the_route(moment)[-1, 0] / FARTHEST,)
 
 
-LAST_SEEN = Feature("last_seen", 5 * NEIGHBOURS, _last_seen_bounds, _last_seen)
+LAST_SEEN = Feature(
+    "last_seen", 5 * NEIGHBOURS, _last_seen_bounds, _last_seen, (*PERSON_UNITS, f"just now (0: {KEPT:g} s ago)")
+)
 """Who was last seen."""
-HIDDEN_SIDES = Feature("hidden_sides", 2 * len(POINTS), share, _hidden_sides)
+HIDDEN_SIDES = Feature("hidden_sides", 2 * len(POINTS), share, _hidden_sides, FLAG)
 """Where the sides of the car's way are hidden."""
-NEXT_CROSSWALK = Feature("next_crosswalk", 1, share, _next_crosswalk)
+NEXT_CROSSWALK = Feature("next_crosswalk", 1, share, _next_crosswalk, (f"{FARTHEST:g} m",))
 """How far ahead the next crosswalk is."""

@@ -30,7 +30,7 @@ class Export:
 
 @dataclass(frozen=True)
 class Observations:
-    """List the observation sets of a driver or a pedestrian, and the place of each part in them."""
+    """List the observation sets of a driver or a pedestrian: the place of each part, and what 1 stands for in it."""
 
     role: Annotated[Role, option("driver", "ROLE")] = "driver"
     """Whose: driver or pedestrian."""

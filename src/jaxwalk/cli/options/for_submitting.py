@@ -17,7 +17,8 @@ class Submit:
 
     An entry is a folder with README.md (what the driver is), the driver's files, and results.json, which
     jaxwalk evaluate --driver policy.safetensors --out . writes, called in that folder, on 2,000 scenarios or more.
-    --check evaluates it again as its author did, and on fresh scenarios, whose seed follows from the driver's file.
+    --check evaluates it again as its author did, and on fresh scenarios, whose seed follows from all files of the
+    entry. An entry that can't be used is listed with the reason, and the others go on; the exit code is 2 then.
 
     For example: jaxwalk submit zoo/mine --check, and then jaxwalk submit zoo/* --out leaderboard.md
     """

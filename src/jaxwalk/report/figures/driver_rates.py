@@ -26,7 +26,7 @@ def baselines(material: Material) -> Figure:
     """Draw goal and collision rates of every driver, among each population."""
     figure, axes = panels(2, height=3.8, sharey=True)
     names = material.drivers
-    known = [name for name in names if _published(name, 0)]
+    known = [name for name in names if material.beside_paper and _published(name, 0)]
     for axis, (rate, unit, place) in zip(axes, RATES, strict=True):
         for people, colour, aside in populations(material.populations, spread=0.34):
             ours = [rate(material.over_seeds(name, people)) for name in names]
@@ -35,9 +35,10 @@ def baselines(material: Material) -> Figure:
             points(axis, means, where, PointStyle(color=colour, label=label, scale=100.0, flat=True))
             first = people == material.populations[0]
             _each_seed(axis, ours, where, "each training seed" if first and material.several else None)
-        for i, name in enumerate(names):
+        for name in known:
             theirs = _published(name, place)
-            axis.plot(theirs, [i] * len(theirs), **DIAMOND, label="paper" if name in known[:1] else None)
+            where = [names.index(name)] * len(theirs)
+            axis.plot(theirs, where, **DIAMOND, label="paper" if name == known[0] else None)
         axis.set(xlabel=unit, xlim=(-2, 102))
     axes[0].set_yticks(range(len(names)), names)
     axes[0].invert_yaxis()

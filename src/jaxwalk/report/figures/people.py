@@ -34,7 +34,8 @@ def attribution(material: Material) -> Figure:
         ours = [find(found) for find in SHARES.values()]
         where = [i + aside for i in range(len(names))]
         points(axis, ours, where, PointStyle(color=colour, label=f"ours, among {people}", scale=100.0, flat=True))
-    for i, value in ((0, published.COLLISIONS_JAYWALK), (1, published.CROSSINGS_JAYWALK)):
+    theirs = (published.COLLISIONS_JAYWALK, published.CROSSINGS_JAYWALK) if material.beside_paper else ()
+    for i, value in enumerate(theirs):
         axis.plot(value, i, **DIAMOND, label="paper" if i == 0 else None)
     axis.set_yticks(range(len(names)), names)
     axis.invert_yaxis()
@@ -48,7 +49,7 @@ def quarters(material: Material) -> Figure:
     figure, (axis,) = panels(1, width=COLUMN, height=2.6)
     found = material.cell(material.subject, material.crowd).summary[JAYWALK_RATE].quarters
     points(axis, found, [0.0, 1.0, 2.0, 3.0], PointStyle(color=BLUE, label="ours", scale=100.0))
-    for i, value in enumerate(published.QUARTERS):
+    for i, value in enumerate(published.QUARTERS if material.beside_paper else ()):
         axis.plot(i + 0.12, value, **DIAMOND, label="paper" if i == 0 else None)
     axis.set_xticks(range(4), ["0 to 0.25", "0.25 to 0.5", "0.5 to 0.75", "0.75 to 1"])
     axis.set(xlabel="jaywalking tendency", ylabel="decisions to jaywalk [%]", ylim=(0, None), xlim=(-0.5, 3.5))

@@ -28,12 +28,16 @@ def speed_differential(material: Material) -> Figure:
     """Draw car speed by distance to the nearest pedestrian on a roadway, by type; shade the gap, and plot it."""
     figure, axes = panels(3, height=3.0)
     bins = material.cell(material.subject, material.crowd).summary[SPEED_DIFFERENTIAL]
+    street = material.results.street
+    top = 9.0 if street is None else max(9.0, 1.05 * street.sim.max_speed)
     for axis, (title, (gap, _)) in zip(axes, WEIGHTS.items(), strict=False):
         _speeds(axis, [gap(b) for b in bins], [_middle(b) for b in bins])
-        axis.set(title=f"car speed, {title} [m/s]", ylim=(0, 9))
-    for value in published.SPEEDS:
+        axis.set(title=f"car speed, {title} [m/s]", ylim=(0, top))
+    for value in published.SPEEDS if material.beside_paper else ():
         axes[0].plot(_middle(bins[0]), value, **DIAMOND, label="paper" if value == published.SPEEDS[0] else None)
     _gaps(axes[2], bins)
+    if material.beside_paper:
+        _their_gaps(axes[2], bins)
     for axis in axes:
         axis.set(xlim=(0, bins[-1].far), xticks=[0, *(b.far for b in bins)])
     axes[1].set_xlabel("distance to the nearest pedestrian of the type [m]")
@@ -58,16 +62,20 @@ def _speeds(axis: Axes, gaps: Sequence[SpeedGap], middles: list[float]) -> None:
 
 
 def _gaps(axis: Axes, bins: Sequence[SpeedBin]) -> None:
-    """Draw the differences with both weights, next to the paper's."""
+    """Draw the differences with both weights."""
     for k, (title, (gap, colour)) in enumerate(WEIGHTS.items()):
         ours = [gap(b).difference for b in bins]
         where = [_middle(b) + 0.16 * (2 * k - 1) for b in bins]
         points(axis, ours, where, PointStyle(color=colour, label=title, scale=1.0, line=True))
+    axis.axhline(0, color=INK, lw=0.8)
+    axis.set_title("jaywalk minus crosswalk [m/s]")
+
+
+def _their_gaps(axis: Axes, bins: Sequence[SpeedBin]) -> None:
+    """Draw the paper's differences."""
     axis.plot(_middle(bins[0]), published.SPEED_GAP, **DIAMOND)
     low, high = published.SPEED_GAP_FARTHER
     axis.fill_between([bins[1].near, bins[-1].far], low, high, alpha=0.25, color=SKY, lw=0, label="paper, 3-12 m")
-    axis.axhline(0, color=INK, lw=0.8)
-    axis.set_title("jaywalk minus crosswalk [m/s]")
 
 
 def surprise(material: Material) -> Figure:
