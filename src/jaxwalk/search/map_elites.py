@@ -18,7 +18,7 @@ USUAL_VISITS = 10
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class Variation:
     """One way in which a child differs from its parent."""
 
     group: Int[np.ndarray, "number"]
@@ -35,7 +35,7 @@ class Step:
         return stepped(rng, points, rho, steps)
 
 
-def steps_of(world: World) -> tuple[Step, ...]:
+def steps_of(world: World) -> tuple[Variation, ...]:
     """Return the ways in which a scenario of this world is varied.
 
     A small step of all numbers is no small change: it chooses another street, other goals, other jaywalks. So each way
@@ -48,11 +48,11 @@ def steps_of(world: World) -> tuple[Step, ...]:
         world.rules.pedestrians
     )
     return (
-        Step(people, (0.5, 0.15), (0.0, 0.5, 0.9)),
-        Step(_each_alone(numbers, of.start), (1.0, 0.3), (0.0, 0.9, 0.995)),
-        Step(_each_alone(numbers, of.traits), (1.0, 0.3), (0.0, 0.5, 0.9, 0.98)),
-        Step(_each_alone(numbers, of.traits, of.zone), (1.0, 0.3), (0.9, 0.98, 0.995)),
-        Step(numbers, (0.3, 0.1), (0.0, 0.9, 0.98)),
+        Variation(people, (0.5, 0.15), (0.0, 0.5, 0.9)),
+        Variation(_each_alone(numbers, of.start), (1.0, 0.3), (0.0, 0.9, 0.995)),
+        Variation(_each_alone(numbers, of.traits), (1.0, 0.3), (0.0, 0.5, 0.9, 0.98)),
+        Variation(_each_alone(numbers, of.traits, of.zone), (1.0, 0.3), (0.9, 0.98, 0.995)),
+        Variation(numbers, (0.3, 0.1), (0.0, 0.9, 0.98)),
     )
 
 
@@ -72,7 +72,7 @@ class MapElites(RandomSearch):
     new: float = 0.05
     """Share of ordinary candidates; all others are children of near misses."""
 
-    def __init__(self, steps: tuple[Step, ...]) -> None:
+    def __init__(self, steps: tuple[Variation, ...]) -> None:
         """Vary scenarios in these ways (`steps_of` returns those of a world)."""
         self.steps = steps
 
