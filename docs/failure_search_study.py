@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from jaxwalk.evaluation import BATCH
 from jaxwalk.provenance import provenance
 from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.policy_origins import policy_origin
@@ -33,11 +32,12 @@ METHODS = ("random", "map-elites", "cross-entropy", "evolution")
 
 def search(street: Street, policies: dict[str, Any], method: str, seed: int, simulations: int) -> dict[str, Any]:
     """Return what one search finds: failures, kinds, and how many kinds are plausible and avoidable."""
-    game, proposer = Driving(street, policies, seed), method_of(method, BATCH)
+    game = Driving(street, policies, seed)
+    proposer = method_of(method, game)
     hunt = begun(game, proposer)
     while hunt.simulations < simulations:
         play_generation(game, proposer, hunt, seed)
-    failed = hunt.elites.failed
+    failed = hunt.elites.found
     found, plausible = hunt.elites.candidates.some(failed), hunt.elites.quality[failed] > PLAUSIBLE
     when_seen = from_start = np.zeros(0, "U11")
     if len(found):
@@ -61,7 +61,7 @@ def main() -> None:
     """Search with every method and seed, and say what was found."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     options.add_argument("--suite", default="town", choices=SUITES)
-    options.add_argument("--driver", default="town")
+    options.add_argument("--driver", default="co-trained")
     options.add_argument("--pedestrians", default="always-go")
     options.add_argument("--methods", nargs="+", default=METHODS, choices=METHODS)
     options.add_argument("--simulations", type=int, default=4096)

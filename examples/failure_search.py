@@ -15,13 +15,13 @@ street = Street.create(("paper",), WORLDS["paper-footprint"])
 driver = with_limits(DRIVERS["careful-human"](), street.config)
 game = Driving(street, {"driver": driver, "pedestrian": AlwaysGo()}, seed=0, batch=64)
 
-method = method_of("map-elites", game.batch)
+method = method_of("map-elites", game)
 hunt = begun(game, method)
 for _ in range(6):
     play_generation(game, method, hunt, seed=0)
 print(f"{hunt.log[-1].cells} kinds of failure in {hunt.simulations} scenarios")
 
-failures = hunt.elites.candidates.some(hunt.elites.failed)
+failures = hunt.elites.candidates.some(hunt.elites.found)
 played = game.play(failures)
 for cell, percentile in zip(played.moments.cell[:3], played.percentiles[:3], strict=True):
     print(f"{in_words(int(cell))}; {percentile:.0f} % of ordinary scenarios are at least as unusual")

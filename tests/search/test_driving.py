@@ -70,7 +70,7 @@ def test_who_is_absent_is_nowhere(game, tried):
 @pytest.mark.parametrize("name", ["random", "map-elites", "cross-entropy", "evolution"])
 def test_a_search_goes_on_where_it_stopped(game, name, tmp_path):
     """Three generations in one go, or kept and read after each, find the same."""
-    method = method_of(name, game.batch)
+    method = method_of(name, game)
     whole, parted = begun(game, method), begun(game, method)
     for _ in range(3):
         play_generation(game, method, whole, 5)
@@ -80,8 +80,8 @@ def test_a_search_goes_on_where_it_stopped(game, name, tmp_path):
     assert whole.log == parted.log and whole.simulations == 48
     np.testing.assert_array_equal(whole.elites.candidates.points, parted.elites.candidates.points)
     np.testing.assert_array_equal(whole.elites.quality, parted.elites.quality)
-    assert whole.elites.failed.sum() == whole.log[-1].cells > 1
-    assert (np.diff(whole.elites.cells[whole.elites.failed]) > 0).all()
+    assert whole.elites.found.sum() == whole.log[-1].cells > 1
+    assert (np.diff(whole.elites.cells[whole.elites.found]) > 0).all()
     for name, array in whole.learned.items():
         np.testing.assert_array_equal(array, parted.learned[name])
     with pytest.raises(ArchiveError, match="was begun with another value of seed"):

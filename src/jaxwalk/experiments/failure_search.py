@@ -108,12 +108,12 @@ def search_failures(work: FailureSearch, tell: Tell) -> SearchResults:
 
 def _hunted(work: FailureSearch, game: Driving, tell: Tell) -> Hunt:
     """Return the search after all its generations."""
-    method, plan, path = method_of(work.method, game.batch), work.plan(), work.out / STATE
+    method, plan, path = method_of(work.method, game), work.plan(), work.out / STATE
     hunt = begun(game, method)
     if path.exists():
         hunt = kept_hunt(path, hunt, plan)
     while hunt.simulations < work.simulations:
-        cells = int(hunt.elites.failed.sum())
+        cells = int(hunt.elites.found.sum())
         tell(f"searching: {cells} kinds of failure", hunt.simulations, work.simulations)
         play_generation(game, method, hunt, work.seed)
         keep_hunt(path, hunt, plan)
@@ -122,7 +122,7 @@ def _hunted(work: FailureSearch, game: Driving, tell: Tell) -> Hunt:
 
 def _keep(work: FailureSearch, game: Driving, hunt: Hunt, tell: Tell) -> SearchResults:
     """Judge and explain the failures that a search has found, and write all files."""
-    found = hunt.elites.candidates.some(hunt.elites.failed)
+    found = hunt.elites.candidates.some(hunt.elites.found)
     failures, kept = _judged(work, game, found, tell) if len(found) else ([], found)
     some = min(work.minimise, len(failures))
     minimal = None

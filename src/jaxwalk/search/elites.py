@@ -9,10 +9,10 @@ from jaxtyping import Bool, Float, Int
 
 from jaxwalk.search.cube import Candidates
 from jaxwalk.search.driving import Played
-from jaxwalk.search.grid import fails
+from jaxwalk.search.grid import CELLS, fails
 
-NEAR_MISSES = 4
-"""Near misses that are kept in a cell, each of another line (with another key); of failures, it is one."""
+LINES = 4
+"""Scenarios that are kept in a cell, each of another line (with another key)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,17 +23,26 @@ class Elites:
     quality: Float[np.ndarray, "elite"]
     """For a failure, the percentile of its plausibility [%]; for a near miss, minus the gap [m]. More is better."""
     candidates: Candidates
+    visits: Int[np.ndarray, "cell"]
+    """How often each cell of the grid has been reached."""
 
     @staticmethod
     def none(dimensions: int) -> Elites:
         """Return no elites."""
         nothing = np.zeros(0, np.int64)
-        return Elites(nothing, np.zeros(0), Candidates(np.zeros((0, dimensions), np.float32), nothing))
+        return Elites(
+            nothing, np.zeros(0), Candidates(np.zeros((0, dimensions), np.float32), nothing), np.zeros(CELLS, np.int64)
+        )
 
     @property
     def failed(self) -> Bool[np.ndarray, "elite"]:
         """Return which of them are failures."""
         return fails(self.cells)
+
+    @property
+    def found(self) -> Bool[np.ndarray, "elite"]:
+        """Return which of them is the most plausible failure of its cell."""
+        return self.failed & (np.diff(self.cells, prepend=-1) > 0)
 
     def joined_by(self, candidates: Candidates, played: Played) -> Elites:
         """Return the elites after these candidates have been played. Of equals, the older one stays."""
@@ -43,9 +52,10 @@ class Elites:
         every = Candidates.joined([self.candidates, candidates.some(met)])
         qualities = np.concatenate([self.quality, quality])
         best_first = np.lexsort((np.arange(len(cells)), -qualities, cells))
-        lines = np.stack([cells, np.where(fails(cells), 0, every.keys)], axis=1)[best_first]
+        lines = np.stack([cells, every.keys], axis=1)[best_first]
         _, first = np.unique(lines, axis=0, return_index=True)
         kept = best_first[np.sort(first)]
         begins = np.searchsorted(cells[kept], cells[kept])
-        kept = kept[np.arange(len(kept)) - begins < NEAR_MISSES]
-        return Elites(cells[kept], qualities[kept], every.some(kept))
+        kept = kept[np.arange(len(kept)) - begins < LINES]
+        visits = self.visits + np.bincount(played.moments.cell[met], minlength=CELLS)
+        return Elites(cells[kept], qualities[kept], every.some(kept), visits)

@@ -18,7 +18,8 @@ from jaxwalk.search.driving import Driving
 from jaxwalk.search.elites import Elites
 from jaxwalk.search.evolution import Evolution
 from jaxwalk.search.grid import CELLS, GRID
-from jaxwalk.search.methods import CrossEntropy, Generation, MapElites, Method, RandomSearch, State
+from jaxwalk.search.map_elites import MapElites, steps_of
+from jaxwalk.search.methods import CrossEntropy, Generation, Method, RandomSearch, State
 from jaxwalk.writing import write_whole
 
 STATE: Final = "state.safetensors"
@@ -59,15 +60,15 @@ class Hunt:
         return self.log[-1].simulations if self.log else 0
 
 
-def method_of(name: MethodName, generation: int) -> Method:
-    """Return the method of a name, for generations of this size.
+def method_of(name: MethodName, game: Driving) -> Method:
+    """Return the method of a name, for generations of the game's batch.
 
     Raise EvosaxError if it needs evosax, which is missing.
     """
     if name == "evolution":
-        return Evolution(generation)
+        return Evolution(game.batch)
     methods: dict[str, Method] = {
-        "map-elites": MapElites(), "cross-entropy": CrossEntropy(), "random": RandomSearch(),
+        "map-elites": MapElites(steps_of(game.street.world)), "cross-entropy": CrossEntropy(), "random": RandomSearch(),
     }  # fmt: skip
     return methods[name]
 
@@ -89,7 +90,7 @@ def play_generation(game: Driving, method: Method, hunt: Hunt, seed: int) -> Non
     hunt.elites = hunt.elites.joined_by(candidates, played)
     hunt.learned = method.tell(hunt.learned, candidates, played.moments.score)
     failures = (hunt.log[-1].failures if hunt.log else 0) + int(played.moments.failed.sum())
-    cells = int(hunt.elites.failed.sum())
+    cells = int(hunt.elites.found.sum())
     hunt.log.append(Progressed(hunt.simulations + len(candidates), failures, cells))
 
 
@@ -98,7 +99,7 @@ def keep_hunt(path: Path, hunt: Hunt, plan: Mapping[str, Any]) -> None:
     elites = hunt.elites
     arrays = {
         "cells": elites.cells, "quality": elites.quality, "points": elites.candidates.points,
-        "keys": elites.candidates.keys,
+        "keys": elites.candidates.keys, "visits": elites.visits,
         "log": np.array([(row.simulations, row.failures, row.cells) for row in hunt.log], np.int64).reshape(-1, 3),
         **{f"{LEARNED}{name}": np.array(array, order="C") for name, array in hunt.learned.items()},
     }  # fmt: skip
@@ -115,19 +116,25 @@ def kept_hunt(path: Path, fresh: Hunt, plan: Mapping[str, Any]) -> Hunt:
     _check_plan(path, text, plan)
     learned = {name.removeprefix(LEARNED): array for name, array in arrays.items() if name.startswith(LEARNED)}
     own = [_shape(fresh.learned[name]) == _shape(learned.get(name)) for name in fresh.learned]
-    shapes = ("cells", "quality", "points", "keys", "log")
+    shapes = ("cells", "quality", "points", "keys", "visits", "log")
     if not all(own) or len(learned) != len(own) or not all(name in arrays for name in shapes):
         raise ArchiveError(f"{path}: lacks what its method has learned; {ADVICE}")
-    cells, quality, points, keys, log = (arrays[name] for name in shapes)
+    cells, quality, points, keys, visits, log = (arrays[name] for name in shapes)
     count, numbers = len(cells), fresh.elites.candidates.points.shape[1]
-    kinds = [array.dtype.kind for array in (cells, quality, keys, log)]
-    fit = points.shape == (count, numbers) and points.dtype == np.float32 and kinds == ["i", "f", "i", "i"]
-    if not fit or not cells.shape == quality.shape == keys.shape == (count,) or log.ndim != 2 or log.shape[1] != 3:
+    kinds = [array.dtype.kind for array in (cells, quality, keys, visits, log)]
+    fit = points.shape == (count, numbers) and points.dtype == np.float32 and kinds == ["i", "f", "i", "i", "i"]
+    if (
+        not fit
+        or not cells.shape == quality.shape == keys.shape == (count,)
+        or visits.shape != (CELLS,)
+        or log.ndim != 2
+        or log.shape[1] != 3
+    ):
         raise ArchiveError(f"{path}: its arrays have other sizes than those of this street; {ADVICE}")
     if not (((cells >= 0) & (cells < CELLS)).all() and (np.diff(cells) >= 0).all() and _inside(points)):
         raise ArchiveError(f"{path}: has impossible cells or points; {ADVICE}")
     rows = [Progressed(*row) for row in log.tolist()]
-    return Hunt(Elites(cells, quality, Candidates(points, keys)), learned, rows)
+    return Hunt(Elites(cells, quality, Candidates(points, keys), visits), learned, rows)
 
 
 def _shape(array: np.ndarray | None) -> tuple[Any, ...]:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float
 
-from jaxwalk.search.cube import Candidates, ordinary, stepped, to_normal, to_uniform
+from jaxwalk.search.cube import Candidates, ordinary, to_normal, to_uniform
 from jaxwalk.search.elites import Elites
 
 State = dict[str, np.ndarray]
@@ -66,51 +66,6 @@ class RandomSearch:
     def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
         """Learn nothing."""
         return state
-
-
-class MapElites(RandomSearch):
-    """Varies the best scenarios of each cell, so that neighbouring cells are reached (Mouret and Clune, 2015).
-
-    Failures are rare at first: they are reached from near misses, which have cells too. A child has its parent's key.
-    """
-
-    first: int = 2
-    """Generations of ordinary candidates at the start."""
-    of_failures: float = 0.5
-    """Share of the candidates that are children of failures, where there are any."""
-    new: float = 0.1
-    """Share of ordinary candidates; all others are children of near misses."""
-    shares: tuple[float, ...] = (1.0, 0.3, 0.1, 0.03)
-    """Share of the numbers that step: one of these for each child."""
-    rhos: tuple[float, ...] = (0.0, 0.5, 0.9, 0.98)
-    """How much of a number stays in a step (`stepped`): one of these for each child, but not 0 for all numbers."""
-
-    def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
-        """Return children of failures and of near misses, and ordinary candidates."""
-        own = super().ask(state, elites, turn)
-        if turn.number < self.first or not len(elites.cells):
-            return own
-        rng, kind = turn.rng, turn.rng.random(turn.count)
-        failed = elites.failed
-        near = _one_of_each(rng, elites.cells, ~failed, turn.count) if not failed.all() else None
-        parents = _one_of_each(rng, elites.cells, failed, turn.count) if failed.any() else near
-        assert parents is not None
-        chosen = elites.candidates.some(parents if near is None else np.where(kind < self.of_failures, parents, near))
-        share = rng.choice(self.shares, (turn.count, 1))
-        rho = np.where(share == 1, rng.choice(self.rhos[1:], share.shape), rng.choice(self.rhos, share.shape))
-        points = stepped(rng, chosen.points, rho, rng.random(chosen.points.shape) < share)
-        fresh = kind >= 1 - self.new
-        return Candidates(np.where(fresh[:, None], own.points, points), np.where(fresh, own.keys, chosen.keys))
-
-
-def _one_of_each(
-    rng: np.random.Generator, cells: Int[np.ndarray, "elite"], which: Bool[np.ndarray, "elite"], count: int
-) -> Int[np.ndarray, "chosen"]:
-    """Return elites chosen at random among some, each cell as often as any other."""
-    rows = np.flatnonzero(which)
-    _, place, many = np.unique(cells[rows], return_inverse=True, return_counts=True)
-    chances = 1 / many[place]
-    return rng.choice(rows, count, p=chances / chances.sum())
 
 
 class CrossEntropy(RandomSearch):
