@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from jaxwalk.maps.imported.kerb_ground import WIDEST_MEDIAN, polygons, surface
+from jaxwalk.maps.imported.kerb_ground import WIDEST_MEDIAN, polygons, surface, unit
 from jaxwalk.maps.imported.lanelet_reading import LaneletFile
 from jaxwalk.maps.imported.lanelet_shapes import USES, AreaShape, LaneletShape, beside
 from jaxwalk.maps.imported.mapped_lanes import beyond_end
@@ -113,10 +113,14 @@ def open_ends_of(driven: Sequence[LaneletShape], ground: LaneletGround) -> Itera
     shapely.prepare(ground.roadway)
     for lanelet in (x for one in driven for x in (one, one.turned())):
         last = lanelet.middle[-1]
-        ahead = (last - lanelet.middle[-2]) / np.hypot(*(last - lanelet.middle[-2]))
-        if not shapely.intersects_xy(ground.roadway, *(last + PROBE * ahead)):
-            across = shapely.LineString([lanelet.left[-1], lanelet.right[-1]])
-            near = across.buffer(NEAR_END)
-            closing = shapely.union_all(kerbs.geometries[kerbs.query(near)].tolist()).intersection(near)
-            if closing.length < ACROSS * across.length:
-                yield beyond_end(lanelet.middle, lanelet.width)
+        beyond = last + PROBE * unit(last - lanelet.middle[-2])
+        if not shapely.intersects_xy(ground.roadway, *beyond) and not _is_closed(lanelet, kerbs):
+            yield beyond_end(lanelet.middle, lanelet.width)
+
+
+def _is_closed(lanelet: LaneletShape, kerbs: shapely.STRtree) -> bool:
+    """Return whether a kerb runs across the end of a lanelet."""
+    across = shapely.LineString([lanelet.left[-1], lanelet.right[-1]])
+    near = across.buffer(NEAR_END)
+    closing = shapely.union_all(kerbs.geometries[kerbs.query(near)].tolist()).intersection(near)
+    return closing.length >= ACROSS * across.length

@@ -39,13 +39,11 @@ def lanelet_graph(driven: Sequence[LaneletShape], limits: Sequence[float], groun
     number = {chain[0]: n for n, chain in enumerate(chains)}
     lanes = [_lane([driven[k] for k in chain], limits[chain[0]]) for chain in chains]
     turns: dict[tuple[int, int], MappedTurn] = {}
-    joints = []
-    for n, chain in enumerate(chains):
-        for path in _paths(chain[-1], after, inner):
-            line = np.concatenate([np.zeros((0, 2)), *(driven[k].middle for k in path[:-1])])
-            turns.setdefault((n, number[path[-1]]), MappedTurn(n, number[path[-1]], line))
-            if len(path) == 1:
-                joints.append(_joint(driven[chain[-1]]))
+    paths = [(n, path) for n, chain in enumerate(chains) for path in _paths(chain[-1], after, inner)]
+    for n, path in paths:
+        line = np.concatenate([np.zeros((0, 2)), *(driven[k].middle for k in path[:-1])])
+        turns.setdefault((n, number[path[-1]]), MappedTurn(n, number[path[-1]], line))
+    joints = [_joint(driven[chains[n][-1]]) for n, path in paths if len(path) == 1]
     return LaneletGraph(lanes, list(turns.values()), joints)
 
 

@@ -26,7 +26,7 @@ LONGEST_TAG = 200
 LOCAL = ("local_x", "local_y")
 """Tags of nodes that have metres of the map's own."""
 MOST_DEGREES = (180.0, 85.0)
-"""Of longitude and latitude."""
+"""Largest longitude and latitude [degrees]."""
 
 
 class LaneletMember(NamedTuple):
@@ -70,13 +70,17 @@ class LaneletFile(NamedTuple):
 
 def is_lanelet_map(path: Path) -> bool:
     """Return whether a file has lanelets. It is read piece by piece, as bytes."""
-    before = b""
     with path.open("rb") as file:
-        for chunk in iter(lambda: file.read(CHUNK), b""):
-            if LANELET.search(before + chunk):
-                return True
-            before = chunk[-LONGEST_TAG:]
-    return False
+        chunks = iter(lambda: file.read(CHUNK), b"")
+        return any(LANELET.search(piece) for piece in _overlapping(chunks))
+
+
+def _overlapping(chunks: Iterable[bytes]) -> Iterator[bytes]:
+    """Yield pieces of a file, each with the end of the one before: a tag may lie across."""
+    before = b""
+    for chunk in chunks:
+        yield before + chunk
+        before = chunk[-LONGEST_TAG:]
 
 
 def read_lanelets(path: Path, region: Region | None) -> LaneletFile:

@@ -25,7 +25,8 @@ USES: dict[str, Use] = {
     "crosswalk": "crosswalk",
 }
 """By the subtype of a lanelet or area."""
-CARS = ("participant:vehicle", "participant:vehicle:car")
+PARTICIPANT = "participant:"
+"""How the keys begin of tags that say who may use a lanelet."""
 STEP = 1.0
 """Distance between the points of a lanelet's middle [m]."""
 MOST_POINTS = 2000
@@ -95,11 +96,15 @@ class AreaShape(NamedTuple):
 def use_of(tags: Tags) -> Use:
     """Return who uses a lanelet: by its subtype, unless tags say who may take part."""
     own: Use = USES.get(tags.get("subtype", "road"), "other")
-    said = [key for key in tags if key.startswith("participant:")]
-    if said and own in ("driven", "roadway", "other"):
-        cars = any(tags.get(key) == "yes" for key in said if key in CARS or key.startswith(CARS[1]))
-        return "driven" if cars else "roadway" if own == "driven" else own
-    return own
+    said = {key.removeprefix(PARTICIPANT): tags[key] == "yes" for key in tags if key.startswith(PARTICIPANT)}
+    if not said or own in ("crosswalk", "walk"):
+        return own
+    takes_part = [key for key, yes in said.items() if yes]
+    if any(key == "vehicle" or key.startswith("vehicle:car") for key in takes_part):
+        return "driven"
+    if any(key.startswith("vehicle") for key in takes_part):
+        return "roadway"
+    return "walk" if "pedestrian" in takes_part else "beside" if "bicycle" in takes_part else "other"
 
 
 def lanelet_shapes(file: LaneletFile) -> tuple[list[LaneletShape], int]:
@@ -161,22 +166,21 @@ def _aligned(left: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def area_shapes(file: LaneletFile) -> Iterator[AreaShape]:
-    """Yield the areas of a file, and closed lines that are some, such as buildings."""
+    """Yield the areas of a file."""
     for number, relation in file.relations.items():
-        if relation.tags.get("type") in ("multipolygon", "area"):
-            refs = relation.refs("way", "outer")
-            outline = joined([file.lines[ref].points for ref in refs if ref in file.lines])
-            if outline is not None and len(outline) > 2:
-                yield AreaShape(number, relation.tags.get("subtype", ""), surface(shapely.Polygon(outline)))
+        is_area = relation.tags.get("type") in ("multipolygon", "area")
+        refs = relation.refs("way", "outer") if is_area else []
+        outline = joined([file.lines[ref].points for ref in refs if ref in file.lines])
+        if outline is not None and len(outline) > 2:
+            yield AreaShape(number, relation.tags.get("subtype", ""), surface(shapely.Polygon(outline)))
 
 
 def keeps_left(lanelets: Sequence[LaneletShape]) -> bool | None:
     """Return whether traffic keeps left, by lanelets of opposite directions side by side; None if none are."""
     at: dict[int, list[tuple[int, LaneletShape]]] = defaultdict(list)
     for lanelet in lanelets:
-        for side, refs in enumerate(lanelet.bounds):
-            for ref in refs:
-                at[ref].append((side, lanelet))
+        for ref, side in [(ref, side) for side, refs in enumerate(lanelet.bounds) for ref in refs]:
+            at[ref].append((side, lanelet))
     pairs = [own for own in at.values() if len(own) == 2 and own[0][0] == own[1][0]]
     votes = [1 if side else -1 for (side, one), (_, other) in pairs if _ahead(one) @ _ahead(other) < 0]
     return None if abs(sum(votes)) < max(CLEAR * len(votes), 1) else sum(votes) > 0
@@ -187,7 +191,7 @@ def _ahead(lanelet: LaneletShape) -> np.ndarray:
 
 
 def beside(shapes: Sequence[tuple[int, BaseGeometry, float]], roadway: BaseGeometry) -> set[int]:
-    """Return the numbers of shapes that touch a roadway for so many metres."""
+    """Return the numbers of shapes that touch a roadway for a length of their own [m]."""
     near = roadway.buffer(GRID)
     shapely.prepare(near)
     return {n for n, shape, shortest in shapes if near.intersection(shape.boundary).length > shortest}
