@@ -171,8 +171,9 @@ def area_shapes(file: LaneletFile) -> Iterator[AreaShape]:
         is_area = relation.tags.get("type") in ("multipolygon", "area")
         refs = relation.refs("way", "outer") if is_area else []
         outline = joined([file.lines[ref].points for ref in refs if ref in file.lines])
-        if outline is not None and len(outline) > 2:
-            yield AreaShape(number, relation.tags.get("subtype", ""), surface(shapely.Polygon(outline)))
+        shape = surface(shapely.Polygon(outline)) if outline is not None and len(outline) > 2 else shapely.Polygon()
+        if not shape.is_empty:
+            yield AreaShape(number, relation.tags.get("subtype", ""), shape)
 
 
 def keeps_left(lanelets: Sequence[LaneletShape]) -> bool | None:

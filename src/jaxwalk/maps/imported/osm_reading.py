@@ -60,7 +60,7 @@ def read_osm(path: Path, region: Region | None) -> OsmData:
     found = _Found()
     try:
         found.read(osmium, path, region)
-    except (RuntimeError, ValueError, OSError, UnicodeError) as error:
+    except (RuntimeError, ValueError, OSError, UnicodeError, osmium.InvalidLocationError) as error:
         if isinstance(error, ImportRefusal):
             raise
         reason = " ".join(str(error).split())[:200]
