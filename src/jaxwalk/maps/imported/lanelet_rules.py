@@ -16,7 +16,7 @@ from jaxwalk.maps.imported.osm_tags import MILE
 from jaxwalk.maps.imported.source_map import Origin, SourceCrossing
 from jaxwalk.maps.network import CrossingType
 
-SPEEDS = (5.0, 130.0)
+SPEEDS = (6.0, 130.0)
 """Lowest and highest speed limit [km/h]."""
 URBAN, NONURBAN, PLAY = 50.0, 100.0, 15.0
 """Speed limits where the map says nothing [km/h]."""
