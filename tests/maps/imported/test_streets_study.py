@@ -23,7 +23,9 @@ def test_the_study_measures_files(tmp_path):
     numbers = {name: road[name] for name in ("crossings", "placed", "tiles", "usable", "episodes", "connected_after")}
     assert numbers == {"crossings": 1, "placed": 1, "tiles": 2, "usable": 2, "episodes": 16, "connected_after": 1.0}
     assert (
-        0 < road["seconds"] < 120 and 50 < road["peak_MB"] < 2000 and set(road["by_tile"]) == {"tile-001", "tile-002"}
+        0 < road["seconds"] < 120
+        and 50 < road["peak_MB"] < 2000
+        and set(road["by_tile"]) == {"tile-001.json", "tile-002.json"}
     )
     assert "none.osm: has no roads" in none["refused"]
     page = (tmp_path / "out" / "results.md").read_text(encoding="utf-8")
