@@ -33,13 +33,13 @@ SEED, BATCH = 29, 256
 GOOD = 0.95
 """The oracle is to arrive on at least this share of the scenarios of a tile."""
 IMPORT = """
-import re, sys, time
+import pathlib, re, sys, time
 begun = time.perf_counter()
 from jaxwalk.cli import main
 code = main()
 seconds = time.perf_counter() - begun
 try:
-    peak = 1024 * int(re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read())[1])
+    peak = 1024 * int(re.search(r"VmHWM:\\s*(\\d+)", pathlib.Path("/proc/self/status").read_text())[1])
 except OSError:  # not Linux
     import resource
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -54,7 +54,8 @@ def imported(file: Path, folder: Path) -> dict[str, Any]:
     command = [sys.executable, "-c", IMPORT, "import", str(file), "--out", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 1):
-        return {"refused": (done.stderr.strip().splitlines() or ["no message"])[-1]}
+        said = [line for line in done.stderr.splitlines() if line.startswith("jaxwalk: ")]
+        return {"refused": (said or done.stderr.strip().splitlines() or ["no message"])[-1]}
     seconds, peak = map(float, done.stdout.splitlines()[-1].split())
     return {"seconds": round(seconds, 1), "peak_MB": round(peak / 1e6)}
 

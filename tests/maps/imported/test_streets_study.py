@@ -15,7 +15,7 @@ SCRIPT = Path(__file__).parents[3] / "docs" / "real_streets_study.py"
 
 def test_the_study_measures_files(tmp_path):
     (tmp_path / "road.osm").write_text(road_map().text(), encoding="utf-8")
-    (tmp_path / "none.osm").write_text("<osm></osm>", encoding="utf-8")
+    (tmp_path / "none.osm").write_text('<osm version="0.6"></osm>', encoding="utf-8")
     command = [sys.executable, str(SCRIPT), str(tmp_path / "road.osm"), str(tmp_path / "none.osm"), "--episodes", "8"]
     done = subprocess.run([*command, "--out", str(tmp_path / "out")], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
