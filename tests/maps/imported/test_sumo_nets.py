@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 
 from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.imported.importing import import_street, read_source, report_of
@@ -127,6 +128,27 @@ def test_a_road_that_goes_on_as_a_motorway_has_an_open_end(tmp_path):
         net = read_net(written(tmp_path, text), None)
         edges = [edge for edge in net.edges if edge.getID() != "far"]
         assert len(list(open_ends(net, edges, far))) == count
+
+
+@pytest.mark.parametrize("last", [40, 1])
+def test_a_dead_end_whose_two_sides_have_other_edges_is_one(tmp_path, last):
+    """As where a turning lane begins on one side: cars can only turn back at the end, so that it is no junction."""
+    path = written(tmp_path, road_net(last=last))
+    net = read_net(path, None)
+    for extent, count in (((-500.0, -500.0, 900.0, 900.0), 0), ((0.0, 0.0, 240.0, 100.0), 2)):
+        assert len(list(open_ends(net, net.edges, extent))) == count
+    source = read_source(path)
+    assert not any(x.intersects(shapely.Point(244, 50)) for x in source.junctions)
+    assert sorted(x.line[-1, 0].round() for x in source.lanes) == [0, 240], "lanes end where the road does"
+    street = import_street(source, "road", strict=True)
+    assert {route.lanes for route in street.network.routes} == {(0,), (1,)} and street.report.verdict == "usable"
+
+
+def test_lanes_from_which_cars_can_only_turn_back_are_named(tmp_path):
+    text = road_net().replace('toLane="1" via=":m_0_0" dir="s"', 'toLane="1" via=":m_0_0" dir="t"')
+    said = "1 lane that ends at a junction and doesn't lead on"
+    assert any(x.startswith(said) for x in read_source(written(tmp_path, text)).left_out)
+    assert not read_source(written(tmp_path, road_net())).left_out
 
 
 def test_a_packed_network_and_a_part_of_one(tmp_path):

@@ -18,8 +18,11 @@ def ends(route, lanes):
     return first + route.start, last + route.goal
 
 
-@pytest.mark.parametrize("limit, longest", [(50, LONGEST_ROUTE), (20, LONGEST_ROUTE), (15, 15 / 3.6 * LONGEST_DRIVE)])
+@pytest.mark.parametrize(
+    "limit, longest", [(50, LONGEST_ROUTE), (30, LONGEST_ROUTE), (20, 200), (15, 400 / 3), (10, 200 / 3)]
+)
 def test_a_long_road_is_cut_by_metres_and_by_time(limit, longest):
+    """40 s at the largest multiple of 6 km/h within the limit: 18, 12 and 6 km/h."""
     lanes = [lane(0, 500, limit)]
     routes, _ = RouteFinder(lanes).routes([])
     places = np.array([ends(route, lanes) for route in routes])
@@ -33,5 +36,5 @@ def test_a_slow_part_of_a_road_makes_routes_shorter_there_only():
     routes, _ = RouteFinder(lanes).routes([])
     for begin, end in (ends(route, lanes) for route in routes):
         fast, slow = max(min(end, 500) - begin, 0), max(end - max(begin, 500), 0)
-        assert fast + slow <= LONGEST_ROUTE + 1e-6 and fast / (50 / 3.6) + slow / (10 / 3.6) <= LONGEST_DRIVE + 1e-6
+        assert fast + slow <= LONGEST_ROUTE + 1e-6 and fast / (50 / 3.6) + slow / (6 / 3.6) <= LONGEST_DRIVE + 1e-6
     assert max(end - begin for begin, end in (ends(route, lanes) for route in routes)) == pytest.approx(LONGEST_ROUTE)

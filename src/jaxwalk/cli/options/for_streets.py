@@ -22,9 +22,9 @@ else:
 class Import:
     """Make streets of a map of the real world, with a report of what was mapped, inferred, invented and left out.
 
-    OpenStreetMap (.osm, .osm.pbf; needs pip install "jaxwalk[osm]"), SUMO networks (.net.xml, .net.xml.gz; needs
-    pip install "jaxwalk[sumo]") and OpenDRIVE (.xodr; needs pip install "jaxwalk[opendrive]"). See
-    docs/real-streets.md. For example:
+    OpenStreetMap (.osm, .osm.pbf; needs pip install "jaxwalk[osm]"), Lanelet2 maps (.osm; the same, unless they have
+    metres), SUMO networks (.net.xml, .net.xml.gz; needs pip install "jaxwalk[sumo]") and OpenDRIVE (.xodr; needs pip
+    install "jaxwalk[opendrive]"). See docs/real-streets.md. For example:
     jaxwalk import town.osm.pbf --centre 60.1699 24.9384 --radius 300 --out town
     """
 
@@ -43,7 +43,8 @@ class Import:
     tile: Annotated[float, option("200", "METRES")] = 200.0
     """Side of a tile, 150 to 300."""
     traffic: Annotated[Literal["right", "left"], option("right", "SIDE")] = "right"
-    """The side to which traffic keeps. A map that says otherwise is refused; a SUMO network says it itself."""
+    """The side to which traffic keeps. A map that says otherwise is refused; SUMO networks and Lanelet2 maps
+    say it themselves."""
     strict: Flag = False
     """Invent no sidewalk and no crossing: only what is mapped, or follows from tags."""
 

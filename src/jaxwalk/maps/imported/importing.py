@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from jaxwalk.maps.imported.crossing_places import CrossingOutcome
+from jaxwalk.maps.imported.lanelet_reading import is_lanelet_map
+from jaxwalk.maps.imported.lanelet_source import lanelet_map
 from jaxwalk.maps.imported.opendrive_source import opendrive_map
 from jaxwalk.maps.imported.osm_source import osm_map
 from jaxwalk.maps.imported.refusals import ImportRefusal
@@ -18,11 +20,15 @@ from jaxwalk.maps.imported.tiles import inside, single_street, tiles
 
 OSM = (".osm", ".pbf")
 """How the names of OpenStreetMap files end."""
+LANELET2 = (".osm",)
+"""How the names of Lanelet2 maps end: like those of OpenStreetMap files, which have no lanelets."""
 SUMO = (".net.xml", ".net.xml.gz")
 """How the names of SUMO networks end."""
 OPENDRIVE = (".xodr",)
 """How the names of OpenDRIVE files end."""
-KNOWN = "OpenStreetMap (.osm, .osm.pbf), SUMO networks (.net.xml, .net.xml.gz) and OpenDRIVE (.xodr)"
+KNOWN = (
+    "OpenStreetMap (.osm, .osm.pbf), Lanelet2 maps (.osm), SUMO networks (.net.xml, .net.xml.gz) and OpenDRIVE (.xodr)"
+)
 CUT_OFF = "where its road is cut off at the edge"
 """Why a crossing lies in no street."""
 
@@ -34,6 +40,8 @@ def read_source(path: Path, region: Region | None = None, *, left: bool = False)
     """
     if not path.is_file():
         raise ImportRefusal(f"{path}: no such file; check the name")
+    if path.name.lower().endswith(LANELET2) and is_lanelet_map(path):
+        return lanelet_map(path, region, left=left)
     if path.name.lower().endswith(OSM):
         return osm_map(path, region, left=left)
     if path.name.lower().endswith(SUMO):

@@ -12,7 +12,7 @@ import shapely.ops
 from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.generated.lane_paths import FROM_KERB, LaneBuilder, connect, gentle_way
-from jaxwalk.maps.imported.kerb_ground import surface
+from jaxwalk.maps.imported.kerb_ground import surface, unit
 from jaxwalk.maps.imported.lane_net import STRAIGHT, SWATH, LaneNet, along, fits, heading
 from jaxwalk.maps.imported.smoothing import rounded, without_gaps
 
@@ -59,6 +59,7 @@ def mapped_lane_net(
 
     ``junctions`` are regions that no street's edge may cut.
     """
+    lanes = _with_ends(lanes, turns)
     lines = [_smooth(lane.line) for lane in lanes]
     short = {n for n, line in enumerate(lines) if line is None or shapely.LineString(line).length < SHORTEST}
     whole = {n: line for n, line in enumerate(lines) if line is not None and n not in short}
@@ -147,6 +148,22 @@ def _smooth(line: np.ndarray) -> np.ndarray | None:
     """Return a line (point, 2) with arcs at its corners, which ends where it did; None if it has no length."""
     curve = rounded(line)
     return None if curve is None else np.concatenate([curve.points[:-1], line[-1:]])
+
+
+def _with_ends(lanes: Sequence[MappedLane], turns: Sequence[MappedTurn]) -> list[MappedLane]:
+    """Return the lanes, with the last metres of a road where these are lanes of their own that lead nowhere."""
+    onward: dict[int, list[MappedTurn]] = defaultdict(list)
+    for turn in turns:
+        onward[turn.before].append(turn)
+    found = list(lanes)
+    for before, own in onward.items():
+        if all(x.after not in onward and shapely.LineString(lanes[x.after].line).length < SHORTEST for x in own):
+            line = lanes[before].line
+            ahead = line[-1] - line[-2]
+            ends = [np.concatenate([x.line, lanes[x.after].line]) for x in own]
+            straight = max(ends, key=lambda end: float(unit(end[-1] - line[-1]) @ ahead))
+            found[before] = lanes[before]._replace(line=np.concatenate([line, straight]))
+    return found
 
 
 def _over_short(turns: Sequence[MappedTurn], short: set[int], lanes: Sequence[MappedLane]) -> list[MappedTurn]:

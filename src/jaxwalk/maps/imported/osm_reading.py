@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -60,7 +60,7 @@ def read_osm(path: Path, region: Region | None) -> OsmData:
     found = _Found()
     try:
         found.read(osmium, path, region)
-    except (RuntimeError, ValueError, OSError, UnicodeError) as error:
+    except (RuntimeError, ValueError, OSError, UnicodeError, osmium.InvalidLocationError) as error:
         if isinstance(error, ImportRefusal):
             raise
         reason = " ".join(str(error).split())[:200]
@@ -112,12 +112,10 @@ class _Found:
 
     def in_metres(self, path: Path, region: Region | None) -> OsmData:
         """Return what was read, by a transverse Mercator projection about its middle."""
-        pyproj = needed("pyproj", path, "osm")
         on_roads = {node for way in self.ways if is_road(way.tags) for node in way.nodes}
         roads = np.array([self.degrees[node] for node in on_roads]) if region is None else region.corners()
         lon, lat = (roads.min(axis=0) + roads.max(axis=0)) / 2
-        flat = f"+proj=tmerc +lat_0={lat:.7f} +lon_0={lon:.7f} +ellps=WGS84 +units=m"
-        project = pyproj.Transformer.from_crs("EPSG:4326", flat, always_xy=True).transform
+        project = flat_projection(path, lon, lat)
         numbers = np.array(list(self.degrees.values()))
         x, y = project(numbers[:, 0], numbers[:, 1])
         places = dict(
@@ -128,6 +126,13 @@ class _Found:
         extent = (west, south, east, north)
         refuse_large(path, extent)
         return OsmData(places, tuple(self.ways), self.node_tags, self.missing, (float(lat), float(lon)), extent)
+
+
+def flat_projection(path: Path, longitude: float, latitude: float) -> Callable[..., Any]:
+    """Return what makes metres of longitudes and latitudes: a transverse Mercator projection about a place."""
+    pyproj = needed("pyproj", path, "osm")
+    flat = f"+proj=tmerc +lat_0={latitude:.7f} +lon_0={longitude:.7f} +ellps=WGS84 +units=m"
+    return pyproj.Transformer.from_crs("EPSG:4326", flat, always_xy=True).transform
 
 
 def lines_of(data: OsmData, *, kinds: tuple[str, ...], key: str = "highway") -> Iterator[tuple[OsmWay, np.ndarray]]:

@@ -21,6 +21,8 @@ LIGHT = frozenset({PEOPLE, "wheelchair", "bicycle", "scooter", "moped"})
 TRACKS = frozenset({"tram", "rail", "rail_urban", "rail_electric", "rail_fast", "subway"})
 ROAD = frozenset({"all", CARS, "bus", "coach", "taxi", "truck"})
 """An edge that none of these may use is no road."""
+BACK = "t"
+"""The direction of a connection on which vehicles turn back."""
 AT_EDGE = 30.0
 """A road that ends this close to the network's edge goes on beyond it [m]."""
 AROUND_JUNCTION, AROUND_CORNERS = 4.0, 8.0
@@ -54,7 +56,7 @@ def roadway(net: SumoNet, edges: Sequence[Any]) -> BaseGeometry:
     for area in net.walking_areas:
         walked[area.getFromNode().getID()].append(_polygon(net.points(area.getLanes()[0].getShape())))
     grounds, corners = [], []
-    for node, own in _junctions(net, edges):
+    for node, own in _junctions(edges):
         hull = shapely.MultiPoint(np.concatenate([_corners(net, edge, at_end) for edge, at_end in own])).convex_hull
         mapped = _polygon(net.points(node.getShape()))
         ground = hull if mapped.is_empty else hull.intersection(mapped)
@@ -71,7 +73,7 @@ def junction_regions(net: SumoNet, edges: Sequence[Any], kind: str = "") -> list
         shapely.MultiPoint(
             np.concatenate([_corners(net, edge, at_end) for edge, at_end in own] + [net.points(node.getShape())])
         ).convex_hull.buffer(AROUND_JUNCTION)
-        for node, own in _junctions(net, edges) if node.getType().startswith(kind)
+        for node, own in _junctions(edges) if node.getType().startswith(kind)
     ]  # fmt: skip
 
 
@@ -80,7 +82,7 @@ def open_ends(net: SumoNet, edges: Sequence[Any], extent: Box) -> Iterator[BaseG
     as a road which isn't imported.
     """
     west, south, east, north = extent
-    inside = {id(node) for node, _ in _junctions(net, edges)}
+    inside = {id(node) for node, _ in _junctions(edges)}
     imported = set(map(id, edges))
     at = _by_node(edges)
     for node, own in at.values():
@@ -95,12 +97,22 @@ def open_ends(net: SumoNet, edges: Sequence[Any], extent: Box) -> Iterator[BaseG
             yield shapely.union_all([beyond_end(line, width) for line, width in lines if len(line) > 1])
 
 
-def _junctions(net: SumoNet, edges: Sequence[Any]) -> Iterator[tuple[Any, list[tuple[Any, bool]]]]:
+def _junctions(edges: Sequence[Any]) -> Iterator[tuple[Any, list[tuple[Any, bool]]]]:
     """Yield the junctions that lead on, with their edges, and whether each of those ends there."""
     for node, own in _by_node(edges).values():
         others = {(edge.getFromNode() if at_end else edge.getToNode()).getID() for edge, at_end in own}
-        if len(others) > 1 and {at_end for _, at_end in own} == {True, False}:
+        if len(others) > 1 and any(leads_on(lane) for edge, at_end in own if at_end for lane in _paved(edge)):
             yield node, own
+
+
+def ending_at_junctions(edges: Sequence[Any]) -> Iterator[Any]:
+    """Yield the edges that end where some road leads on."""
+    yield from (edge for _, own in _junctions(edges) for edge, at_end in own if at_end)
+
+
+def leads_on(lane: Any) -> bool:
+    """Return whether vehicles may go on from a lane to another road, and don't only turn back."""
+    return any(x.getDirection() != BACK and not x.getTo().getFunction() for x in lane.getOutgoing())
 
 
 def _by_node(edges: Iterable[Any]) -> dict[str, tuple[Any, list[tuple[Any, bool]]]]:

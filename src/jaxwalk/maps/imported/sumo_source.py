@@ -15,7 +15,18 @@ from jaxwalk.maps.imported.mapped_lanes import MappedLane, MappedTurn, mapped_la
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import AROUND, Region, refuse_large
 from jaxwalk.maps.imported.source_map import Box, Origin, SourceCrossing, SourceMap, WalkEvidence
-from jaxwalk.maps.imported.sumo_ground import TRACKS, is_for, is_road, is_walk, junction_regions, open_ends, roadway
+from jaxwalk.maps.imported.sumo_ground import (
+    BACK,
+    TRACKS,
+    ending_at_junctions,
+    is_for,
+    is_road,
+    is_walk,
+    junction_regions,
+    leads_on,
+    open_ends,
+    roadway,
+)
 from jaxwalk.maps.imported.sumo_reading import CARS, PEOPLE, SumoNet, read_net
 from jaxwalk.maps.network import CrossingType
 from jaxwalk.wording import counted
@@ -120,7 +131,7 @@ def _lanes(net: SumoNet, edges: Sequence[Any]) -> tuple[list[MappedLane], list[M
     joined = [
         (number[lane.getID()], number[link.getToLane().getID()], link)
         for lane in driven for link in lane.getOutgoing()
-        if link.getToLane().getID() in number and link.getDirection() != "t" and link.allows(CARS)
+        if link.getToLane().getID() in number and link.getDirection() != BACK and link.allows(CARS)
     ]  # fmt: skip
     return lanes, [MappedTurn(before, after, _via(net, link)) for before, after, link in joined]
 
@@ -199,6 +210,14 @@ def _left_out(net: SumoNet, edges: Sequence[Any], no_turns: int) -> Iterator[str
     buses = sum(not any(map(_is_driven, edge.getLanes())) for edge in edges)
     if buses:
         yield f"the lanes of {counted(buses, 'edge')} where no car may drive: they are roadway, on which nobody drives"
+    stuck = sum(
+        _is_driven(lane) and not leads_on(lane) for edge in ending_at_junctions(edges) for lane in edge.getLanes()
+    )
+    if stuck:
+        yield (
+            f"{counted(stuck, 'lane')} that {'end' if stuck > 1 else 'ends'} at a junction and "
+            f"{'do' if stuck > 1 else 'does'}n't lead on: cars could only turn back there"
+        )
     if no_turns:
         yield no_room(no_turns)
 

@@ -26,8 +26,9 @@ TIGHTEST_DRIVEN = 4.6
 junctions are made with a little more (`lane_net`), because places are rounded later."""
 LONGEST_ROUTE, SHORTEST_ROUTE = 220.0, 40.0
 """Length of routes [m]: 220 m at 30 km/h take 26 s of an episode's 50."""
-LONGEST_DRIVE = 40.0
-"""A route takes at most this long at the speed limit [s]."""
+LONGEST_DRIVE, LEVEL = 40.0, 5 / 3
+"""A route takes at most this long [s] at the largest multiple of ``LEVEL`` [m/s] within the speed limit: the oracle
+plans in such levels, so that it drives at 6 km/h where 10 km/h are allowed."""
 MOST_ROUTES = 32
 """Most routes of a street, unless its crossings need more."""
 BEFORE = 8.0
@@ -122,6 +123,11 @@ def without_lanes(
     return found, in_junction[kept]
 
 
+def _planned(limit: float) -> float:
+    """Return the speed at which the oracle drives under a speed limit [m/s]."""
+    return LEVEL * max(np.floor(limit / LEVEL + 0.01), 1.0)
+
+
 class RouteFinder:
     """Finds routes over lanes that the car can drive."""
 
@@ -129,7 +135,7 @@ class RouteFinder:
         self.lanes = lanes
         self.lengths = [lane.length() for lane in lanes]
         self.good = [smallest_radius(lane.line) >= TIGHTEST_DRIVEN for lane in lanes]
-        self.worth = [max(1.0, LONGEST_ROUTE / (LONGEST_DRIVE * lane.speed_limit)) for lane in lanes]
+        self.worth = [max(1.0, LONGEST_ROUTE / (LONGEST_DRIVE * _planned(lane.speed_limit))) for lane in lanes]
         """Metres of a route's greatest length that a metre of a lane takes: more than one where cars are slow."""
         self.followed = {after for lane in lanes for after in lane.successors}
 
