@@ -5,10 +5,12 @@ Lengths are in metres, angles in degrees, and speeds in km/h, as protocols have 
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections import Counter
 from collections.abc import Iterator
 from importlib import resources
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
@@ -28,6 +30,8 @@ MOST_TESTS, MOST_PEOPLE, MOST_BOXES, MOST_POINTS, MOST_BYTES = 200, 20, 20, 50, 
 """Largest numbers of tests of a file, of people and parked vehicles of a test, of points of a path, and of bytes."""
 FARTHEST = 500.0
 """Nothing is farther than this from the place of the meeting [m]."""
+LONGEST = 60.0
+"""No test lasts longer than this [s]."""
 _EXACT = ConfigDict(extra="forbid")
 
 Positive = Annotated[Number, Field(gt=0)]
@@ -48,6 +52,8 @@ class ScriptedPerson:
     """Speed [km/h]."""
     run_up: NotNegative = 0.0
     """Way on which the speed is gathered [m]."""
+    times: tuple[NotNegative, ...] = ()
+    """When the person is at each point of the path [s after setting out], in place of a speed."""
     hit: Number | None = None
     """The unbraked car meets the person here: per cent of its width, 0 at the right edge. It decides when they set
     out."""
@@ -60,6 +66,13 @@ class ScriptedPerson:
     """The person sets out when the car's front is this far from the place of the meeting [m]."""
     time_to_collision: NotNegative | None = None
     """The person sets out when the car's front is there in this time, at its present speed [s]."""
+    beyond: Number = 0.0
+    """``distance`` and ``time_to_collision`` count up to a place so far beyond that of the meeting [m]."""
+
+    @property
+    def stands(self) -> bool:
+        """Return whether the person never walks."""
+        return not self.times and self.speed == 0
 
 
 @dataclass(frozen=True, config=_EXACT)
@@ -123,6 +136,10 @@ class ScriptedTest:
     start: Positive = 4.0
     """The unbraked car begins at least this long before the meeting [s], and a second before anybody sets out. Where
     people walk already, it begins just so long before."""
+    starts_at: NotNegative | None = None
+    """Where the car begins [m along its route], in place of ``start``."""
+    begins: NotNegative | None = None
+    """The car's speed at the start [km/h], if it isn't that of the test."""
     layer: Name = STANDARD
     """The layer of the suite to which it belongs."""
     people: tuple[ScriptedPerson, ...] = ()
@@ -155,6 +172,8 @@ class CrashSuite:
     """What is ours, or was not clear in the source."""
     track: Name = "test-track"
     """The street: the name or the file of a map."""
+    lasts: Annotated[Number, Field(gt=0, le=LONGEST)] = 20.0
+    """A test lasts at most this long [s]."""
     variants: dict[Name, Variant] = Field(default_factory=dict)
 
 
@@ -215,6 +234,8 @@ def _unknown_variants(test: ScriptedTest, suite: CrashSuite) -> Iterator[str]:
 def _test_faults(test: ScriptedTest) -> Iterator[str]:
     if max(test.speeds) > FASTEST_CAR:
         yield f"speeds: {max(test.speeds):g} km/h is above {FASTEST_CAR:g}; choose lower ones"
+    if test.begins is not None and test.begins > min(test.speeds):
+        yield f"begins: {test.begins:g} km/h is above a speed of the test; choose a lower one"
     if isinstance(test.meets, dict) and (len(test.meets) != 1 or not set(test.meets) <= {"x", "y"}):
         yield "meets: write metres along the route, or a line of the map such as {y = 79.5}"
     tables = {"route": test.route, "passes.impact": test.passes.impact}
@@ -256,14 +277,31 @@ def _person_faults(person: ScriptedPerson) -> Iterator[str]:
         yield f"path: more than {FARTHEST:g} m away; is it in metres?"
     if person.speed > FASTEST_PERSON:
         yield f"speed: {person.speed:g} km/h is above {FASTEST_PERSON:g}; choose a lower one"
-    if (person.speed == 0) != (len(person.path) == 1):
+    yield from _times_faults(person)
+    if person.stands != (len(person.path) == 1):
         yield "path: who stands has a speed of 0 and one point, who walks has two points or more; correct one of them"
     if person.hit is not None and not 0 <= person.hit <= 100:
         yield f"hit: {person.hit:g} is no share of the car's width; write 0 to 100 per cent"
     if person.walks and (person.run_up or person.path[0][0] >= 0 or person.path[-1][0] < 0):
         yield "walks: the path must lead from behind the place of the meeting to ahead of it, without run_up; correct"
-    if person.speed == 0 and given:
+    if person.stands and given:
         yield f"{given[0]}: somebody who stands doesn't set out; leave it out"
+
+
+def _times_faults(person: ScriptedPerson) -> Iterator[str]:
+    times = person.times
+    if not times:
+        return
+    if len(times) != len(person.path):
+        yield f"times: {len(times)} for {len(person.path)} points; write one for each"
+    if times[0] != 0 or any(late <= early for early, late in pairwise(times)):
+        yield "times: they must begin with 0, and each be later than the one before; correct them"
+    elif any(math.dist(*points) * 3.6 > FASTEST_PERSON * (late - early) for points, (early, late) in
+             zip(pairwise(person.path), pairwise(times), strict=True)):  # fmt: skip
+        yield f"times: faster than {FASTEST_PERSON:g} km/h; let the person have more time"
+    for name in ("run_up", "hit", "walks"):
+        if _given(person, name) and getattr(person, name) != 0:
+            yield f"{name}: times say when the person is where; leave one of them out"
 
 
 def _given(person: ScriptedPerson, name: str) -> bool:
