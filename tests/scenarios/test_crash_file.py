@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from jaxwalk.scenarios import Scripted
-from jaxwalk.scenarios.crash_file import CrashFileError, load_crash_suite, parse_crash_suite
+from jaxwalk.scenarios.crash_file import load_crash_suite, parse_crash_suite
+from jaxwalk.scenarios.crash_suite import CrashFileError
 from jaxwalk.scenarios.rails import time_to_walk
 from jaxwalk.sim.script import Trigger
 from jaxwalk.sim.sim_config import WORLDS

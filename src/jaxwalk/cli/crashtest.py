@@ -21,7 +21,8 @@ from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.scenarios import Scripted
-from jaxwalk.scenarios.crash_file import CrashSuite, load_crash_suite
+from jaxwalk.scenarios.crash_suite import CrashSuite
+from jaxwalk.scenarios.script_file import read_script
 from jaxwalk.scenarios.staging import layers_of
 from jaxwalk.wording import counted
 
@@ -61,9 +62,9 @@ def run(options: Crashtest) -> int:
 
 
 def _work(options: Crashtest) -> CrashTests:
-    suite = load_crash_suite(options.suite)
+    suite, track = read_script(options.suite)
     layers = _layers(options, suite)
-    source = Scripted.of(suite, options.suite, layers=layers)
+    source = Scripted.of(suite, options.suite, layers=layers, track=track)
     named = with_shield(options.drivers, options.shield)
     beside = tuple(name for name in dict.fromkeys(options.beside) if name not in (*named, NONE))
     loading = {"trust": options.trust, "seconds": options.driver_seconds}

@@ -14,8 +14,9 @@ from jaxtyping import Array, Int, Key
 
 from jaxwalk.maps import MapText
 from jaxwalk.rollout import EVALUATION, environment_keys, seed_key
-from jaxwalk.scenarios.crash_file import STANDARD, CrashFileError, CrashSuite, Variant, load_crash_suite
+from jaxwalk.scenarios.crash_suite import STANDARD, CrashFileError, CrashSuite, Variant
 from jaxwalk.scenarios.rails import Rails
+from jaxwalk.scenarios.script_file import read_script
 from jaxwalk.scenarios.source import source_hash
 from jaxwalk.scenarios.staging import NOBODY, Case, Stage, Staged, StagedPerson, cases_of, layers_of
 from jaxwalk.sim.environment import Street
@@ -46,7 +47,8 @@ class Scripted:
 
         Raises CrashFileError if it can't be used, and MapError if its track can't.
         """
-        return cls.of(load_crash_suite(name_or_path), str(name_or_path), layers=layers)
+        suite, track = read_script(name_or_path)
+        return cls.of(suite, str(name_or_path), layers=layers, track=track)
 
     @classmethod
     def of(

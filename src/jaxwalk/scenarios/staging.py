@@ -10,7 +10,7 @@ import shapely
 
 from jaxwalk.maps import as_network
 from jaxwalk.maps.test_track import ROUTES, TEST_TRACK
-from jaxwalk.scenarios.crash_file import (
+from jaxwalk.scenarios.crash_suite import (
     STANDARD,
     CrashFileError,
     CrashSuite,

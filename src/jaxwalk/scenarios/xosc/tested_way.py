@@ -1,0 +1,124 @@
+"""Where and how fast the tested car of an OpenSCENARIO document goes, if nothing is in its way."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, only, part
+from jaxwalk.scenarios.xosc.made_street import Strip
+from jaxwalk.scenarios.xosc.plain_roads import Pose
+from jaxwalk.scenarios.xosc.positions import Positions, points_of
+from jaxwalk.scenarios.xosc.road_users import DRIVING, RoadUser, private_actions
+from jaxwalk.scenarios.xosc.speeds import change_of
+from jaxwalk.scenarios.xosc.waiting import Comes, Moment
+from jaxwalk.scenarios.xosc.walkers import Walkers
+
+LANE_WIDTH = 3.5
+"""Width of lanes where no road is known [m]."""
+AHEAD, FARTHEST_AHEAD = 150.0, 600.0
+"""The street leads at least, and at most, so far ahead of the car [m]."""
+SECONDS = 20.0
+"""It leads as far as the car drives in this time [s]."""
+BEND = 2.0
+"""Corners of a way are rounded to this radius, at least [m]."""
+
+
+class TestedWay(NamedTuple):
+    """The way of the tested car."""
+
+    __test__ = False
+    strip: Strip
+    speed: float
+    """Its speed at the start [m/s]."""
+    fastest: float
+    """It drives no faster [m/s]."""
+    notes: list[str]
+    """What of its own actions isn't played."""
+
+
+def tested_way(car: RoadUser, positions: Positions, walkers: Walkers) -> TestedWay:
+    """Return the way of the tested car. Raise XoscRefusal if its speed or way can't be read."""
+    begin = positions.begin(car.name)
+    centre = begin.beside(car.size[2], 0.0)
+    line, speeds = _line(car, positions, walkers)
+    first = [change_of(one, Moment(Comes.AT_ONCE)).target for one in car.first if one.tag == "LongitudinalAction"]
+    later = [number(one, "value") for event in car.events for one in event.element.iter("AbsoluteTargetSpeed")]
+    speed = first[-1] if first else (speeds[0] if len(speeds) else 0.0)
+    fastest = max([speed, *later, *speeds.tolist()])
+    if fastest <= 0:
+        raise XoscRefusal(
+            f"{called(car.element)} as {car.name!r}: nothing says how fast it drives; write a SpeedAction"
+        )
+    notes = [
+        f"{called(event.element)} of {car.name} isn't played: the driver under test drives"
+        for event in car.events
+        if any(one.tag in DRIVING for one in private_actions(event.element))
+    ]
+    ahead = float(np.clip(fastest * SECONDS, AHEAD, FARTHEST_AHEAD))
+    return TestedWay(_strip(car, positions, centre, line, ahead), speed, fastest, notes)
+
+
+def _line(car: RoadUser, positions: Positions, walkers: Walkers) -> tuple[np.ndarray, np.ndarray]:
+    """Return the places of the car's centre that its actions name (point, 2) [m], and its speeds there [m/s]."""
+    for action in car.actions("RoutingAction"):
+        kind = only(action)
+        if kind.tag == "FollowTrajectoryAction":
+            vertices = walkers.vertices(kind)
+            poses = np.array([positions.at(part(one, "Position")) for one in vertices])
+            return _centres(poses, car.size[2]), _speeds(poses, [one.get("time") for one in vertices])
+        if kind.tag == "AssignRouteAction":
+            route = walkers.catalogs.resolved(only(kind))
+            return _on_from(positions, car, points_of(positions, route.findall("Waypoint"))), np.zeros(0)
+        if kind.tag == "AcquirePositionAction":
+            return _on_from(positions, car, points_of(positions, [kind])), np.zeros(0)
+    lane = positions.on_lane(positions.begins[car.name])
+    if lane is not None:
+        return positions.lane_ahead(lane), np.zeros(0)
+    return np.zeros((0, 2)), np.zeros(0)
+
+
+def _on_from(positions: Positions, car: RoadUser, points: np.ndarray) -> np.ndarray:
+    """Return points of a route that lie ahead of the car."""
+    begin = positions.begin(car.name)
+    ahead = (points - np.array(begin[:2])) @ np.array([np.cos(begin.heading), np.sin(begin.heading)])
+    return points[int(np.argmax(ahead > 0.5)) :] if (ahead > 0.5).any() else points[:0]
+
+
+def _centres(poses: np.ndarray, ahead: float) -> np.ndarray:
+    """Return places so far ahead of reference points (point, 3), along their headings [m]."""
+    return poses[:, :2] + ahead * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
+
+
+def _speeds(poses: np.ndarray, times: list[str | None]) -> np.ndarray:
+    """Return the speeds between places [m/s]; none without times."""
+    try:
+        steps = np.diff([float(time or "") for time in times])
+    except ValueError:
+        return np.zeros(0)
+    if not (steps > 0).all():
+        return np.zeros(0)
+    return np.hypot(*np.diff(poses[:, :2], axis=0).T) / steps
+
+
+def _strip(car: RoadUser, positions: Positions, centre: Pose, line: np.ndarray, ahead: float) -> Strip:
+    """Return the way of the car's centre, straight on beyond the places that are known, and the roadway beside it."""
+    start = np.array(centre[:2])
+    onward = np.array([np.cos(centre.heading), np.sin(centre.heading)])
+    points = [start]
+    for point in line:
+        step = point - points[-1]
+        if np.hypot(*step) > 0.3 and step @ onward > 0:
+            points.append(point)
+            onward = step / np.hypot(*step)
+    length = float(np.hypot(*np.diff(points, axis=0).T).sum()) if len(points) > 1 else 0.0
+    points.append(points[-1] + max(ahead - length, 30.0) * onward)
+    right, left = LANE_WIDTH / 2, 1.5 * LANE_WIDTH
+    lane = positions.on_lane(positions.begins[car.name])
+    if lane is not None:
+        middle, _ = positions.roads.lane_at(lane.road, lane.lane, lane.s)
+        edges = positions.roads.roadway(lane.road, lane.lane, lane.s)
+        away = np.array([middle + lane.offset - edges[0], edges[1] - middle - lane.offset])
+        right, left = away if positions.roads.direction(lane.road, lane.lane) > 0 else away[::-1]
+    return Strip(np.array(points), centre.heading, float(max(right, LANE_WIDTH / 2)), float(max(left, LANE_WIDTH / 2)))
