@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from jaxwalk.evaluation import replay
 from jaxwalk.exports.drawn_episode import network_of_scenario
 from jaxwalk.formats.commonroad import commonroad, read_commonroad
 from jaxwalk.formats.opendrive import opendrive
 from jaxwalk.formats.openscenario import openscenario, read_openscenario
+from jaxwalk.formats.openscenario_parts import street_name
 from jaxwalk.formats.paths import largest_error, paths
 from jaxwalk.formats.road_network import road_network
 from jaxwalk.formats.tracks import tracks_of
@@ -47,7 +50,9 @@ def export_scenario(
     tracks, parked = next(tracks_of(trajectory)), trajectory.parked_in(0)
     network = road_network(network_of_scenario(street, source, number))
     documents = {
-        EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config, parked=parked),
+        EPISODE: openscenario(
+            tracks, name=name, road_file=MAP, config=street.config, parked=parked, street=_place(street, source, number)
+        ),
         MAP: opendrive(network, name),
         COMMONROAD: commonroad(tracks, network, name=name, config=street.config, parked=parked),
     }
@@ -58,3 +63,10 @@ def export_scenario(
         for file, document in documents.items():
             write_whole(folder / file, document)
     return max(largest_error(original, copy) for copy in copies)
+
+
+def _place(street: Street, source: Source, number: int) -> dict[str, object]:
+    """Return the name of a scenario's street, and the number of the car's route there; nothing for unnamed streets."""
+    scenarios, _ = source.take(np.array([number]))
+    name = street_name(str(street.maps[int(scenarios.map[0])].name))
+    return {} if name is None else {"track": name, "route": int(scenarios.route[0])}
