@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxwalk.formats.opendrive import load_library
-from jaxwalk.formats.openscenario_parts import VERSION, at_time, body, our_properties, rear_places
+from jaxwalk.formats.openscenario_parts import VERSION, at_time, begins_at, body, our_properties, rear_places
 from jaxwalk.formats.paths import Path, paths, standing
 from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.sim_config import SimConfig
@@ -51,6 +51,8 @@ def openscenario(
         entities.add_scenario_object(who, body(xosc, path, config))
         places = rear_places(xosc, path, back)
         init.add_init_action(who, xosc.TeleportAction(places[0]))
+        if path.type == CAR and "speed" in tracks.known:
+            init.add_init_action(who, begins_at(xosc, float(tracks.known["speed"][tracks.id == id][0])))
         act.add_maneuver_group(_follow(xosc, who, path, places))
     for number, path in enumerate(standing(parked)):
         who = f"parked{number}"

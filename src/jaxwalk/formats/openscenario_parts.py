@@ -31,6 +31,12 @@ def at_time(xosc: ModuleType, name: str, time: float, point: str):
     return xosc.ValueTrigger(name, 0, xosc.ConditionEdge.none, condition, triggeringpoint=point)
 
 
+def begins_at(xosc: ModuleType, speed: float):
+    """Return the action that gives a road user its speed at the start [m/s]."""
+    sudden = xosc.TransitionDynamics(xosc.DynamicsShapes.step, xosc.DynamicsDimension.time, 0)
+    return xosc.AbsoluteSpeedAction(round(speed, 6), sudden)
+
+
 def body(xosc: ModuleType, path: Path, config: SimConfig):
     """Return a road user's kind and size."""
     is_car = path.type == CAR

@@ -11,7 +11,15 @@ from types import ModuleType
 import numpy as np
 
 from jaxwalk.formats.opendrive import load_library
-from jaxwalk.formats.openscenario_parts import VERSION, at_time, body, our_properties, rear_places, street_name
+from jaxwalk.formats.openscenario_parts import (
+    VERSION,
+    at_time,
+    begins_at,
+    body,
+    our_properties,
+    rear_places,
+    street_name,
+)
 from jaxwalk.formats.paths import Path, standing
 from jaxwalk.formats.tracks import CAR, PEDESTRIAN, PERSON, TracksError
 from jaxwalk.scenarios import Scripted
@@ -90,8 +98,7 @@ class _ScriptWriter:
         limit = float(self._of("limit"))
         entities.add_scenario_object(EGO, body(xosc, path, replace(self.config, max_speed=limit)))
         init.add_init_action(EGO, xosc.TeleportAction(rear_places(xosc, path, back)[0]))
-        sudden = xosc.TransitionDynamics(xosc.DynamicsShapes.step, xosc.DynamicsDimension.time, 0)
-        init.add_init_action(EGO, xosc.AbsoluteSpeedAction(round(float(self._of("speed")), 6), sudden))
+        init.add_init_action(EGO, begins_at(xosc, float(self._of("speed"))))
         route = xosc.Route("route of the tested car")
         places = np.array([self.start, self.rails.length])
         if not self._straight(self.start, self.rails.length):

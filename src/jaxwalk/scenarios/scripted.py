@@ -22,7 +22,7 @@ from jaxwalk.scenarios.staging import NOBODY, Case, Stage, Staged, StagedPerson,
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import FAR_AWAY, TRAITS, Scenario
 from jaxwalk.sim.script import Script
-from jaxwalk.sim.sim_config import WORLDS
+from jaxwalk.sim.sim_config import WORLDS, SimConfig
 from jaxwalk.sim.suites import CRASH_WORLD
 
 NO_BOX = (FAR_AWAY, FAR_AWAY, 1.0, 0.0, 0.0, 0.0)
@@ -52,18 +52,23 @@ class Scripted:
 
     @classmethod
     def of(
-        cls, suite: CrashSuite, source: str, *, layers: tuple[str, ...] = (STANDARD,), track: MapText | None = None
+        cls,
+        suite: CrashSuite,
+        source: str,
+        *,
+        layers: tuple[str, ...] = (STANDARD,),
+        track: MapText | None = None,
+        rules: SimConfig = WORLDS[CRASH_WORLD],
     ) -> Scripted:
         """Return the runs of a suite; ``source`` names it in errors, which are those of `load`.
 
-        ``track`` is the street, in place of that which the suite names.
+        ``track`` is the street, in place of that which the suite names, and ``rules`` are those of the world.
         """
         cases = cases_of(suite.tests, layers)
         if not cases:
             known = ", ".join(layers_of(suite))
             raise CrashFileError(f"{source}: no test is of layer {', '.join(layers)}; there are {known}")
         people = max(1, *(len(case.test.people) for case in cases))
-        rules = WORLDS[CRASH_WORLD]
         horizon = round(suite.lasts / rules.dt)
         street = Street.create((track or suite.track,), replace(rules, pedestrians=people, horizon=horizon))
         stage = Stage(street, source)
