@@ -75,7 +75,8 @@ def _line(car: RoadUser, positions: Positions, walkers: Walkers) -> tuple[np.nda
             return _on_from(positions, car, points_of(positions, [kind])), np.zeros(0)
     lane = positions.on_lane(positions.begins[car.name])
     if lane is not None:
-        return positions.lane_ahead(lane), np.zeros(0)
+        line = positions.lane_ahead(lane)
+        return line[: int(FARTHEST_AHEAD)], np.zeros(0)  # a point a metre
     return np.zeros((0, 2)), np.zeros(0)
 
 
