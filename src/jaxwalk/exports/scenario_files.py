@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +13,13 @@ from jaxwalk.formats.commonroad import commonroad, read_commonroad
 from jaxwalk.formats.opendrive import opendrive
 from jaxwalk.formats.openscenario import openscenario, read_openscenario
 from jaxwalk.formats.openscenario_parts import street_name
+from jaxwalk.formats.openscenario_script import ScriptUnsaid, openscenario_script
 from jaxwalk.formats.paths import largest_error, paths
 from jaxwalk.formats.road_network import road_network
 from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy, Roles
-from jaxwalk.scenarios import Source
+from jaxwalk.maps import as_network
+from jaxwalk.scenarios import Scripted, Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import FAR_AWAY
 from jaxwalk.sim.trajectory import with_people
@@ -24,6 +27,8 @@ from jaxwalk.writing import together, write_whole
 
 EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
 """Names of the files in the folder."""
+NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_.+]+")
+"""What becomes a hyphen in the names of files."""
 
 
 def export_scenario(
@@ -63,6 +68,30 @@ def export_scenario(
         for file, document in documents.items():
             write_whole(folder / file, document)
     return max(largest_error(original, copy) for copy in copies)
+
+
+def export_tests(source: Scripted, folder: Path) -> tuple[int, list[str]]:
+    """Write each run of crash tests as OpenSCENARIO, ``NAME-SPEED.xosc``, with the OpenDRIVE file of their street.
+
+    Returns:
+        How many were written, and why others were not.
+
+    Raises:
+        TracksError: scenariogeneration is missing, or roads can't be made of the street's lanes.
+    """
+    documents, refused = {}, []
+    for number, case in enumerate(source.cases):
+        try:
+            name = f"{NOT_IN_NAMES.sub('-', case.name).strip('-')}-{case.speed:g}.xosc"
+            documents[name] = openscenario_script(source, number, road_file=MAP)
+        except ScriptUnsaid as error:
+            refused.append(str(error))
+    documents[MAP] = opendrive(road_network(as_network(source.street.maps[0])), source.suite.name)
+    folder.mkdir(parents=True, exist_ok=True)
+    with together():
+        for file, document in documents.items():
+            write_whole(folder / file, document)
+    return len(documents) - 1, refused
 
 
 def _place(street: Street, source: Source, number: int) -> dict[str, object]:

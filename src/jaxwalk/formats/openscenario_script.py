@@ -41,7 +41,7 @@ WAYPOINTS = 5.0
 def openscenario_script(source: Scripted, number: int, *, road_file: str) -> bytes:
     """Return a run as an OpenSCENARIO document.
 
-    Raises TracksError if scenariogeneration is missing, or the standard has no words for the run.
+    Raises TracksError if scenariogeneration is missing, and ScriptUnsaid if the standard has no words for the run.
 
     Args:
         source: the runs.
@@ -68,6 +68,10 @@ def openscenario_script(source: Scripted, number: int, *, road_file: str) -> byt
         header_properties=our_properties(xosc, writer.properties()),
     )  # fmt: skip
     return library.helpers.prettify(scenario.get_element())
+
+
+class ScriptUnsaid(TracksError):
+    """A run can't be said in OpenSCENARIO. The message says why, in one line."""
 
 
 class _ScriptWriter:
@@ -169,7 +173,7 @@ class _ScriptWriter:
         return Footpath(way.at(metres)), gathered + np.maximum(metres - run_up, 0) / pace
 
     def _waits(self, person: int):
-        """Return the trigger of somebody. Raise TracksError if the standard can't say it."""
+        """Return the trigger of somebody. Raise ScriptUnsaid if the standard can't say it."""
         xosc, kind, value = self.xosc, int(self._of("trigger", person)), float(self._of("waits_for", person))
         name, place = f"pedestrian{person + 1} waits", float(self._of("place", person))
         if kind == Trigger.TIME:
@@ -180,8 +184,8 @@ class _ScriptWriter:
         else:
             front = place + self.config.car_length / 2
             if not self._straight(self.start, front):
-                raise TracksError(f"{self.title}: people set out by the time to collision, which OpenSCENARIO measures "
-                                  "in a straight line, and the car's way there is bent")  # fmt: skip
+                raise ScriptUnsaid(f"{self.title}: people set out by the time to collision, which OpenSCENARIO "
+                                  "measures in a straight line, and the car's way there is bent")  # fmt: skip
             condition = xosc.TimeToCollisionCondition(
                 round(value, 6), xosc.Rule.lessThan, freespace=True, position=self._place(*self.rails.at(front)),
                 distance_type=xosc.RelativeDistanceType.longitudinal, coordinate_system=xosc.CoordinateSystem.entity,
