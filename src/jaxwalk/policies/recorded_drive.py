@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import equinox as eqx
@@ -27,10 +28,17 @@ class CarNow(NamedTuple):
     speed: Float[Array, "*batch"]
 
 
-def car_now(moment: Moment) -> CarNow:
-    """Return where the car is at a moment."""
-    car = moment.state.vehicle
-    return CarNow(moment.state.step, car.x, car.y, car.cos, car.sin, car.speed)
+@dataclass(frozen=True)
+class OwnPlace:
+    """A view: where the car is."""
+
+    name: str = "own place"
+    """Its name in results."""
+
+    def __call__(self, moment: Moment) -> CarNow:
+        """Return where the car is at a moment."""
+        car = moment.state.vehicle
+        return CarNow(moment.state.step, car.x, car.y, car.cos, car.sin, car.speed)
 
 
 class RecordedDrive(eqx.Module):
@@ -47,7 +55,7 @@ class RecordedDrive(eqx.Module):
     y: Float[Array, "point"]
     rules: SimConfig = eqx.field(static=True)
     """The rules of the world in which it drives."""
-    view: View = eqx.field(static=True, default=car_now)
+    view: View = eqx.field(static=True, default=OwnPlace())
     """What it sees."""
 
     @classmethod

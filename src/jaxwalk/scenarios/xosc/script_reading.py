@@ -144,7 +144,7 @@ class _Reading:
         origin = Footpath(car.points).at(meets)
         test = ScriptedTest(
             name=self.ours.get(f"{OURS}name") or self.path.stem, title=self._title(),
-            speeds=(round(max(way.fastest, STANDING) * KMH, 4),), meets=meets, route=int(self._ours("route", 0)),
+            speeds=(round(max(way.fastest, STANDING) * KMH, 4),), meets=meets, route=int(self._ours("route", 0.0)),
             heading=0.0, starts_at=car.start, begins=round(min(way.speed, way.fastest) * KMH, 4),
             people=self._people(car, origin), parked=self._parked(origin), passes=self._passes(),
         )  # fmt: skip
@@ -213,7 +213,7 @@ class _Reading:
         if not self._named():
             return None
         network = load_network(self.ours[f"{OURS}track"])
-        route = int(self._ours("route", 0))
+        route = int(self._ours("route", 0.0))
         if not 0 <= route < len(network.routes):
             raise XoscRefusal(f"Property {OURS}route: there is no route {route}; correct it")
         return sampled_route(network, network.routes[route]).points
