@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, number, only, part, word
 from jaxwalk.scenarios.xosc.plain_roads import PlainRoads, Pose
 
@@ -25,9 +26,9 @@ class OnLane(NamedTuple):
 class Positions:
     """Where positions are; those that count from road users count from where they begin."""
 
-    def __init__(self, roads: PlainRoads, begins: Mapping[str, ET.Element]) -> None:
-        """Keep the roads, and the ``Position`` at which each road user begins."""
-        self.roads, self.begins = roads, begins
+    def __init__(self, roads: PlainRoads, catalogs: CatalogEntries, begins: Mapping[str, ET.Element]) -> None:
+        """Keep the roads, the catalogs, and the ``Position`` at which each road user begins."""
+        self.roads, self.catalogs, self.begins = roads, catalogs, begins
         self.pending: set[str] = set()
 
     def at(self, position: ET.Element) -> Pose:
@@ -59,6 +60,8 @@ class Positions:
             return OnLane(
                 word(found, "roadId"), _lane(found, "laneId"), number(found, "s"), number(found, "offset", 0.0)
             )
+        if found.tag == "RoutePosition":
+            return self._on_route(found)
         if found.tag != "RelativeLanePosition":
             return None
         with _Once(self, word(found, "entityRef")) as other:
@@ -84,6 +87,19 @@ class Positions:
         pose = self.roads.at(lane.road, lane.s, middle + lane.offset)
         backwards = self.roads.direction(lane.road, lane.lane) < 0
         return pose.beside(0.0, 0.0, np.pi if backwards else 0.0)
+
+    def _on_route(self, found: ET.Element) -> OnLane:
+        """Return a place so far along a route, if it is on the road of the first waypoint."""
+        route = self.catalogs.resolved(only(part(found, "RouteRef")))
+        first = self.on_lane(part(part(route, "Waypoint"), "Position"))
+        place = only(part(found, "InRoutePosition"))
+        if first is None or place.tag != "FromLaneCoordinates":
+            raise XoscRefusal("RoutePosition: is read only with FromLaneCoordinates, on a route of LanePositions")
+        ahead = number(place, "pathS") * self.roads.direction(first.road, first.lane)
+        lane = OnLane(first.road, _lane(place, "laneId"), first.s + ahead, number(place, "laneOffset", 0.0))
+        if not 0 <= lane.s <= self.roads.length(lane.road):
+            raise XoscRefusal("RoutePosition: lies beyond the road of the first waypoint; write a LanePosition")
+        return lane
 
     def _relative(self, found: ET.Element) -> Pose:
         other = self.begin(word(found, "entityRef"))

@@ -50,7 +50,12 @@ class RoadUser:
         """Return length and width, and how far the middle is ahead of the reference point [m]."""
         box = part(self.element, "BoundingBox")
         dimensions, centre = part(box, "Dimensions"), part(box, "Center")
-        return number(dimensions, "length"), number(dimensions, "width"), number(centre, "x")
+        length, width = number(dimensions, "length"), number(dimensions, "width")
+        if min(length, width) <= 0:
+            raise XoscRefusal(
+                f"{called(self.element)} as {self.name!r}: Dimensions of {length:g} x {width:g} m; correct them"
+            )
+        return length, width, number(centre, "x")
 
     def actions(self, kind: str) -> list[ET.Element]:
         """Return actions of a kind, those of Init first."""

@@ -100,9 +100,9 @@ class _Reading:
         self.car = tested_car(self.users)
         logic = document.find("RoadNetwork/LogicFile")
         roads = PlainRoads(None if logic is None else path.parent / word(logic, "filepath"))
-        self.positions = Positions(roads, {})
+        self.positions = Positions(roads, catalogs, {})
         self.notes: list[str] = []
-        self.walkers = Walkers(self.positions, catalogs, _no_triggers(), LONGEST, self.notes)
+        self.walkers = Walkers(self.positions, catalogs, _no_triggers(self.positions), LONGEST, self.notes)
         self.positions.begins = {one.name: at for one in self.users.values() if (at := self._begin(one)) is not None}
 
     def _begin(self, user: RoadUser) -> ET.Element | None:
@@ -134,7 +134,8 @@ class _Reading:
             line = network.line
         shift = np.zeros(2) if network is None else network.shift
         along = Footpath(line).along
-        car = CarLine(line - shift, along, start, rules.car_length / 2, rules.car_width / 2, self.car.size[2])
+        size = rules.car_length / 2, rules.car_width / 2, self.car.size[2]
+        car = CarLine(line - shift, along, start, *size, way.speed or way.fastest)
         start = car.project(centre.x, centre.y)[0]
         car = car._replace(start=start)
         return XoscScript(self._suite(way, car, shift), None if network is None else network.track, shift)
@@ -231,10 +232,10 @@ class _Reading:
         return PassRule(**{name: value for name, value in rules.items() if value >= 0})
 
 
-def _no_triggers() -> Triggers:
+def _no_triggers(positions: Positions) -> Triggers:
     """Return triggers that know no car yet."""
-    nowhere = CarLine(np.zeros((2, 2)), np.zeros(2), 0.0, 0.0, 0.0, 0.0)
-    return Triggers(Positions(PlainRoads(None), {}), nowhere, "", lambda name: False)
+    nowhere = CarLine(np.zeros((2, 2)), np.zeros(2), 0.0, 0.0, 0.0, 0.0, 0.0)
+    return Triggers(positions, nowhere, "", lambda name: False)
 
 
 def _person(walker: Walker, car: CarLine, origin: np.ndarray) -> ScriptedPerson:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +23,8 @@ AHEAD, FARTHEST_AHEAD = 150.0, 600.0
 """The street leads at least, and at most, so far ahead of the car [m]."""
 SECONDS = 20.0
 """It leads as far as the car drives in this time [s]."""
-BEND = 2.0
-"""Corners of a way are rounded to this radius, at least [m]."""
+CLOSE, BENT = 5.0, 0.35
+"""Waypoints farther apart than this [m] have no bend between them of more than this [rad]."""
 
 
 class TestedWay(NamedTuple):
@@ -70,7 +72,7 @@ def _line(car: RoadUser, positions: Positions, walkers: Walkers) -> tuple[np.nda
             return _centres(poses, car.size[2]), _speeds(poses, [one.get("time") for one in vertices])
         if kind.tag == "AssignRouteAction":
             route = walkers.catalogs.resolved(only(kind))
-            return _on_from(positions, car, points_of(positions, route.findall("Waypoint"))), np.zeros(0)
+            return _route(positions, car, route.findall("Waypoint")), np.zeros(0)
         if kind.tag == "AcquirePositionAction":
             return _on_from(positions, car, points_of(positions, [kind])), np.zeros(0)
     lane = positions.on_lane(positions.begins[car.name])
@@ -85,6 +87,20 @@ def _on_from(positions: Positions, car: RoadUser, points: np.ndarray) -> np.ndar
     begin = positions.begin(car.name)
     ahead = (points - np.array(begin[:2])) @ np.array([np.cos(begin.heading), np.sin(begin.heading)])
     return points[int(np.argmax(ahead > 0.5)) :] if (ahead > 0.5).any() else points[:0]
+
+
+def _route(positions: Positions, car: RoadUser, waypoints: list[ET.Element]) -> np.ndarray:
+    """Return the points of a route ahead of the car. Raise XoscRefusal if roads lead from one to the next in bends."""
+    points = _on_from(positions, car, points_of(positions, waypoints))
+    poses = [positions.at(part(one, "Position")) for one in waypoints]
+    path = np.concatenate([[positions.begin(car.name)[:2]], points])
+    for (before, after), pose in zip(pairwise(path), poses[len(poses) - len(points) :], strict=True):
+        step = after - before
+        turn = np.arctan2(step[1], step[0]) - pose.heading
+        on_road = positions.on_lane(part(waypoints[-1], "Position")) is not None
+        if on_road and np.hypot(*step) > CLOSE and abs(np.angle(np.exp(1j * turn))) > BENT:
+            raise XoscRefusal("Route: roads lead from one waypoint to the next in a bend; only straight ways are read")
+    return points
 
 
 def _centres(poses: np.ndarray, ahead: float) -> np.ndarray:

@@ -66,6 +66,8 @@ class CarLine(NamedTuple):
     half_width: float
     reference: float
     """How far its reference point is behind its centre [m]."""
+    speed: float
+    """Its speed at the start, or the highest one if it begins at rest [m/s]."""
 
     def project(self, x: float, y: float) -> tuple[float, float]:
         """Return how far along the way the nearest place is, and how far to its left the point lies [m]."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, only, part, word
+from jaxwalk.scenarios.xosc.meeting_people import MEETS, meeting_plan
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, Happening, RoadUser, private_actions
 from jaxwalk.scenarios.xosc.speeds import Change, change_of, check_times, thinned, timed_path, walked
@@ -51,6 +52,8 @@ class Walkers:
     """How long people walk on at most [s]."""
     notes: list[str]
     """What isn't played, in words."""
+    never: set[str] = field(default_factory=set)
+    """Names of events and actions that come after a contact."""
 
     def walker(self, user: RoadUser) -> Walker:
         """Return what a pedestrian does. Raise XoscRefusal if a scripted person can't do it."""
@@ -66,6 +69,9 @@ class Walkers:
         way, timing = self._way(user, [*steps, *later])
         speeds = [one for one in (*steps, *later) if one.action.tag == "LongitudinalAction"]
         changes = [change_of(one.action, one.begins, one.names) for one in speeds]
+        meets = [one for one in later if one.action.tag == "SynchronizeAction"]
+        if meets:
+            return self._meeting(way, meets, changes)
         if timing is not None:
             return self._timed(way, timing, changes)
         return self._at_speeds(way, changes)
@@ -79,12 +85,13 @@ class Walkers:
         if not actions:
             return []
         begins = self.triggers.moment(event.element, user.name)
-        if begins.comes == Comes.CONTACT:
+        if begins.comes == Comes.CONTACT or (begins.comes == Comes.AFTER and begins.after in self.never):
+            self.never |= event.names
             self.notes.append(f"{called(event.element)} of {user.name}: a test ends at the contact")
             return []
         begins = self.triggers.both(self.triggers.moment(event.act, user.name), begins, event.element)
         for one in actions:
-            if one.tag not in ("LongitudinalAction", "RoutingAction"):
+            if one.tag not in ("LongitudinalAction", "RoutingAction", "SynchronizeAction"):
                 raise XoscRefusal(f"{called(event.element)}: {one.tag} isn't supported; write a FollowTrajectoryAction")
         return [Step(one, begins, frozenset(event.names)) for one in actions]
 
@@ -133,6 +140,18 @@ class Walkers:
         if len(vertices) < 2:
             raise XoscRefusal("Polyline: needs two vertices or more; add one")
         return vertices
+
+    def _meeting(self, way: np.ndarray, steps: list[Step], changes: list[Change]) -> Walker:
+        """Return who is at a place when the unbraked car is at another; a car that brakes meets them all the same."""
+        if len(steps) > 1 or any(one.target > 0 for one in changes) or steps[0].begins.comes != Comes.AT_ONCE:
+            raise XoscRefusal(
+                "SynchronizeAction: is read only alone, from the start on; write a FollowTrajectoryAction"
+            )
+        meets = meeting_plan(steps[0].action, way, self.positions, self.triggers, self.vertices)
+        self.notes.append(MEETS)
+        gathers = Change(Moment(Comes.AT_ONCE), meets.speed, "distance", meets.run_up)
+        points, times = timed_path(way, walked([gathers], self.longest))
+        return _walking(points, times, meets.waits)
 
     def _timed(self, way: np.ndarray, step: Step, changes: list[Change]) -> Walker:
         """Return who follows a trajectory by its times."""
