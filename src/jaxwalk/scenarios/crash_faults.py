@@ -96,6 +96,7 @@ def _times_faults(person: ScriptedPerson) -> Iterator[str]:
         return
     if len(times) != len(person.path):
         yield f"times: {len(times)} for {len(person.path)} points; write one for each"
+        return
     if times[0] != 0 or any(late <= early for early, late in pairwise(times)):
         yield "times: they must begin with 0, and each be later than the one before; correct them"
     elif any(math.dist(*points) * 3.6 > FASTEST_PERSON * (late - early) for points, (early, late) in

@@ -45,9 +45,9 @@ class CatalogEntries:
 
     def _entries(self, catalog: str, entry: str) -> Iterator[ET.Element]:
         for path in self._files():
-            for found in read_elements(path, "OpenSCENARIO").findall("Catalog"):
-                if found.get("name") == catalog:
-                    yield from (one for one in found if one.get("name") == entry)
+            catalogs = read_elements(path, "OpenSCENARIO").findall("Catalog")
+            named = (one for found in catalogs if found.get("name") == catalog for one in found)
+            yield from (one for one in named if one.get("name") == entry)
 
     def _files(self) -> Iterator[Path]:
         for folder in dict.fromkeys(self.folders):

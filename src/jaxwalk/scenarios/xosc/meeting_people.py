@@ -11,7 +11,7 @@ import numpy as np
 from jaxwalk.scenarios.rails import Footpath, time_to_walk
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, number, only, part, word
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
-from jaxwalk.scenarios.xosc.waiting import CarLine, Comes, Moment, Triggers
+from jaxwalk.scenarios.xosc.triggers import Beginning, CarLine, Comes, Triggers
 
 MEETS = (
     "SynchronizeAction: people set out by the time to collision, so that the unbraked car meets them; "
@@ -30,7 +30,7 @@ class MeetingPlan(NamedTuple):
     """Speed at the meeting [m/s]."""
     run_up: float
     """Way on which it is gathered [m]."""
-    waits: Moment
+    waits: Beginning
     """When they set out."""
 
 
@@ -62,14 +62,14 @@ def meeting_plan(
     return MeetingPlan(speed, run_up, _when(triggers.car, master[:2], seconds))
 
 
-def _when(car: CarLine, master: tuple[float, ...], seconds: float) -> Moment:
+def _when(car: CarLine, master: tuple[float, ...], seconds: float) -> Beginning:
     """Return when somebody sets out who needs some time [s] until the car's reference point is at a place."""
     place = car.project(master[0], master[1])[0] + car.reference
     early = seconds - (place - car.start) / max(car.speed, 1e-6)
     if early > LATE:
         raise XoscRefusal(f"SynchronizeAction: at its final speed the pedestrian would set out {early:.1f} s "
                           "before the start; let the car begin earlier")  # fmt: skip
-    return Moment(Comes.ARRIVAL, seconds, place)
+    return Beginning(Comes.ARRIVAL, seconds, place)
 
 
 def _place(position: ET.Element, positions: Positions, vertices: Callable) -> np.ndarray:

@@ -97,17 +97,17 @@ def road_users(document: ET.Element, catalogs: CatalogEntries) -> dict[str, Road
 
 def happenings(document: ET.Element, catalogs: CatalogEntries) -> list[Happening]:
     """Return all events of the storyboard. Raise XoscRefusal where actors are those who trigger it."""
-    found = []
-    for act in document.findall("Storyboard/Story/Act"):
-        for group in act.findall("ManeuverGroup"):
-            actors = tuple(entity_refs(group, "Actors"))
-            chooses = group.find("Actors")
-            maneuvers = [catalogs.resolved(one) for one in group if one.tag in ("Maneuver", "CatalogReference")]
-            events = [event for maneuver in maneuvers for event in maneuver.findall("Event")]
-            if events and chooses is not None and chooses.get("selectTriggeringEntities") == "true":
-                raise XoscRefusal(f"{called(group)}: selectTriggeringEntities isn't supported; name its actors")
-            found += [Happening(event, act, actors) for event in events]
-    return found
+    groups = [(act, one) for act in document.findall("Storyboard/Story/Act") for one in act.findall("ManeuverGroup")]
+    return [event for act, group in groups for event in _of_group(act, group, catalogs)]
+
+
+def _of_group(act: ET.Element, group: ET.Element, catalogs: CatalogEntries) -> list[Happening]:
+    actors, chooses = tuple(entity_refs(group, "Actors")), group.find("Actors")
+    maneuvers = [catalogs.resolved(one) for one in group if one.tag in ("Maneuver", "CatalogReference")]
+    events = [event for maneuver in maneuvers for event in maneuver.findall("Event")]
+    if events and chooses is not None and chooses.get("selectTriggeringEntities") == "true":
+        raise XoscRefusal(f"{called(group)}: selectTriggeringEntities isn't supported; name its actors")
+    return [Happening(event, act, actors) for event in events]
 
 
 def tested_car(users: dict[str, RoadUser]) -> RoadUser:

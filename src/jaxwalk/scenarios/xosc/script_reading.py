@@ -30,8 +30,8 @@ from jaxwalk.scenarios.xosc.plain_roads import PlainRoads, Pose
 from jaxwalk.scenarios.xosc.positions import Positions
 from jaxwalk.scenarios.xosc.road_users import PEDESTRIAN, RoadUser, road_users, tested_car
 from jaxwalk.scenarios.xosc.tested_way import TestedWay, tested_way
-from jaxwalk.scenarios.xosc.waiting import CarLine, Comes, Triggers
-from jaxwalk.scenarios.xosc.walkers import Walker, Walkers
+from jaxwalk.scenarios.xosc.triggers import CarLine, Comes, Triggers
+from jaxwalk.scenarios.xosc.walkers import Walker, WalkerReading
 from jaxwalk.sim.sim_config import SimConfig
 
 OURS = "jaxwalk."
@@ -102,7 +102,7 @@ class _Reading:
         roads = PlainRoads(None if logic is None else path.parent / word(logic, "filepath"))
         self.positions = Positions(roads, catalogs, {})
         self.notes: list[str] = []
-        self.walkers = Walkers(self.positions, catalogs, _no_triggers(self.positions), LONGEST, self.notes)
+        self.walkers = WalkerReading(self.positions, catalogs, _no_triggers(self.positions), LONGEST, self.notes)
         self.positions.begins = {one.name: at for one in self.users.values() if (at := self._begin(one)) is not None}
 
     def _begin(self, user: RoadUser) -> ET.Element | None:
@@ -188,11 +188,10 @@ class _Reading:
             if one.kind != PEDESTRIAN and one is not self.car and action is not None:
                 raise XoscRefusal(f"{called(one.element)} as {one.name!r}: moves ({action.tag}); only the "
                                   "car that is tested, and pedestrians, may move")  # fmt: skip
-        for action in self.document.iter("GlobalAction"):
-            for kind in action:
-                if kind.tag == "TrafficAction":
-                    raise XoscRefusal("TrafficAction: other traffic isn't supported; remove it")
-                self.notes.append(f"{kind.tag} of the file isn't played")
+        for kind in self.document.iterfind(".//GlobalAction/*"):
+            if kind.tag == "TrafficAction":
+                raise XoscRefusal("TrafficAction: other traffic isn't supported; remove it")
+            self.notes.append(f"{kind.tag} of the file isn't played")
 
     def _vertices(self, user: RoadUser) -> list[tuple[float, float]]:
         """Return all places to which a pedestrian may go [m]."""

@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxwalk.scenarios.xosc.changing_speeds import change_of
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, only, part
 from jaxwalk.scenarios.xosc.made_street import Strip
 from jaxwalk.scenarios.xosc.plain_roads import Pose
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, RoadUser, private_actions
-from jaxwalk.scenarios.xosc.speeds import change_of
-from jaxwalk.scenarios.xosc.waiting import Comes, Moment
-from jaxwalk.scenarios.xosc.walkers import Walkers
+from jaxwalk.scenarios.xosc.triggers import Beginning, Comes
+from jaxwalk.scenarios.xosc.walkers import WalkerReading
 
 LANE_WIDTH = 3.5
 """Width of lanes where no road is known [m]."""
@@ -40,12 +40,12 @@ class TestedWay(NamedTuple):
     """What of its own actions isn't played."""
 
 
-def tested_way(car: RoadUser, positions: Positions, walkers: Walkers) -> TestedWay:
+def tested_way(car: RoadUser, positions: Positions, walkers: WalkerReading) -> TestedWay:
     """Return the way of the tested car. Raise XoscRefusal if its speed or way can't be read."""
     begin = positions.begin(car.name)
     centre = begin.beside(car.size[2], 0.0)
     line, speeds = _line(car, positions, walkers)
-    first = [change_of(one, Moment(Comes.AT_ONCE)).target for one in car.first if one.tag == "LongitudinalAction"]
+    first = [change_of(one, Beginning(Comes.AT_ONCE)).target for one in car.first if one.tag == "LongitudinalAction"]
     later = [number(one, "value") for event in car.events for one in event.element.iter("AbsoluteTargetSpeed")]
     speed = first[-1] if first else (speeds[0] if len(speeds) else 0.0)
     fastest = max([speed, *later, *speeds.tolist()])
@@ -62,7 +62,7 @@ def tested_way(car: RoadUser, positions: Positions, walkers: Walkers) -> TestedW
     return TestedWay(_strip(car, positions, centre, line, ahead), speed, fastest, notes)
 
 
-def _line(car: RoadUser, positions: Positions, walkers: Walkers) -> tuple[np.ndarray, np.ndarray]:
+def _line(car: RoadUser, positions: Positions, walkers: WalkerReading) -> tuple[np.ndarray, np.ndarray]:
     """Return the places of the car's centre that its actions name (point, 2) [m], and its speeds there [m/s]."""
     for action in car.actions("RoutingAction"):
         kind = only(action)

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
+from jaxwalk.scenarios.xosc.changing_speeds import Change, change_of, check_times, thinned, timed_path, walked
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, only, part, word
 from jaxwalk.scenarios.xosc.meeting_people import MEETS, meeting_plan
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, Happening, RoadUser, private_actions
-from jaxwalk.scenarios.xosc.speeds import Change, change_of, check_times, thinned, timed_path, walked
-from jaxwalk.scenarios.xosc.waiting import Comes, Moment, Triggers
+from jaxwalk.scenarios.xosc.triggers import Beginning, Comes, Triggers
 
 OFF_PATH = 2.0
 """Who follows a trajectory begins at most so far from its first point [m]."""
@@ -29,20 +29,20 @@ class Walker(NamedTuple):
     """float64 (point, 2) [m]."""
     times: np.ndarray
     """When they are there [s after setting out]; empty for who stands."""
-    waits: Moment
+    waits: Beginning
     """When they set out."""
 
 
-class Step(NamedTuple):
+class WalkerAction(NamedTuple):
     """Something that a pedestrian does."""
 
     action: ET.Element
-    begins: Moment
+    begins: Beginning
     names: frozenset[str]
 
 
 @dataclass
-class Walkers:
+class WalkerReading:
     """Reads what pedestrians do."""
 
     positions: Positions
@@ -63,7 +63,7 @@ class Walkers:
             raise XoscRefusal(f"{called(user.element)} as {user.name!r}: {error}") from None
 
     def _walker(self, user: RoadUser) -> Walker:
-        first = [Step(one, Moment(Comes.AT_ONCE), frozenset()) for one in user.first if one.tag in DRIVING]
+        first = [WalkerAction(one, Beginning(Comes.AT_ONCE), frozenset()) for one in user.first if one.tag in DRIVING]
         steps = [one for one in first if one.action.tag != "TeleportAction"]
         later = [step for event in user.events for step in self._steps(event, user)]
         way, timing = self._way(user, [*steps, *later])
@@ -76,7 +76,7 @@ class Walkers:
             return self._timed(way, timing, changes)
         return self._at_speeds(way, changes)
 
-    def _steps(self, event: Happening, user: RoadUser) -> list[Step]:
+    def _steps(self, event: Happening, user: RoadUser) -> list[WalkerAction]:
         """Return what an event does to a pedestrian; nothing of what follows a contact."""
         actions = [one for one in private_actions(event.element) if one.tag in DRIVING]
         for one in event.element.findall("Action"):
@@ -93,9 +93,9 @@ class Walkers:
         for one in actions:
             if one.tag not in ("LongitudinalAction", "RoutingAction", "SynchronizeAction"):
                 raise XoscRefusal(f"{called(event.element)}: {one.tag} isn't supported; write a FollowTrajectoryAction")
-        return [Step(one, begins, frozenset(event.names)) for one in actions]
+        return [WalkerAction(one, begins, frozenset(event.names)) for one in actions]
 
-    def _way(self, user: RoadUser, steps: list[Step]) -> tuple[np.ndarray, Step | None]:
+    def _way(self, user: RoadUser, steps: list[WalkerAction]) -> tuple[np.ndarray, WalkerAction | None]:
         """Return the way of a pedestrian, and the step that follows a trajectory with times if there is one."""
         ways = [one for one in steps if one.action.tag == "RoutingAction"]
         if not ways:
@@ -141,7 +141,7 @@ class Walkers:
             raise XoscRefusal("Polyline: needs two vertices or more; add one")
         return vertices
 
-    def _meeting(self, way: np.ndarray, steps: list[Step], changes: list[Change]) -> Walker:
+    def _meeting(self, way: np.ndarray, steps: list[WalkerAction], changes: list[Change]) -> Walker:
         """Return who is at a place when the unbraked car is at another; a car that brakes meets them all the same."""
         if len(steps) > 1 or any(one.target > 0 for one in changes) or steps[0].begins.comes != Comes.AT_ONCE:
             raise XoscRefusal(
@@ -149,11 +149,11 @@ class Walkers:
             )
         meets = meeting_plan(steps[0].action, way, self.positions, self.triggers, self.vertices)
         self.notes.append(MEETS)
-        gathers = Change(Moment(Comes.AT_ONCE), meets.speed, "distance", meets.run_up)
+        gathers = Change(Beginning(Comes.AT_ONCE), meets.speed, "distance", meets.run_up)
         points, times = timed_path(way, walked([gathers], self.longest))
         return _walking(points, times, meets.waits)
 
-    def _timed(self, way: np.ndarray, step: Step, changes: list[Change]) -> Walker:
+    def _timed(self, way: np.ndarray, step: WalkerAction, changes: list[Change]) -> Walker:
         """Return who follows a trajectory by its times."""
         if any(one.target > 0 for one in changes):
             raise XoscRefusal("SpeedAction: the times of the trajectory say the speed; leave one of them out")
@@ -167,7 +167,7 @@ class Walkers:
             if waits.comes not in (Comes.AT_ONCE, Comes.TIME):
                 raise XoscRefusal("Timing: absolute times can't wait for the car; write relative ones")
             begun = waits.value
-            waits = Moment(Comes.AT_ONCE)
+            waits = Beginning(Comes.AT_ONCE)
             if begun > times[0]:
                 raise XoscRefusal("Timing: the trajectory begins before its event; write relative times")
         elif waits.delay:
@@ -178,7 +178,7 @@ class Walkers:
         """Return who walks at speeds that actions say."""
         waits = _first(changes)
         if all(one.target == 0 for one in changes):
-            return Walker(way[:1], np.zeros(0), Moment(Comes.AT_ONCE))
+            return Walker(way[:1], np.zeros(0), Beginning(Comes.AT_ONCE))
         if waits.comes in (Comes.AFTER, Comes.OWN_WAY, Comes.CONTACT):
             raise XoscRefusal(
                 f"SpeedAction: waits for {waits.comes}, but nothing comes before; wait for the car or a time"
@@ -189,28 +189,28 @@ class Walkers:
         return _walking(points, times, waits._replace(delay=0.0))
 
 
-def _first(changes: list[Change]) -> Moment:
+def _first(changes: list[Change]) -> Beginning:
     """Return when somebody sets out: with the first change to a speed above 0."""
-    return next((one.begins for one in changes if one.target > 0), Moment(Comes.AT_ONCE))
+    return next((one.begins for one in changes if one.target > 0), Beginning(Comes.AT_ONCE))
 
 
-def _since(change: Change, waits: Moment, origin: float) -> Change:
+def _since(change: Change, waits: Beginning, origin: float) -> Change:
     """Return a change whose moment counts from setting out. Raise XoscRefusal if it depends on the car once more."""
     moment = change.begins
     if moment == waits:
-        return change._replace(begins=Moment(Comes.TIME, 0.0, delay=waits.delay))
+        return change._replace(begins=Beginning(Comes.TIME, 0.0, delay=waits.delay))
     timed = waits.comes in (Comes.TIME, Comes.AT_ONCE) and moment.comes in (Comes.TIME, Comes.AT_ONCE)
     if timed and moment.value >= origin:
-        return change._replace(begins=Moment(Comes.TIME, moment.value - origin))
+        return change._replace(begins=Beginning(Comes.TIME, moment.value - origin))
     if moment.comes in (Comes.AFTER, Comes.OWN_WAY):
         return change
     raise XoscRefusal(f"SpeedAction: waits for {moment.comes} after the person has set out; a person waits once")
 
 
-def _walking(points: np.ndarray, times: np.ndarray, waits: Moment) -> Walker:
+def _walking(points: np.ndarray, times: np.ndarray, waits: Beginning) -> Walker:
     """Return who walks along points; who only stands there has no times."""
     if np.abs(points - points[0]).max() < 1e-6:
-        return Walker(points[:1], np.zeros(0), Moment(Comes.AT_ONCE))
+        return Walker(points[:1], np.zeros(0), Beginning(Comes.AT_ONCE))
     if times[0] < -1e-9:
         raise XoscRefusal("Polyline: begins before the time 0; correct its times")
     if times[0] > 1e-9:

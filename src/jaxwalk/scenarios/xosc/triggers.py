@@ -38,7 +38,7 @@ class Comes(StrEnum):
     """A collision, at which tests end."""
 
 
-class Moment(NamedTuple):
+class Beginning(NamedTuple):
     """When something begins."""
 
     comes: Comes
@@ -88,34 +88,34 @@ class Triggers:
         """Keep what conditions refer to; ``still`` says whether an entity hasn't moved when the car comes."""
         self.positions, self.car, self.tested, self.still = positions, car, tested, still
 
-    def moment(self, owner: ET.Element, who: str) -> Moment:
+    def moment(self, owner: ET.Element, who: str) -> Beginning:
         """Return when an act or an event of an actor begins. Raise XoscRefusal if it can't wait so."""
         groups = [
             self._all([self._condition(one, who) for one in group.findall("Condition")], owner)
             for group in owner.findall("StartTrigger/ConditionGroup")
         ]
-        return self._merged(groups, owner, min) if groups else Moment(Comes.AT_ONCE)
+        return self._merged(groups, owner, min) if groups else Beginning(Comes.AT_ONCE)
 
-    def both(self, one: Moment, other: Moment, owner: ET.Element) -> Moment:
+    def both(self, one: Beginning, other: Beginning, owner: ET.Element) -> Beginning:
         """Return when two moments have come."""
         return self._all([one, other], owner)
 
-    def _all(self, moments: list[Moment], owner: ET.Element) -> Moment:
+    def _all(self, moments: list[Beginning], owner: ET.Element) -> Beginning:
         waits = [one for one in moments if one.comes != Comes.AT_ONCE]
-        return self._merged(waits, owner, max) if waits else Moment(Comes.AT_ONCE)
+        return self._merged(waits, owner, max) if waits else Beginning(Comes.AT_ONCE)
 
-    def _merged(self, moments: list[Moment], owner: ET.Element, choose: Callable) -> Moment:
+    def _merged(self, moments: list[Beginning], owner: ET.Element, choose: Callable) -> Beginning:
         if len(moments) == 1:
             return moments[0]
         if choose is min and any(one.comes == Comes.AT_ONCE for one in moments):
-            return Moment(Comes.AT_ONCE)
+            return Beginning(Comes.AT_ONCE)
         kinds = {one.comes for one in moments}
         if kinds in ({Comes.TIME}, {Comes.PLACE}) and len({one.delay for one in moments}) == 1:
             return choose(moments, key=lambda one: one.value)
         words = " and ".join(sorted(kinds))
         raise XoscRefusal(f"{called(owner)}: waits for several conditions ({words}); a person waits for one")
 
-    def _condition(self, condition: ET.Element, who: str) -> Moment:
+    def _condition(self, condition: ET.Element, who: str) -> Beginning:
         by = only(condition)
         delay = number(condition, "delay", 0.0)
         found = self._by_value(condition, only(by)) if by.tag == "ByValueCondition" else self._by_entity(by, who)
@@ -123,23 +123,23 @@ class Triggers:
             return found._replace(comes=Comes.TIME, value=found.value + delay)
         return found._replace(delay=found.delay + max(delay, 0.0))
 
-    def _by_value(self, condition: ET.Element, value: ET.Element) -> Moment:
+    def _by_value(self, condition: ET.Element, value: ET.Element) -> Beginning:
         if value.tag == "SimulationTimeCondition" and word(value, "rule") in ABOVE:
             time = number(value, "value")
-            return Moment(Comes.TIME, time) if time > 0 else Moment(Comes.AT_ONCE)
+            return Beginning(Comes.TIME, time) if time > 0 else Beginning(Comes.AT_ONCE)
         if value.tag == "StoryboardElementStateCondition":
             state = word(value, "state")
             if state not in ("completeState", "endTransition", "startTransition", "runningState"):
                 raise XoscRefusal(f"{called(condition)}: state {state} isn't supported; wait for completeState")
             begun = state in ("startTransition", "runningState")
-            return Moment(Comes.AFTER, after=word(value, "storyboardElementRef"), started=begun)
+            return Beginning(Comes.AFTER, after=word(value, "storyboardElementRef"), started=begun)
         rule = f" with rule {value.get('rule')}" if value.tag == "SimulationTimeCondition" else ""
         raise XoscRefusal(f"{called(condition)}: {value.tag}{rule} isn't supported; wait for a time or a distance")
 
-    def _by_entity(self, by: ET.Element, who: str) -> Moment:
+    def _by_entity(self, by: ET.Element, who: str) -> Beginning:
         triggering, condition = set(entity_refs(by, "TriggeringEntities")), only(part(by, "EntityCondition"))
         if condition.tag == "CollisionCondition":
-            return Moment(Comes.CONTACT)
+            return Beginning(Comes.CONTACT)
         readers = {
             "TraveledDistanceCondition": self._travelled, "ReachPositionCondition": self._reached,
             "DistanceCondition": self._near, "RelativeDistanceCondition": self._near,
@@ -148,7 +148,7 @@ class Triggers:
         if condition.tag not in readers:
             raise XoscRefusal(f"{condition.tag}: isn't supported; wait for a time, a distance or a time to collision")
         if triggering == {who} and condition.tag == "TraveledDistanceCondition":
-            return Moment(Comes.OWN_WAY, number(condition, "value"))
+            return Beginning(Comes.OWN_WAY, number(condition, "value"))
         if triggering == {who} and condition.tag == "RelativeDistanceCondition":
             condition.set("entityRef", who)
         elif triggering != {self.tested}:
@@ -157,35 +157,35 @@ class Triggers:
             )
         return readers[condition.tag](condition)
 
-    def _travelled(self, condition: ET.Element) -> Moment:
-        return Moment(Comes.PLACE, self.car.start + number(condition, "value"))
+    def _travelled(self, condition: ET.Element) -> Beginning:
+        return Beginning(Comes.PLACE, self.car.start + number(condition, "value"))
 
-    def _reached(self, condition: ET.Element) -> Moment:
+    def _reached(self, condition: ET.Element) -> Beginning:
         target = self.positions.at(part(condition, "Position"))
         reach = self._reach(condition, target, number(condition, "tolerance"), 0.0)
-        return Moment(Comes.PLACE, reach + self.car.reference)
+        return Beginning(Comes.PLACE, reach + self.car.reference)
 
-    def _near(self, condition: ET.Element) -> Moment:
+    def _near(self, condition: ET.Element) -> Beginning:
         target, size = self._target(condition, condition)
         self._falls(condition)
         near, front = self._ends(condition, size)
         value = number(condition, "value")
         kind = word(condition, "relativeDistanceType", STRAIGHT[0])
         if kind == "longitudinal":
-            return Moment(Comes.PLACE, self.car.project(*target[:2])[0] - value - near - front)
+            return Beginning(Comes.PLACE, self.car.project(*target[:2])[0] - value - near - front)
         if kind not in STRAIGHT:
             raise XoscRefusal(
                 f"{condition.tag}: a {kind} distance isn't supported; use longitudinal or euclidianDistance"
             )
         beside = self.car.half_width + near if front > 0 else 0.0
-        return Moment(Comes.PLACE, self._reach(condition, target, value, beside) - near - front)
+        return Beginning(Comes.PLACE, self._reach(condition, target, value, beside) - near - front)
 
-    def _arriving(self, condition: ET.Element) -> Moment:
+    def _arriving(self, condition: ET.Element) -> Beginning:
         target, size = self._target(condition, part(condition, "TimeToCollisionConditionTarget"))
         self._falls(condition)
         near, front = self._ends(condition, size)
         place = self.car.project(*target[:2])[0] - near - front
-        return Moment(Comes.ARRIVAL, number(condition, "value"), place)
+        return Beginning(Comes.ARRIVAL, number(condition, "value"), place)
 
     def _target(self, condition: ET.Element, holder: ET.Element) -> tuple[Pose, float]:
         """Return the place to which a condition measures, and half the length of what is there [m]."""
@@ -217,6 +217,6 @@ class Triggers:
         return along - math.sqrt(value**2 - gap**2)
 
 
-def names_of(moments: Iterable[Moment]) -> set[str]:
+def names_of(moments: Iterable[Beginning]) -> set[str]:
     """Return the names after which some moments come."""
     return {one.after for one in moments if one.comes == Comes.AFTER}

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, number, only, part, word
-from jaxwalk.scenarios.xosc.waiting import Comes, Moment
+from jaxwalk.scenarios.xosc.triggers import Beginning, Comes
 
 FINE = 0.1
 """Time between the points of a walk whose speed changes [s]."""
@@ -20,7 +20,7 @@ APART = 1e-6
 class Change(NamedTuple):
     """A change of speed."""
 
-    begins: Moment
+    begins: Beginning
     target: float
     """The speed after it [m/s]."""
     dimension: str
@@ -38,7 +38,7 @@ class Change(NamedTuple):
         return self.value
 
 
-def change_of(action: ET.Element, begins: Moment, names: frozenset[str] = frozenset()) -> Change:
+def change_of(action: ET.Element, begins: Beginning, names: frozenset[str] = frozenset()) -> Change:
     """Return what a ``LongitudinalAction`` changes. Raise XoscRefusal if it says no speed."""
     kind = only(action)
     if kind.tag != "SpeedAction":
@@ -119,7 +119,7 @@ def timed_path(way: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def thinned(points: np.ndarray, times: np.ndarray, within: float = 1e-3) -> tuple[np.ndarray, np.ndarray]:
-    """Return a timed path with only the points that are needed to be within so many metres of it at all times."""
+    """Return a timed path with only the points that are needed to be within some metres of it at all times."""
     kept, first = [0], 0
     for last in range(2, len(times)):
         inner = np.arange(first + 1, last)
