@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -378,3 +380,11 @@ def test_a_wrong_attribute_is_read_or_refused(read, number, text):
         read('"'.join(pieces))
     except CrashFileError as error:
         assert "\n" not in str(error)
+
+
+def test_the_file_of_the_documentation_is_read(read):
+    page = (Path(__file__).parents[2] / "docs" / "crash-tests.md").read_text()
+    person, path = walker(read(page.split("```xml\n")[1].split("```")[0]))
+    assert (person.time_to_collision, person.beyond) == (2, 60 - 3.5)
+    np.testing.assert_allclose(person.times, [0, 6])
+    np.testing.assert_allclose(path, [[60, -4], [60, 5]], atol=1e-9)

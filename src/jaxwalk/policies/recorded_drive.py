@@ -61,7 +61,8 @@ class RecordedDrive(eqx.Module):
     @classmethod
     def of(cls, t: np.ndarray, places: Float[np.ndarray, "point 2"], rules: SimConfig) -> RecordedDrive:
         """Return the car that is at places [m] at times [s]."""
-        return cls(*(jnp.asarray(column, jnp.float32) for column in (t, *places.T)), rules)
+        times, x, y = jnp.asarray(np.stack([t, *places.T]), jnp.float32)
+        return cls(times, x, y, rules)
 
     def init(self, agents: tuple[int, ...], batch: tuple[int, ...]) -> None:
         """Return None: it has no memory."""
