@@ -384,7 +384,7 @@ def test_a_wrong_attribute_is_read_or_refused(read, number, text):
 
 def test_the_file_of_the_documentation_is_read(read):
     page = (Path(__file__).parents[2] / "docs" / "crash-tests.md").read_text()
-    person, path = walker(read(page.split("```xml\n")[1].split("```")[0]))
+    person, path = walker(read(page.split('```xml title="mine.xosc"\n')[1].split("```")[0]))
     assert (person.time_to_collision, person.beyond) == (2, 60 - 3.5)
     np.testing.assert_allclose(person.times, [0, 6])
     np.testing.assert_allclose(path, [[60, -4], [60, 5]], atol=1e-9)

@@ -26,7 +26,7 @@ from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, part, read_elements, word
 from jaxwalk.scenarios.xosc.expressions import without_parameters
 from jaxwalk.scenarios.xosc.made_street import ROUTE_BEHIND, made_street
-from jaxwalk.scenarios.xosc.plain_roads import PlainRoads, Pose
+from jaxwalk.scenarios.xosc.plain_roads import PlainRoads
 from jaxwalk.scenarios.xosc.positions import Positions
 from jaxwalk.scenarios.xosc.road_users import PEDESTRIAN, RoadUser, road_users, tested_car
 from jaxwalk.scenarios.xosc.tested_way import TestedWay, tested_way
@@ -249,6 +249,3 @@ def _person(walker: Walker, car: CarLine, origin: np.ndarray) -> ScriptedPerson:
         Comes.ARRIVAL: {"time_to_collision": waits.value, "beyond": waits.place - car.start},
     }[waits.comes]  # fmt: skip
     return ScriptedPerson(path=path, times=tuple(walker.times.tolist()), **when)
-
-
-__all__ = ["Pose", "XoscScript", "read_xosc"]
