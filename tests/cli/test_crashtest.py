@@ -40,6 +40,7 @@ passes = { deceleration = 2.45, keeps = 0.8 }
 @pytest.fixture
 def mine(place):
     (place / "mine.toml").write_text(TESTS)
+    (place / "mine.xosc").write_text(TESTS)
     return place
 
 
@@ -72,6 +73,8 @@ BAD = {
     "no such driver": ("nobody", "nobody: no driver of that name"),
     "no such suite": ("careful-human --suite moon", "moon: no such suite of crash tests; use one of euro-ncap-style"),
     "no such file": ("careful-human --suite none.toml", "none.toml: cannot be read"),
+    "no such scenario": ("careful-human --suite none.xosc", "none.xosc: can't be read (No such file or directory)"),
+    "no scenario": ("careful-human --suite mine.xosc", "mine.xosc: not XML that can be read"),
     "no such layer": ("careful-human --suite mine.toml --layers early", "no such layer; choose from standard, late"),
     "no requirement": ("careful-human --suite mine.toml --require never", "--require never: can't be understood"),
     "about nothing": ("careful-human --suite mine.toml --require CPNA:keep", "no test of the suite is of that kind"),

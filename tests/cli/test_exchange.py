@@ -44,6 +44,31 @@ def test_an_episode_for_other_simulators(place, capsys):
     assert header.get("description") == "jaxwalk: route-follower among always-go, scenario 3 of seed 0"
 
 
+def test_crash_tests_for_other_simulators(place, capsys):
+    (place / "mine.toml").write_text(MINE)
+    assert _run("scenario --tests mine.toml --out there") == 0
+    assert capsys.readouterr().out == "there: 2 runs of mine, with map.xodr\n"
+    names = ["crossing-20.xosc", "crossing-30.xosc", "map.xodr"]
+    assert sorted(path.name for path in (place / "there").iterdir()) == names
+    assert _run("scenario --tests there/crossing-20.xosc --out again") == 0
+    assert capsys.readouterr().out == "again: 1 run of crossing-20, with map.xodr\n"
+    texts = [(place / folder / "crossing-20.xosc").read_text() for folder in ("there", "again")]
+    assert [text.count("<Vertex") for text in texts] == [2, 2]
+
+
+MINE = """
+name = "mine"
+title = "My crash tests"
+source = "me"
+[[tests]]
+name = "crossing"
+title = "an adult crosses"
+speeds = [20, 30]
+meets = { x = 130.0 }
+[[tests.people]]
+path = [[0.0, -4.0], [0.0, 6.0]]
+hit = 50.0
+"""
 BAD = {
     "no driver": ("tracks", "--driver is missing"),
     "unknown driver": ("tracks --driver nobody", "nobody: no driver of that name"),
@@ -61,6 +86,13 @@ BAD = {
     "bad areas": ("measure 07_tracks.csv --areas notes.txt", "not GeoJSON"),
     "no driver of a scenario": ("scenario", "--driver is missing"),
     "negative scenario": ("scenario --driver random --scenario -1", "--scenario must lie in"),
+    "no tests": ("scenario --tests moon", "moon: no such suite of crash tests"),
+    "no scenario": ("scenario --tests notes.xosc", "notes.xosc: can't be read (No such file or directory)"),
+    "no such layer": ("scenario --tests r152 --layers early", "no such layer; choose from standard"),
+    "a driver in tests": (
+        "scenario --tests r152 --driver random",
+        "--tests writes crash tests, in which nobody drives",
+    ),
     "scenario in a file": ("scenario --driver random --out notes.txt", "is a file"),
 }
 

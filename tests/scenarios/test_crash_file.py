@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from jaxwalk.scenarios import Scripted
-from jaxwalk.scenarios.crash_file import CrashFileError, load_crash_suite, parse_crash_suite
+from jaxwalk.scenarios.crash_file import load_crash_suite, parse_crash_suite
+from jaxwalk.scenarios.crash_suite import CrashFileError
 from jaxwalk.scenarios.rails import time_to_walk
 from jaxwalk.sim.script import Trigger
 from jaxwalk.sim.sim_config import WORLDS
@@ -120,6 +121,11 @@ WRONG = {
     "stands": ("speed = 3.6", "speed = 0.0", "path: who stands has a speed of 0 and one point"),
     "no place": ("hit = 50.0", "hit = 150.0", "hit: 150 is no share of the car's width"),
     "two names": ("[[tests]]", OWN[OWN.index("[[tests]]") :] + "[[tests]]", "tests: 2 are called crossing"),
+    "times": ("run_up = 1.0\nhit = 50.0", "times = [0.0, 0.1]", "people[0].times: faster than 36 km/h"),
+    "one time": ("run_up = 1.0\nhit = 50.0", "times = [0.0]", "people[0].times: 1 for 2 points; write one for each"),
+    "back in time": ("run_up = 1.0\nhit = 50.0", "times = [0.0, 0.0]", "they must begin with 0, and each be later"),
+    "times and a hit": ("run_up = 1.0", "times = [0.0, 9.0]", "people[0].hit: times say when the person is where"),
+    "begins faster": ("meets = 120.0", "meets = 120.0\nbegins = 25.0", "begins: 25 km/h is above a speed of the test"),
     "negative": ("speed = 3.6", "speed = -1.0", "tests.0.people.0.speed"),
     "no line": ("meets = 120.0", "meets = { z = 3.0 }", "meets: write metres along the route"),
 }
@@ -131,6 +137,7 @@ STAGED = {
     ),
     "route number": ('route = "straight"', "route = 9", "route: there is no 9; write a number from 0 to 4"),
     "begins too early": ("meets = 120.0", "meets = 30.0", "the car would begin 6 m before its route"),
+    "starts beyond": ("meets = 120.0", "meets = 120.0\nstarts_at = 155.0", "starts_at: the route is only 155 m long"),
     "beyond the goal": ("meets = 120.0", "meets = 160.0", "meets: the route is only 155 m long"),
     "never met": ("[0.0, 5.0]]", "[0.0, -3.0]]", "hit: the path doesn't lead to 50 % of the car's front"),
     "never crossed": ("meets = 120.0", "meets = { y = 3.0 }", "meets: the route doesn't cross y = 3"),

@@ -190,3 +190,39 @@ def test_a_vehicle_of_the_script_hides_who_is_behind_it(scripted, played):
     assert crosses.any()
     assert not perceived.now.seen[crosses, 0, 3].any()
     assert perceived.now.seen[apart & near, 0, 3].all()
+
+
+TIMED = """
+name = "timed"
+title = "timed"
+source = "this test"
+[[tests]]
+name = "waits on the way"
+title = "a second later"
+speeds = [36]
+meets = 100.0
+starts_at = 20.0
+begins = 18.0
+[[tests.people]]
+path = [[0.0, -8.0], [0.0, -6.0], [0.0, -6.0], [3.0, -2.0]]
+times = [0.0, 1.0, 2.0, 4.0]
+time = 1.0
+[[tests.people]]
+path = [[0.0, -8.0], [0.0, -7.0]]
+speed = 3.6
+time = 1.0
+"""
+
+
+def test_who_has_times_is_there_at_these_times_and_stands_between():
+    """They set out after 1 s: 2 m to the north in a second, a second of rest, then 5 m in 2 s."""
+    timed = Scripted.of(parse_crash_suite(TIMED, "timed.toml"), "timed.toml")
+    scenarios, _ = timed.take(np.zeros(1, int))
+    first, (_, people, _, _) = drive(timed.street, scenarios, jnp.zeros(1), jnp.ones((2, 1), int))
+    np.testing.assert_allclose([first.vehicle.x[0], first.vehicle.speed[0]], [25, 5], atol=1e-4)
+    steps = np.array([9, 14, 19, 24, 29, 39, 49, 59])
+    x, y = people.x[steps, :, 0] - 105, people.y[steps, :, 0] - 68.25
+    np.testing.assert_allclose(y[:, 0], [-8, -7, -6, -6, -6, -4, -2, -2], atol=5e-3)
+    np.testing.assert_allclose(x[:, 0], [0, 0, 0, 0, 0, 1.5, 3, 3], atol=5e-3)
+    np.testing.assert_allclose(y[:, 1], [-8, -7.5, -7, -7, -7, -7, -7, -7], atol=5e-3)
+    assert people.going[[14, 24, 39, 59], 0, 0].tolist() == [True, False, True, False]

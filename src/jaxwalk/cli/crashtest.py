@@ -12,6 +12,7 @@ from rich.table import Table
 
 from jaxwalk.cli.checks import check_driver_seconds
 from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
+from jaxwalk.cli.layers import chosen_layers
 from jaxwalk.cli.options import Crashtest
 from jaxwalk.evaluation.crash_requirements import CrashRequirement
 from jaxwalk.evaluation.crash_results import CrashResults, DriverUnderTest
@@ -21,12 +22,11 @@ from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
 from jaxwalk.scenarios import Scripted
-from jaxwalk.scenarios.crash_file import CrashSuite, load_crash_suite
-from jaxwalk.scenarios.staging import layers_of
+from jaxwalk.scenarios.script_file import read_script
 from jaxwalk.wording import counted
 
-ALL, NONE = "all", "none"
-"""Words for all layers, and for no driver beside the others."""
+NONE = "none"
+"""The word for no driver beside the others."""
 SHOWN = 8
 """Shortfalls that are shown of each driver."""
 WIDTH = 120
@@ -61,22 +61,14 @@ def run(options: Crashtest) -> int:
 
 
 def _work(options: Crashtest) -> CrashTests:
-    suite = load_crash_suite(options.suite)
-    layers = _layers(options, suite)
-    source = Scripted.of(suite, options.suite, layers=layers)
+    suite, track = read_script(options.suite)
+    layers = chosen_layers(options.layers, suite)
+    source = Scripted.of(suite, options.suite, layers=layers, track=track)
     named = with_shield(options.drivers, options.shield)
     beside = tuple(name for name in dict.fromkeys(options.beside) if name not in (*named, NONE))
     loading = {"trust": options.trust, "seconds": options.driver_seconds}
     drivers = {name: contestant(source.street, "driver", name, **loading) for name in (*named, *beside)}
     return CrashTests(source, drivers, beside, layers, options.out)
-
-
-def _layers(options: Crashtest, suite: CrashSuite) -> tuple[str, ...]:
-    known = layers_of(suite)
-    for layer in options.layers:
-        if layer not in (*known, ALL):
-            raise UsageError(f"--layers {layer}: the suite has no such layer; choose from {', '.join((*known, ALL))}")
-    return known if ALL in options.layers else tuple(dict.fromkeys(options.layers))
 
 
 def table(driver: DriverUnderTest) -> Table:
@@ -112,7 +104,5 @@ def check(options: Crashtest) -> list[CrashRequirement]:
     if not options.drivers:
         raise UsageError("no driver: name one such as co-trained or careful-human, a run folder or a policy file")
     check_driver_seconds(options.driver_seconds)
-    if not options.layers:
-        raise UsageError("--layers needs the name of a layer, such as standard")
     check_writable(options.out)
     return [CrashRequirement.of(text) for text in options.require]

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from jaxwalk.cli.casting import cast
 from jaxwalk.cli.checks import check_driver, check_kept, check_number, check_scenario, check_seed
-from jaxwalk.cli.errors import UsageError
+from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
+from jaxwalk.cli.layers import chosen_layers
 from jaxwalk.cli.options import Scenario
 from jaxwalk.evaluation import named
-from jaxwalk.exports.scenario_files import COMMONROAD, EPISODE, MAP, export_scenario
+from jaxwalk.exports.scenario_files import COMMONROAD, EPISODE, MAP, export_scenario, export_tests
 from jaxwalk.formats.opendrive import load_library
 from jaxwalk.runs.folder import check_writable
-from jaxwalk.scenarios import Drawn
+from jaxwalk.scenarios import Drawn, Scripted
 from jaxwalk.scenarios.archive_file import read_archive
+from jaxwalk.scenarios.script_file import read_script
+from jaxwalk.wording import counted
 
 
 def run(options: Scenario) -> int:
-    """Play the scenario and write the files."""
+    """Play the scenario and write the files; or write those of crash tests."""
     check(options)
+    if options.tests is not None:
+        return _write_tests(options, options.tests)
     kept = read_archive(options.scenarios) if options.scenarios else None
     check_number(options.scenario, kept)
     street, drivers, people = cast([options.driver], [options.pedestrians], options, kept)
@@ -31,14 +36,33 @@ def run(options: Scenario) -> int:
     return 0
 
 
+def _write_tests(options: Scenario, suite: str) -> int:
+    """Write a file for each run of a suite; print which can't be said in OpenSCENARIO."""
+    with bad_values():
+        found, track = read_script(suite)
+        layers = chosen_layers(options.layers, found)
+        source = Scripted.of(found, suite, layers=layers, track=track)
+        written, refused = export_tests(source, options.out)
+    print(*(f"left out: {reason}" for reason in refused), sep="\n", end="\n" if refused else "")
+    print(f"{options.out}: {counted(written, 'run')} of {found.name}, with {MAP}")
+    return 0 if written else DIFFERS
+
+
 def check(options: Scenario) -> None:
     """Raise an error for impossible options."""
+    if options.tests is None:
+        _check_episode(options)
+    elif options.driver or options.scenarios is not None:
+        raise UsageError("--tests writes crash tests, in which nobody drives; leave --driver and --scenarios out")
+    if options.out.exists() and not options.out.is_dir():
+        raise UsageError(f"--out {options.out}: is a file; name a folder")
+    load_library()
+    check_writable(options.out)
+
+
+def _check_episode(options: Scenario) -> None:
     check_driver(options.driver)
     check_scenario(options.scenario)
     check_seed(options.seed)
     if options.scenarios:
         check_kept(options)
-    if options.out.exists() and not options.out.is_dir():
-        raise UsageError(f"--out {options.out}: is a file; name a folder")
-    load_library()
-    check_writable(options.out)

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+
+import numpy as np
 
 from jaxwalk.evaluation import replay
 from jaxwalk.exports.drawn_episode import network_of_scenario
 from jaxwalk.formats.commonroad import commonroad, read_commonroad
 from jaxwalk.formats.opendrive import opendrive
 from jaxwalk.formats.openscenario import openscenario, read_openscenario
+from jaxwalk.formats.openscenario_parts import street_name
+from jaxwalk.formats.openscenario_script import ScriptUnsaid, openscenario_script
 from jaxwalk.formats.paths import largest_error, paths
 from jaxwalk.formats.road_network import road_network
 from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy, Roles
-from jaxwalk.scenarios import Source
+from jaxwalk.maps import as_network
+from jaxwalk.scenarios import Scripted, Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import FAR_AWAY
 from jaxwalk.sim.trajectory import with_people
@@ -21,6 +27,8 @@ from jaxwalk.writing import together, write_whole
 
 EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
 """Names of the files in the folder."""
+NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_.+]+")
+"""What becomes a hyphen in the names of files."""
 
 
 def export_scenario(
@@ -47,7 +55,9 @@ def export_scenario(
     tracks, parked = next(tracks_of(trajectory)), trajectory.parked_in(0)
     network = road_network(network_of_scenario(street, source, number))
     documents = {
-        EPISODE: openscenario(tracks, name=name, road_file=MAP, config=street.config, parked=parked),
+        EPISODE: openscenario(
+            tracks, name=name, road_file=MAP, config=street.config, parked=parked, street=_place(street, source, number)
+        ),
         MAP: opendrive(network, name),
         COMMONROAD: commonroad(tracks, network, name=name, config=street.config, parked=parked),
     }
@@ -58,3 +68,34 @@ def export_scenario(
         for file, document in documents.items():
             write_whole(folder / file, document)
     return max(largest_error(original, copy) for copy in copies)
+
+
+def export_tests(source: Scripted, folder: Path) -> tuple[int, list[str]]:
+    """Write each run of crash tests as OpenSCENARIO, ``NAME-SPEED.xosc``, with the OpenDRIVE file of their street.
+
+    Returns:
+        How many were written, and why others were not.
+
+    Raises:
+        TracksError: scenariogeneration is missing, or roads can't be made of the street's lanes.
+    """
+    documents, refused = {}, []
+    for number, case in enumerate(source.cases):
+        try:
+            name = f"{NOT_IN_NAMES.sub('-', case.name).strip('-')}-{case.speed:g}.xosc"
+            documents[name] = openscenario_script(source, number, road_file=MAP)
+        except ScriptUnsaid as error:
+            refused.append(str(error))
+    documents[MAP] = opendrive(road_network(as_network(source.street.maps[0])), source.suite.name)
+    folder.mkdir(parents=True, exist_ok=True)
+    with together():
+        for file, document in documents.items():
+            write_whole(folder / file, document)
+    return len(documents) - 1, refused
+
+
+def _place(street: Street, source: Source, number: int) -> dict[str, object]:
+    """Return the name of a scenario's street, and the number of the car's route there; nothing for unnamed streets."""
+    scenarios, _ = source.take(np.array([number]))
+    name = street_name(str(street.maps[int(scenarios.map[0])].name))
+    return {} if name is None else {"track": name, "route": int(scenarios.route[0])}

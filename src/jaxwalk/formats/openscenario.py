@@ -1,31 +1,32 @@
 """An episode as OpenSCENARIO XML 1.2: every road user follows its trajectory, point by point, with times.
 
-The standard places a vehicle by its rear axle; its bounding box states where the centre is.
+`jaxwalk.formats.openscenario_script` writes scripted tests.
 """
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from types import ModuleType
 
 import numpy as np
 from jaxtyping import Float
 
 from jaxwalk.formats.opendrive import load_library
+from jaxwalk.formats.openscenario_parts import VERSION, at_time, begins_at, body, our_properties, rear_places
 from jaxwalk.formats.paths import Path, paths, standing
 from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.sim_config import SimConfig
 
-VERSION = 2
-"""Minor version of OpenSCENARIO."""
-HEIGHTS = {True: 1.5, False: 1.75}
-"""Nominal height of a car (True) and of a pedestrian [m]."""
-WHEEL, TRACK, MASS = 0.6, 1.6, 75.0
-"""Nominal diameter and distance of the wheels [m], and mass of a pedestrian [kg]."""
-
 
 def openscenario(
-    tracks: Tracks, *, name: str, road_file: str, config: SimConfig, parked: Float[np.ndarray, "vehicle column"]
+    tracks: Tracks,
+    *,
+    name: str,
+    road_file: str,
+    config: SimConfig,
+    parked: Float[np.ndarray, "vehicle column"],
+    street: Mapping[str, object] | None = None,
 ) -> bytes:
     """Return the episode as an OpenSCENARIO document. Raises TracksError if scenariogeneration is missing.
 
@@ -35,61 +36,36 @@ def openscenario(
         road_file: name of the OpenDRIVE file beside it.
         config: gives the car's wheelbase and limits.
         parked: the boxes of parked vehicles (`jaxwalk.maps.parking_slots.SLOT_COLUMNS`).
+        street: which street and route it is, for our own reader: ``track`` and ``route``.
     """
     library = load_library()
     xosc = library.xosc
     everybody = paths(tracks)
     end = max(path.t[-1] for path in everybody.values())
     entities, init = xosc.Entities(), xosc.Init()
-    board = xosc.StoryBoard(init, _at(xosc, "end", end, "stop"))
-    act = xosc.Act("episode", _at(xosc, "begin", 0.0, "start"))
+    board = xosc.StoryBoard(init, at_time(xosc, "end", end, "stop"))
+    act = xosc.Act("episode", at_time(xosc, "begin", 0.0, "start"))
     for id, path in everybody.items():
         who = f"{path.type}{id}"
         back = config.wheelbase / 2 if path.type == CAR else 0.0
-        entities.add_scenario_object(who, _body(xosc, path, config))
-        places = _places(xosc, path, back)
+        entities.add_scenario_object(who, body(xosc, path, config))
+        places = rear_places(xosc, path, back)
         init.add_init_action(who, xosc.TeleportAction(places[0]))
+        if path.type == CAR and "speed" in tracks.known:
+            init.add_init_action(who, begins_at(xosc, float(tracks.known["speed"][tracks.id == id][0])))
         act.add_maneuver_group(_follow(xosc, who, path, places))
     for number, path in enumerate(standing(parked)):
         who = f"parked{number}"
-        entities.add_scenario_object(who, _body(xosc, path, config))
-        init.add_init_action(who, xosc.TeleportAction(_places(xosc, path, config.wheelbase / 2)[0]))
+        entities.add_scenario_object(who, body(xosc, path, config))
+        init.add_init_action(who, xosc.TeleportAction(rear_places(xosc, path, config.wheelbase / 2)[0]))
     story = xosc.Story("story")
     story.add_act(act)
     board.add_story(story)
     scenario = xosc.Scenario(
         name, "jaxwalk", xosc.ParameterDeclarations(), entities, board, xosc.RoadNetwork(roadfile=road_file),
-        xosc.Catalog(), osc_minor_version=VERSION,
+        xosc.Catalog(), osc_minor_version=VERSION, header_properties=our_properties(xosc, street or {}),
     )  # fmt: skip
     return library.helpers.prettify(scenario.get_element())
-
-
-def _at(xosc: ModuleType, name: str, time: float, point: str):
-    """Return a trigger at a time [s]."""
-    rule = xosc.Rule.greaterOrEqual
-    condition = xosc.SimulationTimeCondition(float(time), rule)
-    return xosc.ValueTrigger(name, 0, xosc.ConditionEdge.none, condition, triggeringpoint=point)
-
-
-def _body(xosc: ModuleType, path: Path, config: SimConfig):
-    """Return a road user's kind and size."""
-    is_car = path.type == CAR
-    centre = config.wheelbase / 2 if is_car else 0.0
-    height = HEIGHTS[is_car]
-    box = xosc.BoundingBox(path.width, path.length, height, centre, 0.0, height / 2)
-    if not is_car:
-        return xosc.Pedestrian("pedestrian", MASS, xosc.PedestrianCategory.pedestrian, box)
-    front = xosc.Axle(config.max_steering, WHEEL, TRACK, config.wheelbase, WHEEL / 2)
-    rear = xosc.Axle(0.0, WHEEL, TRACK, 0.0, WHEEL / 2)
-    limits = config.max_speed, config.max_acceleration, config.max_braking
-    return xosc.Vehicle("car", xosc.VehicleCategory.car, box, front, rear, *limits)
-
-
-def _places(xosc: ModuleType, path: Path, back: float) -> list:
-    """Return the positions of a path, ``back`` metres behind the centre."""
-    x, y = path.x - back * np.cos(path.heading), path.y - back * np.sin(path.heading)
-    columns = (values.tolist() for values in (x, y, path.heading))
-    return [xosc.WorldPosition(x, y, 0, heading) for x, y, heading in zip(*columns, strict=True)]
 
 
 def _follow(xosc: ModuleType, who: str, path: Path, places: list):
@@ -100,7 +76,7 @@ def _follow(xosc: ModuleType, who: str, path: Path, places: list):
         trajectory, xosc.FollowingMode.position, xosc.ReferenceContext.absolute, scale=1, offset=0
     )
     event = xosc.Event(f"{who} follows", xosc.Priority.parallel)
-    event.add_trigger(_at(xosc, f"{who} begins", 0.0, "start"))
+    event.add_trigger(at_time(xosc, f"{who} begins", 0.0, "start"))
     event.add_action(f"follow path of {who}", action)
     maneuver = xosc.Maneuver(f"maneuver of {who}")
     maneuver.add_event(event)

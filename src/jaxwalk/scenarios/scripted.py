@@ -12,15 +12,17 @@ import numpy as np
 import shapely
 from jaxtyping import Array, Int, Key
 
+from jaxwalk.maps import MapText
 from jaxwalk.rollout import EVALUATION, environment_keys, seed_key
-from jaxwalk.scenarios.crash_file import STANDARD, CrashFileError, CrashSuite, Variant, load_crash_suite
+from jaxwalk.scenarios.crash_suite import STANDARD, CrashFileError, CrashSuite, Variant
 from jaxwalk.scenarios.rails import Rails
+from jaxwalk.scenarios.script_file import read_script
 from jaxwalk.scenarios.source import source_hash
 from jaxwalk.scenarios.staging import NOBODY, Case, Stage, Staged, StagedPerson, cases_of, layers_of
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import FAR_AWAY, TRAITS, Scenario
 from jaxwalk.sim.script import Script
-from jaxwalk.sim.sim_config import WORLDS
+from jaxwalk.sim.sim_config import WORLDS, SimConfig
 from jaxwalk.sim.suites import CRASH_WORLD
 
 NO_BOX = (FAR_AWAY, FAR_AWAY, 1.0, 0.0, 0.0, 0.0)
@@ -45,17 +47,30 @@ class Scripted:
 
         Raises CrashFileError if it can't be used, and MapError if its track can't.
         """
-        return cls.of(load_crash_suite(name_or_path), str(name_or_path), layers=layers)
+        suite, track = read_script(name_or_path)
+        return cls.of(suite, str(name_or_path), layers=layers, track=track)
 
     @classmethod
-    def of(cls, suite: CrashSuite, source: str, *, layers: tuple[str, ...] = (STANDARD,)) -> Scripted:
-        """Return the runs of a suite; ``source`` names it in errors, which are those of `load`."""
+    def of(
+        cls,
+        suite: CrashSuite,
+        source: str,
+        *,
+        layers: tuple[str, ...] = (STANDARD,),
+        track: MapText | None = None,
+        rules: SimConfig = WORLDS[CRASH_WORLD],
+    ) -> Scripted:
+        """Return the runs of a suite; ``source`` names it in errors, which are those of `load`.
+
+        ``track`` is the street, in place of that which the suite names, and ``rules`` are those of the world.
+        """
         cases = cases_of(suite.tests, layers)
         if not cases:
             known = ", ".join(layers_of(suite))
             raise CrashFileError(f"{source}: no test is of layer {', '.join(layers)}; there are {known}")
         people = max(1, *(len(case.test.people) for case in cases))
-        street = Street.create((suite.track,), replace(WORLDS[CRASH_WORLD], pedestrians=people))
+        horizon = round(suite.lasts / rules.dt)
+        street = Street.create((track or suite.track,), replace(rules, pedestrians=people, horizon=horizon))
         stage = Stage(street, source)
         staged = [stage.staged(case, suite.variants.get(case.variant or "", Variant())) for case in cases]
         return cls(street, suite, cases, _scenarios(street, staged))
@@ -117,16 +132,18 @@ def _script_columns(staged: list[Staged], people: int) -> dict[str, Any]:
     boxes = max(1, *(len(one.boxes) for one in staged))
     ways = np.array([[_padded(person, points) for person in crowd] for crowd in crowds])
     parked = np.array([[*one.boxes, *[NO_BOX] * (boxes - len(one.boxes))] for one in staged])
-    x, y, along = np.moveaxis(ways, (3, 2, 1, 0), (0, 1, 2, 3)).astype(np.float32)
+    x, y, along, time = np.moveaxis(ways, (3, 2, 1, 0), (0, 1, 2, 3)).astype(np.float32)
 
     def of_people(name: str, kind: type = np.float32) -> np.ndarray:
         return np.array([[getattr(person, name) for person in crowd] for crowd in crowds], kind).T
 
-    of_cars = {name: np.array([getattr(one, name) for one in staged], np.float32) for name in ("start", "speed")}
+    of_cars = {
+        name: np.array([getattr(one, name) for one in staged], np.float32) for name in ("start", "speed", "limit")
+    }
     return {
         **of_cars,
-        "limit": of_cars["speed"],
         **{"path_x": x, "path_y": y, "path_along": along},
+        "path_time": time if time.any() else None,
         **{name: of_people(name) for name in ("pace", "run_up", "kerb", "waits_for", "place")},
         "trigger": of_people("trigger", np.int32),
         "boxes": np.moveaxis(parked, 0, -1).astype(np.float32),
@@ -134,6 +151,7 @@ def _script_columns(staged: list[Staged], people: int) -> dict[str, Any]:
 
 
 def _padded(person: StagedPerson, points: int) -> np.ndarray:
-    """Return x, y and metres along the way (point, 3), the last point repeated."""
-    table = np.column_stack([person.way.points, person.way.along])
+    """Return x, y, metres along the way and times (point, 4), the last point repeated."""
+    times = person.times or np.zeros(len(person.way.points))
+    table = np.column_stack([person.way.points, person.way.along, times])
     return np.concatenate([table, np.repeat(table[-1:], points - len(table), axis=0)])

@@ -10,7 +10,7 @@ import shapely
 
 from jaxwalk.maps import as_network
 from jaxwalk.maps.test_track import ROUTES, TEST_TRACK
-from jaxwalk.scenarios.crash_file import (
+from jaxwalk.scenarios.crash_suite import (
     STANDARD,
     CrashFileError,
     CrashSuite,
@@ -70,6 +70,8 @@ class StagedPerson(NamedTuple):
     """A person's numbers, with the fields of `jaxwalk.sim.script.Script`."""
 
     way: Footpath
+    times: tuple[float, ...] = ()
+    """When the person is at each point [s after setting out]; empty for who walks at a pace."""
     pace: float = 0.0
     run_up: float = 0.0
     kerb: float = np.inf
@@ -92,6 +94,8 @@ class Staged(NamedTuple):
     """Where the car begins [m along its route]."""
     speed: float
     """Its speed [m/s]."""
+    limit: float
+    """It drives no faster [m/s]."""
     people: tuple[StagedPerson, ...]
     boxes: np.ndarray
     """Parked vehicles (box, 6)."""
@@ -124,11 +128,19 @@ class Stage:
         if not any(person.walks for person in test.people):
             after = max([test.start, *(person.met_after + BEFORE for person in firsts)])
         start = met - speed * after
+        if test.starts_at is not None:
+            start = test.starts_at
         if start < 0:
             raise self._error(case, f"the car would begin {-start:.0f} m before its route; let it meet people later")
+        if not start < rails.length:
+            raise self._error(
+                case, f"starts_at: the route is only {rails.length:.0f} m long; let the car begin earlier"
+            )
         if not origin < rails.length:
             raise self._error(case, f"meets: the route is only {rails.length:.0f} m long; choose an earlier place")
-        return Staged(route, start, speed, people, np.array([frame.box(box) for box in test.parked]).reshape(-1, 6))
+        begins = speed if test.begins is None else test.begins / KMH
+        boxes = np.array([frame.box(box) for box in test.parked]).reshape(-1, 6)
+        return Staged(route, start, begins, speed, people, boxes)
 
     def _route(self, case: Case) -> int:
         route = case.test.route_at(case.speed)
@@ -165,8 +177,11 @@ class Stage:
     ) -> StagedPerson:
         """Return somebody's numbers."""
         way = Footpath(frame.places(np.array(person.path if len(person.path) > 1 else person.path * 2)))
-        if not person.speed:
+        if person.stands:
             return StagedPerson(way)
+        if person.times:
+            enters, place = way.enters(self.roadway), frame.along - self.rules.car_length / 2
+            return _waiting(StagedPerson(way, person.times, kerb=enters, place=place), person)
         pace = (person.speed + variant.speed) / KMH
         if pace <= 0:
             raise self._error(case, f"its people would walk at {pace * KMH:g} km/h; let them be faster")
@@ -176,7 +191,8 @@ class Stage:
             way = way.from_place(met - pace * case.test.start if person.walks else variant.start * met)
             met = pace * case.test.start if person.walks else self._met(case, rails, person, way)
         enters = way.enters(self.roadway)
-        staged = StagedPerson(way, pace, person.run_up, enters, place=frame.along - self.rules.car_length / 2)
+        place = frame.along - self.rules.car_length / 2
+        staged = StagedPerson(way, pace=pace, run_up=person.run_up, kerb=enters, place=place)
         if met is not None:
             seconds = time_to_walk(met, pace, person.run_up)
             place = float(self._meetings(rails, way.at(met)[None]).along[0])
@@ -184,10 +200,7 @@ class Stage:
                 raise self._error(case, "path: the car's front doesn't come there; correct it")
             waits = {} if person.walks else {"trigger": Trigger.TIME_TO_COLLISION, "waits_for": seconds}
             return staged._replace(place=place, met_after=seconds, **waits)
-        for name in ("time", "distance", "time_to_collision"):
-            if getattr(person, name) is not None:
-                return staged._replace(trigger=Trigger[name.upper()], waits_for=getattr(person, name))
-        return staged
+        return _waiting(staged, person)
 
     def _walking(self, case: Case, person: ScriptedPerson, pace: float) -> float:
         """Return how far along its path somebody who walks already comes to the place of the meeting [m]."""
@@ -222,6 +235,15 @@ class Stage:
 
     def _error(self, case: Case, what: str) -> CrashFileError:
         return CrashFileError(f"{self.source}: {case.name} at {case.speed:g} km/h: {what}")
+
+
+def _waiting(staged: StagedPerson, person: ScriptedPerson) -> StagedPerson:
+    """Return somebody with what they wait for."""
+    staged = staged._replace(place=staged.place + person.beyond)
+    for name in ("time", "distance", "time_to_collision"):
+        if getattr(person, name) is not None:
+            return staged._replace(trigger=Trigger[name.upper()], waits_for=getattr(person, name))
+    return staged
 
 
 class _Frame(NamedTuple):

@@ -64,10 +64,19 @@ def walk_freely(
 
 def pace_of_script(script: Script, people: PedestrianState) -> Float[Array, "ped *batch"]:
     """Return the speed of people who go [m/s]: while they gather it, what they have; before that, what they will."""
-    since = people.since
-    assert since is not None
+    assert people.since is not None
+    return pace_of(script, people.since)
+
+
+def pace_of(script: Script, since: Float[Array, "ped *batch"]) -> Float[Array, "ped *batch"]:
+    """Return the speed of people who go [m/s] and have set out this long ago [s]."""
     gathers = (since >= 0) & (since < _run_up_time(script))
-    return jnp.where(gathers, script.pace * since / jnp.maximum(_run_up_time(script), SHORTEST), script.pace)
+    own = jnp.where(gathers, script.pace * since / jnp.maximum(_run_up_time(script), SHORTEST), script.pace)
+    if script.path_time is None:
+        return own
+    begin, end, left, reached = _timed_piece(script, script.path_time, since)
+    timed = jnp.where(reached > left, (end - begin) / jnp.maximum(reached - left, SHORTEST), 0)
+    return jnp.where(script.path_time[-1] > 0, timed, own)
 
 
 def _people(
@@ -91,9 +100,12 @@ def _people(
     remaining = end - along
     inside, _, _ = room(world, scenario, end_x - leg.cos * remaining, end_y - leg.sin * remaining)
     no = jnp.zeros(go.shape, bool)
+    going = go & (since >= 0) & (along < length)
+    if script.path_time is not None:
+        going &= pace_of(script, since) > 0
     return PedestrianState(
-        leg=leg, following=leg, planned=no, remaining=remaining,
-        going=go & (since >= 0) & (along < length), on_roadway=inside > 0, on_crosswalk=no, since=since,
+        leg=leg, following=leg, planned=no, remaining=remaining, going=going,
+        on_roadway=inside > 0, on_crosswalk=no, since=since,
     )  # fmt: skip
 
 
@@ -106,7 +118,22 @@ def _walked(script: Script, since: Float[Array, "ped *batch"]) -> Float[Array, "
     """Return how far people have walked who set out this long ago [m], if their way is long enough."""
     time, gathering = jnp.maximum(since, 0), _run_up_time(script)
     share = time / jnp.maximum(gathering, SHORTEST)
-    return jnp.where(time < gathering, script.run_up * share**2, script.run_up + script.pace * (time - gathering))
+    own = jnp.where(time < gathering, script.run_up * share**2, script.run_up + script.pace * (time - gathering))
+    if script.path_time is None:
+        return own
+    begin, end, left, reached = _timed_piece(script, script.path_time, since)
+    passed = jnp.clip((time - left) / jnp.maximum(reached - left, SHORTEST), 0, 1)
+    return jnp.where(script.path_time[-1] > 0, begin + passed * (end - begin), own)
+
+
+def _timed_piece(
+    script: Script, path_time: Float[Array, "point ped *batch"], since: Float[Array, "ped *batch"]
+) -> tuple[Array, Array, Array, Array]:
+    """Return where the piece of their way that people are on begins and ends [m along it], and when [s]."""
+    number = (path_time[1:-1] <= since[None]).sum(axis=0)
+    begin, left = (_point(column, number) for column in (script.path_along, path_time))
+    end, reached = (_point(column, number + 1) for column in (script.path_along, path_time))
+    return begin, end, left, reached
 
 
 def _run_up_time(script: Script) -> Float[Array, "ped *batch"]:

@@ -37,7 +37,7 @@ class Script(eqx.Module):
     path_along: Float[Array, "point ped *batch"]
     """How far along the way each point is [m]."""
     pace: Float[Array, "ped *batch"]
-    """Speed of each person after its run-up [m/s]; 0 for who stands."""
+    """Speed of each person after its run-up [m/s]; 0 for who stands. Who has times has no run-up."""
     run_up: Float[Array, "ped *batch"]
     """Way on which a person gathers speed, evenly [m]."""
     kerb: Float[Array, "ped *batch"]
@@ -51,3 +51,6 @@ class Script(eqx.Module):
     boxes: Float[Array, "box 6 *batch"]
     """Vehicles that stand beside the way and hide what is behind them: boxes with the columns of
     `jaxwalk.maps.parking_slots.SLOT_COLUMNS`. Those of no size are none."""
+    path_time: Float[Array, "point ped *batch"] | None = None
+    """When each person is at each point [s after setting out]; all 0 for who walks at a pace of their own, None where
+    everybody does."""

@@ -64,6 +64,8 @@ class Scenario:
     """Write one episode for other simulators: OpenSCENARIO XML with OpenDRIVE, and CommonRoad XML.
 
     For example: jaxwalk scenario --driver co-trained --pedestrians learned --scenario 3 --out scenario-3
+
+    Or crash tests: jaxwalk scenario --tests euro-ncap-style --out tests
     """
 
     driver: Annotated[str, option("needed", "D")] = ""
@@ -89,5 +91,11 @@ class Scenario:
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
     """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
+    tests: Annotated[str | None, option("none", "SUITE")] = None
+    """Instead of an episode: the crash tests of a suite, or of FILE.toml or FILE.xosc, without a driver
+    (docs/crash-tests.md)."""
+    layers: Annotated[tuple[str, ...], option("standard", "LAYER [LAYER ...]")] = ("standard",)
+    """Which of the suite's tests: standard, extended, or a layer of robustness, such as faster; all: all of them."""
     out: Annotated[Path, option("scenario", "DIR")] = Path("scenario")
-    """Folder for episode.xosc, map.xodr and commonroad.xml. Needs pip install "jaxwalk[scenarios]"."""
+    """Folder for episode.xosc, map.xodr and commonroad.xml; of crash tests, a file for each run and map.xodr. Needs
+    pip install "jaxwalk[scenarios]"."""

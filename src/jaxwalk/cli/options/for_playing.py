@@ -258,7 +258,7 @@ class Crashtest:
     """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder, a policy file or your
     own driver."""
     suite: Annotated[str, option("euro-ncap-style", "SUITE")] = "euro-ncap-style"
-    """euro-ncap-style, fmvss-127 or r152, or a file of your own tests, FILE.toml (docs/crash-tests.md)."""
+    """euro-ncap-style, fmvss-127 or r152, or a file of your own tests, FILE.toml or FILE.xosc (docs/crash-tests.md)."""
     layers: Annotated[tuple[str, ...], option("standard", "LAYER [LAYER ...]")] = ("standard",)
     """Which of the suite's tests: standard, extended, or a layer of robustness, such as faster; all: all of them."""
     beside: Annotated[tuple[str, ...], option("careful-human route-follower", "D [D ...]")] = (

@@ -20,12 +20,15 @@ class _Begun(Exception):
     """The first element has begun: what may be dangerous can only stand before it."""
 
 
-def refuse_declarations(path: Path) -> None:
-    """Raise ImportRefusal if a file declares a document type, whose entities may grow without end, or isn't XML."""
+def refuse_declarations(path: Path, thing: str = "map") -> None:
+    """Raise ImportRefusal if a file declares a document type, whose entities may grow without end, or isn't XML.
+
+    ``thing`` is what the file should hold, for messages.
+    """
     parser = expat.ParserCreate()
 
     def refuse(*_: object) -> None:
-        raise ImportRefusal(f"{path}: declares a document type (<!DOCTYPE ...>), which no map needs; remove it")
+        raise ImportRefusal(f"{path}: declares a document type (<!DOCTYPE ...>), which no {thing} needs; remove it")
 
     def begun(*_: object) -> None:
         raise _Begun
@@ -40,7 +43,7 @@ def refuse_declarations(path: Path) -> None:
         raise ImportRefusal(f"{path}: not XML that can be read ({error}); download it again") from None
     except (OSError, EOFError, zlib.error) as error:
         raise ImportRefusal(f"{path}: can't be read ({error}); download it again") from None
-    raise ImportRefusal(f"{path}: has no element; name a file with a map")
+    raise ImportRefusal(f"{path}: has no element; name a file with a {thing}")
 
 
 def _parse(path: Path, parser: expat.XMLParserType) -> None:

@@ -1,0 +1,251 @@
+"""A file of OpenSCENARIO XML, versions 1.0 to 1.3, as a scripted test."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxwalk.maps import MapText, bundled_maps, load_network
+from jaxwalk.maps.generated.named_streets import names_generated
+from jaxwalk.maps.network_routes import sampled_route
+from jaxwalk.scenarios.crash_faults import suite_faults
+from jaxwalk.scenarios.crash_suite import (
+    LONGEST,
+    CrashFileError,
+    CrashSuite,
+    ParkedBox,
+    PassRule,
+    ScriptedPerson,
+    ScriptedTest,
+)
+from jaxwalk.scenarios.rails import Footpath
+from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
+from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, part, read_elements, word
+from jaxwalk.scenarios.xosc.expressions import without_parameters
+from jaxwalk.scenarios.xosc.made_street import ROUTE_BEHIND, made_street
+from jaxwalk.scenarios.xosc.plain_roads import PlainRoads
+from jaxwalk.scenarios.xosc.positions import Positions
+from jaxwalk.scenarios.xosc.road_users import PEDESTRIAN, RoadUser, road_users, tested_car
+from jaxwalk.scenarios.xosc.tested_way import TestedWay, tested_way
+from jaxwalk.scenarios.xosc.triggers import CarLine, Comes, Triggers
+from jaxwalk.scenarios.xosc.walkers import Walker, WalkerReading
+from jaxwalk.sim.sim_config import SimConfig
+
+OURS = "jaxwalk."
+"""Properties of a file's header that begin so are ours."""
+KMH = 3.6
+"""1 m/s in km/h."""
+SHORTEST_TEST = 20.0
+"""A test lasts at least this long [s]."""
+LONGEST_TITLE = 200
+"""Characters of a title."""
+STANDING = 0.05
+"""A car slower than this stands [m/s]."""
+
+
+class XoscScript(NamedTuple):
+    """What a file says."""
+
+    suite: CrashSuite
+    track: MapText | None
+    """The street, if it was made along the way of the car."""
+    shift: np.ndarray
+    """What was added to places of the file, (2,) [m]."""
+
+
+def read_xosc(path: Path) -> XoscScript:
+    """Return the test of a file. Raises CrashFileError, one line that names what can't be read or played."""
+    try:
+        root = read_elements(path, "OpenSCENARIO")
+        _check_kind(root)
+        found = _Reading(without_parameters(root), path).script()
+    except (XoscRefusal, RecursionError) as error:
+        raise CrashFileError(f"{path}: {error}") from None
+    for fault in suite_faults(found.suite):
+        raise CrashFileError(f"{path}: {fault}")
+    return found
+
+
+def _check_kind(root: ET.Element) -> None:
+    """Raise XoscRefusal for files that are no scenario, or of another version."""
+    header = part(root, "FileHeader")
+    version = word(header, "revMajor"), word(header, "revMinor")
+    if version[0] != "1" or version[1] not in ("0", "1", "2", "3"):
+        raise XoscRefusal(
+            f"FileHeader: version {'.'.join(version)[:20]}; versions 1.0 to 1.3 of OpenSCENARIO XML are read"
+        )
+    for tag, words in (
+        ("Catalog", "is a catalog; name the scenario that uses it"),
+        ("ParameterValueDistribution", "has values of parameters for another file; name that one"),
+    ):
+        if root.find(tag) is not None:
+            raise XoscRefusal(f"{tag}: {words}")
+    for tag in ("Entities", "Storyboard"):
+        part(root, tag)
+
+
+class _Reading:
+    """A document on its way to a script."""
+
+    def __init__(self, document: ET.Element, path: Path) -> None:
+        """Read who is there and where they begin."""
+        self.document, self.path = document, path
+        properties = document.findall("FileHeader/Properties/Property")
+        self.ours = {word(one, "name", ""): word(one, "value", "") for one in properties}
+        catalogs = CatalogEntries(document, path.parent)
+        self.users = road_users(document, catalogs)
+        self.car = tested_car(self.users)
+        logic = document.find("RoadNetwork/LogicFile")
+        roads = PlainRoads(None if logic is None else path.parent / word(logic, "filepath"))
+        self.positions = Positions(roads, catalogs, {})
+        self.notes: list[str] = []
+        self.walkers = WalkerReading(self.positions, catalogs, _no_triggers(self.positions), LONGEST, self.notes)
+        self.positions.begins = {one.name: at for one in self.users.values() if (at := self._begin(one)) is not None}
+
+    def _begin(self, user: RoadUser) -> ET.Element | None:
+        """Return the position at which a road user begins: where it is put, else where its trajectory begins."""
+        for action in user.first:
+            if action.tag == "TeleportAction":
+                return part(action, "Position")
+        for action in user.actions("RoutingAction"):
+            follows = action.find("FollowTrajectoryAction")
+            if follows is not None:
+                return part(self.walkers.vertices(follows)[0], "Position")
+        return None
+
+    def script(self) -> XoscScript:
+        """Return the script. Raise XoscRefusal for what can't be played."""
+        self._check_others()
+        way = tested_way(self.car, self.positions, self.walkers)
+        begin = self.positions.begin(self.car.name)
+        rules = SimConfig()
+        centre = begin.beside(self.car.size[2], 0.0)
+        line, network = self._named_line(), None
+        start = ROUTE_BEHIND
+        if line is None:
+            places = [self.positions.begin(one)[:2] for one in self.positions.begins]
+            places += [
+                vertex for user in self.users.values() if user.kind == PEDESTRIAN for vertex in self._vertices(user)
+            ]
+            network = made_street(way.strip, np.array(places), self.path.stem)
+            line = network.line
+        shift = np.zeros(2) if network is None else network.shift
+        along = Footpath(line).along
+        size = rules.car_length / 2, rules.car_width / 2, self.car.size[2]
+        car = CarLine(line - shift, along, start, *size, way.speed or way.fastest)
+        start = car.project(centre.x, centre.y)[0]
+        car = car._replace(start=start)
+        return XoscScript(self._suite(way, car, shift), None if network is None else network.track, shift)
+
+    def _suite(self, way: TestedWay, car: CarLine, shift: np.ndarray) -> CrashSuite:
+        meets = car.start + car.half_length
+        origin = Footpath(car.points).at(meets)
+        test = ScriptedTest(
+            name=self.ours.get(f"{OURS}name") or self.path.stem, title=self._title(),
+            speeds=(round(max(way.fastest, STANDING) * KMH, 4),), meets=meets, route=int(self._ours("route", 0.0)),
+            heading=0.0, starts_at=car.start, begins=round(min(way.speed, way.fastest) * KMH, 4),
+            people=self._people(car, origin), parked=self._parked(origin), passes=self._passes(),
+        )  # fmt: skip
+        made = [] if f"{OURS}track" in self.ours and self._named() else [
+            "The road of the file isn't played: the street is made along the way of the car, with the roadway as wide "
+            "as there, or two lanes of 3.5 m, and sidewalks."]  # fmt: skip
+        return CrashSuite(
+            name=self.path.stem, title=self._title(), source=f"{self.path.name}, OpenSCENARIO XML", tests=(test,),
+            assumed=tuple(dict.fromkeys([*made, *way.notes, *self.notes])),
+            track=self.ours[f"{OURS}track"] if self._named() else self.path.stem, lasts=self._lasts(),
+        )  # fmt: skip
+
+    def _people(self, car: CarLine, origin: np.ndarray) -> tuple[ScriptedPerson, ...]:
+        self.walkers.triggers = Triggers(self.positions, car, self.car.name, self._still)
+        people = [one for one in self.users.values() if one.kind == PEDESTRIAN]
+        return tuple(_person(self.walkers.walker(one), car, origin) for one in people)
+
+    def _still(self, name: str) -> bool:
+        """Return whether somebody hasn't moved before the car comes: who waits does so for one moment."""
+        return name in self.users and all(
+            one.tag == "TeleportAction" or one.tag not in ("LongitudinalAction", "RoutingAction")
+            or one.find("SpeedAction/SpeedActionTarget/AbsoluteTargetSpeed[@value='0']") is not None
+            or one.find("FollowTrajectoryAction/TimeReference/None") is not None
+            for one in self.users[name].first
+        )  # fmt: skip
+
+    def _parked(self, origin: np.ndarray) -> tuple[ParkedBox, ...]:
+        found = []
+        for one in self.users.values():
+            if one.kind != PEDESTRIAN and one is not self.car:
+                length, width, ahead = one.size
+                pose = self.positions.begin(one.name).beside(ahead, 0.0)
+                x, y = (np.array(pose[:2]) - origin).tolist()
+                found.append(ParkedBox(at=(x, y), length=length, width=width, heading=float(np.degrees(pose.heading))))
+        return tuple(found)
+
+    def _check_others(self) -> None:
+        for one in self.users.values():
+            action = one.moves()
+            if one.kind != PEDESTRIAN and one is not self.car and action is not None:
+                raise XoscRefusal(f"{called(one.element)} as {one.name!r}: moves ({action.tag}); only the "
+                                  "car that is tested, and pedestrians, may move")  # fmt: skip
+        for kind in self.document.iterfind(".//GlobalAction/*"):
+            if kind.tag == "TrafficAction":
+                raise XoscRefusal("TrafficAction: other traffic isn't supported; remove it")
+            self.notes.append(f"{kind.tag} of the file isn't played")
+
+    def _vertices(self, user: RoadUser) -> list[tuple[float, float]]:
+        """Return all places to which a pedestrian may go [m]."""
+        nodes = [one for action in user.actions("RoutingAction") for one in action.iter("Position")]
+        return [self.positions.at(one)[:2] for one in nodes]
+
+    def _lasts(self) -> float:
+        """Return how long the test lasts [s]: until its stop trigger, if that is late."""
+        stops = self.document.findall("Storyboard/StopTrigger//SimulationTimeCondition")
+        return min(LONGEST, max([SHORTEST_TEST, *(number(one, "value") for one in stops)]))
+
+    def _named(self) -> bool:
+        """Return whether the file is ours, on a street that has a name."""
+        name = self.ours.get(f"{OURS}track", "")
+        return name in bundled_maps() or names_generated(name)
+
+    def _named_line(self) -> np.ndarray | None:
+        """Return the route on the street that our own file names, float64 (point, 2) [m]; None without a name."""
+        if not self._named():
+            return None
+        network = load_network(self.ours[f"{OURS}track"])
+        route = int(self._ours("route", 0.0))
+        if not 0 <= route < len(network.routes):
+            raise XoscRefusal(f"Property {OURS}route: there is no route {route}; correct it")
+        return sampled_route(network, network.routes[route]).points
+
+    def _ours(self, name: str, default: float) -> float:
+        text = self.ours.get(OURS + name)
+        return default if text is None else number(ET.Element(f"Property {OURS}{name}", {"value": text}), "value")
+
+    def _title(self) -> str:
+        header = part(self.document, "FileHeader")
+        return (self.ours.get(f"{OURS}title") or header.get("description") or self.path.stem)[:LONGEST_TITLE]
+
+    def _passes(self) -> PassRule:
+        rules = {name: self._ours(name, -1.0) for name in ("impact", "deceleration", "keeps")}
+        return PassRule(**{name: value for name, value in rules.items() if value >= 0})
+
+
+def _no_triggers(positions: Positions) -> Triggers:
+    """Return triggers that know no car yet."""
+    nowhere = CarLine(np.zeros((2, 2)), np.zeros(2), 0.0, 0.0, 0.0, 0.0, 0.0)
+    return Triggers(positions, nowhere, "", lambda name: False)
+
+
+def _person(walker: Walker, car: CarLine, origin: np.ndarray) -> ScriptedPerson:
+    """Return a person of the script."""
+    path = tuple((float(x), float(y)) for x, y in walker.points - origin)
+    if not len(walker.times):
+        return ScriptedPerson(path=path, speed=0.0)
+    waits = walker.waits
+    when = {
+        Comes.AT_ONCE: {}, Comes.TIME: {"time": waits.value},
+        Comes.PLACE: {"distance": 0.0, "beyond": waits.value - car.start},
+        Comes.ARRIVAL: {"time_to_collision": waits.value, "beyond": waits.place - car.start},
+    }[waits.comes]  # fmt: skip
+    return ScriptedPerson(path=path, times=tuple(walker.times.tolist()), **when)
