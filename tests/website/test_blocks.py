@@ -40,7 +40,7 @@ def test_a_block_that_is_not_run_has_a_reason_and_no_tutorial_has_one():
 
 
 def test_languages_are_known():
-    known = {"sh", "text", "python", "toml", "json"}
+    known = {"sh", "text", "python", "toml", "json", "xml"}
     assert {block.language for page in BLOCKS.values() for block in page} <= known
 
 
