@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import dataclasses
 import inspect
+import re
 from collections.abc import Iterator
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -20,6 +21,9 @@ word in capitals stands for a value, and `[...]` for further ones.
 
 `python -m jaxwalk` is the same as `jaxwalk`, for the Python that runs it.
 """
+
+NAMED = re.compile(r"docs: ([a-z-]+)")
+"""A page of docs/, as texts of the command line name it."""
 
 
 def commands_page() -> str:
@@ -98,5 +102,6 @@ def _literal(hint: Any) -> tuple[str, ...]:
 
 def _plain(text: str) -> str:
     """Return a docstring as Markdown in one cell or paragraph."""
+    text = NAMED.sub(r"docs: [\1](../\1.md)", text)
     lines = text.replace("|", r"\|").replace("``", "`")
     return lines.replace("<", "&lt;").replace("*", r"\*") if "`" not in lines else lines

@@ -1,6 +1,6 @@
 """Train the pedestrians with JaxMARL's own IPPO script: when should they wait for a car that ignores them?
 
-    pip install jaxwalk jaxmarl distrax hydra-core omegaconf wandb
+    pip install jaxmarl distrax hydra-core omegaconf wandb      # in the environment of jaxwalk
     git clone https://github.com/FLAIROX/JaxMARL       # its scripts are not in the package
     python examples/frameworks/jaxmarl_ippo.py JaxMARL/baselines/IPPO/ippo_ff_mpe.py
 

@@ -32,6 +32,13 @@ def test_what_is_not_found_is_said_to_be_open_and_what_it_would_take():
     assert equal == "Equally many goals of both among always-go: 90.05 % against 90.05 %, p = 1.00, 10,000 scenarios."
 
 
+def test_drivers_that_did_the_same_are_said_to_have():
+    equal = comparison(100, 0, 0, 1.0)
+    pairs = PairedEndings(10_000, goal=equal, collision=equal, timeout=equal, alike=True)
+    for found in compare_endings("old", "new", [("always-go", 0.25, pairs)]):
+        assert found.in_words.endswith("p = 1.00, 10,000 scenarios; both did the same in every scenario.")
+
+
 def test_p_values_are_adjusted_for_all_populations_together():
     pairs = PairedEndings(10_000, *(comparison(0, 9, 1, 0.02) for _ in range(3)))
     found = compare_endings("old", "new", [("always-go", 0.25, pairs), ("learned", 0.25, pairs)])

@@ -103,6 +103,7 @@ def test_pairs_of_the_same_scenarios(compared, rows):
     a, b = (compared[1][name, "always-go"] for name in ("route-follower", "random"))
     same, pair = paired(a, a), paired(a, b)
     assert (same.goal.only_a, same.goal.only_b, same.goal.difference, same.goal.p) == (0, 0, 0, 1)
+    assert same.alike and not pair.alike
     goal = pair.goal
     assert pair.scenarios == 24
     assert goal.both + goal.only_a == a[OUTCOMES].goal.sum()

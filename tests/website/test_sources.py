@@ -72,6 +72,12 @@ def test_every_command_and_option_is_listed():
     assert "| `--driver` | `D [D ...]` |" in page and "One of `fast`, `paper`" in page
 
 
+def test_pages_that_the_command_line_names_are_there():
+    named = set(re.findall(r"docs: \[[a-z-]+\]\(\.\./([a-z-]+\.md)\)", commands_page()))
+    assert "shields.md" in named and all((ROOT / "docs" / page).is_file() for page in named)
+    assert not re.search(r"docs/[a-z-]+\.md", commands_page())
+
+
 def test_files_that_pages_link_to_have_pages():
     assert "examples/shield.py" in linked_files() and "examples/extending" in linked_files()
     assert in_site("docs/shields.md", "../examples/shield.py") == "source/examples/shield.py.md"

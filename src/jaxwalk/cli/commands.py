@@ -77,7 +77,8 @@ def parse(arguments: list[str]) -> Any:
         kinds,
         args=arguments,
         prog="jaxwalk",
-        description="How does a self-driving car behave among people who may jaywalk? Train, evaluate, watch, report.",
+        description="How does a self-driving car behave among people who may jaywalk? Train, evaluate, watch, report. "
+        "(docs: NAME) is the page NAME of the documentation: docs/NAME.md in the repository, NAME.html in its site.",
         config=(tyro.conf.OmitArgPrefixes,),
     )
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from jaxwalk.evaluation.document_parts import ComparedEnding
 from jaxwalk.metrics import OUTCOMES, SURE, Rows, holm, mcnemar, scenarios_needed
+from jaxwalk.metrics.outcomes import Episodes
 from jaxwalk.wording import counted
 
 
@@ -40,6 +41,8 @@ class PairedEndings:
     goal: EndingCounts
     collision: EndingCounts
     timeout: EndingCounts
+    alike: bool = False
+    """Whether an episode's record (`Episodes`) is equal in every scenario, down to the length of the path."""
 
 
 def paired(rows_a: Rows, rows_b: Rows) -> PairedEndings:
@@ -55,6 +58,7 @@ def paired(rows_a: Rows, rows_b: Rows) -> PairedEndings:
         goal=_ending_counts(a.goal, b.goal),
         collision=_ending_counts(a.collision, b.collision),
         timeout=_ending_counts(~a.goal & ~a.collision, ~b.goal & ~b.collision),
+        alike=_alike(a, b),
     )
 
 
@@ -62,6 +66,13 @@ def check_same_scenarios(rows_a: Rows, rows_b: Rows) -> None:
     """Raise ValueError unless both are of the same scenarios in the same order."""
     if not np.array_equal(rows_a[OUTCOMES].scenario, rows_b[OUTCOMES].scenario):
         raise ValueError("only evaluations of the same scenarios can be paired: use the same seed and episodes")
+
+
+def _alike(a: Episodes, b: Episodes) -> bool:
+    return all(
+        np.array_equal(getattr(a, part.name), getattr(b, part.name), equal_nan=part.name == "impact_speed")
+        for part in fields(Episodes)
+    )
 
 
 def _ending_counts(a: np.ndarray, b: np.ndarray) -> EndingCounts:
@@ -77,6 +88,8 @@ def _ending_counts(a: np.ndarray, b: np.ndarray) -> EndingCounts:
 
 SAID = {"collision": ("collides less", "collides more"), "goal": ("reaches the goal less", "reaches the goal more")}
 """Words for an ending that is rarer in B, and for one that is more frequent."""
+ALIKE = "both did the same in every scenario"
+"""What is said beside p-values of 1, which alone would leave open whether two drivers differ at all."""
 
 
 def compare_endings(a: str, b: str, among: Sequence[tuple[str, float, PairedEndings]]) -> tuple[ComparedEnding, ...]:
@@ -90,11 +103,11 @@ def compare_endings(a: str, b: str, among: Sequence[tuple[str, float, PairedEndi
         among: name of each population, jaywalk multiplier, and pairs.
     """
     tests = [
-        (people, multiplier, ending, found)
+        (people, multiplier, ending, found, pairs.alike)
         for people, multiplier, pairs in among
         for ending, found in (("collision", pairs.collision), ("goal", pairs.goal))
     ]
-    adjusted = holm([found.p for *_, found in tests])
+    adjusted = holm([found.p for *_, found, _ in tests])
     return tuple(
         ComparedEnding(
             a=a,
@@ -109,23 +122,23 @@ def compare_endings(a: str, b: str, among: Sequence[tuple[str, float, PairedEndi
             scenarios=found.scenarios,
             p=found.p,
             p_holm=p,
-            in_words=_in_words(b, people, ending, found, p, len(tests)),
+            in_words=_in_words(b, people, ending, found, p, len(tests)) + (f"; {ALIKE}." if alike else "."),
         )
-        for (people, multiplier, ending, found), p in zip(tests, adjusted, strict=True)
+        for (people, multiplier, ending, found, alike), p in zip(tests, adjusted, strict=True)
     )
 
 
 def _in_words(b: str, people: str, ending: str, found: EndingCounts, p: float, tests: int) -> str:
-    """Return, say, ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios.``"""
+    """Return, say, ``B collides less among always-go: 2.1 % against 3.4 %, p = 0.003, 10,000 scenarios``."""
     (rate_a, rate_b), (less, more) = found.rates, SAID[ending]
     side = less if rate_b < rate_a else more
     chance = "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"
     numbers = f"{100 * rate_b:.2f} % against {100 * rate_a:.2f} %, {chance}, {counted(found.scenarios, 'scenario')}"
     if p < SURE:
-        return f"{b} {side} among {people}: {numbers}."
+        return f"{b} {side} among {people}: {numbers}"
     if rate_a == rate_b:
-        return f"Equally many {ending}s of both among {people}: {numbers}."
+        return f"Equally many {ending}s of both among {people}: {numbers}"
     # One test of a family has to reach this p-value, since Holm's correction asks no more of the smallest one.
     needed = scenarios_needed(rate_a, rate_b, both=found.both / found.scenarios, alpha=SURE / tests)
     enough = f"rates like these take some {float(f'{needed:.1e}'):,.0f} to tell apart"
-    return f"Whether {b} {side} among {people} is open: {numbers}; {enough}."
+    return f"Whether {b} {side} among {people} is open: {numbers}; {enough}"

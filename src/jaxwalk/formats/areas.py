@@ -50,7 +50,7 @@ def read_areas(path: str | Path) -> Areas:
     try:
         document = json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except (ValueError, RecursionError) as error:
-        raise TracksError(f"{path}: not GeoJSON ({error}); write it as docs/trajectories.md shows") from None
+        raise TracksError(f"{path}: not GeoJSON ({error}); write it as docs: trajectories shows") from None
     return parse_areas(document, str(path))
 
 
@@ -60,11 +60,11 @@ def parse_areas(document: Any, source: str) -> Areas:
     Raises TracksError if it has no roadway, or a feature that isn't a valid polygon of a known kind.
     """
     if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
-        raise TracksError(f"{source}: the areas must be a GeoJSON FeatureCollection (docs/trajectories.md)")
+        raise TracksError(f"{source}: the areas must be a GeoJSON FeatureCollection (docs: trajectories)")
     shapes: dict[str, list[BaseGeometry]] = {kind: [] for kind in KINDS}
     features = document.get("features")
     if not isinstance(features, list):
-        raise TracksError(f"{source}: its features must be a list (docs/trajectories.md)")
+        raise TracksError(f"{source}: its features must be a list (docs: trajectories)")
     for number, feature in enumerate(features):
         kind, shape = _feature(feature, f"{source}: feature {number}")
         shapes[kind].append(shape)

@@ -14,7 +14,7 @@ LONGEST_ZONE = 25.0
 """Length of the longest jaywalk zone [m]."""
 
 HEAD = """\
-# A street to begin with. The format and its rules: docs/maps.md. Check it after each change: jaxwalk map check FILE
+# A street to begin with. Format and rules: docs, page maps. Check it after each change: jaxwalk map check FILE
 # Metres, x to the east, y to the north; rectangles are [x0, y0, x1, y1].
 size = [{length:g}, {height:g}]                  # width (east) and height (north)
 

@@ -27,12 +27,12 @@ class Tracks:
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     map: Annotated[str, option("the run folder's, else paper", "MAP")] = ""
-    """A bundled map, a map file or a generated street (test-2000000003, docs/streets.md)."""
+    """A bundled map, a map file or a generated street (test-2000000003, docs: streets)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
-    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
+    (docs: real-recordings); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
+    blind-corner and arterial: that too, and people are hidden, and many run (docs: perception).
     Both kinds of contact are always counted."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
@@ -77,15 +77,15 @@ class Scenario:
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     scenarios: Annotated[Path | None, option("none", "FILE")] = None
-    """Instead of drawing scenarios: those of a file or of a folder of `jaxwalk search` (docs/failure-search.md)."""
+    """Instead of drawing scenarios: those of a file or of a folder of `jaxwalk search` (docs: failure-search)."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
-    number (docs/streets.md)."""
+    number (docs: streets)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
-    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
+    (docs: real-recordings); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
+    blind-corner and arterial: that too, and people are hidden, and many run (docs: perception).
     Both kinds of contact are always counted."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""

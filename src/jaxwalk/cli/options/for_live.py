@@ -13,7 +13,7 @@ from jaxwalk.cli.options.declare import Flag, World, option
 class Live:
     """Play scenarios as they happen, in a browser: choose street, people and driver, turn dials, or drive yourself.
 
-    Starts a small server that only this machine's own page can call (docs/live.md), until Ctrl-C. Needs
+    Starts a small server that only this machine's own page can call (docs: live), until Ctrl-C. Needs
     pip install "jaxwalk[live]".
 
     For example: jaxwalk live --driver my_driver.py:MyDriver --map my-street.toml --open
@@ -28,7 +28,7 @@ class Live:
     """Streets to choose among, beside paper and some generated ones: map files, test:20, test-2000000003; the first one
     is played first."""
     world: Annotated[World | None, option("the map's", "WORLD")] = None
-    """The world of the first street (docs/perception.md); the page can choose another one."""
+    """The world of the first street (docs: perception); the page can choose another one."""
     people: Annotated[int | None, option("12", "N")] = None
     """Pedestrians in an episode; the page can choose more or fewer."""
     seed: Annotated[int, option("0", "N")] = 0

@@ -24,12 +24,12 @@ class Evaluate:
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, clearance, cautious,
     careful-human, careful-human-aeb, fuzzy-safety, crosswalk-yield, idm-yield, oracle), trained policies that come with
     jaxwalk (co-trained, single-agent, town, paper-co-trained, paper-single-agent), run folders or policy files; or your
-    own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs/drivers.md)."""
+    own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs: drivers)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
-    """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo, campus: docs/people.md); learned, town-learned
+    """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo, campus: docs: people); learned, town-learned
     and paper-learned, which come with jaxwalk; run folders or policy files; or a mixture, diffusion:0.7+learned:0.3."""
     shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
-    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md). The
+    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs: shields). The
     driver is then called co-trained+rss, and may also be named so."""
     compare: Annotated[tuple[str, ...], option("none", "A B")] = ()
     """Two drivers: say in words if B collides less often than A, and reaches the goal more often (paired tests)."""
@@ -39,18 +39,18 @@ class Evaluate:
     """Which set of scenarios; none is ever met in training."""
     scenarios: Annotated[Path | None, option("none", "FILE")] = None
     """Instead of drawing scenarios: those of a file, or of the folder of a `jaxwalk search`, with their street, world
-    and people (docs/failure-search.md)."""
+    and people (docs: failure-search)."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
-    number (docs/streets.md)."""
+    number (docs: streets)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
-    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
+    (docs: real-recordings); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
+    blind-corner and arterial: that too, and people are hidden, and many run (docs: perception).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
-    """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
+    """Instead of --map, --world and --people: streets, car and crowd under one name (docs: suites)."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[tuple[float, ...] | None, option("the world's", "X [X ...]")] = None
@@ -73,7 +73,7 @@ class Evaluate:
     """Also encounters.parquet, a row per encounter (needs --out, and pip install "jaxwalk[data]")."""
     part: Annotated[str | None, option("all of it", "K/N")] = None
     """Evaluate only the K-th of N parts of the scenarios and keep its rows in --out, for `jaxwalk merge`
-    (docs/beyond-one-machine.md; needs pip install "jaxwalk[data]")."""
+    (docs: beyond-one-machine; needs pip install "jaxwalk[data]")."""
     json: Flag = False
     """Print one JSON document instead of the table."""
     again: Annotated[Path | None, option("none", "FILE")] = None
@@ -108,7 +108,7 @@ class Play:
     """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder, a policy file or your
     own driver; several (on a page only) can be watched side by side."""
     shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
-    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md)."""
+    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs: shields)."""
     pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
     """always-go, learned, a run folder or a policy file."""
     scenario: Annotated[tuple[int, ...], option("0", "N [N ...]")] = (0,)
@@ -116,18 +116,18 @@ class Play:
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     scenarios: Annotated[Path | None, option("none", "FILE")] = None
-    """Instead of drawing scenarios: those of a file or of a folder of `jaxwalk search` (docs/failure-search.md)."""
+    """Instead of drawing scenarios: those of a file or of a folder of `jaxwalk search` (docs: failure-search)."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
-    number (docs/streets.md)."""
+    number (docs: streets)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
-    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
+    (docs: real-recordings); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
+    blind-corner and arterial: that too, and people are hidden, and many run (docs: perception).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
-    """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
+    """Instead of --map, --world and --people: streets, car and crowd under one name (docs: suites)."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
@@ -158,7 +158,7 @@ class Report:
     """Drivers as in `jaxwalk evaluate`: names or run folders, the one that matters most first (default: three that come
     with jaxwalk). Or one folder of `jaxwalk reproduce`: its report is made again."""
     shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
-    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md)."""
+    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs: shields)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go learned", "P [P ...]")] = ("always-go", "learned")
     """Up to three populations: always-go, learned, run folders or policy files."""
     episodes: Annotated[int, option("500", "N")] = 500
@@ -172,15 +172,15 @@ class Report:
     """Which set of scenarios."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
-    number (docs/streets.md)."""
+    number (docs: streets)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
-    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md).
+    (docs: real-recordings); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
+    blind-corner and arterial: that too, and people are hidden, and many run (docs: perception).
     Both kinds of contact are always counted."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
-    """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
+    """Instead of --map, --world and --people: streets, car and crowd under one name (docs: suites)."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
@@ -197,7 +197,7 @@ class Report:
 class Frontier:
     """Contacts against delay: every driver with its knob turned, and which of them another one beats in both.
 
-    Drivers with a knob (docs/frontier.md) play with each setting of it, all others bare and behind each shield, on the
+    Drivers with a knob (docs: frontier) play with each setting of it, all others bare and behind each shield, on the
     same scenarios of each suite. It says at its start how many episodes there are to play, and after each driver how
     long the rest takes. Run it again to continue after an interruption: what is finished is kept.
 
@@ -209,13 +209,13 @@ class Frontier:
     suite: Annotated[tuple[Suite, ...], option("paper town blind-corner", "SUITE [SUITE ...]")] = (
         "paper", "town", "blind-corner",
     )  # fmt: skip
-    """Streets, car and crowd under one name (docs/suites.md); several are played one after the other."""
+    """Streets, car and crowd under one name (docs: suites); several are played one after the other."""
     driver: Annotated[tuple[str, ...], option("the blind one, all with a knob, the trained ones", "D [D ...]")] = (
         ON_THE_FRONTIER
     )
     """As in `jaxwalk evaluate`: rules, trained policies that come with jaxwalk, run folders or your own drivers."""
     shield: Annotated[tuple[ShieldName, ...], option("predictive rss cbf", "SHIELD [SHIELD ...]")] = SHIELD_NAMES
-    """The shields around drivers without a knob (docs/shields.md)."""
+    """The shields around drivers without a knob (docs: shields)."""
     pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
     """As in `jaxwalk evaluate`."""
     episodes: Annotated[int, option("2000", "N")] = 2000
@@ -244,7 +244,7 @@ class Share:
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios; none is ever met in training."""
     suite: Annotated[Suite | None, option("the training's streets", "SUITE")] = None
-    """Where to evaluate it (docs/suites.md)."""
+    """Where to evaluate it (docs: suites)."""
 
 
 @dataclass(frozen=True)
@@ -258,7 +258,7 @@ class Crashtest:
     """As in `jaxwalk evaluate`: a rule, a trained policy that comes with jaxwalk, a run folder, a policy file or your
     own driver."""
     suite: Annotated[str, option("euro-ncap-style", "SUITE")] = "euro-ncap-style"
-    """euro-ncap-style, fmvss-127 or r152, or a file of your own tests, FILE.toml or FILE.xosc (docs/crash-tests.md)."""
+    """euro-ncap-style, fmvss-127 or r152, or a file of your own tests, FILE.toml or FILE.xosc (docs: crash-tests)."""
     layers: Annotated[tuple[str, ...], option("standard", "LAYER [LAYER ...]")] = ("standard",)
     """Which of the suite's tests: standard, extended, or a layer of robustness, such as faster; all: all of them."""
     beside: Annotated[tuple[str, ...], option("careful-human route-follower", "D [D ...]")] = (
@@ -269,7 +269,7 @@ class Crashtest:
     """Exit code 1 where a driver falls short of it: avoid<=40 (no contact up to 40 km/h), impact<=20, keep (no braking
     without need), pass (what the tests ask for); for some tests, CPNCO:avoid<=30."""
     shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
-    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs/shields.md)."""
+    """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs: shields)."""
     out: Annotated[Path, option("runs/crashtest", "DIR")] = Path("runs/crashtest")
     """Folder for crashtest.html, crashtest.json and crashtest.csv; files of earlier tests are replaced."""
     trust: Flag = False

@@ -38,7 +38,7 @@ class Rate:
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """As in `jaxwalk evaluate`."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
-    """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
+    """Instead of --map, --world and --people: streets, car and crowd under one name (docs: suites)."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None

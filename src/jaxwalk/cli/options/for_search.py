@@ -31,7 +31,7 @@ class Search:
     pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
     """As in `jaxwalk evaluate`."""
     shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
-    """Put a shield around the driver, which corrects actions that aren't safe by its rule (docs/shields.md)."""
+    """Put a shield around the driver, which corrects actions that aren't safe by its rule (docs: shields)."""
     method: Annotated[SearchMethod, option("map-elites", "METHOD")] = "map-elites"
     """map-elites varies the best scenario of each kind, for many kinds of failure; cross-entropy and evolution (needs
     pip install "jaxwalk[search]") move towards one kind; random draws scenarios as an evaluation does, for comparison;
@@ -48,14 +48,14 @@ class Search:
     """Seed of the search."""
     map: Annotated[tuple[str, ...], option("the run folders', else paper", "MAP [MAP ...]")] = ()
     """Bundled maps, map files, or generated streets: test:20, the first 20 of a split, or test-2000000003, the one of a
-    number (docs/streets.md)."""
+    number (docs: streets)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; campus: that too, a slow car, and people at a measured pace
-    (docs/real-recordings.md); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
-    blind-corner and arterial: that too, and people are hidden, and many run (docs/perception.md)."""
+    (docs: real-recordings); town: as paper-footprint, and a car for towns (50 km/h, harder brakes, slower in bends);
+    blind-corner and arterial: that too, and people are hidden, and many run (docs: perception)."""
     suite: Annotated[Suite | None, option("none", "SUITE")] = None
-    """Instead of --map, --world and --people: streets, car and crowd under one name (docs/suites.md)."""
+    """Instead of --map, --world and --people: streets, car and crowd under one name (docs: suites)."""
     people: Annotated[int | None, option("the run folders', else 12", "N")] = None
     """Pedestrians in an episode."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None

@@ -24,7 +24,7 @@ class Import:
 
     OpenStreetMap (.osm, .osm.pbf; needs pip install "jaxwalk[osm]"), Lanelet2 maps (.osm; the same, unless they have
     metres), SUMO networks (.net.xml, .net.xml.gz; needs pip install "jaxwalk[sumo]") and OpenDRIVE (.xodr; needs pip
-    install "jaxwalk[opendrive]"). See docs/real-streets.md. For example:
+    install "jaxwalk[opendrive]"; docs: real-streets). For example:
     jaxwalk import town.osm.pbf --centre 60.1699 24.9384 --radius 300 --out town
     """
 
@@ -51,7 +51,7 @@ class Import:
 
 @dataclass(frozen=True)
 class Streets:
-    """Draw, list and check streets: generated ones, each made from a number, or maps. See docs/streets.md.
+    """Draw, list and check streets: generated ones, each made from a number, or maps (docs: streets).
 
     For example: jaxwalk streets --split test --count 12 --out streets
     """
@@ -98,7 +98,7 @@ class MapCheck:
     """
 
     map: Annotated[tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="MAP [MAP ...]")] = ()
-    """Map files, bundled maps or generated streets (docs/maps.md)."""
+    """Map files, bundled maps or generated streets (docs: maps)."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +109,6 @@ class MapDraw:
     """
 
     map: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="MAP")] = field()
-    """A map file, a bundled map or a generated street (docs/maps.md)."""
+    """A map file, a bundled map or a generated street (docs: maps)."""
     out: Annotated[Path | None, option("MAP.png", "FILE")] = None
     """FILE.png, .svg or .pdf; an existing one is replaced."""

@@ -25,7 +25,7 @@ class Train:
     in the world town; blind-corner: the same where people are hidden, -lagrangian with limits of contacts, -cvar of the
     speed in the worst ones."""
     config: Annotated[Path | None, option("none", "FILE")] = None
-    """Instead of --recipe, a TOML file that names a recipe and changes any of its fields (docs/recipes.md). Other
+    """Instead of --recipe, a TOML file that names a recipe and changes any of its fields (docs: recipes). Other
     options change what the file says."""
     seed: Annotated[int | None, option("the recipe's: 0", "N")] = None
     """Seed of networks, scenarios and actions."""
@@ -36,12 +36,12 @@ class Train:
     single_agent: Flag = False
     """Train the car alone, among pedestrians who always go."""
     map: Annotated[tuple[str, ...], option("the recipe's: paper; town training:64", "MAP [MAP ...]")] = ()
-    """Bundled maps, map files, or generated streets (training:64, docs/streets.md) to train on."""
+    """Bundled maps, map files, or generated streets (training:64, docs: streets) to train on."""
     world: Annotated[World | None, option("the recipe's, by footprint on other maps than paper", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car; campus:
-    that too, a slow car, and people at a measured pace (docs/real-recordings.md); town: as paper-footprint, and a car
+    that too, a slow car, and people at a measured pace (docs: real-recordings); town: as paper-footprint, and a car
     for towns (50 km/h, harder brakes, slower in bends); blind-corner and arterial: that too, and people are hidden, and
-    many run (docs/perception.md)."""
+    many run (docs: perception)."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
     """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
     environments: Annotated[int | None, tuned("environments", "N")] = None
