@@ -246,6 +246,7 @@ def test_a_narrow_terminal_has_several_tables(width):
     assert max(len(line) for line in text.splitlines()) <= width and "…" not in text
     assert all(text.count(name) == 1 for name in (*OF_MAPS, "95 % intervals in brackets"))
     assert text.count(cells[0].pedestrians) >= len(made)
+    assert " ".join(text.split()).count("the world's rule, which ends scenarios, gives the hits of jaxwalk report") == 1
 
 
 def test_play_draws(place, capsys):

@@ -22,8 +22,8 @@ MOST_MAPS = 12
 """Most maps in the table of a cell; of more, it shows those with the most collisions."""
 TITLE = "95 % intervals in brackets"
 TOUCHED = (
-    "moving car: share of scenarios in which the moving car touches somebody, by disc (centres too close) and by "
-    "footprint (a body overlaps the car); the world's rule ends a scenario, and its share is the hits of jaxwalk report"
+    "moving car: scenarios in which it touches somebody, by disc (centres too close) / footprint (a body overlaps the "
+    "car);\nthe world's rule, which ends scenarios, gives the hits of jaxwalk report"
 )
 """What the column of contacts shows."""
 
