@@ -246,12 +246,16 @@ def test_a_narrow_terminal_has_several_tables(width):
     assert max(len(line) for line in text.splitlines()) <= width and "…" not in text
     assert all(text.count(name) == 1 for name in (*OF_MAPS, "95 % intervals in brackets"))
     assert text.count(cells[0].pedestrians) >= len(made)
+    assert " ".join(text.split()).count("the world's rule, which ends scenarios, gives the hits of jaxwalk report") == 1
 
 
 def test_play_draws(place, capsys):
     assert main(["play", "--driver", "rule-based", "--scenario", "2", "--out", "there/episode.png"]) == 0
     assert (place / "there" / "episode.png").read_bytes().startswith(b"\x89PNG")
-    assert "scenario 2 of seed 0" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "scenario 2 of seed 0" in said and "replaces" not in said
+    assert main(["play", "--driver", "rule-based", "--scenario", "2", "--out", "there/episode.png"]) == 0
+    assert "(replaces an older file)" in capsys.readouterr().out
 
 
 @pytest.mark.long

@@ -31,7 +31,10 @@ SEARCH = "search route-follower --people 4 --minimise 1 --out there --simulation
 def test_a_driver_is_searched_and_its_failures_are_played_again(little, place, capsys):
     """Two generations, then interrupted in the third; it goes on, and every failure recurs in an evaluation."""
     assert main(f"{SEARCH} 32".split()) == 0
-    said = capsys.readouterr().out
+    said, progress = capsys.readouterr()
+    stages = ["compiling", "searching", "playing failures", "who would avoid them?", "minimising", "recording replays"]
+    found = [progress.find(stage) for stage in stages]
+    assert found == sorted(found) and found[0] == 0
     assert "of failure in 32 scenarios (map-elites)" in said and said.endswith("Open there/search.html\n")
     with pytest.MonkeyPatch.context() as patch:
 

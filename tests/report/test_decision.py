@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import pytest
@@ -48,8 +49,8 @@ def test_a_clear_winner():
     assert (decision.kind, decision.leader, decision.beaten, decision.tied) == ("safest", "B", ("A",), ())
     assert [decision.standing(name) for name in "BA"] == ["safest", "less safe"]
     assert sentences.who == (
-        "B is safer than A: moving, it hits somebody in 1.0 % of scenarios (A: 4.0 %), and it arrives in 90.0 % (A: "
-        "90.0 %)."
+        "B is safer than A: the moving car hits somebody in 1.0 % of scenarios with B (4.0 % with A), and it arrives "
+        "in 90.0 % (90.0 % with A)."
     )
     assert sentences.sure == (
         "Among always-go A hits somebody in 3.00 points more of the scenarios than B (95 % interval 2.00 to 4.00); if "
@@ -58,9 +59,36 @@ def test_a_clear_winner():
     )
     assert sentences.rests == (
         "It rests on 1,000 simulated scenarios of seed 3 with 12 pedestrians each on paper, the same for every driver, "
-        "among 1 population of people (always-go): 123 km and 4,567 encounters in all; it is about these very "
+        "among always-go people: 123 km and 4,567 encounters in all; it is about these very "
         "policies: one that was trained may turn out otherwise when trained again."
     )
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said_of"),
+    [
+        ((0.04, 0.03, 0.05), (0.01, 0.0, 0.02), True),
+        ((0.04, 0.01, 0.07), (0.01, 0.0, 0.02), False),
+        ((0.04, None, None), (0.01, None, None), False),
+        ((None, 0.03, 0.05), (0.01, 0.0, 0.02), False),
+    ],
+)
+def test_who_clearly_loses_time_is_said_so(low, high, said_of):
+    """B is safer, and runs out of time more often and is later, if the intervals lie apart."""
+    cells = {("B", "always-go"): Interval(*low), ("A", "always-go"): Interval(*high)}
+    late = {cell: Interval(*(x and 100 * x for x in (one.value, one.low, one.high))) for cell, one in cells.items()}
+    found = said(replace(two(40, 10, 1e-5), timeouts=cells, delays=late))
+    words = "; it runs out of time in 4.0 % (1.0 % with A); its mean delay is 4.0 s (1.0 s with A)."
+    assert found.who.endswith(words if said_of else "(90.0 % with A).")
+
+
+def test_delays_that_point_to_both_sides_are_left_out():
+    ends = {"always-go": (Interval(1.0, 0.0, 2.0), Interval(4.0, 3.0, 5.0))}
+    ends["learned"] = ends["always-go"][::-1]
+    delays = {(name, people): one for people, pair in ends.items() for name, one in zip("AB", pair, strict=True)}
+    duels = compared("A", "B", 40, 5, p=1e-6), compared("A", "B", 40, 5, p=1e-6, people="learned")
+    hits = {(name, people): count for name, count in (("A", 40), ("B", 5)) for people in ends}
+    assert "delay" not in said(replace(evidence(*duels, hits=hits), delays=delays)).who
 
 
 def test_no_difference():
@@ -68,7 +96,7 @@ def test_no_difference():
     decision, sentences = decide(found), said(found)
     assert (decision.kind, decision.tied) == ("even", ("A",))
     assert sentences.who.startswith(
-        "No difference in safety is shown between B and A: moving, B hits somebody in 2.5 %"
+        "No difference in safety is shown between B and A: the moving car hits somebody in 2.5 % of scenarios with B"
     )
     assert (
         "Among always-go A hits somebody in 0.50 points more of the scenarios than B (95 % interval -0.50 to 1.50)"
@@ -82,7 +110,9 @@ def test_too_few_hits_cannot_be_judged():
     found = two(3, 0, 0.25)  # 3 scenarios: the smallest possible p-value is 2 / 2^3
     decision, sentences = decide(found), said(found)
     assert decision.kind == "unjudged"
-    assert sentences.who.startswith("Which of B and A is safer cannot be judged: moving, B hits somebody in 0.00 %")
+    assert sentences.who.startswith(
+        "Which of B and A is safer cannot be judged: the moving car hits somebody in 0.00 %"
+    )
     assert sentences.sure == (
         "Not at all: two drivers together hit somebody at most 3 times in 1,000 scenarios, too seldom for any test; "
         "evaluate more scenarios (--episodes)."
@@ -117,7 +147,7 @@ def test_three_training_seeds_are_too_few():
     [
         ("one", 1, "about these very policies: one that was trained may turn out otherwise when trained again"),
         ("enough", 5, "5 training seeds stand behind it, so it is about training such drivers again"),
-        ("none", 0, "the drivers are rules, so no training could turn out otherwise"),
+        ("none", 0, "4,567 encounters in all"),
     ],
 )
 def test_only_several_seeds_say_something_about_training(training, seeds, about):
@@ -131,8 +161,8 @@ def test_one_driver():
     decision, sentences = decide(found), said(found)
     assert (decision.kind, decision.order) == ("alone", ("A",))
     assert sentences.who == (
-        "Who is safer cannot be judged, because A alone was evaluated: moving, it hits somebody in 0.00 % of scenarios "
-        "among always-go and in 2.0 % among learned, and it arrives in 90.0 %."
+        "Who is safer cannot be judged, because A alone was evaluated: the moving car hits somebody in 0.00 % of "
+        "scenarios with A among always-go and in 2.0 % among learned, and it arrives in 90.0 %."
     )
     # exact: 1 - 0.025^(1 / 1000) = 0.37 %; Wilson's interval of 20 in 1,000 is 1.30 to 3.07 %
     assert "between 0.00 and 0.37 % among always-go and 1.3 and 3.1 % among learned (95 % intervals)" in sentences.sure
@@ -145,7 +175,9 @@ def test_it_may_depend_on_the_people():
     hits = {("A", "always-go"): 40, ("B", "always-go"): 5, ("A", "learned"): 5, ("B", "learned"): 40}
     found = evidence(first, second, hits=hits)
     assert decide(found).kind == "depends"
-    assert "depends on the people that they meet, B among always-go and A among learned: moving" in said(found).who
+    assert (
+        "depends on the people that they meet, B among always-go and A among learned: the moving car" in said(found).who
+    )
     assert said(found).sure.startswith("The differences point to both sides: ")
 
 
@@ -155,7 +187,7 @@ def test_a_difference_among_some_people_alone_is_said_so():
     found = evidence(*duels, hits=hits)
     assert decide(found).kind == "safest"
     assert said(found).who.startswith(
-        "B is safer than A among always-go: moving, it hits somebody in 0.50 % of scenarios among"
+        "B is safer than A among always-go: the moving car hits somebody in 0.50 % of scenarios with B among"
     )
     assert "among learned" not in said(found).sure
 
@@ -184,7 +216,8 @@ def test_the_safest_of_twenty():
     decision, sentences = decide(found), said(found)
     assert (decision.kind, decision.leader, len(decision.beaten)) == ("safest", "d0", 19)
     assert sentences.who.startswith(
-        "d0 is the safest of 20 drivers: moving, it hits somebody in 0.00 % of scenarios (the next, d1: 1.0 %)"
+        "d0 is the safest of 20 drivers: the moving car hits somebody in 0.00 % of scenarios with d0 (1.0 % with "
+        "the next, d1)"
     )
     assert sentences.sure.startswith("Among always-go d1 hits somebody in 1.00 points more of the scenarios than d0 (")
     assert sentences.sure.endswith("(p < 0.001), corrected for 190 comparisons.")
@@ -206,8 +239,8 @@ def test_some_of_twenty_are_not_told_apart():
 def test_no_difference_between_twenty():
     sentences = said(of_many(20, lambda i, k: 0.9))
     assert sentences.who == (
-        "No difference in safety is shown between the 20 drivers: moving, they hit somebody in 0.00 to 19.0 % of "
-        "scenarios, from d0 to d19, and they arrive in 90.0 to 90.0 %."
+        "No difference in safety is shown between the 20 drivers: the moving car hits somebody in 0.00 to "
+        "19.0 % of scenarios, from d0 to d19, and it arrives in 90.0 to 90.0 %."
     )
 
 

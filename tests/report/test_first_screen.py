@@ -74,25 +74,27 @@ def test_rules_alone_were_not_trained(one):
         anybody = dataclasses.replace(one, results=dataclasses.replace(one.results, drivers=origins))
         return training_of(anybody)
 
-    assert (played("rule"), played("run folder")) == ("none", "one")
+    assert [played(kind) for kind in ("rule", "Python class", "run folder")] == ["none", "none", "one"]
+    assert training_of(one) == "one"  # older results don't say
 
 
 def test_the_worst_five_of_the_subject_come_first():
     gallery = watched(gallery_document())
-    worst, of = to_watch(gallery, "rash")
+    worst, of, count = to_watch(gallery, "rash")
     assert [(one.number, one.what) for one in worst] == [
         (0, "Hit at 5.0 m/s, 20 % risk of a serious injury"),
         (1, "Hit at 5.0 m/s, 10 % risk of a serious injury"),
         (2, "Near miss, 0.4 s to collision"),
     ]
-    assert of == "rash"
+    assert (of, count) == ("rash", 3)
     assert worst[0].address == "#episode=7&driver=rash&pedestrians=always-go&t=1.0"  # 3 s before it
     assert worst[0].who == "rash among always-go, scenario 7: jaywalker from the right, car going straight"
-    everybody, of = to_watch(gallery, "nobody")
-    assert ([one.number for one in everybody], of) == ([3, 0, 1, 2], "all drivers")
+    everybody, of, count = to_watch(gallery, "nobody")
+    assert ([one.number for one in everybody], of, count) == ([3, 0, 1, 2], "all drivers", 4)
     many = dataclasses.replace(gallery, incidents=gallery.incidents * 50)
-    assert len(to_watch(many, "rash")[0]) == WORST
-    assert to_watch(None, "rash") == ((), "")
+    some, _, count = to_watch(many, "rash")
+    assert (len(some), count) == (WORST, 150)
+    assert to_watch(None, "rash") == ((), "", 0)
 
 
 def test_the_speed_at_hits_is_that_of_the_worlds_rule(one):
@@ -119,6 +121,7 @@ def test_exposure_limits_and_thresholds_follow_the_world(one):
     assert exposure["Scenarios"] == "3 for each of 7 drivers among always-go, learned"
     assert (exposure["Streets"], exposure["People"]) == ("1: paper", "12 in each scenario")
     assert exposure["Populations"] == "always-go never wait for the car; learned have learned when to wait"
+    assert paper.hit == "disc: centres closer than 1.5 m"
     words = {said.name: said.text for said in paper.thresholds}
     assert words["Hit"].startswith("a collision of the car at 0.5 m/s or more;")
     assert words["Collision"] == "a contact that ends the scenario: centres closer than 1.5 m"

@@ -21,6 +21,11 @@ WIDEST = 226
 MOST_MAPS = 12
 """Most maps in the table of a cell; of more, it shows those with the most collisions."""
 TITLE = "95 % intervals in brackets"
+TOUCHED = (
+    "moving car: scenarios in which it touches somebody, by disc (centres too close) / footprint (a body overlaps the "
+    "car);\nthe world's rule, which ends scenarios, gives the hits of jaxwalk report"
+)
+"""What the column of contacts shows."""
 
 OF_MAPS: dict[str, Callable[[Cell | MapRates], str]] = {
     "goal %": lambda found: shown(found.goal_rate),
@@ -75,8 +80,10 @@ def table(cells: Sequence[Cell], columns: Sequence[str] | None = None) -> Table:
         made.add_column(name, overflow="fold")
     if multipliers:
         made.add_column("multiplier", justify="right")
+    captions = [TOUCHED]
     if any(len(cell.by_map) > MOST_MAPS for cell in cells):
-        made.caption = f"the {MOST_MAPS} maps with the most collisions; --json and --out have all"
+        captions.append(f"the {MOST_MAPS} maps with the most collisions; --json and --out have all")
+    made.caption = "\n".join(captions)
     if several:
         made.add_column("map", overflow="fold")
     for name in numbers:

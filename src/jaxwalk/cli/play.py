@@ -46,7 +46,9 @@ def run(options: Play) -> int:
     source = Drawn(street, options.seed) if kept is None else kept
     out.parent.mkdir(parents=True, exist_ok=True)
     show = _page if out.suffix.lower() == PAGE else _drawing
-    print(f"{out}: {show(options, out, source, drivers, people[options.pedestrians])}")
+    older = out.exists()
+    said = show(options, out, source, drivers, people[options.pedestrians])
+    print(f"{out}: {said}{' (replaces an older file)' if older else ''}")
     return 0
 
 

@@ -34,14 +34,19 @@ def run(options: Report) -> int:
         return 0
     check(options)
     names = with_shield(options.runs, options.shield)
+    console = Console(stderr=True)
+
+    def say(line: str) -> None:
+        console.print(line, soft_wrap=True, markup=False)
+
+    say("    loading drivers and the street")
     street, drivers, people = cast(
         names, options.pedestrians, options, trust=options.trust, seconds=options.driver_seconds
     )
-    console = Console(stderr=True)
     evaluated = Cast(street, drivers, people, options.seed)
     page = driver_report(
         options.out, evaluated, episodes=options.episodes, most=options.incidents, replays=options.counterfactuals,
-        say=lambda line: console.print(line, soft_wrap=True, markup=False),
+        say=say,
     )  # fmt: skip
     print(f"Open {page}")
     return 0

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
-
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import Progress
 
 from jaxwalk.cli.casting import cast
 from jaxwalk.cli.checks import check_count, check_driver_seconds, check_seed
 from jaxwalk.cli.errors import UsageError, bad_values
 from jaxwalk.cli.interruption import until_interrupted
 from jaxwalk.cli.options import Search
+from jaxwalk.cli.told import told
 from jaxwalk.experiments.failure_rate import FailureRate, estimate_rate
 from jaxwalk.experiments.failure_search import FailureSearch, Tell, search_failures
 from jaxwalk.policies.shield_names import with_shield
@@ -45,23 +41,12 @@ def run(options: Search) -> int:
         )
         work = partial(_searched, options, search)
     with held(options.out):
-        return until_interrupted(lambda: _with_progress(work))
+        return until_interrupted(lambda: told("compiling", work))
 
 
 def _searched(options: Search, search: FailureSearch, tell: Tell) -> str:
     """Search; return in words what was found."""
     return said(search_failures(search, tell), options)
-
-
-def _with_progress(work: Callable[[Tell], str]) -> str:
-    """Do the work with a progress bar; return what it says in the end."""
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("searching", total=None)
-
-        def tell(what: str, done: int, total: int) -> None:
-            bar.update(task, description=escape(what), completed=done, total=total or None)
-
-        return work(tell)
 
 
 def said(results: SearchResults, options: Search) -> str:

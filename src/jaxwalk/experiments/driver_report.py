@@ -23,6 +23,7 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.scenarios import Drawn
+from jaxwalk.wording import counted
 from jaxwalk.writing import together, write_whole
 
 MANY = 4
@@ -58,6 +59,8 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, replays: int, sa
     began = time.monotonic()
     curves = _curves(cast.drivers)
     round_ = (None, cast.drivers, cast.populations)
+    who = f"{counted(len(cast.drivers), 'driver')} among {counted(len(cast.populations), 'population')}"
+    say(f"    playing {counted(episodes, 'scenario')}: {who}")
     scenarios, matches = play_rounds(cast.street, [round_], Scenarios(episodes, cast.seed), say)
     if replays:
         matches = [_replayed(cast, match, replays, say) for match in matches]
@@ -77,11 +80,10 @@ def _report(folder: Path, cast: Cast, episodes: int, most: int, replays: int, sa
         headline=tuple(cast.drivers)[:MANY],
         gallery=watched,
     )
-    say("    drawing")
     with together():
         write_rows(folder / "episodes.csv", [(*match.names, match.rows) for match in matches])
         write_whole(folder / "results.json", results.to_json())
-        return write_report(folder, material)
+        return write_report(folder, material, say)
 
 
 def _replayed(cast: Cast, match: Match, replays: int, say: Callable[[str], None]) -> Match:

@@ -139,16 +139,19 @@ def _keep(work: FailureSearch, game: Driving, hunt: Hunt, tell: Tell) -> SearchR
         method=work.method, seed=work.seed, log=tuple(hunt.log), failures=tuple(failures),
         hash=source.hash() if source else None, street=StreetOrigin.of(work.street), made=provenance(),
     )  # fmt: skip
-    tell("writing", 0, 0)
+    tell("recording replays and writing", 0, 0)
     _write(work, results, source, minimal)
     return results
 
 
 def _judged(work: FailureSearch, game: Driving, found: Candidates, tell: Tell) -> tuple[list[FoundFailure], Candidates]:
     """Return the failures, the worst first, and their candidates in the same order."""
-    tell("who would have avoided them?", 0, 0)
+    tell("playing failures again", 0, 0)
     played = game.play(found)
-    moments, avoided = played.moments, judge(game, found, played.moments, batch=min(BATCH, SMALL_PART))
+    moments, count = played.moments, len(found)
+    avoided = judge(
+        game, found, moments, batch=min(BATCH, SMALL_PART), tell=lambda n: tell("who would avoid them?", n, count)
+    )
     labels = map_labels(work.street.maps)
     scenarios, _ = _archived(work, found).take(np.arange(len(found)))
     failures = [

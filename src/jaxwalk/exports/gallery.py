@@ -26,6 +26,7 @@ from jaxwalk.report.watched import Gallery, WatchedEpisode, WatchedIncident
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.viewer.drawn_map import DrawnMap
+from jaxwalk.wording import counted
 
 LEAD = 3.0
 """Time before an incident at which its replay starts [s]."""
@@ -54,19 +55,26 @@ def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, sa
     Raises:
         ReplayError: a driver acts differently when the same scenario is played again.
     """
+    say("    choosing incidents")
     found = {pair: find_incidents(rows, most=most) for pair, rows in played.items()}
-    say("    recording episodes")
     numbers = {
         people: sorted({int(n) for (_, among), some in found.items() if among == people for n in some.scenario})
         for people in cast.populations
     }
-    document = recording(cast.street, cast.drivers, cast.populations, numbers, Drawn(cast.street, cast.seed))
+    document = recording(cast.street, cast.drivers, cast.populations, numbers, Drawn(cast.street, cast.seed), say)
     episodes = tuple(WatchedEpisode(**entry) for entry in document["episodes"])
     places = {(e.driver, e.pedestrians, e.scenario): k for k, e in enumerate(episodes)}
 
     def incidents_of(pair: tuple[str, str]) -> list[WatchedIncident]:
-        say(f"    collisions of {pair[0]} among {pair[1]}: could they have been avoided?")
-        return _incidents(cast, pair, played[pair], found[pair], places)
+        collisions = f"    collisions of {pair[0]} among {pair[1]}"
+        say(f"{collisions}: could they have been avoided? (compiles first, which takes a while)")
+
+        def tell(done: int, count: int) -> None:
+            say(f"{collisions}: {done:,} of {count:,} replayed")
+
+        incidents = _incidents(cast, pair, played[pair], found[pair], places, tell)
+        say(f"    {counted(len(incidents), 'incident')} of {pair[0]} among {pair[1]}")
+        return incidents
 
     with ThreadPoolExecutor(AT_ONCE) as pool:  # most of the time is compiling, and each compilation uses one core
         incidents = tuple(chain.from_iterable(pool.map(incidents_of, found)))
@@ -83,16 +91,24 @@ def gallery(cast: Cast, played: Mapping[tuple[str, str], Rows], *, most: int, sa
 
 
 def _incidents(
-    cast: Cast, pair: tuple[str, str], rows: Rows, some: Incidents, places: Mapping[tuple[str, str, int], int]
+    cast: Cast,
+    pair: tuple[str, str],
+    rows: Rows,
+    some: Incidents,
+    places: Mapping[tuple[str, str, int], int],
+    tell: Callable[[int, int], None],
 ) -> list[WatchedIncident]:
-    """Return a description of each incident of a driver among a population; ``places`` are those of its episodes."""
+    """Return a description of each incident of a driver among a population; ``places`` are those of its episodes.
+
+    ``tell`` is called with the number of collisions replayed so far, and the total.
+    """
     if not len(some.scenario):
         return []
     street, driver, people = cast.street, cast.drivers[pair[0]], cast.populations[pair[1]]
     hits = some.scenario[some.collision].tolist()
     policies, source = {"driver": driver, "pedestrian": people}, Drawn(street, cast.seed)
     with named({"driver": pair[0], "pedestrian": pair[1]}):
-        replayed = counterfactuals(street, policies, source, find_hits(rows).among(hits))
+        replayed = counterfactuals(street, policies, source, find_hits(rows).among(hits), progress=tell)
     labels = dict(zip(replayed.scenario.tolist(), replayed.label.tolist(), strict=True))
     trajectory = replay(street, policies, source, some.scenario.tolist())
     if (trajectory.length != rows[OUTCOMES].steps[some.scenario]).any():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -19,6 +19,7 @@ from jaxwalk.sim.trajectory import Trajectory
 from jaxwalk.sim.walking_paths import Paths, walking_paths
 from jaxwalk.viewer.record import make_records
 from jaxwalk.viewer.replay import document, entries
+from jaxwalk.wording import counted
 
 
 def recording(
@@ -27,13 +28,17 @@ def recording(
     populations: Mapping[str, Policy],
     numbers: Mapping[str, Sequence[int]],
     source: Source,
+    say: Callable[[str], None] = lambda line: None,
 ) -> dict[str, Any]:
-    """Return a page's document: every driver in the scenarios of a source that are named for each population."""
+    """Return a page's document: every driver in the scenarios of a source that are named for each population.
+
+    ``say`` is called with a line of progress.
+    """
     found = [
         entry
         for people, policy in populations.items()
         for first in range(0, len(numbers[people]), BATCH)
-        for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + BATCH], source)
+        for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + BATCH], source, say)
     ]
     return page_document(street, found)
 
@@ -46,12 +51,18 @@ def page_document(street: Street, entries: list[dict[str, Any]]) -> dict[str, An
 
 
 def _entries(
-    street: Street, drivers: Mapping[str, Policy], people: tuple[str, Policy], numbers: Sequence[int], source: Source
+    street: Street,
+    drivers: Mapping[str, Policy],
+    people: tuple[str, Policy],
+    numbers: Sequence[int],
+    source: Source,
+    say: Callable[[str], None],
 ) -> list[dict[str, Any]]:
     """Return the page's entries of up to `BATCH` scenarios under every driver."""
     scenarios, _ = source.take(np.asarray(numbers))
     plans, found = _plans(street, scenarios), []
     for driver, policy in drivers.items():
+        say(f"    recording {driver} among {people[0]}: {counted(len(numbers), 'episode')}")
         with named({"driver": driver, "pedestrian": people[0]}):
             trajectory = replay(street, {"driver": policy, "pedestrian": people[1]}, source, numbers)
         found += _entries_of(street, trajectory, plans, (driver, people[0]))

@@ -6,7 +6,7 @@ Everything is judged by *hits*: scenarios that end with a collision of the movin
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from jaxwalk.evaluation.document_parts import Number, PairedSeeds
@@ -41,6 +41,10 @@ class Evidence:
     training: Training
     seeds: int
     """Number of training seeds; 0 for rules."""
+    timeouts: Mapping[tuple[str, str], Number] = field(default_factory=dict)
+    """Share of scenarios in which the car runs out of time; empty if unknown."""
+    delays: Mapping[tuple[str, str], Number] = field(default_factory=dict)
+    """Mean delay of the car where it arrives [s]; empty if unknown."""
 
     def mean(self, of: Mapping[tuple[str, str], Number], driver: str) -> float | None:
         """Return the mean of a driver's shares over the populations; None if one is unknown."""

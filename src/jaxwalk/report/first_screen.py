@@ -14,7 +14,7 @@ from jaxwalk.report.decision import Decision, Evidence, Training, decide
 from jaxwalk.report.material import ALWAYS_GO, GAP_ACCEPTANCE, LEARNED, Material
 from jaxwalk.report.sentences import Driven, Sentences, say
 from jaxwalk.report.table import NONE, shown
-from jaxwalk.report.validity import Said, limits, thresholds
+from jaxwalk.report.validity import Said, hit_rule, limits, thresholds
 from jaxwalk.report.watched import Gallery, WatchedEpisode, WatchedIncident
 from jaxwalk.wording import counted, first_of
 
@@ -37,6 +37,8 @@ class DriverLine:
     """Share of scenarios that end in any collision, on average over populations."""
     arrives: str
     """Share of scenarios in which it arrives, on average over populations."""
+    times_out: str
+    """Share of scenarios in which it runs out of time, on average over populations."""
     delay: str
     """Mean delay [s], on average over populations."""
 
@@ -66,6 +68,10 @@ class FirstScreen:
     worst: tuple[ToWatch, ...]
     worst_of: str
     """Who did that; empty if there is nothing to watch."""
+    watchable: int
+    """Number of their incidents in the gallery, of which ``worst`` are the first ones."""
+    hit: str
+    """What a contact of the moving car is in this world, in words."""
     exposure: tuple[Said, ...]
     limits: tuple[Said, ...]
     thresholds: tuple[Said, ...]
@@ -77,7 +83,7 @@ def first_screen(material: Material) -> FirstScreen:
     """Return the first screen of a report."""
     evidence, driven = evidence_of(material), driven_in(material)
     decision = decide(evidence)
-    worst, worst_of = to_watch(material.gallery, material.subject)
+    worst, worst_of, watchable = to_watch(material.gallery, material.subject)
     sim = material.results.street.sim if material.results.street else None
     lines = [_line(material, evidence, decision, driver) for driver in decision.order]
     others = [driver for driver in decision.order if driver != material.subject]
@@ -89,6 +95,8 @@ def first_screen(material: Material) -> FirstScreen:
         populations=evidence.populations,
         worst=worst,
         worst_of=worst_of,
+        watchable=watchable,
+        hit=hit_rule(sim),
         exposure=_exposure(evidence, driven),
         limits=limits(sim),
         thresholds=thresholds(sim),
@@ -107,6 +115,8 @@ def evidence_of(material: Material) -> Evidence:
         compared=material.results.every_two,
         training=training_of(material),
         seeds=len(material.training_seeds),
+        timeouts={cell: material.over_seeds(*cell).timeout_rate.mean for cell in cells},
+        delays={cell: material.over_seeds(*cell).mean_delay.mean for cell in cells},
     )
 
 
@@ -147,7 +157,11 @@ def training_of(material: Material) -> Training:
     if material.several:
         return "enough" if len(material.training_seeds) >= FEWEST_SEEDS else "few"
     kinds = {origin.kind for origin in material.results.drivers}
-    return "none" if kinds == {"rule"} else "one"
+    return "none" if kinds and kinds <= UNTRAINED else "one"
+
+
+UNTRAINED = {"rule", "Python class"}
+"""Kinds of drivers that jaxwalk has not trained, nor knows to be trained."""
 
 
 def driven_in(material: Material) -> Driven:
@@ -211,17 +225,19 @@ def _line(material: Material, evidence: Evidence, decision: Decision, driver: st
         hits=hits,
         collides=shown(Interval(evidence.mean(rates, driver), None, None)),
         arrives=shown(Interval(evidence.mean(evidence.goals, driver), None, None)),
+        times_out=shown(Interval(evidence.mean(evidence.timeouts, driver), None, None)),
         delay=f"{sum(known) / len(known):.2f}" if known else NONE,
     )
 
 
-def to_watch(gallery: Gallery | None, subject: str) -> tuple[tuple[ToWatch, ...], str]:
-    """Return the worst incidents of a driver, and who did them; of all drivers, if it has none."""
+def to_watch(gallery: Gallery | None, subject: str) -> tuple[tuple[ToWatch, ...], str, int]:
+    """Return the worst incidents of a driver, who did them, and how many there are; of all drivers, if it has none."""
     if gallery is None or not gallery.incidents:
-        return (), ""
+        return (), "", 0
     mine = [(n, one) for n, one in enumerate(gallery.incidents) if gallery.episodes[one.episode].driver == subject]
-    worst = sorted(mine or enumerate(gallery.incidents), key=lambda found: _order(found[1]))[:WORST]
-    return tuple(_to_watch(gallery, *found) for found in worst), subject if mine else "all drivers"
+    found = sorted(mine or enumerate(gallery.incidents), key=lambda one: _order(one[1]))
+    worst = tuple(_to_watch(gallery, *one) for one in found[:WORST])
+    return worst, subject if mine else "all drivers", len(found)
 
 
 def _order(incident: WatchedIncident) -> tuple[bool, float]:

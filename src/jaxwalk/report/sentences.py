@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from jaxwalk.evaluation.document_parts import Interval, Number
 from jaxwalk.metrics import FEWEST_SEEDS, SURE, scenarios_needed
 from jaxwalk.report.decision import Decision, Duel, Evidence
-from jaxwalk.report.table import UNJUDGED, shown
+from jaxwalk.report.shares import listed, percent, ranges, shares
+from jaxwalk.report.table import UNJUDGED
 from jaxwalk.wording import MOST_NAMED, counted, first_of
 
 
@@ -56,23 +56,20 @@ def _who(evidence: Evidence, decision: Decision) -> tuple[str, str]:
     """Return who is safer, and by how much."""
     leader, count = decision.leader, len(decision.order)
     if decision.kind == "alone":
-        return f"Who is safer {UNJUDGED}, because {leader} alone was evaluated", _numbers(evidence, [leader])
+        return f"Who is safer {UNJUDGED}, because {leader} alone was evaluated", shares(evidence, [leader])
     if count == 2:
         other = next(name for name in decision.order if name != leader)
-        subject = "it" if decision.kind == "safest" else leader
-        return _of_two(evidence, decision, other), _numbers(evidence, [leader, other], subject)
+        return _of_two(evidence, decision, other), shares(evidence, [leader, other])
     if decision.kind == "safest":
-        numbers = _numbers(evidence, [leader, decision.beaten[0]], other="the next")
+        numbers = shares(evidence, [leader, decision.beaten[0]], "the next")
         return f"{leader} is the safest of {count} drivers{_among(evidence, decision)}", numbers
     if decision.kind == "ahead":
-        return _ahead(evidence, decision), _numbers(evidence, [leader, decision.tied[0]])
+        return _ahead(evidence, decision), shares(evidence, [leader, decision.tied[0]])
     headline = {
         "even": f"No difference in safety is shown between the {count} drivers",
         "depends": f"Which of the {count} drivers is the safest depends on the people that they meet",
     }.get(decision.kind, f"Which of the {count} drivers is the safest {UNJUDGED}")
-    hits, goals = (_range(evidence, of) for of in (evidence.hits, evidence.goals))
-    first, last = decision.order[0], decision.order[-1]
-    return headline, f"moving, they hit somebody {hits} of scenarios, from {first} to {last}, and they arrive {goals}."
+    return headline, ranges(evidence, decision.order[0], decision.order[-1])
 
 
 def _of_two(evidence: Evidence, decision: Decision, other: str) -> str:
@@ -100,40 +97,10 @@ def _ahead(evidence: Evidence, decision: Decision) -> str:
     leader, tied = decision.leader, decision.tied
     judged = any(duel.judged for name in tied for duel in decision.between(leader, name))
     beaten, others = decision.beaten, len(decision.order) - 1
-    than = _listed(beaten) if len(beaten) <= MOST_NAMED else f"{len(beaten)} of the {others} other drivers"
-    rest = _listed(tied) if len(tied) <= MOST_NAMED else counted(len(tied), "other")
+    than = listed(beaten) if len(beaten) <= MOST_NAMED else f"{len(beaten)} of the {others} other drivers"
+    rest = listed(tied) if len(tied) <= MOST_NAMED else counted(len(tied), "other")
     among = _among(evidence, decision)
     return f"{leader} is safer than {than}{among}; whether also than {rest} {'is not shown' if judged else UNJUDGED}"
-
-
-def _numbers(evidence: Evidence, drivers: Sequence[str], subject: str = "it", other: str = "") -> str:
-    """Return how often the first driver hits somebody and arrives and, in brackets, the second one."""
-    hits = _hits(evidence, drivers, other)
-    return f"moving, {subject} hits somebody {hits}, and it arrives {_arrives(evidence, drivers)}."
-
-
-def _hits(evidence: Evidence, drivers: Sequence[str], other: str) -> str:
-    """Return how often the first driver hits somebody and, in brackets, the second one."""
-    parts = []
-    for place, people in enumerate(evidence.populations):
-        mine, *others = (_percent(evidence.hits[driver, people].value) for driver in drivers)
-        among = f" among {people}" if len(evidence.populations) > 1 else ""
-        beside = "".join(f" ({other + ', ' if other and not place else ''}{drivers[1]}: {one} %)" for one in others)
-        parts.append(f"in {mine} %{' of scenarios' if place == 0 else ''}{among}{beside}")
-    return _listed(parts)
-
-
-def _arrives(evidence: Evidence, drivers: Sequence[str]) -> str:
-    """Return how often the first driver arrives and, in brackets, the second one; on average over populations."""
-    mine, *others = (_percent(evidence.mean(evidence.goals, driver)) for driver in drivers)
-    return f"in {mine} %" + "".join(f" ({drivers[1]}: {one} %)" for one in others)
-
-
-def _range(evidence: Evidence, of: Mapping[tuple[str, str], Number]) -> str:
-    """Return the lowest and the highest share of all drivers."""
-    found = [evidence.mean(of, driver) for driver in evidence.drivers]
-    known = [value for value in found if value is not None]
-    return f"in {_percent(min(known))} to {_percent(max(known))} %" if known else "in an unknown share"
 
 
 def _sure(evidence: Evidence, decision: Decision) -> str:
@@ -150,7 +117,7 @@ def _sure(evidence: Evidence, decision: Decision) -> str:
     if other == decision.leader:
         other = decision.order[0]
     duels = decision.between(decision.leader, other)
-    said = _listed([_difference(duel, decision.leader) for duel in duels])
+    said = listed([_difference(duel, decision.leader) for duel in duels])
     if decision.kind == "depends":
         return f"The differences point to both sides: {said}."
     return f"{_begun(said)}{_needed(duels)}."
@@ -161,7 +128,7 @@ def _sure_alone(evidence: Evidence, driver: str) -> str:
     known = [(people, one) for people, one in found if one.low is not None and one.high is not None]
     if not known:
         return f"There is no interval for its share of hits; {COMPARE}."
-    ends = _listed([f"{_percent(one.low)} and {_percent(one.high)} % among {people}" for people, one in known])
+    ends = listed([f"{percent(one.low)} and {percent(one.high)} % among {people}" for people, one in known])
     return f"On other scenarios of this kind its share of hits lies between {ends} (95 % intervals); {COMPARE}."
 
 
@@ -172,7 +139,7 @@ def _sure_of(evidence: Evidence, decision: Decision) -> str:
     """Return how sure it is that the leader is safer than the next driver, and than the others."""
     leader, following = decision.leader, decision.beaten[0]
     sure = [duel for duel in decision.between(leader, following) if duel.safer]
-    said = _listed([_difference(duel, leader) for duel in sure])
+    said = listed([_difference(duel, leader) for duel in sure])
     largest = max(
         min(duel.p for duel in decision.between(leader, name) if duel.safer and duel.p is not None)
         for name in decision.beaten
@@ -191,7 +158,7 @@ def _unjudged(decision: Decision) -> str:
         return ""
     few_seeds = any(duel.p is None for name in names for duel in found[name])
     missing = f"training seeds (it takes {FEWEST_SEEDS})" if few_seeds else "hits (evaluate more scenarios: --episodes)"
-    return f"; beside {_listed(names)} there are too few {missing}"
+    return f"; beside {listed(names)} there are too few {missing}"
 
 
 def _chance(p: float) -> str:
@@ -260,35 +227,26 @@ def _rests(evidence: Evidence, driven: Driven) -> str:
     seed = "" if driven.seed is None else f" of seed {driven.seed}"
     people = "" if driven.people is None else f" with {counted(driven.people, 'pedestrian')} each"
     streets = f" on {first_of(driven.streets, 'street')}" if driven.streets else ""
-    among = f"{counted(len(evidence.populations), 'population')} of people ({', '.join(evidence.populations)})"
+    names, training = evidence.populations, _training(evidence)
+    among = f"{names[0]} people" if len(names) == 1 else f"{counted(len(names), 'population')} ({', '.join(names)})"
     many = len(evidence.drivers) > 1
     return (
         f"It rests on {counted(driven.scenarios, 'simulated scenario')}{seed}{people}{streets}"
         f"{', the same for every driver' if many else ''}, among {among}: {driven.kilometres:,.0f} km and "
-        f"{counted(driven.encounters, 'encounter')} in all; {_training(evidence)}."
+        f"{counted(driven.encounters, 'encounter')} in all{'; ' if training else ''}{training}."
     )
 
 
 def _training(evidence: Evidence) -> str:
-    """Return how far the verdict reaches beyond these policies."""
+    """Return how far the verdict reaches beyond these policies; empty if nothing was trained."""
     return {
-        "none": "the drivers are rules, so no training could turn out otherwise",
+        "none": "",
         "one": "it is about these very policies: one that was trained may turn out otherwise when trained again",
         "few": f"{counted(evidence.seeds, 'training seed')} are too few for a sentence about training",
         "enough": f"{evidence.seeds} training seeds stand behind it, so it is about training such drivers again",
     }[evidence.training]
 
 
-def _percent(share: float | None) -> str:
-    """Return a share in per cent, with as many digits as in tables."""
-    return shown(Interval(share, None, None))
-
-
 def _begun(said: str) -> str:
     """Return words as the beginning of a sentence."""
     return said[0].upper() + said[1:]
-
-
-def _listed(parts: Sequence[str]) -> str:
-    """Return parts as in ``a, b and c``."""
-    return " and ".join([", ".join(parts[:-1]), parts[-1]]) if len(parts) > 1 else parts[0]

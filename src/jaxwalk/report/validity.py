@@ -86,6 +86,11 @@ def thresholds(sim: SimConfig | None) -> tuple[Said, ...]:
     return tuple(found)
 
 
+def hit_rule(sim: SimConfig | None) -> str:
+    """Return by what rule the moving car's contacts are hits; empty if the results don't say."""
+    return "" if sim is None else f"{sim.contact}: {_contact(sim)}"
+
+
 def _contact(sim: SimConfig) -> str:
     """Return what a contact is in a world."""
     if sim.contact == "disc":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -25,12 +26,16 @@ PRINTED = 16
 """Rows of a table that are printed; the page and the table's files have all."""
 
 
-def write_report(folder: Path, material: Material) -> Path:
-    """Write tables, figures and the page into the folder; return the path of the page."""
+def write_report(folder: Path, material: Material, say: Callable[[str], None] = lambda line: None) -> Path:
+    """Write tables, figures and the page into the folder; return the path of the page.
+
+    ``say`` is called with a line of progress.
+    """
     sections = [section for section in SECTIONS if section.applies(material)]
     tables = make_all([s.table for s in sections if s.table], material)
     gallery = material.gallery if material.gallery and material.gallery.incidents else None
-    figures = draw_all([s.figure for s in sections if s.figure], material, folder / "figures")
+    figures = draw_all([s.figure for s in sections if s.figure], material, folder / "figures", say)
+    say("    writing tables and the page")
     captions = {s.table: f"{s.heading}. {s.said(material)}" for s in sections if s.table}
     write_tables(tables, captions, folder / "tables")
     write_latex(tables, captions, folder / "tables")

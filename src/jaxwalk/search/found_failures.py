@@ -18,6 +18,8 @@ PLAUSIBLE = 1.0
 """A failure above this percentile is plausible [%]."""
 AVOIDERS = ("human", "oracle")
 """Judgements of failures that somebody in the car's place would have avoided."""
+UNITS = {"speed": "speed_km_h", "time": "first_visible_s_before", "bearing": "bearing_deg"}
+"""Columns of the table whose names, unlike the document's, have units."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,7 @@ class FoundFailure:
     scenario: int
     """Its number in the file of scenarios, from 0."""
     cell: int
+    """Number of its cell in the grid; `words` says what it is."""
     contact: str
     """What the person was doing: crosswalk, jaywalk or sidewalk."""
     speed: float
@@ -102,12 +105,18 @@ class SearchResults:
         return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
     def to_csv(self) -> str:
-        """Return a table with a row for each failure; what doesn't exist is empty. Units: `FoundFailure`."""
+        """Return a table with a row for each failure: units in the columns' names, the cell in words.
+
+        What doesn't exist is empty.
+        """
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         columns = [field.name for field in fields(FoundFailure)]
-        writer.writerow(columns)
-        writer.writerows([_cell(getattr(one, name)) for name in columns] for one in self.failures)
+        writer.writerow(UNITS.get(name, name) for name in columns)
+        writer.writerows(
+            [str(one.words) if name == "cell" else _cell(getattr(one, name)) for name in columns]
+            for one in self.failures
+        )
         return text.getvalue()
 
 

@@ -49,6 +49,9 @@ class GridCell:
     side: str
     """Where the person was at the contact, seen from the car."""
 
+    def __str__(self) -> str:
+        return f"{self.contact}, {self.speed} km/h, {self.side}, first visible {self.time} s before"
+
 
 def cells_of(
     contact: Int[np.ndarray, "episode"],

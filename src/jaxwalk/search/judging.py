@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import jax.numpy as jnp
@@ -35,23 +36,32 @@ class Avoidability:
     """With others at the wheel all the way."""
 
 
-def judge(game: Driving, failures: Candidates, moments: CriticalMoments, *, batch: int = SMALL_PART) -> Avoidability:
+def judge(
+    game: Driving,
+    failures: Candidates,
+    moments: CriticalMoments,
+    *,
+    batch: int = SMALL_PART,
+    tell: Callable[[int], None] = lambda judged: None,
+) -> Avoidability:
     """Play failures again with others at the wheel; avoided is what touches nobody up to `WATCHED` after the contact.
 
-    If rounding makes replays in small batches differ, they are played in those of an evaluation.
+    ``tell`` is called with how many have been judged. If rounding makes replays in small batches differ, they are
+    played in those of an evaluation.
 
     Raises:
         ReplayError: a failure doesn't recur.
     """
     try:
-        parts = [
-            _judge(game, failures, moments, np.arange(first, min(first + batch, len(failures))), batch)
-            for first in range(0, len(failures), batch)
-        ]
+        parts = []
+        for first in range(0, len(failures), batch):
+            tell(first)
+            rows = np.arange(first, min(first + batch, len(failures)))
+            parts.append(_judge(game, failures, moments, rows, batch))
     except ReplayError:
         if batch >= BATCH:
             raise
-        return judge(game, failures, moments, batch=BATCH)
+        return judge(game, failures, moments, batch=BATCH, tell=tell)
     return Avoidability(
         *(np.concatenate([getattr(one, name) for one in parts]) for name in ("when_seen", "from_start"))
     )

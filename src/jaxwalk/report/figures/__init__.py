@@ -31,11 +31,15 @@ FIGURES: dict[str, Callable[[Material], Figure]] = {
 """Every figure, by the name of its files."""
 
 
-def draw_all(names: Iterable[str], material: Material, folder: Path) -> dict[str, str]:
-    """Write the figures with these names; return their drawings for the page, by name."""
+def draw_all(names: Iterable[str], material: Material, folder: Path, say: Callable[[str], None]) -> dict[str, str]:
+    """Write the figures with these names; return their drawings for the page, by name.
+
+    ``say`` is called with a line before each of them.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     made = {}
     for name in names:
+        say(f"    drawing the figure {name}")
         with drawing(name):
             made[name] = save(FIGURES[name](material), folder, name)
     return made
