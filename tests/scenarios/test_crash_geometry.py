@@ -69,7 +69,9 @@ def walked(time, pace, run_up):
 def meeting(suite, number, line):
     """When the reference point meets the front of the unbraked car [s], and where [% of its width]."""
     script = suite.script
-    value = {name: np.asarray(getattr(script, name), float)[..., number] for name in vars(script)}
+    value = {
+        name: np.asarray(column, float)[..., number] for name, column in vars(script).items() if column is not None
+    }
     time = np.arange(0, 12, FINE)
     along = value["start"] + value["speed"] * time
     centre, heading = on_rails(line, along)

@@ -11,7 +11,7 @@ from jaxwalk.sim.crossing_kind import ContactKind
 
 
 def test_the_grid_is_the_committed_one():
-    words = "\n".join(str(in_words(cell)) for cell in range(CELLS))
+    words = "\n".join(repr(in_words(cell)) for cell in range(CELLS))
     assert SHAPE == (4, 5, 5, 7)
     assert hashlib.sha256(words.encode()).hexdigest()[:16] == "39685d203f5316e9"
 
