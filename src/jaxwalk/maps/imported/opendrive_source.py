@@ -48,7 +48,7 @@ def opendrive_map(path: Path, region: Region | None, *, left: bool = False) -> S
     """Return what an OpenDRIVE file has. Raise ImportRefusal if it can't be used."""
     if region is not None:
         raise ImportRefusal(f"{path}: OpenDRIVE files are read whole; leave --centre and --bbox out")
-    program = _netconvert(path)
+    program = netconvert(path)
     file = opendrive_file(path)
     with TemporaryDirectory(prefix="jaxwalk-") as folder:
         net, outlines = _converted(path, program, file, Path(folder))
@@ -65,7 +65,7 @@ def opendrive_map(path: Path, region: Region | None, *, left: bool = False) -> S
     )
 
 
-def _netconvert(path: Path) -> str:
+def netconvert(path: Path) -> str:
     """Return the program netconvert. Raise ImportRefusal if there is none."""
     needed("sumolib", path, "opendrive")
     package = find_spec("sumo")

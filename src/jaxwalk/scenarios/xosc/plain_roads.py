@@ -68,7 +68,7 @@ class PlainRoads:
 
     def lane_at(self, id: str, lane: int, s: float) -> tuple[float, float]:
         """Return where the middle of a lane lies [m to the left of the road's line], and its width [m]."""
-        lanes = self._lanes(id, s)
+        lanes = self.lanes(id, s)
         if lane not in lanes:
             raise XoscRefusal(f"road {id}: has no lane {lane} at s = {s:g}; correct laneId")
         begin, end, _ = lanes[lane]
@@ -81,7 +81,7 @@ class PlainRoads:
 
     def roadway(self, id: str, lane: int, s: float) -> tuple[float, float]:
         """Return where the driven lanes begin and end that adjoin one lane, and each other [m to the left]."""
-        lanes = self._lanes(id, s)
+        lanes = self.lanes(id, s)
         edges = sorted(lanes[lane][:2])
         driven = [sorted((begin, end)) for begin, end, kind in lanes.values() if kind in DRIVEN]
         for begin, end in sorted(driven):
@@ -101,7 +101,7 @@ class PlainRoads:
             self.lines[id] = line
         return self.lines[id]
 
-    def _lanes(self, id: str, s: float) -> dict[int, tuple[float, float, str]]:
+    def lanes(self, id: str, s: float) -> dict[int, tuple[float, float, str]]:
         """Return where each lane begins and ends, outward [m to the left], and its type."""
         road = self.road(id)
         section = _in_force(road.findall("lanes/laneSection"), "s", s)
