@@ -4,10 +4,10 @@
 
 OpenStreetMap we read ourselves, and SUMO's netconvert is the second reading, by the same projection. What a file says
 of lanes and widths is replaced by one lane of 3.2 m in each direction, since each fills gaps by rules of its own.
-OpenDRIVE is the other way round: netconvert reads the roads of an import, and the second reading is ours, that of the roads of
-OpenSCENARIO files. Points of our lanes, one each metre, are compared with the nearest lane of the other reading that
-leads the same way. Junctions and what is near them are left out: there each draws curves of its own. Needs
-pip install "jaxwalk[osm,opendrive]".
+OpenDRIVE is the other way round: netconvert reads the roads of an import, and the second reading is ours, that of the
+roads of OpenSCENARIO files. Points of our lanes, one each metre, are compared with the nearest lane of the other
+reading that leads the same way. Junctions and what is near them are left out: there each draws curves of its own.
+Needs pip install "jaxwalk[osm,opendrive]".
 """
 
 from __future__ import annotations
