@@ -20,10 +20,11 @@ from typing import Any
 import numpy as np
 
 from jaxwalk.evaluation import evaluate
+from jaxwalk.evaluation.playing import play
 from jaxwalk.maps import each_map
 from jaxwalk.maps.map_reading import map_name
 from jaxwalk.metrics import OUTCOMES
-from jaxwalk.policies import AlwaysGo, Oracle
+from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
 from jaxwalk.provenance import provenance
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
@@ -108,6 +109,19 @@ def driven(folder: Path, episodes: int) -> dict[str, Any]:
             "good_tiles": sum(share >= GOOD for share in shares.values())}  # fmt: skip
 
 
+def walked(folder: Path, episodes: int) -> dict[str, int]:
+    """Return how many frames of people there are on a roadway without jaywalks, and how many off a crosswalk."""
+    names = each_map([str(folder)])
+    street = Street.create(names, jaywalk_multiplier=0.0)
+    drawn, policies = Drawn(street, SEED), {"driver": RouteFollower(), "pedestrian": AlwaysGo()}
+    crossing = off = 0
+    for first in range(0, min(episodes * len(names), 16384), BATCH):
+        played = play(street, policies, *drawn.take(np.arange(first, first + BATCH)))
+        crossing += int(played.on_roadway.sum())
+        off += int((played.on_roadway & ~played.on_crosswalk).sum())
+    return {"frames_on_roadways": crossing, "off_crosswalks": off}
+
+
 def measured(file: Path, folder: Path, episodes: int) -> dict[str, Any]:
     """Return all that is measured of a file."""
     found = {"file": file.name, **imported(file, folder)}
@@ -115,7 +129,7 @@ def measured(file: Path, folder: Path, episodes: int) -> dict[str, Any]:
         return found
     found |= described(folder)
     if found["usable"]:
-        found |= loaded(folder) | (driven(folder, episodes) if episodes else {})
+        found |= loaded(folder) | (driven(folder, episodes) | walked(folder, episodes) if episodes else {})
     return found
 
 

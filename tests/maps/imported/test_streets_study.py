@@ -25,6 +25,7 @@ def test_the_study_measures_files(tmp_path):
     assert (
         0 < road["seconds"] < 120
         and 50 < road["peak_MB"] < 2000
+        and road["frames_on_roadways"] > 0 == road["off_crosswalks"]
         and set(road["by_tile"]) == {"tile-001.json", "tile-002.json"}
     )
     assert "none.osm: has no roads" in none["refused"]
