@@ -6,10 +6,12 @@ import json
 import re
 from pathlib import Path
 
-LEFT_OUT = ("source/", "changelog.html", "evidence.html", "bench/")
-"""Beginnings of the addresses of pages that nobody searches: files, and tables of numbers."""
-NOT_SEARCHED = re.compile(r"<pre.*?</pre>|\[-?[\d.]+, -?[\d.]+\]|-?\b\d+\.\d+\b", re.DOTALL)
-"""Code blocks, intervals and decimal numbers."""
+LEFT_OUT = ("source/", "changelog.html", "evidence.html", "bench/", "testing.html", "results-paper.html")
+"""Beginnings of the addresses of pages that nobody searches: files, tables of numbers, and the tests."""
+NOT_SEARCHED = re.compile(
+    r"<pre.*?</pre>|</?[a-z]+[^>]*>|\[-?[\d.]+, -?[\d.]+\]|-?\b\d+\.\d+\b|\b\d{1,3}(,\d{3})+\b|\b\d+ %", re.DOTALL
+)
+"""Code blocks, tags, intervals, decimal numbers, thousands and percentages."""
 
 
 def shrink(site: Path) -> None:
