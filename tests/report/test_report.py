@@ -13,15 +13,13 @@ from PIL import Image
 
 from browser.pages import gallery_document, watched
 from jaxwalk.evaluation import Results
-from jaxwalk.evaluation.document_parts import Interval, StreetOrigin
-from jaxwalk.maps import MapText
+from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.report import Material, ReportError, write_report
 from jaxwalk.report.figures import FIGURES
 from jaxwalk.report.paper_tables import TABLES
 from jaxwalk.report.sections import SECTIONS
 from jaxwalk.report.table import NONE
 from jaxwalk.report.verdicts import Versus, brief, verdict
-from jaxwalk.sim.sim_config import WORLDS
 from report.material import material
 
 OF_SEVERAL = ("training_seeds",)
@@ -175,12 +173,6 @@ def test_what_a_report_of_several_seeds_says(several, page):
     assert ">goal, IQM<" in text
 
 
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Figures are left empty: drawing them takes seconds, and they are as in the other reports."""
-    monkeypatch.setattr("jaxwalk.report.write.draw_all", lambda *_: dict.fromkeys(FIGURES, ""))
-
-
 def test_two_seeds_give_no_interval(tmp_path, undrawn):
     write_report(tmp_path, material(2))
     assert "2 training seeds, 5 to 6: rates are their means (IQM: interquartile means), without intervals" in (
@@ -268,25 +260,6 @@ def test_any_drivers_among_any_people(documents, tmp_path, undrawn):
         assert not [name for name in empty if "paper" in name], path.name
     assert "data-cell" not in text.split('<script type="application/json"')[0]  # the gallery is about others
     assert len(_table(tmp_path, "matrix")) == 6
-
-
-def test_on_other_streets_nothing_stands_beside_the_papers_numbers(documents, tmp_path, undrawn):
-    street = StreetOrigin((MapText("town-1", "0" * 16),), WORLDS["town"])
-    elsewhere = dataclasses.replace(
-        documents, results=dataclasses.replace(documents.results, street=street), trainings=None, ablation=None,
-        episode=None, episode_svg=None, collision=None, collision_svg=None,
-    )  # fmt: skip
-    text = write_report(tmp_path, elsewhere).read_text(encoding="utf-8")
-    assert "nor collides in 60 s has timed out" in text
-    there = write_report(tmp_path / "there", documents).read_text(encoding="utf-8")
-    for said in ('<span class="source">paper', "Open diamonds", "The paper", "Aryan"):
-        assert said in there and said not in text, said
-    for path in (tmp_path / "tables").glob("*.csv"):
-        assert "paper" not in path.read_text(encoding="utf-8").splitlines()[0], path.name
-    for name in ("baselines", "speed_differential", "attribution", "quarters"):
-        figure = FIGURES[name](elsewhere)
-        labels = [label for axis in figure.axes for label in axis.get_legend_handles_labels()[1]]
-        assert labels and not [label for label in labels if "paper" in label], name
 
 
 def test_numbers_of_who_can_be_watched_are_links(documents, tmp_path, undrawn):

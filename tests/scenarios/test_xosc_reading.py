@@ -6,8 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from jaxwalk.scenarios import Scripted
 from jaxwalk.scenarios.crash_suite import CrashFileError
@@ -15,11 +13,13 @@ from jaxwalk.scenarios.xosc.script_reading import read_xosc
 from jaxwalk.sim.script import Trigger
 from scenarios.xosc_documents import (
     EGO,
+    PARKED,
     RELATIVE,
+    TIME,
     WALKER,
-    body,
     by_car,
     by_value,
+    crossing,
     document,
     event,
     follow,
@@ -32,16 +32,6 @@ NORTH = 1.5707963267948966
 FRONT = 3.5
 """Where the car's front begins [m]."""
 LINEAR = '<SpeedActionDynamics dynamicsShape="linear" dynamicsDimension="rate" value="2"/>'
-TIME = '<SimulationTimeCondition value="{}" rule="greaterThan"/>'
-
-
-@pytest.fixture
-def read(tmp_path):
-    def reading(text, name="by-hand.xosc"):
-        (tmp_path / name).write_text(text)
-        return read_xosc(tmp_path / name)
-
-    return reading
 
 
 def walker(script):
@@ -49,10 +39,6 @@ def walker(script):
     (test,) = script.suite.tests
     (person,) = test.people
     return person, np.add(person.path, (FRONT, 0.0))
-
-
-def crossing(condition):
-    return event([follow([(43.5, -4), (43.5, 6)]), speed(2)], condition)
 
 
 def test_a_document_becomes_a_test(read):
@@ -257,10 +243,6 @@ def test_entries_of_catalogs(read, tmp_path):
         read(catalog)
 
 
-PARKED = body("Vehicle", "van", 'vehicleCategory="van"', (6.0, 2.0), 1.0)
-CYCLIST = PARKED.replace('vehicleCategory="van"', 'vehicleCategory="bicycle"')
-
-
 def test_vehicles_that_stand_hide_what_is_behind_them(read):
     init = f'<Private entityRef="van">{teleport(world(20, -3, NORTH))}</Private>'
     (box,) = read(document(entities=EGO + WALKER + PARKED, init=init)).suite.tests[0].parked
@@ -271,115 +253,6 @@ def test_vehicles_that_stand_hide_what_is_behind_them(read):
 def test_what_the_tested_car_does_is_left_to_drivers_and_said(read):
     brakes = event([speed(0)], by_value(TIME.format(1)), name="brakes", actor="Ego")
     assert "Event 'brakes' of Ego isn't played: the driver under test drives" in read(document(brakes)).suite.assumed
-
-
-MOVING = f'<Private entityRef="van">{teleport(world(20, -3))}{speed(5)}</Private>'
-SPEEDS = by_car('<SpeedCondition value="3" rule="lessThan"/>')
-FUNCTION = '<ParameterDeclarations><ParameterDeclaration name="a" value="{}"/></ParameterDeclarations>'
-REFUSED = {
-    "version": (document(header='revMajor="2" revMinor="0"'), "FileHeader: version 2.0; versions 1.0 to 1.3"),
-    "no scenario": ("<OpenDRIVE/>", "its first element is OpenDRIVE, not OpenSCENARIO"),
-    "no XML": ("speed = 3", "not XML that can be read"),
-    "entities": (
-        '<!DOCTYPE x [<!ENTITY a "b">]>' + document(),
-        "declares a document type (<!DOCTYPE ...>), which no scenario",
-    ),
-    "too deep": (f"<OpenSCENARIO>{'<a>' * 100}{'</a>' * 100}</OpenSCENARIO>", "more than 60 elements in each other"),
-    "cyclist": (document(entities=EGO + WALKER + CYCLIST, init=MOVING), "as 'van': moves (LongitudinalAction)"),
-    "no size": (
-        document(entities=EGO + WALKER + body("Vehicle", "van", "", (0.0, 2.0)), init=MOVING.replace("5", "0")),
-        "Vehicle 'a vehicle' as 'van': Dimensions of 0 x 2 m; correct them",
-    ),
-    "no car": (document(entities=WALKER, car=""), "there is no such ScenarioObject"),
-    "no speed": (document(car=teleport(world(0, 0))), "nothing says how fast it drives; write a SpeedAction"),
-    "too fast": (document(car=teleport(world(0, 0)) + speed(30)), "speeds: 108 km/h is above 72"),
-    "no place": (document(walker=speed(1)), "no TeleportAction of Init says where it begins"),
-    "condition": (document(crossing(SPEEDS)), "SpeedCondition: isn't supported; wait for a time"),
-    "mixed": (
-        document(crossing(by_value(TIME.format(1)) + by_car('<TraveledDistanceCondition value="1"/>'))),
-        "Event 'walks': waits for several conditions (place and time)",
-    ),
-    "never near": (
-        document(crossing(by_car(f'<ReachPositionCondition tolerance="2">{world(30, 9)}</ReachPositionCondition>'))),
-        "never comes nearer than 9.00 m",
-    ),
-    "shape": (
-        document(crossing(by_value(TIME.format(1)))).replace("Polyline", "Nurbs"),
-        "Nurbs: isn't supported as the shape",
-    ),
-    "teleport": (document(event([teleport(world(1, 1))])), "Event 'walks': TeleportAction isn't supported"),
-    "twice": (
-        document(crossing("") + crossing("").replace("'walks", "'again")),
-        "follows several ways one after the other",
-    ),
-    "undeclared": (document(walker=teleport(world("$x", 0))), "parameter $x isn't declared"),
-    "itself": (document(more=FUNCTION.format("$a"), walker=teleport(world("$a", 0))), "'a': refers to itself"),
-    "code": (document(walker=teleport(world("${__import__('os').getpid()}", 0))), "can't be evaluated (only numbers"),
-    "too much": (document(walker=teleport(world("${pow(10, pow(10, 9))}", 0))), "can't be evaluated"),
-    "geo": (
-        document(walker=teleport("<Position><GeoPosition latitude='1' longitude='1'/></Position>")),
-        "GeoPosition: isn't read",
-    ),
-    "catalog": (
-        document(
-            entities=EGO + '<ScenarioObject name="walker"><CatalogReference catalogName="c" entryName="e"/>'
-            "</ScenarioObject>"
-        ),
-        "CatalogReference c/e: isn't in the folders of CatalogLocations",
-    ),
-    "no road": (
-        document(walker=teleport('<Position><LanePosition roadId="1" laneId="-1" s="1"/></Position>')),
-        "RoadNetwork: names no OpenDRIVE file",
-    ),
-    "no number": (document(walker=teleport(world("east", 0))), "WorldPosition: x 'east' is no number"),
-    "far away": (document(walker=teleport(world(1e8, 0))), "span"),
-    "runs": (document(event([speed(12)])), "times: faster than 36 km/h"),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_said_is_refused_in_words(read, case):
-    text, message = REFUSED[case]
-    with pytest.raises(CrashFileError, match=r"by-hand\.xosc: ") as error:
-        read(text)
-    assert message in str(error.value)
-    assert "\n" not in str(error.value)
-
-
-WHOLE = document(
-    crossing(by_car('<TraveledDistanceCondition value="12"/>')),
-    entities=EGO + WALKER + PARKED,
-    init=f'<Private entityRef="van">{teleport(world(20, -3))}</Private>',
-)
-
-
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.data())
-def test_a_damaged_document_is_read_or_refused(read, data):
-    """Whatever is cut out of a document, or put into it, the answer is a script or one message."""
-    begin = data.draw(st.integers(0, len(WHOLE)))
-    length = data.draw(st.integers(0, 60))
-    what = data.draw(st.sampled_from(["", "-1", "1e308", "nan", "$a", "${1/0}", "Ego", "<a/>", '"', "0", "walker"]))
-    try:
-        read(WHOLE[:begin] + what + WHOLE[begin + length :])
-    except CrashFileError as error:
-        assert "\n" not in str(error)
-
-
-ATTRIBUTES = [piece for piece in WHOLE.split('"')[1::2]]
-
-
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(
-    st.integers(0, len(ATTRIBUTES) - 1), st.sampled_from(["", "-1", "1e9", "inf", "walker", "van", "0", "1e-9", "²"])
-)
-def test_a_wrong_attribute_is_read_or_refused(read, number, text):
-    pieces = WHOLE.split('"')
-    pieces[2 * number + 1] = text
-    try:
-        read('"'.join(pieces))
-    except CrashFileError as error:
-        assert "\n" not in str(error)
 
 
 def test_the_file_of_the_documentation_is_read(read):

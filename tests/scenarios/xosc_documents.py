@@ -81,3 +81,12 @@ def document(
         f'<Private entityRef="walker">{walker}</Private></Actions></Init>{act}'
         "<StopTrigger/></Storyboard></OpenSCENARIO>"
     )
+
+
+def crossing(condition):
+    """The event that the walker crosses at 2 m/s."""
+    return event([follow([(43.5, -4), (43.5, 6)]), speed(2)], condition)
+
+
+TIME = '<SimulationTimeCondition value="{}" rule="greaterThan"/>'
+PARKED = body("Vehicle", "van", 'vehicleCategory="van"', (6.0, 2.0), 1.0)

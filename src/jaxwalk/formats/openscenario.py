@@ -7,14 +7,22 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
-from types import ModuleType
 
 import numpy as np
 from jaxtyping import Float
 
 from jaxwalk.formats.opendrive import load_library
-from jaxwalk.formats.openscenario_parts import VERSION, at_time, begins_at, body, our_properties, rear_places
-from jaxwalk.formats.paths import Path, paths, standing
+from jaxwalk.formats.openscenario_parts import (
+    VERSION,
+    add_parked,
+    at_time,
+    begins_at,
+    body,
+    follows,
+    our_properties,
+    rear_places,
+)
+from jaxwalk.formats.paths import Path, paths
 from jaxwalk.formats.tracks import CAR, Tracks
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -53,11 +61,9 @@ def openscenario(
         init.add_init_action(who, xosc.TeleportAction(places[0]))
         if path.type == CAR and "speed" in tracks.known:
             init.add_init_action(who, begins_at(xosc, float(tracks.known["speed"][tracks.id == id][0])))
-        act.add_maneuver_group(_follow(xosc, who, path, places))
-    for number, path in enumerate(standing(parked)):
-        who = f"parked{number}"
-        entities.add_scenario_object(who, body(xosc, path, config))
-        init.add_init_action(who, xosc.TeleportAction(rear_places(xosc, path, config.wheelbase / 2)[0]))
+        line, at_once = xosc.Polyline(path.t.tolist(), places), at_time(xosc, f"{who} begins", 0.0, "start")
+        act.add_maneuver_group(follows(xosc, who, line, at_once, xosc.ReferenceContext.absolute))
+    add_parked(xosc, entities, init, parked, config)
     story = xosc.Story("story")
     story.add_act(act)
     board.add_story(story)
@@ -66,24 +72,6 @@ def openscenario(
         xosc.Catalog(), osc_minor_version=VERSION, header_properties=our_properties(xosc, street or {}),
     )  # fmt: skip
     return library.helpers.prettify(scenario.get_element())
-
-
-def _follow(xosc: ModuleType, who: str, path: Path, places: list):
-    """Return a group that makes a road user follow its path from time 0 on."""
-    trajectory = xosc.Trajectory(f"path of {who}", False)
-    trajectory.add_shape(xosc.Polyline(path.t.tolist(), places))
-    action = xosc.FollowTrajectoryAction(
-        trajectory, xosc.FollowingMode.position, xosc.ReferenceContext.absolute, scale=1, offset=0
-    )
-    event = xosc.Event(f"{who} follows", xosc.Priority.parallel)
-    event.add_trigger(at_time(xosc, f"{who} begins", 0.0, "start"))
-    event.add_action(f"follow path of {who}", action)
-    maneuver = xosc.Maneuver(f"maneuver of {who}")
-    maneuver.add_event(event)
-    group = xosc.ManeuverGroup(f"group of {who}")
-    group.add_actor(who)
-    group.add_maneuver(maneuver)
-    return group
 
 
 def read_openscenario(document: bytes) -> dict[int, Path]:

@@ -9,8 +9,9 @@ from collections.abc import Mapping
 from types import ModuleType
 
 import numpy as np
+from jaxtyping import Float
 
-from jaxwalk.formats.paths import Path
+from jaxwalk.formats.paths import Path, standing
 from jaxwalk.formats.tracks import CAR
 from jaxwalk.maps import bundled_maps
 from jaxwalk.maps.generated.named_streets import names_generated
@@ -56,6 +57,38 @@ def rear_places(xosc: ModuleType, path: Path, back: float) -> list:
     x, y = path.x - back * np.cos(path.heading), path.y - back * np.sin(path.heading)
     columns = (values.tolist() for values in (x, y, path.heading))
     return [xosc.WorldPosition(x, y, 0, heading) for x, y, heading in zip(*columns, strict=True)]
+
+
+def follows(xosc: ModuleType, who: str, line, trigger, context):
+    """Return the group of actions with which a road user follows a line with times, from a trigger on.
+
+    Args:
+        xosc: the module of scenariogeneration.
+        who: its name.
+        line: the polyline.
+        trigger: when it sets out.
+        context: whether the times count from the beginning of the scenario (absolute) or from then (relative).
+    """
+    trajectory = xosc.Trajectory(f"way of {who}", False)
+    trajectory.add_shape(line)
+    action = xosc.FollowTrajectoryAction(trajectory, xosc.FollowingMode.position, context, scale=1, offset=0)
+    event = xosc.Event(f"{who} sets out", xosc.Priority.parallel)
+    event.add_trigger(trigger)
+    event.add_action(f"{who} follows the way", action)
+    maneuver = xosc.Maneuver(f"maneuver of {who}")
+    maneuver.add_event(event)
+    group = xosc.ManeuverGroup(f"group of {who}")
+    group.add_actor(who)
+    group.add_maneuver(maneuver)
+    return group
+
+
+def add_parked(xosc: ModuleType, entities, init, boxes: Float[np.ndarray, "vehicle column"], config: SimConfig) -> None:
+    """Add vehicles that stand, by the columns of `jaxwalk.maps.parking_slots.SLOT_COLUMNS`."""
+    for number, path in enumerate(standing(boxes)):
+        who = f"parked{number}"
+        entities.add_scenario_object(who, body(xosc, path, config))
+        init.add_init_action(who, xosc.TeleportAction(rear_places(xosc, path, config.wheelbase / 2)[0]))
 
 
 def our_properties(xosc: ModuleType, values: Mapping[str, object]):

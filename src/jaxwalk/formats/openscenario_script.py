@@ -13,14 +13,16 @@ import numpy as np
 from jaxwalk.formats.opendrive import load_library
 from jaxwalk.formats.openscenario_parts import (
     VERSION,
+    add_parked,
     at_time,
     begins_at,
     body,
+    follows,
     our_properties,
     rear_places,
     street_name,
 )
-from jaxwalk.formats.paths import Path, standing
+from jaxwalk.formats.paths import Path
 from jaxwalk.formats.tracks import CAR, PEDESTRIAN, PERSON, TracksError
 from jaxwalk.scenarios import Scripted
 from jaxwalk.scenarios.rails import Footpath, Rails
@@ -128,29 +130,13 @@ class _ScriptWriter:
         init.add_init_action(who, xosc.TeleportAction(places[0]))
         if len(times) < 2:
             return
-        trajectory = xosc.Trajectory(f"way of {who}", False)
-        trajectory.add_shape(xosc.Polyline(np.round(times, 6).tolist(), places))
-        follow = xosc.FollowTrajectoryAction(
-            trajectory, xosc.FollowingMode.position, xosc.ReferenceContext.relative, scale=1, offset=0
-        )
-        event = xosc.Event(f"{who} sets out", xosc.Priority.parallel)
-        event.add_trigger(self._waits(person))
-        event.add_action(f"{who} follows the way", follow)
-        maneuver = xosc.Maneuver(f"maneuver of {who}")
-        maneuver.add_event(event)
-        group = xosc.ManeuverGroup(f"group of {who}")
-        group.add_actor(who)
-        group.add_maneuver(maneuver)
-        act.add_maneuver_group(group)
+        line = xosc.Polyline(np.round(times, 6).tolist(), places)
+        act.add_maneuver_group(follows(xosc, who, line, self._waits(person), xosc.ReferenceContext.relative))
 
     def add_parked(self, entities, init) -> None:
         """Add vehicles that stand beside the way."""
         boxes = np.asarray(self.source.script.boxes)[..., self.number]
-        for number, path in enumerate(standing(boxes[boxes[:, 4] > 0])):
-            who = f"parked{number}"
-            entities.add_scenario_object(who, body(self.xosc, path, self.config))
-            place = rear_places(self.xosc, path, self.config.wheelbase / 2)[0]
-            init.add_init_action(who, self.xosc.TeleportAction(place))
+        add_parked(self.xosc, entities, init, boxes[boxes[:, 4] > 0], self.config)
 
     def _way(self, person: int) -> tuple[Footpath, np.ndarray]:
         """Return the way of somebody, and when they are at its points [s after setting out]."""

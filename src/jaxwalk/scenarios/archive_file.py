@@ -98,7 +98,8 @@ def read_tensors(path: Path, entry: str, what: str) -> tuple[str, dict[str, np.n
     try:
         with safetensors.safe_open(str(path), framework="numpy") as file:
             text = (file.metadata() or {}).get(entry)
-            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            names = file.keys()
+            arrays = {name: file.get_tensor(name) for name in names}
     except (safetensors.SafetensorError, OSError, TypeError, AttributeError) as error:  # the last two: unknown dtypes
         raise ArchiveError(f"{path}: damaged or no safetensors file ({error}); {ADVICE}") from error
     if text is None:

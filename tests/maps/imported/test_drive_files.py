@@ -11,12 +11,11 @@ from jaxwalk.maps.imported.opendrive_file import opendrive_file
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
 from maps.imported.drive_files import LOCAL, ON_ROAD, crosswalk, drive_file
+from maps.imported.written_maps import written_as
 
 
 def written(folder, text):
-    path = folder / "road.xodr"
-    path.write_text(text, encoding="utf-8")
-    return path
+    return written_as(folder, text, "road.xodr")
 
 
 @pytest.mark.parametrize(
@@ -88,7 +87,7 @@ def test_what_netconvert_says_is_named(tmp_path, monkeypatch):
     """A program that can't run, fails, writes nothing, or doesn't end."""
     path = written(tmp_path, WHOLE)
     program = tmp_path / "netconvert"
-    monkeypatch.setattr(opendrive_source, "_netconvert", lambda _: str(program))
+    monkeypatch.setattr(opendrive_source, "netconvert", lambda _: str(program))
     monkeypatch.setattr(opendrive_source, "LONGEST", 0.5)
     with pytest.raises(ImportRefusal, match="netconvert can't be started"):
         read_source(path)

@@ -6,20 +6,17 @@ import numpy as np
 import pytest
 import shapely
 
-from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.imported.importing import import_street, read_source, report_of
 from jaxwalk.maps.imported.lanelet_reading import is_lanelet_map
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
-from jaxwalk.maps.imported.street_maker import DISTANCES
 from maps.imported.lanelet_maps import LANE, LENGTH, MIDDLE, LaneletMap, road_map
 from maps.imported.osm_files import cross
+from maps.imported.written_maps import only_crossing, written_as
 
 
 def written(folder, made, name="road.osm"):
-    path = folder / name
-    path.write_text(made if isinstance(made, str) else made.text(), encoding="utf-8")
-    return path
+    return written_as(folder, made if isinstance(made, str) else made.text(), name)
 
 
 @pytest.fixture(scope="module")
@@ -30,11 +27,7 @@ def road(tmp_path_factory):
 
 def test_a_road_with_one_crosswalk(road):
     source, street = road
-    assert network_faults(street.network, **DISTANCES) == []
-    assert street.report.verdict == "usable" and street.report.pavement.invented == 0
-    (crossing,) = street.network.crossings
-    assert crossing.kind == "zebra" and crossing.zone is not None
-    (found,) = source.crossings
+    _, found = only_crossing(source, street)
     assert found.kind_origin == "mapped" and found.width == 4.0
     np.testing.assert_allclose(found.point, (MIDDLE, 0.0), atol=1e-9)
     np.testing.assert_allclose(np.abs(found.across), (0, 1), atol=1e-9)

@@ -9,21 +9,18 @@ import numpy as np
 import pytest
 import shapely
 
-from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.imported.importing import import_street, read_source, report_of
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
 from jaxwalk.maps.imported.source_map import SourceCrossing, WalkEvidence
-from jaxwalk.maps.imported.street_maker import DISTANCES
 from jaxwalk.maps.imported.sumo_ground import open_ends
 from jaxwalk.maps.imported.sumo_reading import read_net
 from maps.imported.sumo_nets import LIMIT, MIDDLE, WIDTH, road_net
+from maps.imported.written_maps import only_crossing, written_as
 
 
 def written(folder, text, name="road.net.xml"):
-    path = folder / name
-    path.write_text(text, encoding="utf-8")
-    return path
+    return written_as(folder, text, name)
 
 
 @pytest.fixture(scope="module")
@@ -34,11 +31,7 @@ def road(tmp_path_factory):
 
 def test_a_road_with_one_crossing(road):
     source, street = road
-    assert network_faults(street.network, **DISTANCES) == []
-    assert street.report.verdict == "usable" and street.report.pavement.invented == 0
-    (crossing,) = street.network.crossings
-    assert crossing.kind == "zebra" and crossing.zone is not None
-    (found,) = source.crossings
+    _, found = only_crossing(source, street)
     assert found.name == "crossing :m_c0" and found.kind_origin == "mapped"
     np.testing.assert_allclose(found.point, (MIDDLE, 50.0))
     assert source.attribution == street.network.attribution == "SUMO network road.net.xml, which names no author"
