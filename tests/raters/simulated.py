@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 
@@ -44,12 +47,20 @@ def files(plan, strengths, raters, rng, *, repeats=3, attentive=True):
     return [_file(plan, each[k], rng, repeats, attentive) for k in range(raters)]
 
 
+def write_files(folder: Path, plan, raters: int) -> None:
+    """Write what raters send who find all drivers alike, as ``answers-0.json`` and so on."""
+    sent = files(plan, np.zeros(len(plan.drivers)), raters, np.random.default_rng(0))
+    for k, file in enumerate(sent):
+        (folder / f"answers-{k}.json").write_text(json.dumps(asdict(file)))
+
+
 def _file(plan, strengths, rng, repeats, attentive):
     shown = rng.permutation(plan.rated)[: plan.each].tolist()
     answers = [_answer(plan, pair, strengths, rng, repeat=False) for pair in shown]
     answers += [_answer(plan, pair, strengths, rng, repeat=True) for pair in shown[:repeats]]
-    checks = [place for place, pair in enumerate(plan.pairs) if pair.safer]
-    answers += [RaterAnswer(place, "a", "left" if attentive else "right", 5.0, False) for place in checks]
+    checks = [(place, pair.safer) for place, pair in enumerate(plan.pairs) if pair.safer]
+    seen = "left" if attentive else "right"
+    answers += [RaterAnswer(place, safer, seen, 5.0, False) for place, safer in checks]
     return RaterFile(SCHEMA, plan.id, rng.bytes(8).hex(), True, True, tuple(answers))
 
 

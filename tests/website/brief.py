@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 import shutil
+from glob import glob
 from itertools import pairwise
 from pathlib import Path
 
 from jaxwalk.cli import main
+from jaxwalk.raters.rating_plan import read_plan
 from maps.imported.osm_files import cross
+from raters.simulated import write_files
 
 SMALL = {
     "--episodes": "4", "--counterfactuals": "1", "--incidents": "1", "--updates": "2", "--count": "1", "--check": "2",
@@ -43,6 +46,11 @@ def briefly(words: list[str]) -> list[str]:
     return words
 
 
+def as_a_shell_does(words: list[str]) -> list[str]:
+    """Replace patterns by the names of files that match them."""
+    return [name for word in words for name in (sorted(glob(word)) if "*" in word else [word])]
+
+
 def written(words: list[str]) -> set[str]:
     """Return the folders and files that a command writes."""
     return {word for before, word in pairwise(words) if before in ("--out", "--run")}
@@ -61,6 +69,8 @@ def provide(words: list[str], trained: Path) -> None:
             path.mkdir(parents=True, exist_ok=True)
         elif word == "town.osm":
             cross().write(path)
+        elif word == "answers-*.json":
+            write_files(Path(), read_plan(Path(words[words.index("--out") + 1]) / "plan.json"), raters=5)
         elif word in ("driver.onnx", "first.safetensors") and not path.exists():
             line = f"export co-trained --out {word}" if word == "driver.onnx" else f"share runs/first --out {word}"
             assert main(line.split()) == 0

@@ -20,7 +20,7 @@ from hostile.command_lines import nothing_is_done
 from jaxwalk.cli import main
 from jaxwalk.sim.suites import SUITES
 from website.blocks import REASONS, Block, blocks, command_lines
-from website.brief import CHECKED, ELSEWHERE, briefly, clear, provide, written
+from website.brief import CHECKED, ELSEWHERE, as_a_shell_does, briefly, clear, provide, written
 from website.repository import ROOT, sources
 
 PAGES = [page for page in ("README.md", *sources()) if page != "CHANGELOG.md"]
@@ -161,4 +161,4 @@ def _jaxwalk(words: list[str], trained: Path) -> None:
             assert main(words[1:]) == 0, words
         clear(written(words))
     else:
-        assert main(words[1:]) == 0, words
+        assert main(as_a_shell_does(words)[1:]) == 0, words
