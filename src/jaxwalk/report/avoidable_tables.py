@@ -12,7 +12,8 @@ from jaxwalk.wording import counted
 BY_WHOM = (
     "Collisions replayed with one thing changed. Avoidable by the driver: by braking fully, or by a planner that knows "
     "the future, from the moment the pedestrian entered the road; by the pedestrian: by waiting at the kerb, or by "
-    "crossing on the crosswalk. (The label of a person hit on a sidewalk: the documentation's page metrics.)"
+    "crossing on the crosswalk. For a person hit on a sidewalk, the driver acts from 3 s before the collision on "
+    "(docs: metrics)."
 )
 JUDGED = (
     "The same collisions with another driver in the car's place, from the moment at which the car first perceived the "

@@ -85,7 +85,7 @@ WORLD = (
 )
 BASELINES = (
     f"{WORLD} The paper does not say among which people its rules drove, nor their throttle, cone or braking; ours "
-    "stand in the documentation's page evaluation."
+    "are listed (docs: evaluation)."
 )
 TRAINED = (
     "Our drivers were trained with the recipe named above, not the paper's: they see their route rather than the goal "

@@ -66,7 +66,7 @@ def test_a_set_must_be_named_if_the_size_does_not_say(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         torch.jit.script(torch.nn.Linear(65, 2)).save(str(tmp_path / "script.pt"))
-    with pytest.raises(DriverError, match=r"takes 65 numbers; the sets' sizes are: .*route-belief 65.*how to name one"):
+    with pytest.raises(DriverError, match=r"takes 65 numbers; the sets' sizes are: .*route-belief 65.*name one in it"):
         load_host_driver(str(tmp_path / "script.pt"))
 
 
