@@ -18,7 +18,15 @@ Tell = Callable[[str, int, int], None]
 
 
 def told(what: str, work: Callable[[Tell], T]) -> T:
-    """Return the result of some work, and show its progress meanwhile; ``what`` it begins with."""
+    """Do some work, show its progress on standard error meanwhile, and return its result.
+
+    Args:
+        what: the first stage of the work, in words; shown until the work itself says what it does.
+        work: is called with a function that shows progress, a bar in a terminal and lines elsewhere.
+
+    Raises:
+        Whatever the work raises.
+    """
     console = Console(stderr=True)
     if not console.is_terminal:
         return work(Lines(lambda line: console.print(line, soft_wrap=True, markup=False), what))

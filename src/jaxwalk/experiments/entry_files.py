@@ -50,9 +50,18 @@ def _files(folder: Path) -> Iterator[Path]:
 
 
 def missing_file(folder: Path, role: str, name: str) -> str | None:
-    """Return what a driver or population is made of and neither comes with jaxwalk nor lies in the folder, if anything.
+    """Return the first part of a driver or population that is missing in a folder; None if none is.
 
-    Of several it is the first; None if nothing is missing.
+    A mixture has several parts; a driver behind a shield is one. A rule, or a policy that comes with jaxwalk, is
+    never missing.
+
+    Args:
+        folder: the folder of an entry.
+        role: ``driver`` or ``pedestrian``.
+        name: the name of the driver or population in the results.
+
+    Raises:
+        MixtureError: the name is that of a mixture which can't be understood.
     """
     parts = list(mixture_of(role, name)) or [unshielded(role, name)[0]]
     own = [part for part in parts if part not in RULES[role] and shipped_policy(role, part) is None]

@@ -18,10 +18,16 @@ class InUseError(ValueError):
 
 @contextmanager
 def held(folder: Path, *, seconds: float = 0.0) -> Iterator[None]:
-    """Keep other processes from writing into the folder, which is made if it doesn't exist.
+    """Lock a folder while the block runs, so that no other process writes into it.
 
-    The operating system lets go of it however the process ends: after a crash nothing has to be tidied up. Raises
-    InUseError if another process, or another thread of this one, has it, at once or after a wait of some ``seconds``.
+    The operating system frees the lock however the process ends: after a crash nothing has to be tidied up.
+
+    Args:
+        folder: the folder; it is made if it doesn't exist.
+        seconds: how long to wait for the lock if another process has it [s].
+
+    Raises:
+        InUseError: another process, or another thread of this one, still has the lock then.
     """
     folder.mkdir(parents=True, exist_ok=True)
     lock = FileLock(folder / LOCK)
