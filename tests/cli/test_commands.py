@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import io
 import json
 import os
 import re
@@ -11,7 +10,6 @@ import subprocess
 import sys
 
 import pytest
-from rich.console import Console
 
 from jaxwalk.cli import main
 from jaxwalk.cli.casting import cast
@@ -31,7 +29,6 @@ from jaxwalk.cli.options import (
 )
 from jaxwalk.cli.train import make_experiment
 from jaxwalk.runs.street import make_street
-from report.material import material
 
 
 def test_version(capsys):
@@ -220,33 +217,6 @@ def test_two_drivers_are_compared_in_words_and_everything_is_kept(place, capsys)
     assert [(one["a"], one["b"], one["ending"]) for one in compared] == [
         ("rule-based", "random", "collision"), ("rule-based", "random", "goal"),
     ]  # fmt: skip
-
-
-def test_the_table_marks_who_sees_what_is_hidden():
-    from jaxwalk.cli.evaluation_table import table
-
-    cell = material(1).results.cells[0]
-    sets = ("route", "route-belief", "route-told", "privileged")
-    shown = table([dataclasses.replace(cell, driver="mine", driver_observes=name) for name in sets])
-    marked = ["mine", "mine", "mine (route-told)", "mine (privileged)"]
-    assert list(shown.columns[0].cells) == marked
-
-
-@pytest.mark.parametrize("width", [60, 80, 120, 200])
-def test_a_narrow_terminal_has_several_tables(width):
-    from jaxwalk.cli.evaluation_table import OF_MAPS, tables
-
-    cells = material(1).results.cells[:3]
-    written = io.StringIO()
-    console = Console(width=width, file=written)
-    made = tables(cells, console)
-    assert (len(made) == 1) == (width == 200)
-    console.print(*made, sep="\n")
-    text = written.getvalue()
-    assert max(len(line) for line in text.splitlines()) <= width and "…" not in text
-    assert all(text.count(name) == 1 for name in (*OF_MAPS, "95 % intervals in brackets"))
-    assert text.count(cells[0].pedestrians) >= len(made)
-    assert " ".join(text.split()).count("the world's rule, which ends scenarios, gives the hits of jaxwalk report") == 1
 
 
 def test_play_draws(place, capsys):

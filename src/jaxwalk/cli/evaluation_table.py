@@ -17,7 +17,9 @@ from jaxwalk.report.table import shown
 from jaxwalk.sim.observation import HIDDEN
 
 WIDEST = 226
-"""More than any table needs [characters], with columns of maps and of preventable contacts."""
+"""Width of tables in files and pipes, and the width at which tables are measured [characters].
+
+All numbers at their widest, a column of multipliers and the heads of the names take 223. Longer names are folded."""
 MOST_MAPS = 12
 """Most maps in the table of a cell; of more, it shows those with the most collisions."""
 TITLE = "95 % intervals in brackets"
@@ -71,9 +73,8 @@ def tables(cells: Sequence[Cell], console: Console) -> list[Table]:
     return made
 
 
-def table(cells: Sequence[Cell], columns: Sequence[str] | None = None) -> Table:
-    """Return the cells as a table with 95 % intervals, of all numbers or of some ``columns``."""
-    numbers = _columns(cells) if columns is None else columns
+def table(cells: Sequence[Cell], columns: Sequence[str]) -> Table:
+    """Return the cells as a table with 95 % intervals; ``columns`` are keys of `OF_MAPS` and `OF_CELLS`."""
     several, multipliers = any(cell.by_map for cell in cells), len({cell.jaywalk_multiplier for cell in cells}) > 1
     made = Table(title=TITLE, box=SIMPLE, padding=(0, 1))
     for name in ("driver", "pedestrians"):
@@ -86,16 +87,16 @@ def table(cells: Sequence[Cell], columns: Sequence[str] | None = None) -> Table:
     made.caption = "\n".join(captions)
     if several:
         made.add_column("map", overflow="fold")
-    for name in numbers:
+    for name in columns:
         made.add_column(escape(name), justify="right", no_wrap=True)
     for cell in cells:
         observes = cell.driver_observes
         names = cell.driver + (f" ({observes})" if observes in HIDDEN else ""), cell.pedestrians
         extra = [f"{cell.jaywalk_multiplier:g}"] * multipliers
-        shown_here = [(OF_MAPS | OF_CELLS)[name](cell) for name in numbers]
+        shown_here = [(OF_MAPS | OF_CELLS)[name](cell) for name in columns]
         made.add_row(*map(escape, names), *extra, *["all"] * several, *map(escape, shown_here))
         for found in _shown_maps(cell):
-            rates = [OF_MAPS[name](found) for name in numbers if name in OF_MAPS]
+            rates = [OF_MAPS[name](found) for name in columns if name in OF_MAPS]
             made.add_row("", "", *[""] * len(extra), *map(escape, (found.map, *rates)))
     return made
 
