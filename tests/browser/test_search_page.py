@@ -41,9 +41,24 @@ def test_times_and_rows_without_a_failure_are_left_out_and_named():
     assert (contact, side) == ("jaywalk", "front, middle")
     assert [place for place, one in enumerate(cells) if one] == [2, 9]  # five speeds for each time
     assert found.left_out == (
-        "Left out, because nothing failed there: first visible 1 to 2 s, 3 to 4 s, 4 and more s before; 20 rows of "
-        "contact and side."
+        "Left out, because nothing failed there: first visible 1 to 2, 3 to 4, or 4 and more seconds before; 20 "
+        "rows of contact and side."
     )
+
+
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [((0, 1, 2, 3), "4 and more"), ((0, 1, 2), "3 to 4 or 4 and more"), ((4,), "0 to 1, 1 to 2, 2 to 3, or 3 to 4")],
+)
+def test_times_without_a_failure_are_a_sentence(times, said):
+    found = shown_grid(results(*((2, 2, time, 3) for time in times))).left_out
+    assert found.startswith(f"Left out, because nothing failed there: first visible {said} seconds before; ")
+
+
+def test_the_page_says_what_first_visible_is(tmp_path):
+    write_search_page(tmp_path / "search.html", results((2, 2, 0, 3)), replay_document())
+    text = (tmp_path / "search.html").read_text(encoding="utf-8")
+    assert "If the car stood then, this counts as 4 and more seconds. Left out, because nothing failed there: " in text
 
 
 def test_a_full_grid_leaves_nothing_out():
@@ -54,7 +69,7 @@ def test_a_full_grid_leaves_nothing_out():
 
 def test_the_tables_columns_have_units_and_its_cells_are_words():
     (row,) = csv.DictReader(io.StringIO(results((2, 2, 0, 3)).to_csv()))
-    assert row["cell"] == "jaywalk, 20 to 30 km/h, front, middle, first visible 0 to 1 s before"
+    assert row["cell"] == "jaywalk, 20 to 30 km/h, front, middle, first visible 0 to 1 seconds before"
     assert (row["speed_km_h"], row["first_visible_s_before"], row["bearing_deg"]) == ("25.000", "0.500", "-3.000")
     assert row["people"] == "" and "speed" not in row
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -48,10 +48,16 @@ class ShownGrid:
     @property
     def left_out(self) -> str:
         """Return in a sentence what isn't shown; empty if everything is."""
-        times = f"first visible {' s, '.join(self.empty_times)} s before" if self.empty_times else ""
+        times = f"first visible {_either(self.empty_times)} seconds before" if self.empty_times else ""
         rows = f"{counted(self.empty_rows, 'row')} of contact and side" if self.empty_rows else ""
         parts = [part for part in (times, rows) if part]
         return f"Left out, because nothing failed there: {'; '.join(parts)}." if parts else ""
+
+
+def _either(names: Sequence[str]) -> str:
+    """Return names in words, as in ``a``, ``a or b``, and ``a, b, or c``."""
+    *others, last = names
+    return last if not others else f"{', '.join(others)}{',' * (len(others) > 1)} or {last}"
 
 
 def shown_grid(results: SearchResults) -> ShownGrid:
@@ -96,6 +102,7 @@ def write_search_page(path: Path, results: SearchResults, document: dict[str, An
     page = filled_in(
         template,
         results=results, shown=shown_grid(results), said=said, judged=JUDGED, grid=GRID,
+        times=[part_of_axis(TIMES, part) for part in range(SHAPE[2])],
         speeds=[part_of_axis(SPEEDS, part) for part in range(SHAPE[1])],
         watched=len(document["episodes"]), css=gallery_style(), player=player_html(), script=player_script(),
         data=as_script(document),

@@ -50,7 +50,7 @@ class GridCell:
     """Where the person was at the contact, seen from the car."""
 
     def __str__(self) -> str:
-        return f"{self.contact}, {self.speed} km/h, {self.side}, first visible {self.time} s before"
+        return f"{self.contact}, {self.speed} km/h, {self.side}, first visible {self.time} seconds before"
 
 
 def cells_of(
