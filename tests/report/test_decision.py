@@ -148,6 +148,12 @@ def test_three_training_seeds_are_too_few():
         ("one", 1, "about these very policies: one that was trained may turn out otherwise when trained again"),
         ("enough", 5, "5 training seeds stand behind it, so it is about training such drivers again"),
         ("none", 0, "4,567 encounters in all"),
+        (
+            "unknown",
+            0,
+            "it isn't known whether a Python driver was trained: one that was may turn out otherwise when "
+            "trained again",
+        ),
     ],
 )
 def test_only_several_seeds_say_something_about_training(training, seeds, about):

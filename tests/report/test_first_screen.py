@@ -68,13 +68,15 @@ def test_of_several_seeds_hits_are_a_mean_without_an_interval():
     assert (found.training, found.seeds) == ("few", 3)
 
 
-def test_rules_alone_were_not_trained(one):
-    def played(kind):
-        origins = (PolicyOrigin("a", "rule", None), PolicyOrigin("b", kind, None))
+def test_rules_alone_were_not_trained_and_of_python_it_is_not_known(one):
+    def played(*kinds):
+        origins = tuple(PolicyOrigin(kind, kind, None) for kind in kinds)
         anybody = dataclasses.replace(one, results=dataclasses.replace(one.results, drivers=origins))
         return training_of(anybody)
 
-    assert [played(kind) for kind in ("rule", "Python class", "run folder")] == ["none", "none", "one"]
+    assert [played("rule"), played("rule", "rule")] == ["none", "none"]
+    assert [played("Python class"), played("rule", "Python class")] == ["unknown", "unknown"]
+    assert [played("rule", "run folder"), played("Python class", "file")] == ["one", "one"]
     assert training_of(one) == "one"  # older results don't say
 
 

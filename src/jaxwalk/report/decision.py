@@ -15,8 +15,9 @@ from jaxwalk.metrics import SURE, holm
 FEWEST_HITS = 10
 """Two drivers who hit fewer people together, and too few for any test, cannot be told apart or called alike."""
 
-Training = Literal["none", "one", "few", "enough"]
-"""What stands behind the drivers: rules alone; one training each; several, but too few to judge training; enough."""
+Training = Literal["none", "unknown", "one", "few", "enough"]
+"""What stands behind the drivers: rules alone; rules and Python classes, which may have been trained or not; one
+training each; several, but too few to judge training; enough."""
 Kind = Literal["alone", "uncompared", "unjudged", "safest", "ahead", "even", "depends"]
 """Kinds of decision.
 

@@ -153,15 +153,13 @@ def _mean(found: list[Interval]) -> Interval:
 
 
 def training_of(material: Material) -> Training:
-    """Return what stands behind the drivers."""
+    """Return what is known about the training of the drivers."""
     if material.several:
         return "enough" if len(material.training_seeds) >= FEWEST_SEEDS else "few"
     kinds = {origin.kind for origin in material.results.drivers}
-    return "none" if kinds and kinds <= UNTRAINED else "one"
-
-
-UNTRAINED = {"rule", "Python class"}
-"""Kinds of drivers that jaxwalk has not trained, nor knows to be trained."""
+    if kinds == {"rule"}:
+        return "none"
+    return "unknown" if kinds and kinds <= {"rule", "Python class"} else "one"  # a class may hold a network
 
 
 def driven_in(material: Material) -> Driven:
