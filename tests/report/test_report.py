@@ -56,6 +56,14 @@ def _table(folder, name):
         return list(csv.DictReader(file))
 
 
+def test_the_first_tables_caption_says_which_numbers_have_intervals(page, several):
+    """The mean of several trainings has none (`_mean` of first_screen)."""
+    without = "with its 95 % interval, or of several trainings their mean without one; "
+    assert without in " ".join((several / "report.html").read_text(encoding="utf-8").split())
+    assert without not in " ".join(page.split()) and "with its 95 % interval; " in " ".join(page.split())
+    assert "the car's mean speed at the moment of a hit" in " ".join(page.split())
+
+
 def test_every_section_table_and_figure_is_in_the_page(page, several):
     for section in SECTIONS:
         expected = section.table not in OF_SEVERAL

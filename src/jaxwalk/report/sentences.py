@@ -241,8 +241,9 @@ def _training(evidence: Evidence) -> str:
     """Return how far the verdict reaches beyond these policies; empty if nothing was trained."""
     return {
         "none": "",
-        "unknown": "it isn't known whether a Python driver was trained: one that was may turn out otherwise when trained "
-        "again",
+        "unknown": (
+            "it isn't known whether a Python driver was trained: one that was may turn out otherwise when trained again"
+        ),
         "one": "it is about these very policies: one that was trained may turn out otherwise when trained again",
         "few": f"{counted(evidence.seeds, 'training seed')} are too few for a sentence about training",
         "enough": f"{evidence.seeds} training seeds stand behind it, so it is about training such drivers again",
