@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pytest
+
 from jaxwalk.evaluation import ScenarioSet
 from jaxwalk.wording import counted, first_of, plain, plain_markdown
 
@@ -26,3 +28,18 @@ def test_a_strangers_text_controls_no_terminal():
 def test_a_strangers_text_is_no_markup_of_a_page():
     assert plain_markdown("<script>a|b</script>") == "&lt;script&gt;a\\|b&lt;/script&gt;"
     assert plain_markdown("![x](javascript:y) {: onclick=z}") == r"\!\[x\](javascript:y) \{: onclick=z\}"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("http://x.org/a_b", r"http&#58;//x.org/a\_b"),
+        ("see HTTPS://x.org, ftp://y", "see HTTPS&#58;//x.org, ftp&#58;//y"),
+        ("www.x.org and WWW.y", "www&#46;x.org and WWW&#46;y"),
+        ("me@x.org", "me<!-- -->@x.org"),
+        ("file.py:Class", "file.py:Class"),
+    ],
+)
+def test_a_strangers_address_is_no_link(text, shown):
+    """On a forge the first four would become links; none of what is shown does (tried with cmarkgfm 2025.10.22)."""
+    assert plain_markdown(text) == shown

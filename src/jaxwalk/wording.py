@@ -39,5 +39,10 @@ def _controls(sign: str) -> bool:
 
 
 def plain_markdown(text: str, longest: int = LONGEST) -> str:
-    """Return a stranger's text for a page in Markdown: as `plain`, and neither HTML, a link, nor the end of a cell."""
-    return re.sub(r"([\\`*_\[\]{}|!])", r"\\\1", escape(plain(text, longest), quote=False))
+    """Return a stranger's text for a page in Markdown: as `plain`, and neither HTML, a link, nor the end of a cell.
+
+    Nor do bare addresses of pages and mail become links, as forges make them (GitHub Flavored Markdown, section 6.9).
+    """
+    marked = re.sub(r"([\\`*_\[\]{}|!])", r"\\\1", escape(plain(text, longest), quote=False))
+    without_pages = re.sub(r":(?=//)|(?<=www)\.", lambda found: f"&#{ord(found[0])};", marked, flags=re.IGNORECASE)
+    return without_pages.replace("@", "<!-- -->@")  # of mail, forges read the sign as any other, however it is written

@@ -93,6 +93,12 @@ BAD = {
         "scenario --tests r152 --driver random",
         "--tests writes crash tests, in which nobody drives",
     ),
+    "options of an episode in tests": (
+        "scenario --tests r152 --pedestrians learned --scenario 3 --seed 1 --map paper --world town --people 4 "
+        "--jaywalk-multiplier 1 --scenarios notes.txt",
+        "the rest; leave out --pedestrians, --scenario, --seed, --scenarios, --map, --world, --people, --jaywalk-multi",
+    ),
+    "layers without tests": ("scenario --driver random --layers all", "--layers chooses among crash tests"),
     "scenario in a file": ("scenario --driver random --out notes.txt", "is a file"),
 }
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 from jaxwalk.cli.casting import cast
 from jaxwalk.cli.checks import check_driver, check_kept, check_number, check_scenario, check_seed
 from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
@@ -15,6 +17,9 @@ from jaxwalk.scenarios import Drawn, Scripted
 from jaxwalk.scenarios.archive_file import read_archive
 from jaxwalk.scenarios.script_file import read_script
 from jaxwalk.wording import counted
+
+OF_TESTS = ("tests", "layers", "out")
+"""Options that apply to crash tests."""
 
 
 def run(options: Scenario) -> int:
@@ -52,15 +57,30 @@ def check(options: Scenario) -> None:
     """Raise an error for impossible options."""
     if options.tests is None:
         _check_episode(options)
-    elif options.driver or options.scenarios is not None:
-        raise UsageError("--tests writes crash tests, in which nobody drives; leave --driver and --scenarios out")
+    else:
+        _check_tests(options)
     if options.out.exists() and not options.out.is_dir():
         raise UsageError(f"--out {options.out}: is a file; name a folder")
     load_library()
     check_writable(options.out)
 
 
+def _check_tests(options: Scenario) -> None:
+    """Raise UsageError for options that say nothing about crash tests."""
+    given = [f"--{name.replace('_', '-')}" for name in _changed(options) if name not in OF_TESTS]
+    if given:
+        what = "--tests writes crash tests, in which nobody drives, and the suite decides the rest"
+        raise UsageError(f"{what}; leave out {', '.join(given)}")
+
+
+def _changed(options: Scenario) -> list[str]:
+    """Return the names of the options that differ from their defaults."""
+    return [field.name for field in fields(options) if getattr(options, field.name) != field.default]
+
+
 def _check_episode(options: Scenario) -> None:
+    if "layers" in _changed(options):
+        raise UsageError("--layers chooses among crash tests; name a suite with --tests, or leave it out")
     check_driver(options.driver)
     check_scenario(options.scenario)
     check_seed(options.seed)

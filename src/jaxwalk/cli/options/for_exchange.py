@@ -93,7 +93,7 @@ class Scenario:
     """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
     tests: Annotated[str | None, option("none", "SUITE")] = None
     """Instead of an episode: the crash tests of a suite, or of FILE.toml or FILE.xosc, without a driver
-    (docs: crash-tests)."""
+    (docs: crash-tests). Only --layers and --out go with it."""
     layers: Annotated[tuple[str, ...], option("standard", "LAYER [LAYER ...]")] = ("standard",)
     """Which of the suite's tests: standard, extended, or a layer of robustness, such as faster; all: all of them."""
     out: Annotated[Path, option("scenario", "DIR")] = Path("scenario")
