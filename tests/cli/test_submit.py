@@ -229,7 +229,10 @@ def test_bad_input_is_one_message(zoo, capsys, line, said):
         (lambda content: content["scenarios"].update(count=3), "3 scenarios are too few, 4 are needed"),
         (lambda content: content["scenarios"].pop("seed"), "is not of drawn scenarios"),
         (lambda content: content["drivers"][0].update(name="../x.onnx", kind="file"), "../x.onnx is not in zoo/bold"),
-        (lambda content: content["cells"][0].update(pedestrians="others"), "its cells name others"),
+        (
+            lambda content: content["cells"][0].update(pedestrians="others"),
+            "a cell of its results is not of their driver",
+        ),
         (lambda content: content["drivers"][0].update(name="/x.onnx", kind="file"), "/x.onnx is not in zoo/bold"),
     ],
 )

@@ -12,15 +12,30 @@ from rich.progress import Progress
 from jaxwalk.cli.checks import check_driver_seconds, check_file
 from jaxwalk.cli.errors import BAD_INPUT, DIFFERS, UsageError, message
 from jaxwalk.cli.options import Submit
+from jaxwalk.evaluation import Stopped
+from jaxwalk.evaluation.counterfactual import ReplayError
+from jaxwalk.evaluation.reading import DocumentError
+from jaxwalk.experiments.again import AgainError
+from jaxwalk.experiments.entry_files import SubmissionError
 from jaxwalk.experiments.submissions import Entry, check_entry, read_entry
-from jaxwalk.report.leaderboard import LONGEST_NAME, BoardLine, page, standings
-from jaxwalk.runs.folder import check_writable
-from jaxwalk.runs.lock import held
+from jaxwalk.maps.file import MapError
+from jaxwalk.policies.host.driver import DriverError
+from jaxwalk.policies.learned import PolicyError
+from jaxwalk.policies.mixture_names import MixtureError
+from jaxwalk.report.leaderboard import LONGEST_NAME, BoardLine, StandingsError, page, standings
+from jaxwalk.runs.contestant_names import ContestantError
+from jaxwalk.runs.folder import RunError, check_writable
+from jaxwalk.runs.lock import InUseError, held
 from jaxwalk.wording import plain
 from jaxwalk.writing import write_whole
 
 LONGEST_FINDING = 1000
 """Longest line on how an entry's results come out again [characters]."""
+UNUSABLE = (
+    SubmissionError, StandingsError, AgainError, DocumentError, MixtureError, ContestantError, DriverError, PolicyError,
+    MapError, ReplayError, Stopped, RunError, InUseError, UsageError, OSError,
+)  # fmt: skip
+"""Faults of an entry: of its files, its results or its driver. Any other error isn't the entry's, and ends it all."""
 
 
 def run(options: Submit) -> int:
@@ -31,24 +46,16 @@ def run(options: Submit) -> int:
     came_out = True
     for folder in options.entries:
         try:
-            entry, same = _found(folder, options)
-            lines += standings(entry.name, entry.shown, checked=bool(entry.checked))
+            found, same = _found(folder, options)
+            lines += found
             came_out &= same
-        except Exception as error:
-            unusable[folder.resolve().name] = _reason(error)
+        except UNUSABLE as error:
+            unusable[folder.resolve().name] = message(error) or str(error)
     for why in unusable.values():
         print(f"jaxwalk: {why}", file=sys.stderr)
     if lines:
-        _show(page(lines, unusable), options.out)
+        _show(page(lines, unusable, salted=options.salt is not None), options.out)
     return BAD_INPUT if unusable else 0 if came_out else DIFFERS
-
-
-def _reason(error: Exception) -> str:
-    """Return why an entry can't be used. Raise the error if it is one of jaxwalk itself."""
-    text = message(error)
-    if text is None:
-        raise error
-    return text
 
 
 def _show(text: str, out: Path | None) -> None:
@@ -69,19 +76,29 @@ def check(options: Submit) -> None:
     if twice:
         raise UsageError(f"two folders are called {twice}; a leaderboard shows their names, so rename one")
     check_driver_seconds(options.driver_seconds)
+    if options.salt == "":
+        raise UsageError("--salt is empty; give a long random text, or leave it out")
     if options.out:
         check_file(options.out, ".md")
         check_writable(options.out.parent)
 
 
-def _found(folder: Path, options: Submit) -> tuple[Entry, bool]:
-    """Return an entry, checked if that is asked for, and whether it came out again."""
+def _found(folder: Path, options: Submit) -> tuple[list[BoardLine], bool]:
+    """Return an entry's lines, checked if that is asked for, and whether it came out again."""
     if not folder.is_dir():
         raise UsageError(f"{folder}: no such folder; check the name")
     if options.check:
         check_writable(folder)
-    entry = read_entry(folder)
-    return _checked(entry, options) if options.check else (entry, True)
+    entry = read_entry(folder, options.salt)
+    lines = _lines(entry)
+    if not options.check:
+        return lines, True
+    entry, same = _checked(entry, options)
+    return _lines(entry), same
+
+
+def _lines(entry: Entry) -> list[BoardLine]:
+    return standings(entry.name, entry.shown, checked=entry.checked is not None)
 
 
 def _checked(entry: Entry, options: Submit) -> tuple[Entry, bool]:
@@ -93,7 +110,7 @@ def _checked(entry: Entry, options: Submit) -> tuple[Entry, bool]:
         def tell(what: str, done: int, total: int) -> None:
             bar.update(task, description=escape(plain(f"{name}: {what}")), completed=done, total=total)
 
-        entry, found = check_entry(entry, tell, trust=options.trust, seconds=options.driver_seconds)
+        entry, found = check_entry(entry, tell, salt=options.salt, trust=options.trust, seconds=options.driver_seconds)
     said = plain(f"{name}: {found.in_words}", LONGEST_FINDING)
     Console(stderr=True).print(said, soft_wrap=True, markup=False, highlight=False)
     return entry, not found.differs

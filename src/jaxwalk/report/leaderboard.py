@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 from jaxwalk.evaluation import Cell, Results
-from jaxwalk.evaluation.document_parts import Number, PolicyOrigin
+from jaxwalk.evaluation.document_parts import Number, PolicyOrigin, StreetOrigin
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.table import MOVING, Table, markdown_table, shown
 from jaxwalk.wording import counted, plain_markdown
@@ -16,9 +16,16 @@ from jaxwalk.wording import counted, plain_markdown
 COLUMNS = ("entry", "checked", "goal %", "collision %", MOVING, "delay [s]", "driver", "scenarios")
 CAPTION = (
     "Brackets: 95 % intervals over scenarios, of one training each: they say nothing about training again. Checked "
-    "entries came out again elsewhere, and show what they did on fresh scenarios, whose seed follows from all files of "
-    "the entry; the others show what their authors say. The order is by contacts of the moving car, then by delay; "
-    "whose intervals overlap can't be told apart by it."
+    "entries came out again when somebody checked them, and show what they did on fresh scenarios; the others show "
+    "what their authors say. {seed} The order is by contacts of the moving car, then by delay; whose intervals overlap "
+    "can't be told apart by it."
+)
+FROM_FILES = (
+    "The seed of fresh scenarios follows from the files of the entry. It isn't secret: an author can change a file "
+    "until the seed suits."
+)
+FROM_SALT = (
+    "The seed of fresh scenarios follows from the files of the entry and from a text of whoever checked them (--salt)."
 )
 RULES_DIGITS = 8
 """Number of hexadecimal digits of a hash of rules."""
@@ -28,26 +35,36 @@ OF_FILES = ("run folder", "policy file", "file")
 """Kinds of policies that their hash identifies, whatever they are called in an entry."""
 
 
+ADVICE = "evaluate it again, with --out"
+
+
+class StandingsError(ValueError):
+    """Results can't stand in a leaderboard. The message names the entry and says what to do, in one line."""
+
+
 @dataclass(frozen=True)
 class BoardLine:
-    """An entry's cell: one driver among one population in one world."""
+    """An entry's cell: one driver among one population in one world. `standings` makes them."""
 
     entry: str
     checked: bool
     results: Results
+    street: StreetOrigin
+    """The street of the results."""
+    crowd: PolicyOrigin
+    """The population of the cell."""
     cell: Cell
+    contacts: float
+    """Share of the scenarios in which the moving car touches somebody."""
 
     @property
     def rules(self) -> str:
         """The hash of all that decides results besides the driver and the seed: equal rules, equal hashes."""
-        street, cell = self.results.street, self.cell
-        if street is None:
-            raise ValueError(f"{self.entry}: its results don't say by which rules they were made")
-        crowd = next(one for one in self.results.populations if one.name == cell.pedestrians)
+        cell = self.cell
         rules = {
-            "maps": [text.hash for text in street.maps],
-            "sim": {**asdict(street.sim), "jaywalk_multiplier": cell.jaywalk_multiplier},
-            "people": [_identity(crowd), cell.pedestrian_mode],
+            "maps": [text.hash for text in self.street.maps],
+            "sim": {**asdict(self.street.sim), "jaywalk_multiplier": cell.jaywalk_multiplier},
+            "people": [_identity(self.crowd), cell.pedestrian_mode],
             "scenarios": self.results.scenarios.count,
         }
         return hashlib.sha256(json.dumps(rules, sort_keys=True).encode()).hexdigest()[:RULES_DIGITS]
@@ -55,17 +72,15 @@ class BoardLine:
     @property
     def where(self) -> str:
         """World, population, number of scenarios and the hash of all rules, as Markdown."""
-        street, cell = self.results.street, self.cell
-        place, who = street.in_words() if street else "?", cell.pedestrians
         count = counted(self.results.scenarios.count, "scenario")
-        strangers = f"{plain_markdown(place)}, {plain_markdown(who)}"
-        return f"{strangers}, jaywalk multiplier {cell.jaywalk_multiplier:g}, {count}, rules {self.rules}"
+        strangers = f"{plain_markdown(self.street.in_words())}, {plain_markdown(self.crowd.name)}"
+        return f"{strangers}, jaywalk multiplier {self.cell.jaywalk_multiplier:g}, {count}, rules {self.rules}"
 
     @property
     def rank(self) -> tuple[bool, float, float]:
         """What entries are ordered by."""
         delay = self.cell.mean_delay.value
-        return not self.checked, _moving(self.cell).value or 0.0, float("inf") if delay is None else delay
+        return not self.checked, self.contacts, float("inf") if delay is None else delay  # None: it never arrives
 
     def row(self) -> tuple[str, ...]:
         """Return the cells of the table."""
@@ -93,8 +108,31 @@ def _moving(cell: Cell) -> Number:
 
 
 def standings(name: str, results: Results, *, checked: bool) -> list[BoardLine]:
-    """Return the standings of one entry, one for each of its cells."""
-    return [BoardLine(name, checked, results, cell) for cell in results.cells]
+    """Return the standings of one entry, one for each of its cells.
+
+    Args:
+        name: the entry's.
+        results: of one driver in one world, among one population or several.
+        checked: whether somebody else than its author found them.
+
+    Raises:
+        StandingsError: the results have no cell or don't say how they were made, or a cell is of another driver or
+            population than the results, or has no episodes.
+    """
+    if results.street is None or not results.cells:
+        lacks = "cells" if results.street else "rules"
+        raise StandingsError(f"{name}: its results have no {lacks}; {ADVICE}")
+    crowds = {origin.name: origin for origin in results.populations}
+    drivers = [origin.name for origin in results.drivers]
+    lines = []
+    for cell in results.cells:
+        contacts = _moving(cell).value
+        if [cell.driver] != drivers or cell.pedestrians not in crowds:
+            raise StandingsError(f"{name}: a cell of its results is not of their driver and populations; {ADVICE}")
+        if contacts is None:
+            raise StandingsError(f"{name}: its results don't say how often the moving car touched somebody; {ADVICE}")
+        lines.append(BoardLine(name, checked, results, results.street, crowds[cell.pedestrians], cell, contacts))
+    return lines
 
 
 def leaderboard(entries: Sequence[BoardLine]) -> dict[str, Table]:
@@ -105,10 +143,17 @@ def leaderboard(entries: Sequence[BoardLine]) -> dict[str, Table]:
     return {lines[0].where: Table(COLUMNS, tuple(one.row() for one in lines)) for lines in tables.values()}
 
 
-def page(entries: Sequence[BoardLine], unusable: Mapping[str, str]) -> str:
-    """Return the leaderboard as Markdown, at its end the ``unusable`` entries and why they are."""
+def page(entries: Sequence[BoardLine], unusable: Mapping[str, str], *, salted: bool) -> str:
+    """Return the leaderboard as Markdown.
+
+    Args:
+        entries: the lines of all tables.
+        unusable: the entries that can't be shown, and why.
+        salted: whether the seeds of the checks follow from a salt too.
+    """
     parts = [part for where, table in leaderboard(entries).items() for part in (f"## {where}", table.markdown())]
     if unusable:
         rows = [(plain_markdown(name, LONGEST_NAME), plain_markdown(why)) for name, why in unusable.items()]
         parts += ["## Not usable", markdown_table(("entry", "why"), rows)]
-    return "\n\n".join(("# Leaderboard", CAPTION, *parts)) + "\n"
+    caption = CAPTION.format(seed=FROM_SALT if salted else FROM_FILES)
+    return "\n\n".join(("# Leaderboard", caption, *parts)) + "\n"

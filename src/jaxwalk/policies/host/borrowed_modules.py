@@ -1,4 +1,4 @@
-"""The Python modules that a stranger's driver loads: they must come with its files, and are forgotten afterwards."""
+"""The Python modules and packages that a stranger's driver loads: they come with its files, and are forgotten after."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import invalidate_caches
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from jaxwalk.policies.host.driver import DriverError
 
@@ -19,52 +18,63 @@ OURS = Path(__file__).parents[2]
 
 
 @contextmanager
-def modules_of(folder: Path) -> Iterator[Callable[[], None]]:
+def modules_of(folder: Path, home: Path) -> Iterator[Callable[[], None]]:
     """Let drivers import modules of one folder and installed packages; forget what they loaded from elsewhere after it.
 
-    Another folder's driver can then have modules of the same names. Compiled code is neither read from the folder nor
-    written into it.
+    Another folder's driver can then have modules of the same names.
+
+    Args:
+        folder: where the driver's modules are.
+        home: the folder that messages name, of which ``folder`` may be a copy.
 
     Yields:
         A function that checks what was loaded so far; at the end it is called once more.
 
     Raises:
-        DriverError: a module that was loaded meanwhile is neither installed nor of the folder. Its message begins with
-            the module's name.
+        DriverError: a module or package that was loaded meanwhile is neither installed nor of the folder. Its message
+            begins with the name of the module.
     """
-    before, cached = set(sys.modules), sys.pycache_prefix
-    with TemporaryDirectory() as away:
-        sys.pycache_prefix = away
-        try:
-            yield lambda: _check({*sys.modules} - before, folder.resolve())
-            _check({*sys.modules} - before, folder.resolve())
-        finally:
-            sys.pycache_prefix = cached
-            _forget({*sys.modules} - before)
+    before = set(sys.modules)
+
+    def check() -> None:
+        _check({*sys.modules} - before, folder.resolve(), home)
+
+    try:
+        yield check
+        check()
+    finally:
+        _forget({*sys.modules} - before)
 
 
 def _forget(loaded: set[str]) -> None:
-    """Forget the modules that aren't installed."""
+    """Forget the modules and packages that aren't installed."""
     installed = _installed()
-    for name, file in [(name, _file(name)) for name in loaded]:
-        if file is not None and not _within(file, installed):
+    for name, places in [(name, _places(name)) for name in loaded]:
+        if places and not any(_within(place, installed) for place in places):
             del sys.modules[name]
     invalidate_caches()
 
 
-def _check(loaded: set[str], folder: Path) -> None:
-    """Raise DriverError for a module that is neither installed nor of the folder."""
+def _check(loaded: set[str], folder: Path, home: Path) -> None:
+    """Raise DriverError for a module or package that is neither installed nor of the folder."""
     allowed = (folder, *_installed())
     for name in sorted(loaded):
-        file = _file(name)
-        if file is not None and not _within(file, allowed):
-            raise DriverError(f"{name}: the driver imports this module from {file.parent}; put it into {folder}")
+        places = _places(name)
+        if places and not any(_within(place, allowed) for place in places):
+            what, inside = ("package", ", with an __init__.py") if places[0].is_dir() else ("module", "")
+            there = f"the driver imports this {what} from {places[0].parent}"
+            raise DriverError(f"{name}: {there}; put it into {home}{inside}")
 
 
-def _file(name: str) -> Path | None:
-    """Return the file of a loaded module; None if it has none, as modules that are built in."""
-    file = getattr(sys.modules.get(name), "__file__", None)
-    return Path(os.path.normpath(file)) if isinstance(file, str) and os.path.isabs(file) else None
+def _places(name: str) -> tuple[Path, ...]:
+    """Return the file of a loaded module or package, or the folders of a package without ``__init__.py``.
+
+    There are none for modules that are built in.
+    """
+    module = sys.modules.get(name)
+    file = getattr(module, "__file__", None)
+    found = [file] if isinstance(file, str) else list(getattr(module, "__path__", None) or ())
+    return tuple(Path(os.path.normpath(each)) for each in found if isinstance(each, str) and os.path.isabs(each))
 
 
 def _installed() -> tuple[Path, ...]:
