@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import jax.numpy as jnp
 import pytest
 
 from jaxwalk.policies.host import DriverError, is_host_driver, load_host_driver
@@ -33,6 +34,25 @@ class Needy(Plain):
 class Idle:
     observes = "route"
 
+class Blind(Plain):
+    @property
+    def observes(self):
+        raise KeyError("eyes")
+
+class Restless(Plain):
+    @property
+    def reset(self):
+        raise KeyError("rest")
+
+class Late(Plain):
+    looked = 0
+    @property
+    def act(self):
+        self.looked += 1
+        if self.looked > 1:
+            raise KeyError("late")
+        return print
+
 NUMBER = 3
 """
 
@@ -53,8 +73,6 @@ def test_a_class_is_found_in_a_module_or_a_file(place, home):
     assert is_host_driver(name)
     driver = load_host_driver(name)
     assert (driver.name, driver.view.name) == (name, "route")
-    import jax.numpy as jnp
-
     assert driver.act(None, None, jnp.zeros((59, 2)))[0].tolist() == [[0.5, 0.5], [0.0, 0.0]]
 
 
@@ -72,6 +90,8 @@ def test_without_observes_it_is_paper(place):
         ("my_drivers:Idle", r"has no method act\(observation\)"),
         ("my_drivers:Broken", r"Broken\(\) raised KeyError: 'weights'"),
         ("my_drivers:Needy", r"Needy\(\) raised TypeError"),
+        ("my_drivers:Blind", r"looking at what Blind\(\) returned raised KeyError: 'eyes'"),
+        ("my_drivers:Restless", r"looking at what Restless\(\) returned raised KeyError: 'rest'"),
         ("my_drivers:Lost", r"observes 'everything', but .* there are: paper \(34\), route \(59\)"),
         ("driver.onnx", "driver.onnx: no such file"),
     ],
@@ -79,6 +99,12 @@ def test_without_observes_it_is_paper(place):
 def test_what_cannot_be_used_is_said(place, name, message):
     with pytest.raises(DriverError, match=message):
         load_host_driver(name)
+
+
+def test_a_property_that_fails_later_is_the_drivers_fault(place):
+    driver = load_host_driver("my_drivers:Late")
+    with pytest.raises(DriverError, match=r"my_drivers:Late: act raised KeyError: 'late' \(my_drivers.py, line \d+\)"):
+        driver.act(None, None, jnp.zeros((34, 2)))
 
 
 LEAVING = {

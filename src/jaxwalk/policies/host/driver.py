@@ -90,7 +90,7 @@ class HostDriver:
     def _ask(self, method: str, *arguments: Any) -> Any:
         """Call a method of the driver and return its result. Raises DriverError if it raises or takes too long."""
         try:
-            return self._thread.call(getattr(self._driver, method), arguments, self._seconds)
+            return self._thread.call(self._call, (method, *arguments), self._seconds)
         except TimeoutError as error:
             raise self.fail(
                 f"{method} took longer than {self._seconds:g} s; make it quicker, or allow more with --driver-seconds"
@@ -98,6 +98,10 @@ class HostDriver:
         except _RaisedError as raised:
             cause = raised.cause
             raise self.fail(f"{method} raised {_described(cause)}") from cause
+
+    def _call(self, method: str, *arguments: Any) -> Any:
+        """Call a method of the driver. Looking it up is the driver's own code too, where it is a property."""
+        return getattr(self._driver, method)(*arguments)
 
     def _checked(self, answer: Any, episodes: int) -> np.ndarray:
         """Return the answer as float32 ``(episodes, 2)``. Raises DriverError if it is something else."""

@@ -26,14 +26,18 @@ def load_class(name: str) -> tuple[Any, str]:
     home, _, attribute = name.rpartition(":")
     with _failures(name, f"importing {home}"):
         module = _file_module(Path(home)) if home.endswith(".py") else _module(home)
-    make = getattr(module, attribute, None)
+        make = getattr(module, attribute, None)
     if not callable(make):
         raise DriverError(f"{name}: {home} has no class {attribute}; check the name")
     with _failures(name, f"{attribute}()"):
         driver = make()
-    if not callable(getattr(driver, "act", None)):
+    with _failures(name, f"looking at what {attribute}() returned"):  # any of these may be a property, so code
+        acts = callable(getattr(driver, "act", None))
+        observes = str(getattr(driver, "observes", OBSERVES))
+        hasattr(driver, "reset")
+    if not acts:
         raise DriverError(f"{name}: has no method act(observation); give it one that returns an array (episodes, 2)")
-    return driver, str(getattr(driver, "observes", OBSERVES))
+    return driver, observes
 
 
 def _module(name: str) -> ModuleType:
