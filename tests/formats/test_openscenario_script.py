@@ -7,7 +7,7 @@ import pytest
 
 from formats.schemas import valid
 from jaxwalk.exports.scenario_files import MAP, export_tests
-from jaxwalk.formats.openscenario_script import ScriptUnsaid, openscenario_script
+from jaxwalk.formats.openscenario_script import InexpressibleRun, openscenario_script
 from jaxwalk.scenarios import Scripted
 from jaxwalk.scenarios.crash_file import parse_crash_suite
 
@@ -134,5 +134,5 @@ def test_what_the_standard_has_no_words_for_is_left_out(said, copies):
         "turning at 10 km/h: people set out by the time to collision, which OpenSCENARIO measures in a straight line, "
         "and the car's way there is bent"
     ]
-    with pytest.raises(ScriptUnsaid):
+    with pytest.raises(InexpressibleRun):
         openscenario_script(said, 1, road_file=MAP)

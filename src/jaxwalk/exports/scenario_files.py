@@ -12,14 +12,14 @@ from jaxwalk.exports.drawn_episode import network_of_scenario
 from jaxwalk.formats.commonroad import commonroad, read_commonroad
 from jaxwalk.formats.opendrive import opendrive
 from jaxwalk.formats.openscenario import openscenario, read_openscenario
-from jaxwalk.formats.openscenario_parts import street_name
-from jaxwalk.formats.openscenario_script import ScriptUnsaid, openscenario_script
+from jaxwalk.formats.openscenario_script import InexpressibleRun, openscenario_script
 from jaxwalk.formats.paths import largest_error, paths
 from jaxwalk.formats.road_network import road_network
 from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.maps import as_network
 from jaxwalk.scenarios import Scripted, Source
+from jaxwalk.scenarios.xosc.our_properties import street_name
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import FAR_AWAY
 from jaxwalk.sim.trajectory import with_people
@@ -84,7 +84,7 @@ def export_tests(source: Scripted, folder: Path) -> tuple[int, list[str]]:
         try:
             name = f"{NOT_IN_NAMES.sub('-', case.name).strip('-')}-{case.speed:g}.xosc"
             documents[name] = openscenario_script(source, number, road_file=MAP)
-        except ScriptUnsaid as error:
+        except InexpressibleRun as error:
             refused.append(str(error))
     documents[MAP] = opendrive(road_network(as_network(source.street.maps[0])), source.suite.name)
     folder.mkdir(parents=True, exist_ok=True)

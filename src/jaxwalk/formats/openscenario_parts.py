@@ -13,8 +13,7 @@ from jaxtyping import Float
 
 from jaxwalk.formats.paths import Path, standing
 from jaxwalk.formats.tracks import CAR
-from jaxwalk.maps import bundled_maps
-from jaxwalk.maps.generated.named_streets import names_generated
+from jaxwalk.scenarios.xosc.our_properties import PREFIX
 from jaxwalk.sim.sim_config import SimConfig
 
 VERSION = 2
@@ -96,10 +95,5 @@ def our_properties(xosc: ModuleType, values: Mapping[str, object]):
     properties = xosc.Properties()
     for name, value in values.items():
         if value is not None:
-            properties.add_property(f"jaxwalk.{name}", str(value))
+            properties.add_property(f"{PREFIX}{name}", str(value))
     return properties
-
-
-def street_name(name: str) -> str | None:
-    """Return the name of a street if it says which street it is; None for files."""
-    return name if name in bundled_maps() or names_generated(name) else None

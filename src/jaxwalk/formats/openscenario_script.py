@@ -20,13 +20,13 @@ from jaxwalk.formats.openscenario_parts import (
     follows,
     our_properties,
     rear_places,
-    street_name,
 )
 from jaxwalk.formats.paths import Path
 from jaxwalk.formats.tracks import CAR, PEDESTRIAN, PERSON, TracksError
 from jaxwalk.scenarios import Scripted
 from jaxwalk.scenarios.rails import Footpath, Rails
 from jaxwalk.scenarios.staging import Case
+from jaxwalk.scenarios.xosc.our_properties import street_name
 from jaxwalk.sim.scenario import FAR_AWAY
 from jaxwalk.sim.script import Trigger
 
@@ -43,7 +43,7 @@ WAYPOINTS = 5.0
 def openscenario_script(source: Scripted, number: int, *, road_file: str) -> bytes:
     """Return a run as an OpenSCENARIO document.
 
-    Raises TracksError if scenariogeneration is missing, and ScriptUnsaid if the standard has no words for the run.
+    Raises TracksError if scenariogeneration is missing, and InexpressibleRun if the standard has no words for the run.
 
     Args:
         source: the runs.
@@ -72,7 +72,7 @@ def openscenario_script(source: Scripted, number: int, *, road_file: str) -> byt
     return library.helpers.prettify(scenario.get_element())
 
 
-class ScriptUnsaid(TracksError):
+class InexpressibleRun(TracksError):
     """A run can't be said in OpenSCENARIO. The message says why, in one line."""
 
 
@@ -159,7 +159,7 @@ class _ScriptWriter:
         return Footpath(way.at(metres)), gathered + np.maximum(metres - run_up, 0) / pace
 
     def _waits(self, person: int):
-        """Return the trigger of somebody. Raise ScriptUnsaid if the standard can't say it."""
+        """Return the trigger of somebody. Raise InexpressibleRun if the standard can't say it."""
         xosc, kind, value = self.xosc, int(self._of("trigger", person)), float(self._of("waits_for", person))
         name, place = f"pedestrian{person + 1} waits", float(self._of("place", person))
         if kind == Trigger.TIME:
@@ -170,7 +170,7 @@ class _ScriptWriter:
         else:
             front = place + self.config.car_length / 2
             if not self._straight(self.start, front):
-                raise ScriptUnsaid(f"{self.title}: people set out by the time to collision, which OpenSCENARIO "
+                raise InexpressibleRun(f"{self.title}: people set out by the time to collision, which OpenSCENARIO "
                                   "measures in a straight line, and the car's way there is bent")  # fmt: skip
             condition = xosc.TimeToCollisionCondition(
                 round(value, 6), xosc.Rule.lessThan, freespace=True, position=self._place(*self.rails.at(front)),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from jaxwalk.scenarios.rails import Footpath, time_to_walk
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, number, only, part, word
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
+from jaxwalk.scenarios.xosc.trajectories import vertices
 from jaxwalk.scenarios.xosc.triggers import Beginning, CarLine, Comes, Triggers
 
 MEETS = (
@@ -34,9 +34,7 @@ class MeetingPlan(NamedTuple):
     """When they set out."""
 
 
-def meeting_plan(
-    action: ET.Element, way: np.ndarray, positions: Positions, triggers: Triggers, vertices: Callable
-) -> MeetingPlan:
+def meeting_plan(action: ET.Element, way: np.ndarray, positions: Positions, triggers: Triggers) -> MeetingPlan:
     """Return how somebody meets the car. Raise XoscRefusal if a scripted person can't meet it so.
 
     Args:
@@ -44,11 +42,10 @@ def meeting_plan(
         way: the way of the pedestrian, float64 (corner, 2) [m].
         positions: where positions are.
         triggers: knows the tested car.
-        vertices: returns the vertices of a trajectory.
     """
     if word(action, "masterEntityRef") != triggers.tested:
         raise XoscRefusal("SynchronizeAction: masterEntityRef isn't the tested car; let it be")
-    met = _metres(way, _place(part(action, "TargetPosition"), positions, vertices))
+    met = _metres(way, _place(part(action, "TargetPosition"), positions))
     final = part(action, "FinalSpeed/AbsoluteSpeed")
     speed = number(final, "value")
     if speed <= 0:
@@ -72,11 +69,11 @@ def _when(car: CarLine, master: tuple[float, ...], seconds: float) -> Beginning:
     return Beginning(Comes.ARRIVAL, seconds, place)
 
 
-def _place(position: ET.Element, positions: Positions, vertices: Callable) -> np.ndarray:
+def _place(position: ET.Element, positions: Positions) -> np.ndarray:
     found = only(position)
     if found.tag != "TrajectoryPosition":
         return np.array(positions.at(position)[:2])
-    points = points_of(positions, vertices(found))
+    points = points_of(positions, vertices(found, positions.catalogs))
     return Footpath(points).at(number(found, "s"))
 
 

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaxwalk.maps import MapText, bundled_maps, load_network
-from jaxwalk.maps.generated.named_streets import names_generated
+from jaxwalk.maps import MapError, MapText, load_network
 from jaxwalk.maps.network_routes import sampled_route
 from jaxwalk.scenarios.crash_faults import suite_faults
 from jaxwalk.scenarios.crash_suite import (
@@ -17,7 +16,6 @@ from jaxwalk.scenarios.crash_suite import (
     CrashFileError,
     CrashSuite,
     ParkedBox,
-    PassRule,
     ScriptedPerson,
     ScriptedTest,
 )
@@ -26,16 +24,16 @@ from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, part, read_elements, word
 from jaxwalk.scenarios.xosc.expressions import without_parameters
 from jaxwalk.scenarios.xosc.made_street import ROUTE_BEHIND, made_street
+from jaxwalk.scenarios.xosc.our_properties import PREFIX, OurProperties
 from jaxwalk.scenarios.xosc.plain_roads import PlainRoads
 from jaxwalk.scenarios.xosc.positions import Positions
 from jaxwalk.scenarios.xosc.road_users import PEDESTRIAN, RoadUser, road_users, tested_car
 from jaxwalk.scenarios.xosc.tested_way import TestedWay, tested_way
+from jaxwalk.scenarios.xosc.trajectories import vertices
 from jaxwalk.scenarios.xosc.triggers import CarLine, Comes, Triggers
-from jaxwalk.scenarios.xosc.walkers import Walker, WalkerReading
+from jaxwalk.scenarios.xosc.walkers import PedestrianReader, Walker
 from jaxwalk.sim.sim_config import SimConfig
 
-OURS = "jaxwalk."
-"""Properties of a file's header that begin so are ours."""
 KMH = 3.6
 """1 m/s in km/h."""
 SHORTEST_TEST = 20.0
@@ -93,8 +91,7 @@ class _Reading:
     def __init__(self, document: ET.Element, path: Path) -> None:
         """Read who is there and where they begin."""
         self.document, self.path = document, path
-        properties = document.findall("FileHeader/Properties/Property")
-        self.ours = {word(one, "name", ""): word(one, "value", "") for one in properties}
+        self.ours = OurProperties.of(document)
         catalogs = CatalogEntries(document, path.parent)
         self.users = road_users(document, catalogs)
         self.car = tested_car(self.users)
@@ -102,7 +99,6 @@ class _Reading:
         roads = PlainRoads(None if logic is None else path.parent / word(logic, "filepath"))
         self.positions = Positions(roads, catalogs, {})
         self.notes: list[str] = []
-        self.walkers = WalkerReading(self.positions, catalogs, _no_triggers(self.positions), LONGEST, self.notes)
         self.positions.begins = {one.name: at for one in self.users.values() if (at := self._begin(one)) is not None}
 
     def _begin(self, user: RoadUser) -> ET.Element | None:
@@ -113,13 +109,13 @@ class _Reading:
         for action in user.actions("RoutingAction"):
             follows = action.find("FollowTrajectoryAction")
             if follows is not None:
-                return part(self.walkers.vertices(follows)[0], "Position")
+                return part(vertices(follows, self.positions.catalogs)[0], "Position")
         return None
 
     def script(self) -> XoscScript:
         """Return the script. Raise XoscRefusal for what can't be played."""
         self._check_others()
-        way = tested_way(self.car, self.positions, self.walkers)
+        way = tested_way(self.car, self.positions)
         begin = self.positions.begin(self.car.name)
         rules = SimConfig()
         centre = begin.beside(self.car.size[2], 0.0)
@@ -144,24 +140,25 @@ class _Reading:
         meets = car.start + car.half_length
         origin = Footpath(car.points).at(meets)
         test = ScriptedTest(
-            name=self.ours.get(f"{OURS}name") or self.path.stem, title=self._title(),
-            speeds=(round(max(way.fastest, STANDING) * KMH, 4),), meets=meets, route=int(self._ours("route", 0.0)),
+            name=self.ours.text("name") or self.path.stem, title=self._title(),
+            speeds=(round(max(way.fastest, STANDING) * KMH, 4),), meets=meets, route=self.ours.route,
             heading=0.0, starts_at=car.start, begins=round(min(way.speed, way.fastest) * KMH, 4),
-            people=self._people(car, origin), parked=self._parked(origin), passes=self._passes(),
+            people=self._people(car, origin), parked=self._parked(origin), passes=self.ours.passes(),
         )  # fmt: skip
-        made = [] if f"{OURS}track" in self.ours and self._named() else [
+        made = [] if self.ours.track else [
             "The road of the file isn't played: the street is made along the way of the car, with the roadway as wide "
             "as there, or two lanes of 3.5 m, and sidewalks."]  # fmt: skip
         return CrashSuite(
             name=self.path.stem, title=self._title(), source=f"{self.path.name}, OpenSCENARIO XML", tests=(test,),
             assumed=tuple(dict.fromkeys([*made, *way.notes, *self.notes])),
-            track=self.ours[f"{OURS}track"] if self._named() else self.path.stem, lasts=self._lasts(),
+            track=self.ours.track or self.path.stem, lasts=self._lasts(),
         )  # fmt: skip
 
     def _people(self, car: CarLine, origin: np.ndarray) -> tuple[ScriptedPerson, ...]:
-        self.walkers.triggers = Triggers(self.positions, car, self.car.name, self._still)
+        triggers = Triggers(self.positions, car, self.car.name, self._still)
+        reader = PedestrianReader(self.positions, self.positions.catalogs, triggers, self.notes)
         people = [one for one in self.users.values() if one.kind == PEDESTRIAN]
-        return tuple(_person(self.walkers.walker(one), car, origin) for one in people)
+        return tuple(_person(reader.walker(one), car, origin) for one in people)
 
     def _still(self, name: str) -> bool:
         """Return whether somebody hasn't moved before the car comes: who waits does so for one moment."""
@@ -203,38 +200,22 @@ class _Reading:
         stops = self.document.findall("Storyboard/StopTrigger//SimulationTimeCondition")
         return min(LONGEST, max([SHORTEST_TEST, *(number(one, "value") for one in stops)]))
 
-    def _named(self) -> bool:
-        """Return whether the file is ours, on a street that has a name."""
-        name = self.ours.get(f"{OURS}track", "")
-        return name in bundled_maps() or names_generated(name)
-
     def _named_line(self) -> np.ndarray | None:
         """Return the route on the street that our own file names, float64 (point, 2) [m]; None without a name."""
-        if not self._named():
+        if self.ours.track is None:
             return None
-        network = load_network(self.ours[f"{OURS}track"])
-        route = int(self._ours("route", 0.0))
-        if not 0 <= route < len(network.routes):
-            raise XoscRefusal(f"Property {OURS}route: there is no route {route}; correct it")
-        return sampled_route(network, network.routes[route]).points
-
-    def _ours(self, name: str, default: float) -> float:
-        text = self.ours.get(OURS + name)
-        return default if text is None else number(ET.Element(f"Property {OURS}{name}", {"value": text}), "value")
+        try:
+            network = load_network(self.ours.track)
+        except MapError as error:
+            reason = " ".join(str(error).split())[:LONGEST_TITLE]
+            raise XoscRefusal(f"Property {PREFIX}track: {reason}") from None
+        if not self.ours.route < len(network.routes):
+            raise XoscRefusal(f"Property {PREFIX}route: there is no route {self.ours.route}; correct it")
+        return sampled_route(network, network.routes[self.ours.route]).points
 
     def _title(self) -> str:
         header = part(self.document, "FileHeader")
-        return (self.ours.get(f"{OURS}title") or header.get("description") or self.path.stem)[:LONGEST_TITLE]
-
-    def _passes(self) -> PassRule:
-        rules = {name: self._ours(name, -1.0) for name in ("impact", "deceleration", "keeps")}
-        return PassRule(**{name: value for name, value in rules.items() if value >= 0})
-
-
-def _no_triggers(positions: Positions) -> Triggers:
-    """Return triggers that know no car yet."""
-    nowhere = CarLine(np.zeros((2, 2)), np.zeros(2), 0.0, 0.0, 0.0, 0.0, 0.0)
-    return Triggers(positions, nowhere, "", lambda name: False)
+        return (self.ours.text("title") or header.get("description") or self.path.stem)[:LONGEST_TITLE]
 
 
 def _person(walker: Walker, car: CarLine, origin: np.ndarray) -> ScriptedPerson:

@@ -14,8 +14,8 @@ from jaxwalk.scenarios.xosc.made_street import Strip
 from jaxwalk.scenarios.xosc.plain_roads import Pose
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, RoadUser, private_actions
+from jaxwalk.scenarios.xosc.trajectories import vertices
 from jaxwalk.scenarios.xosc.triggers import Beginning, Comes
-from jaxwalk.scenarios.xosc.walkers import WalkerReading
 
 LANE_WIDTH = 3.5
 """Width of lanes where no road is known [m]."""
@@ -40,11 +40,11 @@ class TestedWay(NamedTuple):
     """What of its own actions isn't played."""
 
 
-def tested_way(car: RoadUser, positions: Positions, walkers: WalkerReading) -> TestedWay:
+def tested_way(car: RoadUser, positions: Positions) -> TestedWay:
     """Return the way of the tested car. Raise XoscRefusal if its speed or way can't be read."""
     begin = positions.begin(car.name)
     centre = begin.beside(car.size[2], 0.0)
-    line, speeds = _line(car, positions, walkers)
+    line, speeds = _line(car, positions)
     first = [change_of(one, Beginning(Comes.AT_ONCE)).target for one in car.first if one.tag == "LongitudinalAction"]
     later = [number(one, "value") for event in car.events for one in event.element.iter("AbsoluteTargetSpeed")]
     speed = first[-1] if first else (speeds[0] if len(speeds) else 0.0)
@@ -62,16 +62,16 @@ def tested_way(car: RoadUser, positions: Positions, walkers: WalkerReading) -> T
     return TestedWay(_strip(car, positions, centre, line, ahead), speed, fastest, notes)
 
 
-def _line(car: RoadUser, positions: Positions, walkers: WalkerReading) -> tuple[np.ndarray, np.ndarray]:
+def _line(car: RoadUser, positions: Positions) -> tuple[np.ndarray, np.ndarray]:
     """Return the places of the car's centre that its actions name (point, 2) [m], and its speeds there [m/s]."""
     for action in car.actions("RoutingAction"):
         kind = only(action)
         if kind.tag == "FollowTrajectoryAction":
-            vertices = walkers.vertices(kind)
-            poses = np.array([positions.at(part(one, "Position")) for one in vertices])
-            return _centres(poses, car.size[2]), _speeds(poses, [one.get("time") for one in vertices])
+            corners = vertices(kind, positions.catalogs)
+            poses = np.array([positions.at(part(one, "Position")) for one in corners])
+            return _centres(poses, car.size[2]), _speeds(poses, [one.get("time") for one in corners])
         if kind.tag == "AssignRouteAction":
-            route = walkers.catalogs.resolved(only(kind))
+            route = positions.catalogs.resolved(only(kind))
             return _route(positions, car, route.findall("Waypoint")), np.zeros(0)
         if kind.tag == "AcquirePositionAction":
             return _on_from(positions, car, points_of(positions, [kind])), np.zeros(0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -215,8 +215,3 @@ class Triggers:
         if gap >= value:
             raise XoscRefusal(f"{condition.tag}: the car on its way never comes nearer than {gap:.2f} m; correct it")
         return along - math.sqrt(value**2 - gap**2)
-
-
-def names_of(moments: Iterable[Beginning]) -> set[str]:
-    """Return the names after which some moments come."""
-    return {one.after for one in moments if one.comes == Comes.AFTER}

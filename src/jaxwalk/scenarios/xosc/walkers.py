@@ -8,12 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxwalk.scenarios.crash_suite import LONGEST
 from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
 from jaxwalk.scenarios.xosc.changing_speeds import Change, change_of, check_times, thinned, timed_path, walked
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, only, part, word
 from jaxwalk.scenarios.xosc.meeting_people import MEETS, meeting_plan
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, Happening, RoadUser, private_actions
+from jaxwalk.scenarios.xosc.trajectories import vertices
 from jaxwalk.scenarios.xosc.triggers import Beginning, Comes, Triggers
 
 OFF_PATH = 2.0
@@ -42,14 +44,12 @@ class WalkerAction(NamedTuple):
 
 
 @dataclass
-class WalkerReading:
+class PedestrianReader:
     """Reads what pedestrians do."""
 
     positions: Positions
     catalogs: CatalogEntries
     triggers: Triggers
-    longest: float
-    """How long people walk on at most [s]."""
     notes: list[str]
     """What isn't played, in words."""
     never: set[str] = field(default_factory=set)
@@ -116,8 +116,7 @@ class WalkerReading:
         raise XoscRefusal(f"{kind.tag}: isn't supported; write a FollowTrajectoryAction")
 
     def _trajectory(self, user: RoadUser, action: ET.Element) -> np.ndarray:
-        vertices = self.vertices(action)
-        points = points_of(self.positions, vertices)
+        points = points_of(self.positions, vertices(action, self.catalogs))
         if user.name in self.positions.begins:
             begin = self.positions.begin(user.name)
             away = float(np.hypot(*(points[0] - begin[:2])))
@@ -127,30 +126,16 @@ class WalkerReading:
                 )
         return points
 
-    def vertices(self, action: ET.Element) -> list[ET.Element]:
-        """Return the vertices of a ``FollowTrajectoryAction``. Raise XoscRefusal if it has no polyline."""
-        holder = action.find("TrajectoryRef")
-        inner = action if holder is None else holder
-        found = inner.find("Trajectory")
-        found = self.catalogs.resolved(part(inner, "CatalogReference")) if found is None else found
-        shape = only(part(found, "Shape"))
-        if shape.tag != "Polyline":
-            raise XoscRefusal(f"{shape.tag}: isn't supported as the shape of a trajectory; write a Polyline")
-        vertices = shape.findall("Vertex")
-        if len(vertices) < 2:
-            raise XoscRefusal("Polyline: needs two vertices or more; add one")
-        return vertices
-
     def _meeting(self, way: np.ndarray, steps: list[WalkerAction], changes: list[Change]) -> Walker:
         """Return who is at a place when the unbraked car is at another; a car that brakes meets them all the same."""
         if len(steps) > 1 or any(one.target > 0 for one in changes) or steps[0].begins.comes != Comes.AT_ONCE:
             raise XoscRefusal(
                 "SynchronizeAction: is read only alone, from the start on; write a FollowTrajectoryAction"
             )
-        meets = meeting_plan(steps[0].action, way, self.positions, self.triggers, self.vertices)
+        meets = meeting_plan(steps[0].action, way, self.positions, self.triggers)
         self.notes.append(MEETS)
         gathers = Change(Beginning(Comes.AT_ONCE), meets.speed, "distance", meets.run_up)
-        points, times = timed_path(way, walked([gathers], self.longest))
+        points, times = timed_path(way, walked([gathers], LONGEST))
         return _walking(points, times, meets.waits)
 
     def _timed(self, way: np.ndarray, step: WalkerAction, changes: list[Change]) -> Walker:
@@ -159,7 +144,7 @@ class WalkerReading:
             raise XoscRefusal("SpeedAction: the times of the trajectory say the speed; leave one of them out")
         action = only(step.action)
         timing = part(action, "TimeReference/Timing")
-        times = np.array([number(one, "time") for one in self.vertices(action)])
+        times = np.array([number(one, "time") for one in vertices(action, self.catalogs)])
         times = times * number(timing, "scale", 1.0) + number(timing, "offset", 0.0)
         waits = step.begins
         check_times(times)
@@ -185,7 +170,7 @@ class WalkerReading:
             )
         origin = waits.value if waits.comes == Comes.TIME else 0.0
         shifted = [_since(change, waits, origin) for change in changes if change.target > 0 or change.begins != waits]
-        points, times = timed_path(way, walked(shifted, self.longest))
+        points, times = timed_path(way, walked(shifted, LONGEST))
         return _walking(points, times, waits._replace(delay=0.0))
 
 
