@@ -135,8 +135,8 @@ def test_trajectories_with_times(read):
     assert person.time == 2
     np.testing.assert_allclose(person.times, [0, 1, 3])
     np.testing.assert_allclose(path[:, 1], [-4, -4, 0], atol=1e-9)
-    absolute = RELATIVE.replace("relative", "absolute").replace('offset="0"', 'offset="3"')
-    person, _ = walker(read(document(event([follow([(43.5, -4), (43.5, 0)], (0, 2), absolute)]))))
+    absolute = RELATIVE.replace("relative", "absolute")
+    person, _ = walker(read(document(event([follow([(43.5, -4), (43.5, 0)], (3, 5), absolute)]))))
     np.testing.assert_allclose(person.times, [0, 3, 5])
 
 

@@ -48,7 +48,7 @@ REFUSED = {
     "condition": (document(crossing(SPEEDS)), "SpeedCondition: isn't supported; wait for a time"),
     "mixed": (
         document(crossing(by_value(TIME.format(1)) + by_car('<TraveledDistanceCondition value="1"/>'))),
-        "Event 'walks': waits for several conditions (place and time)",
+        "Event 'walks': waits for several conditions (a time and the car at a place)",
     ),
     "never near": (
         document(crossing(by_car(f'<ReachPositionCondition tolerance="2">{world(30, 9)}</ReachPositionCondition>'))),

@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from jaxwalk.scenarios.rails import Footpath, time_to_walk
+from jaxwalk.scenarios.xosc.car_line import CarLine
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, number, only, part, word
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.trajectories import vertices
-from jaxwalk.scenarios.xosc.triggers import Beginning, CarLine, Comes, Triggers
+from jaxwalk.scenarios.xosc.triggers import Beginning, Comes, Triggers
 
 MEETS = (
     "SynchronizeAction: people set out by the time to collision, so that the unbraked car meets them; "

@@ -24,6 +24,13 @@ class Happening:
     actors: tuple[str, ...]
 
     @property
+    def private_actions(self) -> list[tuple[str, ET.Element]]:
+        """Return the kinds of its private actions, each with the name of its ``Action``."""
+        actions = self.element.findall("Action")
+        return [(word(one, "name", ""), kind) for one in actions for private in one.findall("PrivateAction")
+                for kind in private]  # fmt: skip
+
+    @property
     def names(self) -> set[str]:
         """Return the names of the event and of its actions."""
         return {word(one, "name", "") for one in (self.element, *self.element.findall("Action"))}
@@ -62,14 +69,27 @@ class RoadUser:
         own = [one for event in self.events for one in private_actions(event.element)]
         return [one for one in (*self.first, *own) if one.tag == kind]
 
+    def stands_at_first(self) -> bool:
+        """Return whether nothing of Init moves it."""
+        return all(
+            one.tag not in DRIVING or one.tag == "TeleportAction" or _stands(one) or
+            (one.tag == "RoutingAction" and one.find("*/TimeReference/Timing") is None)
+            for one in self.first
+        )  # fmt: skip
+
     def moves(self) -> ET.Element | None:
         """Return an action that moves it after it was put to its place; None if there is none."""
         later = [one for event in self.events for one in private_actions(event.element)]
         for action in (*(one for one in self.first if one.tag != "TeleportAction"), *later):
-            target = action.find("SpeedAction/SpeedActionTarget/AbsoluteTargetSpeed")
-            if action.tag in DRIVING and not (target is not None and number(target, "value") == 0):
+            if action.tag in DRIVING and not _stands(action):
                 return action
         return None
+
+
+def _stands(action: ET.Element) -> bool:
+    """Return whether an action gives a speed of 0."""
+    target = action.find("SpeedAction/SpeedActionTarget/AbsoluteTargetSpeed")
+    return target is not None and number(target, "value") == 0
 
 
 def private_actions(event: ET.Element) -> list[ET.Element]:

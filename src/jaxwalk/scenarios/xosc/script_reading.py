@@ -20,6 +20,7 @@ from jaxwalk.scenarios.crash_suite import (
     ScriptedTest,
 )
 from jaxwalk.scenarios.rails import Footpath
+from jaxwalk.scenarios.xosc.car_line import CarLine
 from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, part, read_elements, word
 from jaxwalk.scenarios.xosc.expressions import without_parameters
@@ -30,7 +31,7 @@ from jaxwalk.scenarios.xosc.positions import Positions
 from jaxwalk.scenarios.xosc.road_users import PEDESTRIAN, RoadUser, road_users, tested_car
 from jaxwalk.scenarios.xosc.tested_way import TestedWay, tested_way
 from jaxwalk.scenarios.xosc.trajectories import vertices
-from jaxwalk.scenarios.xosc.triggers import CarLine, Comes, Triggers
+from jaxwalk.scenarios.xosc.triggers import Comes, Triggers
 from jaxwalk.scenarios.xosc.walkers import PedestrianReader, Walker
 from jaxwalk.sim.sim_config import SimConfig
 
@@ -155,19 +156,10 @@ class _Reading:
         )  # fmt: skip
 
     def _people(self, car: CarLine, origin: np.ndarray) -> tuple[ScriptedPerson, ...]:
-        triggers = Triggers(self.positions, car, self.car.name, self._still)
-        reader = PedestrianReader(self.positions, self.positions.catalogs, triggers, self.notes)
+        triggers = Triggers(self.positions, car, self.car.name, self.users)
+        reader = PedestrianReader(self.positions, triggers, self._lasts(), self.notes)
         people = [one for one in self.users.values() if one.kind == PEDESTRIAN]
         return tuple(_person(reader.walker(one), car, origin) for one in people)
-
-    def _still(self, name: str) -> bool:
-        """Return whether somebody hasn't moved before the car comes: who waits does so for one moment."""
-        return name in self.users and all(
-            one.tag == "TeleportAction" or one.tag not in ("LongitudinalAction", "RoutingAction")
-            or one.find("SpeedAction/SpeedActionTarget/AbsoluteTargetSpeed[@value='0']") is not None
-            or one.find("FollowTrajectoryAction/TimeReference/None") is not None
-            for one in self.users[name].first
-        )  # fmt: skip
 
     def _parked(self, origin: np.ndarray) -> tuple[ParkedBox, ...]:
         found = []

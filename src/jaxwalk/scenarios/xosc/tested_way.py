@@ -14,7 +14,7 @@ from jaxwalk.scenarios.xosc.made_street import Strip
 from jaxwalk.scenarios.xosc.plain_roads import Pose
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, RoadUser, private_actions
-from jaxwalk.scenarios.xosc.trajectories import vertices
+from jaxwalk.scenarios.xosc.trajectories import times_of, timing_of, vertices
 from jaxwalk.scenarios.xosc.triggers import Beginning, Comes
 
 LANE_WIDTH = 3.5
@@ -45,9 +45,9 @@ def tested_way(car: RoadUser, positions: Positions) -> TestedWay:
     begin = positions.begin(car.name)
     centre = begin.beside(car.size[2], 0.0)
     line, speeds = _line(car, positions)
-    first = [change_of(one, Beginning(Comes.AT_ONCE)).target for one in car.first if one.tag == "LongitudinalAction"]
+    first = _first_speeds(car)
     later = [number(one, "value") for event in car.events for one in event.element.iter("AbsoluteTargetSpeed")]
-    speed = first[-1] if first else (speeds[0] if len(speeds) else 0.0)
+    speed = first[-1] if first else (speeds[0] if len(speeds) and _at_once(car) else 0.0)
     fastest = max([speed, *later, *speeds.tolist()])
     if fastest <= 0:
         raise XoscRefusal(
@@ -62,6 +62,27 @@ def tested_way(car: RoadUser, positions: Positions) -> TestedWay:
     return TestedWay(_strip(car, positions, centre, line, ahead), speed, fastest, notes)
 
 
+def _first_speeds(car: RoadUser) -> list[float]:
+    """Return the speeds that Init gives the car [m/s]. Raise XoscRefusal if it gathers them: drivers do that."""
+    changes = [change_of(one, Beginning(Comes.AT_ONCE)) for one in car.first if one.tag == "LongitudinalAction"]
+    if any(one.value > 0 for one in changes):
+        raise XoscRefusal(
+            f"{called(car.element)} as {car.name!r}: its speed in Init is gathered; write dynamicsShape step, and let "
+            "the driver under test do the rest"
+        )
+    return [one.target for one in changes if one.target is not None]
+
+
+def _at_once(car: RoadUser) -> bool:
+    """Return whether the car follows its way from the start on."""
+    if any(one.tag == "RoutingAction" for one in car.first):
+        return True
+    event = next(one for one in car.events if any(kind.tag == "RoutingAction" for _, kind in one.private_actions))
+    waits = [one for owner in (event.act, event.element) for one in owner.findall("StartTrigger/*/Condition")]
+    times = [one.find("ByValueCondition/SimulationTimeCondition") for one in waits]
+    return all(time is not None and number(time, "value") <= 0 for time in times)
+
+
 def _line(car: RoadUser, positions: Positions) -> tuple[np.ndarray, np.ndarray]:
     """Return the places of the car's centre that its actions name (point, 2) [m], and its speeds there [m/s]."""
     for action in car.actions("RoutingAction"):
@@ -69,7 +90,7 @@ def _line(car: RoadUser, positions: Positions) -> tuple[np.ndarray, np.ndarray]:
         if kind.tag == "FollowTrajectoryAction":
             corners = vertices(kind, positions.catalogs)
             poses = np.array([positions.at(part(one, "Position")) for one in corners])
-            return _centres(poses, car.size[2]), _speeds(poses, [one.get("time") for one in corners])
+            return _centres(poses, car.size[2]), _speeds(poses, kind, corners)
         if kind.tag == "AssignRouteAction":
             route = positions.catalogs.resolved(only(kind))
             return _route(positions, car, route.findall("Waypoint")), np.zeros(0)
@@ -108,15 +129,11 @@ def _centres(poses: np.ndarray, ahead: float) -> np.ndarray:
     return poses[:, :2] + ahead * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
 
 
-def _speeds(poses: np.ndarray, times: list[str | None]) -> np.ndarray:
-    """Return the speeds between places [m/s]; none without times."""
-    try:
-        steps = np.diff([float(time or "") for time in times])
-    except ValueError:
+def _speeds(poses: np.ndarray, action: ET.Element, corners: list[ET.Element]) -> np.ndarray:
+    """Return the speeds between places [m/s]; none where the car's own speed counts."""
+    if timing_of(action) is None:
         return np.zeros(0)
-    if not (steps > 0).all():
-        return np.zeros(0)
-    return np.hypot(*np.diff(poses[:, :2], axis=0).T) / steps
+    return np.hypot(*np.diff(poses[:, :2], axis=0).T) / np.diff(times_of(corners))
 
 
 def _strip(car: RoadUser, positions: Positions, centre: Pose, line: np.ndarray, ahead: float) -> Strip:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
+from jaxwalk.scenarios.xosc.car_line import CarLine, MeasuredBody
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, entity_refs, number, only, part, word
-from jaxwalk.scenarios.xosc.plain_roads import Pose
 from jaxwalk.scenarios.xosc.positions import Positions
+from jaxwalk.scenarios.xosc.road_users import RoadUser
 
 BELOW, ABOVE = ("lessThan", "lessOrEqual"), ("greaterThan", "greaterOrEqual")
 """Rules of conditions that come true when a value falls, and when it rises."""
@@ -38,6 +38,14 @@ class Comes(StrEnum):
     """A collision, at which tests end."""
 
 
+WORDS = {
+    Comes.AT_ONCE: "nothing", Comes.TIME: "a time", Comes.PLACE: "the car at a place",
+    Comes.ARRIVAL: "a time to collision", Comes.AFTER: "an event", Comes.OWN_WAY: "the way walked",
+    Comes.CONTACT: "a contact",
+}  # fmt: skip
+"""What is waited for, in messages."""
+
+
 class Beginning(NamedTuple):
     """When something begins."""
 
@@ -53,40 +61,12 @@ class Beginning(NamedTuple):
     """It begins so much later [s]."""
 
 
-class CarLine(NamedTuple):
-    """The way of the tested car, and what its front is."""
-
-    points: np.ndarray
-    """float64 (point, 2) [m]."""
-    along: np.ndarray
-    """How far along the way each point is [m]."""
-    start: float
-    """Where its centre begins [m along the way]."""
-    half_length: float
-    half_width: float
-    reference: float
-    """How far its reference point is behind its centre [m]."""
-    speed: float
-    """Its speed at the start, or the highest one if it begins at rest [m/s]."""
-
-    def project(self, x: float, y: float) -> tuple[float, float]:
-        """Return how far along the way the nearest place is, and how far to its left the point lies [m]."""
-        begin, step = self.points[:-1], np.diff(self.points, axis=0)
-        away = np.array([x, y]) - begin
-        lengths = np.maximum(np.hypot(*step.T), 1e-9)
-        share = np.clip((away * step).sum(axis=1) / lengths**2, 0, 1)
-        missed = away - share[:, None] * step
-        nearest = int(np.argmin((missed**2).sum(axis=1)))
-        left = (step[nearest, 0] * away[nearest, 1] - step[nearest, 1] * away[nearest, 0]) / lengths[nearest]
-        return float(self.along[nearest] + share[nearest] * lengths[nearest]), float(left)
-
-
 class Triggers:
     """Reads triggers: those of the tested car at people, and those that follow other events."""
 
-    def __init__(self, positions: Positions, car: CarLine, tested: str, still: Callable[[str], bool]) -> None:
-        """Keep what conditions refer to; ``still`` says whether an entity hasn't moved when the car comes."""
-        self.positions, self.car, self.tested, self.still = positions, car, tested, still
+    def __init__(self, positions: Positions, car: CarLine, tested: str, users: Mapping[str, RoadUser]) -> None:
+        """Keep what conditions refer to: ``tested`` is the name of the tested car, and ``users`` are all by name."""
+        self.positions, self.car, self.tested, self.users = positions, car, tested, users
 
     def moment(self, owner: ET.Element, who: str) -> Beginning:
         """Return when an act or an event of an actor begins. Raise XoscRefusal if it can't wait so."""
@@ -112,13 +92,16 @@ class Triggers:
         kinds = {one.comes for one in moments}
         if kinds in ({Comes.TIME}, {Comes.PLACE}) and len({one.delay for one in moments}) == 1:
             return choose(moments, key=lambda one: one.value)
-        words = " and ".join(sorted(kinds))
+        words = " and ".join(sorted(WORDS[one] for one in kinds))
         raise XoscRefusal(f"{called(owner)}: waits for several conditions ({words}); a person waits for one")
 
     def _condition(self, condition: ET.Element, who: str) -> Beginning:
         by = only(condition)
         delay = number(condition, "delay", 0.0)
         found = self._by_value(condition, only(by)) if by.tag == "ByValueCondition" else self._by_entity(by, who)
+        edge = word(condition, "conditionEdge", "none")
+        if edge in ("falling", "risingOrFalling") and found.comes != Comes.CONTACT:
+            raise XoscRefusal(f"{called(condition)}: conditionEdge {edge} isn't supported; use rising or none")
         if found.comes in (Comes.TIME, Comes.AT_ONCE) and delay > 0:
             return found._replace(comes=Comes.TIME, value=found.value + delay)
         return found._replace(delay=found.delay + max(delay, 0.0))
@@ -149,69 +132,96 @@ class Triggers:
             raise XoscRefusal(f"{condition.tag}: isn't supported; wait for a time, a distance or a time to collision")
         if triggering == {who} and condition.tag == "TraveledDistanceCondition":
             return Beginning(Comes.OWN_WAY, number(condition, "value"))
-        if triggering == {who} and condition.tag == "RelativeDistanceCondition":
-            condition.set("entityRef", who)
+        mutual = condition.tag == "RelativeDistanceCondition" and condition.get("entityRef") == self.tested
+        if triggering == {who} and mutual:  # as far as the car from them
+            condition = _with(condition, "entityRef", who)
         elif triggering != {self.tested}:
             raise XoscRefusal(
                 f"{condition.tag}: is triggered by {', '.join(sorted(triggering))}; only by the tested car"
             )
-        return readers[condition.tag](condition)
+        return readers[condition.tag](condition, who)
 
-    def _travelled(self, condition: ET.Element) -> Beginning:
+    def _travelled(self, condition: ET.Element, who: str) -> Beginning:
         return Beginning(Comes.PLACE, self.car.start + number(condition, "value"))
 
-    def _reached(self, condition: ET.Element) -> Beginning:
-        target = self.positions.at(part(condition, "Position"))
-        reach = self._reach(condition, target, number(condition, "tolerance"), 0.0)
-        return Beginning(Comes.PLACE, reach + self.car.reference)
+    def _reached(self, condition: ET.Element, who: str) -> Beginning:
+        place = self.positions.at(part(condition, "Position"))
+        return self._within(condition, MeasuredBody(place, place), number(condition, "tolerance"))
 
-    def _near(self, condition: ET.Element) -> Beginning:
-        target, size = self._target(condition, condition)
+    def _near(self, condition: ET.Element, who: str) -> Beginning:
+        body, value = self._body(condition, condition, who), number(condition, "value")
         self._falls(condition)
-        near, front = self._ends(condition, size)
-        value = number(condition, "value")
         kind = word(condition, "relativeDistanceType", STRAIGHT[0])
         if kind == "longitudinal":
-            return Beginning(Comes.PLACE, self.car.project(*target[:2])[0] - value - near - front)
+            return Beginning(Comes.PLACE, self._place(condition, body) - value)
         if kind not in STRAIGHT:
             raise XoscRefusal(
                 f"{condition.tag}: a {kind} distance isn't supported; use longitudinal or euclidianDistance"
             )
-        beside = self.car.half_width + near if front > 0 else 0.0
-        return Beginning(Comes.PLACE, self._reach(condition, target, value, beside) - near - front)
+        return self._within(condition, body, value)
 
-    def _arriving(self, condition: ET.Element) -> Beginning:
-        target, size = self._target(condition, part(condition, "TimeToCollisionConditionTarget"))
+    def _arriving(self, condition: ET.Element, who: str) -> Beginning:
+        body = self._body(condition, part(condition, "TimeToCollisionConditionTarget"), who)
         self._falls(condition)
-        near, front = self._ends(condition, size)
-        place = self.car.project(*target[:2])[0] - near - front
-        return Beginning(Comes.ARRIVAL, number(condition, "value"), place)
+        kind = word(condition, "relativeDistanceType", STRAIGHT[0])
+        if kind not in ("longitudinal", *STRAIGHT):
+            raise XoscRefusal(f"{condition.tag}: a {kind} distance isn't supported; use longitudinal")
+        return Beginning(Comes.ARRIVAL, number(condition, "value"), self._place(condition, body))
 
-    def _target(self, condition: ET.Element, holder: ET.Element) -> tuple[Pose, float]:
-        """Return the place to which a condition measures, and half the length of what is there [m]."""
+    def _body(self, condition: ET.Element, holder: ET.Element, who: str) -> MeasuredBody:
+        """Return that to which a condition measures. Raise XoscRefusal if it may have moved by then."""
         position = holder.find("Position")
         if position is not None:
-            return self.positions.at(position), 0.0
-        entity = holder if holder.get("entityRef") is not None else part(holder, "EntityRef")
-        name = word(entity, "entityRef")
-        if name == self.tested or not self.still(name):
+            place = self.positions.at(position)
+            return MeasuredBody(place, place)
+        name = self._named(condition, holder)
+        if name == self.tested or name not in self.users:
+            raise XoscRefusal(f"{condition.tag}: measures to {name!r}; name somebody else, or a position")
+        user = self.users[name]
+        if not user.stands_at_first() or (name != who and user.moves() is not None):
             raise XoscRefusal(f"{condition.tag}: measures to {name!r}, who moves by then; measure to a position")
-        return self.positions.begin(name), 0.25
+        reference, (length, width, ahead) = self.positions.begin(name), user.size
+        return MeasuredBody(reference, reference.beside(ahead, 0.0), length, width)
+
+    def _named(self, condition: ET.Element, holder: ET.Element) -> str:
+        """Return the name of the entity to which a condition measures."""
+        entity = holder if holder.get("entityRef") is not None else part(holder, "EntityRef")
+        return word(entity, "entityRef")
 
     def _falls(self, condition: ET.Element) -> None:
         if word(condition, "rule") not in BELOW:
             raise XoscRefusal(f"{condition.tag}: rule {condition.get('rule')} isn't supported; use lessThan")
 
-    def _ends(self, condition: ET.Element, size: float) -> tuple[float, float]:
-        """Return how far the measured ends are from the target and from the car's centre [m]."""
-        if condition.get("freespace") == "true":
-            return size, self.car.half_length
-        return 0.0, -self.car.reference
+    def _place(self, condition: ET.Element, body: MeasuredBody) -> float:
+        """Return where the car's centre is when its measured end has come to a body [m along the way]."""
+        if condition.get("freespace") != "true":
+            return self.car.project(*body.reference[:2])[0] + self.car.reference
+        along, _ = self.car.project(*body.centre[:2])
+        heading = self.car.poses(np.array([along]))[0, 2]
+        return along - body.half_along(heading) - self.car.half_length
 
-    def _reach(self, condition: ET.Element, target: Pose, value: float, beside: float) -> float:
-        """Return where along the way a place is a straight distance away [m]."""
-        along, left = self.car.project(*target[:2])
-        gap = max(abs(left) - beside, 0.0)
-        if gap >= value:
+    def _within(self, condition: ET.Element, body: MeasuredBody, metres: float) -> Beginning:
+        """Return when the car first is within a straight distance of a body [m]."""
+        freespace = condition.get("freespace") == "true"
+        place = self.car.first_within(metres, body, freespace)
+        if place is None:
+            gap = self.car.nearest(body, freespace)
             raise XoscRefusal(f"{condition.tag}: the car on its way never comes nearer than {gap:.2f} m; correct it")
-        return along - math.sqrt(value**2 - gap**2)
+        return Beginning(Comes.PLACE, place)
+
+
+def _with(element: ET.Element, name: str, value: str) -> ET.Element:
+    """Return a copy of an element with another attribute."""
+    copy = ET.Element(element.tag, element.attrib | {name: value})
+    copy.extend(element)
+    return copy
+
+
+def check_stops(act: ET.Element, lasts: float) -> None:
+    """Raise XoscRefusal if an act may be stopped before the test is over, which lasts so long [s]."""
+    for group in act.findall(".//StopTrigger/ConditionGroup"):
+        times = [number(one, "value") for one in group.iter("SimulationTimeCondition") if word(one, "rule") in ABOVE]
+        if max(times, default=0.0) < lasts and group.find(".//CollisionCondition") is None:
+            raise XoscRefusal(
+                f"{called(act)}: its StopTrigger would stop people, which isn't supported; end their ways instead"
+            )
