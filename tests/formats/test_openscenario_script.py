@@ -136,3 +136,14 @@ def test_what_the_standard_has_no_words_for_is_left_out(said, copies):
     ]
     with pytest.raises(InexpressibleRun):
         openscenario_script(said, 1, road_file=MAP)
+
+
+def test_runs_whose_names_files_cannot_have_get_their_own_files(tmp_path):
+    names = ["a b", "a-b", "A/B", "Ü", "é", "long" * 60]
+    test = '[[tests]]\nname = "{}"\ntitle = "t"\nspeeds = [36, 36.0000001]\nmeets = 100.0\n'
+    text = 'name = "n"\ntitle = "t"\nsource = "s"\n' + "".join(test.format(name) for name in names)
+    written, refused = export_tests(Scripted.of(parse_crash_suite(text, "names.toml"), "names.toml"), tmp_path)
+    files = sorted(file.name for file in tmp_path.glob("*.xosc"))
+    assert (written, refused) == (12, []) and len({name.casefold() for name in files}) == 12
+    assert {"a-b-36.xosc", "a-b-36-2.xosc", "a-b-36-3.xosc", "A-B-36-5.xosc", "test-36.xosc"} <= set(files)
+    assert max(map(len, files)) < 120

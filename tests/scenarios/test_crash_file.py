@@ -125,6 +125,21 @@ WRONG = {
     "one time": ("run_up = 1.0\nhit = 50.0", "times = [0.0]", "people[0].times: 1 for 2 points; write one for each"),
     "back in time": ("run_up = 1.0\nhit = 50.0", "times = [0.0, 0.0]", "they must begin with 0, and each be later"),
     "times and a hit": ("run_up = 1.0", "times = [0.0, 9.0]", "people[0].hit: times say when the person is where"),
+    "variants of times": (
+        "run_up = 1.0\nhit = 50.0",
+        "times = [0.0, 9.0]",
+        "people[0].times: variants don't change them; leave out the times or the variants",
+    ),
+    "beyond alone": (
+        "hit = 50.0",
+        "time = 1.0\nbeyond = 3.0",
+        "people[0].beyond: counts only with distance or time_to",
+    ),
+    "beyond a hit": (
+        "hit = 50.0",
+        "hit = 50.0\nbeyond = 3.0",
+        "people[0].beyond: counts only with distance or time_to",
+    ),
     "begins faster": ("meets = 120.0", "meets = 120.0\nbegins = 25.0", "begins: 25 km/h is above a speed of the test"),
     "negative": ("speed = 3.6", "speed = -1.0", "tests.0.people.0.speed"),
     "no line": ("meets = 120.0", "meets = { z = 3.0 }", "meets: write metres along the route"),

@@ -225,6 +225,17 @@ def test_people_who_meet_the_car_at_a_place(read):
     np.testing.assert_allclose(np.interp([1, 2.5], person.times, path[:, 1]), [-3, 0], atol=0.02)
     with pytest.raises(CrashFileError, match=r"would set out 0\.5 s before the start"):
         read(document(event([synchronized(4, 20, STEADY)]), walker=WAY))
+    with pytest.raises(CrashFileError, match="TargetPosition: is where the way of the pedestrian begins"):
+        read(document(event([synchronized(0, 40, STEADY)]), walker=WAY))
+    stops = event([speed(0)], by_value(TIME.format(3)), name="stops")
+    for late in (stops, event([speed(1)], name="on")):
+        with pytest.raises(CrashFileError, match="SynchronizeAction: is read only alone"):
+            read(document(event([synchronized(4, 40, STEADY)]) + late, walker=WAY))
+
+
+def test_people_who_meet_the_car_from_init_on(read):
+    person, _ = walker(read(document(walker=WAY + synchronized(4, 40, STEADY))))
+    assert person.time_to_collision == pytest.approx(2.5, abs=0.01)
 
 
 def test_entries_of_catalogs(read, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import chain, count
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from jaxwalk.formats.tracks import tracks_of
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.maps import as_network
 from jaxwalk.scenarios import Scripted, Source
+from jaxwalk.scenarios.staging import Case
 from jaxwalk.scenarios.xosc.our_properties import street_name
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import FAR_AWAY
@@ -29,6 +31,8 @@ EPISODE, MAP, COMMONROAD = "episode.xosc", "map.xodr", "commonroad.xml"
 """Names of the files in the folder."""
 NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_.+]+")
 """What becomes a hyphen in the names of files."""
+LONGEST_NAME = 100
+"""Most characters of a test's name in that of a file."""
 
 
 def export_scenario(
@@ -73,6 +77,8 @@ def export_scenario(
 def export_tests(source: Scripted, folder: Path) -> tuple[int, list[str]]:
     """Write each run of crash tests as OpenSCENARIO, ``NAME-SPEED.xosc``, with the OpenDRIVE file of their street.
 
+    Where names differ only in what files can't be called, a number follows: ``NAME-SPEED-2.xosc``.
+
     Returns:
         How many were written, and why others were not.
 
@@ -82,8 +88,8 @@ def export_tests(source: Scripted, folder: Path) -> tuple[int, list[str]]:
     documents, refused = {}, []
     for number, case in enumerate(source.cases):
         try:
-            name = f"{NOT_IN_NAMES.sub('-', case.name).strip('-')}-{case.speed:g}.xosc"
-            documents[name] = openscenario_script(source, number, road_file=MAP)
+            document = openscenario_script(source, number, road_file=MAP)
+            documents[_file_name(case, {name.casefold() for name in documents})] = document
         except InexpressibleRun as error:
             refused.append(str(error))
     documents[MAP] = opendrive(road_network(as_network(source.street.maps[0])), source.suite.name)
@@ -92,6 +98,13 @@ def export_tests(source: Scripted, folder: Path) -> tuple[int, list[str]]:
         for file, document in documents.items():
             write_whole(folder / file, document)
     return len(documents) - 1, refused
+
+
+def _file_name(case: Case, taken: set[str]) -> str:
+    """Return the name of a run's file, which is none of those that are taken, in small letters."""
+    name = f"{NOT_IN_NAMES.sub('-', case.name)[:LONGEST_NAME].strip('-') or 'test'}-{case.speed:g}"
+    names = chain([f"{name}.xosc"], (f"{name}-{number}.xosc" for number in count(2)))
+    return next(one for one in names if one.casefold() not in taken)
 
 
 def _place(street: Street, source: Source, number: int) -> dict[str, object]:

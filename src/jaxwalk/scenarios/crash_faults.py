@@ -53,6 +53,8 @@ def _test_faults(test: ScriptedTest) -> Iterator[str]:
     for number, person in enumerate(test.people):
         for fault in _person_faults(person):
             yield f"people[{number}].{fault}"
+        if person.times and test.variants:
+            yield f"people[{number}].times: variants don't change them; leave out the times or the variants"
 
 
 def _speed_faults(field: str, table: object, test: ScriptedTest) -> Iterator[str]:
@@ -80,6 +82,8 @@ def _person_faults(person: ScriptedPerson) -> Iterator[str]:
     if person.speed > FASTEST_PERSON:
         yield f"speed: {person.speed:g} km/h is above {FASTEST_PERSON:g}; choose a lower one"
     yield from _times_faults(person)
+    if person.beyond and person.distance is None and person.time_to_collision is None:
+        yield "beyond: counts only with distance or time_to_collision; add one of them, or leave it out"
     if person.stands != (len(person.path) == 1):
         yield "path: who stands has a speed of 0 and one point, who walks has two points or more; correct one of them"
     if person.hit is not None and not 0 <= person.hit <= 100:

@@ -44,11 +44,15 @@ def parse_crash_suite(text: str, source: str) -> CrashSuite:
     try:
         suite = _ADAPTER.validate_python(tomllib.loads(text))
     except ValidationError as error:
-        fault = explain(dict(error.errors()[0])).replace("docs: maps", "docs: crash-tests")
-        raise CrashFileError(f"{source}: {fault}; correct the file") from None
+        raise CrashFileError(f"{source}: {first_fault(error)}; correct the file") from None
     except (ValueError, RecursionError) as error:  # TOMLDecodeError is a ValueError
         raise CrashFileError(f"{source}: not TOML that can be read ({error}); correct the file") from None
     return checked_suite(suite, source)
+
+
+def first_fault(error: ValidationError) -> str:
+    """Return the first thing that is wrong with the fields of a suite, in one line."""
+    return explain(dict(error.errors()[0])).replace("docs: maps", "docs: crash-tests")
 
 
 def checked_suite(suite: CrashSuite, source: str) -> CrashSuite:

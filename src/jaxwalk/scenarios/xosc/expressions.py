@@ -32,6 +32,7 @@ class Scope:
     def __init__(self, declared: Mapping[str, str], outer: Scope | None = None) -> None:
         """Keep parameters and their texts; ``outer`` has those of the elements around."""
         self.declared, self.outer, self.pending = declared, outer, set()
+        self.known: dict[str, str] = {}
 
     def value(self, name: str) -> str:
         """Return a parameter's value. Raise XoscRefusal if it isn't declared, or refers to itself."""
@@ -39,11 +40,14 @@ class Scope:
             if self.outer is None:
                 raise XoscRefusal(f"parameter ${name} isn't declared; add a ParameterDeclaration")
             return self.outer.value(name)
+        if name in self.known:
+            return self.known[name]
         if name in self.pending:
             raise XoscRefusal(f"ParameterDeclaration {name!r}: refers to itself; correct it")
         self.pending.add(name)
         found = self.resolved(self.declared[name])
         self.pending.discard(name)
+        self.known[name] = found
         return found
 
     def resolved(self, text: str) -> str:

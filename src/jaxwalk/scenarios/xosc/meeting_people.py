@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ET
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from jaxwalk.scenarios.rails import Footpath, time_to_walk
 from jaxwalk.scenarios.xosc.car_line import CarLine
@@ -22,6 +23,8 @@ LATE = 0.05
 """Who would set out so long before the start sets out at the start [s]."""
 OFF_WAY = 0.5
 """The place of the meeting is at most so far beside the way of the pedestrian [m]."""
+AT_BEGIN = 0.01
+"""A place of the meeting so near to the beginning of the way is the beginning [m]."""
 
 
 class MeetingPlan(NamedTuple):
@@ -80,10 +83,12 @@ def _place(position: ET.Element, positions: Positions) -> np.ndarray:
 
 def _metres(way: np.ndarray, place: np.ndarray) -> float:
     """Return how far along a way a place is [m]. Raise XoscRefusal if it is beside the way, or at its beginning."""
-    path = Footpath(way)
-    tried = np.linspace(0, path.along[-1], int(path.along[-1] / 0.01) + 2)
-    away = np.hypot(*(path.at(tried) - place).T)
-    nearest = int(np.argmin(away))
-    if away[nearest] > OFF_WAY or nearest == 0:
-        raise XoscRefusal(f"TargetPosition: lies {away[nearest]:.1f} m beside the way of the pedestrian; correct it")
-    return float(tried[nearest])
+    if len(way) < 2:
+        raise XoscRefusal("TargetPosition: the pedestrian has no way to it; write a FollowTrajectoryAction")
+    line, point = shapely.LineString(way), shapely.Point(place)
+    away, metres = float(shapely.distance(line, point)), float(shapely.line_locate_point(line, point))
+    if away > OFF_WAY:
+        raise XoscRefusal(f"TargetPosition: lies {away:.1f} m beside the way of the pedestrian; correct it")
+    if metres < AT_BEGIN:
+        raise XoscRefusal("TargetPosition: is where the way of the pedestrian begins; choose a place farther along it")
+    return metres

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
+from functools import partial
 
 from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, entity_refs, number, only, part, word
@@ -43,6 +46,8 @@ class RoadUser:
     name: str
     element: ET.Element
     """Vehicle, Pedestrian or MiscObject."""
+    naming: Callable[[], AbstractContextManager] = nullcontext
+    """Names the entry of a catalog in errors, if it is one."""
     first: list[ET.Element] = field(default_factory=list)
     """The kinds of its actions of Init, such as ``TeleportAction``."""
     events: list[Happening] = field(default_factory=list)
@@ -55,6 +60,10 @@ class RoadUser:
     @property
     def size(self) -> tuple[float, float, float]:
         """Return length and width, and how far the middle is ahead of the reference point [m]."""
+        with self.naming():
+            return self._size()
+
+    def _size(self) -> tuple[float, float, float]:
         box = part(self.element, "BoundingBox")
         dimensions, centre = part(box, "Dimensions"), part(box, "Center")
         length, width = number(dimensions, "length"), number(dimensions, "width")
@@ -102,10 +111,11 @@ def road_users(document: ET.Element, catalogs: CatalogEntries) -> dict[str, Road
     found = {}
     for entity in document.findall("Entities/ScenarioObject"):
         name = word(entity, "name")
-        body = catalogs.resolved(only(entity))
+        said = only(entity)
+        body = catalogs.resolved(said)
         if body.tag not in (PEDESTRIAN, VEHICLE, OBJECT):
             raise XoscRefusal(f"ScenarioObject {name!r}: is a {body.tag}, which isn't read; write its element itself")
-        found[name] = RoadUser(name, body)
+        found[name] = RoadUser(name, body, partial(catalogs.naming, said))
     for private in document.findall("Storyboard/Init/Actions/Private"):
         user = _known(found, word(private, "entityRef"))
         user.first += [one for action in private.findall("PrivateAction") for one in action]

@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from pydantic import ValidationError
 
 from jaxwalk.maps import MapError, MapText, load_network
 from jaxwalk.maps.network_routes import sampled_route
-from jaxwalk.scenarios.crash_faults import suite_faults
+from jaxwalk.scenarios.crash_file import checked_suite, first_fault
 from jaxwalk.scenarios.crash_suite import (
     LONGEST,
+    MOST_PEOPLE,
     CrashFileError,
     CrashSuite,
     ParkedBox,
@@ -61,10 +63,11 @@ def read_xosc(path: Path) -> XoscScript:
         root = read_elements(path, "OpenSCENARIO")
         _check_kind(root)
         found = _Reading(without_parameters(root), path).script()
+    except ValidationError as error:  # a number that no test can have
+        raise CrashFileError(f"{path}: {first_fault(error)}; correct the file") from None
     except (XoscRefusal, RecursionError) as error:
         raise CrashFileError(f"{path}: {error}") from None
-    for fault in suite_faults(found.suite):
-        raise CrashFileError(f"{path}: {fault}")
+    checked_suite(found.suite, str(path))
     return found
 
 
@@ -115,6 +118,9 @@ class _Reading:
 
     def script(self) -> XoscScript:
         """Return the script. Raise XoscRefusal for what can't be played."""
+        people = sum(one.kind == PEDESTRIAN for one in self.users.values())
+        if people > MOST_PEOPLE:
+            raise XoscRefusal(f"Entities: {people} pedestrians are too many; a test has at most {MOST_PEOPLE}")
         self._check_others()
         way = tested_way(self.car, self.positions)
         begin = self.positions.begin(self.car.name)

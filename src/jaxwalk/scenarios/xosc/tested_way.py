@@ -14,7 +14,7 @@ from jaxwalk.scenarios.xosc.made_street import Strip
 from jaxwalk.scenarios.xosc.plain_roads import Pose
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, RoadUser, private_actions
-from jaxwalk.scenarios.xosc.trajectories import times_of, timing_of, vertices
+from jaxwalk.scenarios.xosc.trajectories import check_count, times_of, timing_of, vertices
 from jaxwalk.scenarios.xosc.triggers import Beginning, Comes
 
 LANE_WIDTH = 3.5
@@ -93,7 +93,9 @@ def _line(car: RoadUser, positions: Positions) -> tuple[np.ndarray, np.ndarray]:
             return _centres(poses, car.size[2]), _speeds(poses, kind, corners)
         if kind.tag == "AssignRouteAction":
             route = positions.catalogs.resolved(only(kind))
-            return _route(positions, car, route.findall("Waypoint")), np.zeros(0)
+            waypoints = route.findall("Waypoint")
+            check_count(waypoints)
+            return _route(positions, car, waypoints), np.zeros(0)
         if kind.tag == "AcquirePositionAction":
             return _on_from(positions, car, points_of(positions, [kind])), np.zeros(0)
     lane = positions.on_lane(positions.begins[car.name])

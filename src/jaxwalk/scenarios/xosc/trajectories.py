@@ -10,19 +10,41 @@ import numpy as np
 from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
 from jaxwalk.scenarios.xosc.elements import XoscRefusal, number, only, part, word
 
+MOST_VERTICES = 5000
+"""Most vertices of a polyline, and waypoints of a route."""
+
+
+def check_count(places: list[ET.Element]) -> None:
+    """Raise XoscRefusal for more places of a way than are read in seconds."""
+    if len(places) > MOST_VERTICES:
+        raise XoscRefusal(
+            f"{places[0].tag}: {len(places):,} in one way; at most {MOST_VERTICES:,} are read, leave some out"
+        )
+
 
 def vertices(element: ET.Element, catalogs: CatalogEntries) -> list[ET.Element]:
     """Return the vertices of an element's trajectory. Raise XoscRefusal if it has no polyline."""
+    if number(element, "initialDistanceOffset", 0.0) != 0:
+        raise XoscRefusal(f"{element.tag}: initialDistanceOffset isn't supported; begin the trajectory there")
     holder = element.find("TrajectoryRef")
     inner = element if holder is None else holder
-    found = inner.find("Trajectory")
-    found = catalogs.resolved(part(inner, "CatalogReference")) if found is None else found
-    shape = only(part(found, "Shape"))
+    own = inner.find("Trajectory")
+    found = part(inner, "CatalogReference") if own is None else own
+    with catalogs.naming(found):
+        return _corners(catalogs.resolved(found))
+
+
+def _corners(trajectory: ET.Element) -> list[ET.Element]:
+    """Return the vertices of a ``Trajectory``. Raise XoscRefusal if it isn't an open polyline."""
+    shape = only(part(trajectory, "Shape"))
     if shape.tag != "Polyline":
         raise XoscRefusal(f"{shape.tag}: isn't supported as the shape of a trajectory; write a Polyline")
+    if trajectory.get("closed") == "true":
+        raise XoscRefusal("Trajectory: closed ones aren't supported; write its vertices once more")
     corners = shape.findall("Vertex")
     if len(corners) < 2:
         raise XoscRefusal("Polyline: needs two vertices or more; add one")
+    check_count(corners)
     return corners
 
 
