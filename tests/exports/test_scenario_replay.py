@@ -1,4 +1,4 @@
-"""Exported episodes, read back by our own reader and played again: everybody within centimetres."""
+"""Exported episodes, read back by our own reader and played again: everybody within a millimetre."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jaxwalk.exports.scenario_replay import replayed_episode
 from jaxwalk.formats.openscenario import read_openscenario
 from jaxwalk.scenarios import Drawn
 
-WITHIN = 0.05
+WITHIN = 1e-3
 """How far anybody may be from where the file has them [m]."""
 
 

@@ -24,10 +24,11 @@ from jaxwalk.scenarios.crash_suite import (
 from jaxwalk.scenarios.rails import Footpath
 from jaxwalk.scenarios.xosc.car_line import CarLine
 from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
-from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, part, read_elements, word
+from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, part, read_elements, word
 from jaxwalk.scenarios.xosc.expressions import without_parameters
 from jaxwalk.scenarios.xosc.made_street import ROUTE_BEHIND, made_street
 from jaxwalk.scenarios.xosc.our_properties import PREFIX, OurProperties
+from jaxwalk.scenarios.xosc.passed_over import other_ends, passed_over, stop_times
 from jaxwalk.scenarios.xosc.plain_roads import PlainRoads
 from jaxwalk.scenarios.xosc.positions import Positions
 from jaxwalk.scenarios.xosc.road_users import PEDESTRIAN, RoadUser, road_users, tested_car
@@ -152,12 +153,9 @@ class _Reading:
             heading=0.0, starts_at=car.start, begins=round(min(way.speed, way.fastest) * KMH, 4),
             people=self._people(car, origin), parked=self._parked(origin), passes=self.ours.passes(),
         )  # fmt: skip
-        made = [] if self.ours.track else [
-            "The road of the file isn't played: the street is made along the way of the car, with the roadway as wide "
-            "as there, or two lanes of 3.5 m, and sidewalks."]  # fmt: skip
         return CrashSuite(
             name=self.path.stem, title=self._title(), source=f"{self.path.name}, OpenSCENARIO XML", tests=(test,),
-            assumed=tuple(dict.fromkeys([*made, *way.notes, *self.notes])),
+            assumed=tuple(dict.fromkeys([*self._street_notes(), *way.notes, *self.notes])),
             track=self.ours.track or self.path.stem, lasts=self._lasts(),
         )  # fmt: skip
 
@@ -183,10 +181,17 @@ class _Reading:
             if one.kind != PEDESTRIAN and one is not self.car and action is not None:
                 raise XoscRefusal(f"{called(one.element)} as {one.name!r}: moves ({action.tag}); only the "
                                   "car that is tested, and pedestrians, may move")  # fmt: skip
-        for kind in self.document.iterfind(".//GlobalAction/*"):
-            if kind.tag == "TrafficAction":
-                raise XoscRefusal("TrafficAction: other traffic isn't supported; remove it")
-            self.notes.append(f"{kind.tag} of the file isn't played")
+        self.notes += [*passed_over(self.document, self.users), *other_ends(self.document, self._lasts())]
+
+    def _street_notes(self) -> list[str]:
+        """Return what the street has of the file's road."""
+        if self.ours.track:
+            return []
+        logic = self.positions.roads.path
+        road = "The file names no road" if logic is None else f"The road of LogicFile {logic.name} isn't played"
+        on_lane = self.positions.on_lane(self.positions.begins[self.car.name]) is not None
+        wide = "its roadway as wide as there where the car begins" if on_lane else "its roadway two lanes of 3.5 m"
+        return [f"{road}: the street is made along the way of the car, {wide}, with sidewalks."]
 
     def _vertices(self, user: RoadUser) -> list[tuple[float, float]]:
         """Return all places to which a pedestrian may go [m]."""
@@ -195,8 +200,7 @@ class _Reading:
 
     def _lasts(self) -> float:
         """Return how long the test lasts [s]: until its stop trigger, if that is late."""
-        stops = self.document.findall("Storyboard/StopTrigger//SimulationTimeCondition")
-        return min(LONGEST, max([SHORTEST_TEST, *(number(one, "value") for one in stops)]))
+        return min(LONGEST, max([SHORTEST_TEST, *stop_times(self.document)]))
 
     def _named_line(self) -> np.ndarray | None:
         """Return the route on the street that our own file names, float64 (point, 2) [m]; None without a name."""
