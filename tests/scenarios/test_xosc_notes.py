@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from scenarios.test_xosc_reading import ROAD
-from scenarios.xosc_documents import EGO, TIME, WALKER, by_car, by_value, document, event, speed, teleport, world
+from scenarios.xosc_documents import EGO, ROAD, TIME, WALKER, by_car, by_value, document, event, speed, teleport, world
 
 LIGHT = "<PrivateAction><AppearanceAction/></PrivateAction>"
 OWN = "<UserDefinedAction><CustomCommandAction/></UserDefinedAction>"
@@ -14,6 +13,8 @@ WEATHER = "<GlobalAction><EnvironmentAction/></GlobalAction>"
 PLACE = teleport(world(43.5, -4))
 CAR = teleport(world(0, 0)) + speed(10)
 STOP = "<StopTrigger><ConditionGroup>{}</ConditionGroup></StopTrigger>"
+
+DRIVEN = '<TraveledDistanceCondition value="50"/>'
 
 
 def ends(condition):
@@ -29,7 +30,7 @@ NOTES = {
     "own": (document(event([OWN])), "Event 'walks' of walker: UserDefinedAction isn't played"),
     "weather": (document(init=WEATHER), "EnvironmentAction of the file isn't played"),
     "controller": (document(entities=EGO + CONTROLLED), "ObjectController of walker isn't played"),
-    "place": (ends(by_car('<TraveledDistanceCondition value="50"/>')), "StopTrigger: TraveledDistanceCondition isn't played"),
+    "place": (ends(by_car(DRIVEN)), "StopTrigger: TraveledDistanceCondition isn't played"),
     "early": (ends(by_value(TIME.format(10))), "StopTrigger: the file ends at 10 s, the test at 20 s at the latest"),
     "late": (ends(by_value(TIME.format(100))), "StopTrigger: the file ends at 100 s, the test at 60 s at the latest"),
 }  # fmt: skip

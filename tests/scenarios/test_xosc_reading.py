@@ -15,6 +15,7 @@ from scenarios.xosc_documents import (
     EGO,
     PARKED,
     RELATIVE,
+    ROAD,
     TIME,
     WALKER,
     by_car,
@@ -162,14 +163,6 @@ def test_other_positions(read):
     relative = relative.replace("RelativeObject", "RelativeWorld")
     _, path = walker(read(document(walker=teleport(relative), car=teleport(world(0, 0, NORTH)) + speed(10))))
     np.testing.assert_allclose(path - [FRONT, 0], [[40, -3 - FRONT]], atol=1e-9)
-
-
-ROAD = """<OpenDRIVE><header/><road id="7" length="200" junction="-1"><planView>
-<geometry s="0" x="-10" y="2" hdg="0" length="200"><line/></geometry></planView><lanes><laneOffset s="0" a="0.5" b="0"
-c="0" d="0"/><laneSection s="0"><left><lane id="1" type="driving"><width sOffset="0" a="3" b="0" c="0" d="0"/></lane>
-</left><center><lane id="0"/></center><right><lane id="-1" type="driving"><width sOffset="0" a="4" b="0" c="0" d="0"/>
-</lane><lane id="-2" type="sidewalk"><width sOffset="0" a="2" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
-</road></OpenDRIVE>"""
 
 
 def test_positions_on_lanes(read, tmp_path):

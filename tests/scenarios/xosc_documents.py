@@ -90,3 +90,10 @@ def crossing(condition):
 
 TIME = '<SimulationTimeCondition value="{}" rule="greaterThan"/>'
 PARKED = body("Vehicle", "van", 'vehicleCategory="van"', (6.0, 2.0), 1.0)
+ROAD = """<OpenDRIVE><header/><road id="7" length="200" junction="-1"><planView>
+<geometry s="0" x="-10" y="2" hdg="0" length="200"><line/></geometry></planView><lanes><laneOffset s="0" a="0.5" b="0"
+c="0" d="0"/><laneSection s="0"><left><lane id="1" type="driving"><width sOffset="0" a="3" b="0" c="0" d="0"/></lane>
+</left><center><lane id="0"/></center><right><lane id="-1" type="driving"><width sOffset="0" a="4" b="0" c="0" d="0"/>
+</lane><lane id="-2" type="sidewalk"><width sOffset="0" a="2" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
+</road></OpenDRIVE>"""
+"""A road to the east: its lanes meet at y = 2.5; the middle of lane -1 is at 0.5, that of -2 at -2.5, that of 1 at 4."""
