@@ -96,4 +96,4 @@ c="0" d="0"/><laneSection s="0"><left><lane id="1" type="driving"><width sOffset
 </left><center><lane id="0"/></center><right><lane id="-1" type="driving"><width sOffset="0" a="4" b="0" c="0" d="0"/>
 </lane><lane id="-2" type="sidewalk"><width sOffset="0" a="2" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
 </road></OpenDRIVE>"""
-"""A road to the east: its lanes meet at y = 2.5; the middle of lane -1 is at 0.5, that of -2 at -2.5, that of 1 at 4."""
+"""A road to the east: its lanes meet at y = 2.5; the middle of lane -1 is at 0.5, of -2 at -2.5, of 1 at 4."""
