@@ -10,6 +10,7 @@ from jaxwalk.scenarios.crash_suite import CrashFileError
 from scenarios.xosc_documents import (
     EGO,
     RELATIVE,
+    ROAD,
     TIME,
     by_car,
     by_value,
@@ -18,6 +19,7 @@ from scenarios.xosc_documents import (
     event,
     follow,
     speed,
+    teleport,
     world,
 )
 
@@ -141,4 +143,33 @@ def test_a_file_that_only_costs_time_is_refused_soon(read, case):
 def test_parameters_that_use_each_other_are_read_soon(read):
     began = time.monotonic()
     assert read(document(crossing(by_value(TIME.format("$p0"))), more=DOUBLED)).suite.tests[0].people[0].time is None
+    assert time.monotonic() - began < 10
+
+
+GEOMETRY = ROAD[ROAD.index("<geometry") : ROAD.index("</planView>")].replace("200", "20000")
+SECTION = ROAD[ROAD.index("<laneSection") : ROAD.index("</lanes>")]
+
+
+@pytest.mark.parametrize(
+    ("road", "message"),
+    [
+        (
+            ROAD.replace("</planView>", GEOMETRY * 1000 + "</planView>"),
+            "road 7: is 2.00002e+07 m long; at most 100,000 m",
+        ),
+        (
+            ROAD.replace("</lanes>", SECTION * 3000 + "</lanes>"),
+            "laneSection: 3,001 of one road; at most 2,000 are read",
+        ),
+    ],
+    ids=["long", "in pieces"],
+)
+def test_a_road_that_only_costs_time_is_refused_soon(read, tmp_path, road, message):
+    (tmp_path / "road.xodr").write_text(road)
+    network = '<RoadNetwork><LogicFile filepath="road.xodr"/></RoadNetwork>'
+    lane = '<Position><LanePosition roadId="7" laneId="-1" s="10" offset="0"/></Position>'
+    began = time.monotonic()
+    with pytest.raises(CrashFileError) as error:
+        read(document(car=teleport(lane) + speed(10), more=network))
+    assert message in str(error.value)
     assert time.monotonic() - began < 10

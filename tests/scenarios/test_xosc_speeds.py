@@ -92,6 +92,12 @@ def test_who_stops_at_the_end_of_a_way_stands_there_anyway(read):
         np.testing.assert_allclose(at(read(document(crosses + stops)), 1, 4, 9), [2, 8, 10], atol=2e-3)
 
 
+def test_who_stands_in_init_follows_times(read):
+    """Init may say that they stand; the times of the trajectory say the rest."""
+    for events, walker in ((TIMED, BEGIN + speed(0)), (TIMED, BEGIN + speed("0.0"))):
+        np.testing.assert_allclose(at(read(document(events, walker=walker)), 1, 5), [2, 10], atol=2e-3)
+
+
 TIMED = event([follow([(43.5, -4), (43.5, 6)], (0, 5), RELATIVE)])
 CAR_WAY = follow([(0, 0), (100, 0)], (0, 10), RELATIVE)
 REFUSED = {

@@ -12,8 +12,10 @@ from jaxwalk.scenarios.xosc.elements import XoscRefusal, number, read_elements, 
 
 SAMPLED = 0.25
 """Distance of the points of a road's line [m]."""
-LONGEST_ROAD = 20_000.0
+LONGEST_ROAD = 100_000.0
 """Longest road [m]."""
+MOST_PIECES = 2000
+"""Most lane sections, offsets or widths of a road, one after the other."""
 DRIVEN = ("driving", "bidirectional", "entry", "exit", "onRamp", "offRamp", "connectingRamp")
 """Types of lanes on which vehicles drive."""
 
@@ -37,22 +39,23 @@ class PlainRoads:
 
     def __init__(self, path: Path | None) -> None:
         """Keep the path of the OpenDRIVE file; None if the scenario names none."""
-        self.path, self.root = path, None
+        self.path = path
+        self.roads: dict[str, ET.Element] | None = None
         self.lines: dict[str, np.ndarray] = {}
 
     def road(self, id: str) -> ET.Element:
         """Return a road. Raise XoscRefusal if it isn't there."""
         if self.path is None:
             raise XoscRefusal("RoadNetwork: names no OpenDRIVE file, so that positions on lanes are unknown; add one")
-        if self.root is None:
+        if self.roads is None:
             try:
-                self.root = read_elements(self.path, "OpenDRIVE")
+                root = read_elements(self.path, "OpenDRIVE")
             except XoscRefusal as error:
                 raise XoscRefusal(f"LogicFile {self.path.name}: {error}") from None
-        for found in self.root.findall("road"):
-            if found.get("id") == id:
-                return found
-        raise XoscRefusal(f"LogicFile {self.path.name}: has no road {id}; correct roadId")
+            self.roads = {word(one, "id", ""): one for one in reversed(root.findall("road"))}
+        if id not in self.roads:
+            raise XoscRefusal(f"LogicFile {self.path.name}: has no road {id}; correct roadId")
+        return self.roads[id]
 
     def at(self, id: str, s: float, t: float) -> Pose:
         """Return a place in the coordinates of a road [m]. Raise XoscRefusal if it isn't on the road."""
@@ -93,7 +96,11 @@ class PlainRoads:
     def _line(self, id: str) -> np.ndarray:
         """Return s, x, y and heading of a road's line, float64 (point, 4)."""
         if id not in self.lines:
-            pieces = [_sampled(one) for one in self.road(id).findall("planView/geometry")]
+            geometries = self.road(id).findall("planView/geometry")
+            length = sum(abs(number(one, "length")) for one in geometries)
+            if not length <= LONGEST_ROAD:
+                raise XoscRefusal(f"road {id}: is {length:g} m long; at most {LONGEST_ROAD:,g} m are read")
+            pieces = [_sampled(one) for one in geometries]
             if not pieces:
                 raise XoscRefusal(f"road {id}: has no geometry; correct the OpenDRIVE file")
             line = np.concatenate(pieces)
@@ -121,6 +128,8 @@ class PlainRoads:
 
 def _in_force(elements: list[ET.Element], name: str, s: float) -> ET.Element | None:
     """Return the last element that has begun at some place [m]; the first if none has."""
+    if len(elements) > MOST_PIECES:
+        raise XoscRefusal(f"{elements[0].tag}: {len(elements):,} of one road; at most {MOST_PIECES:,} are read")
     begun = [one for one in elements if number(one, name, 0.0) <= s + 1e-6]
     return begun[-1] if begun else next(iter(elements), None)
 
@@ -137,7 +146,7 @@ def _cubic(element: ET.Element | None, name: str, s: float) -> float:
 def _sampled(geometry: ET.Element) -> np.ndarray:
     """Return s, x, y and heading of a piece of a road's line, float64 (point, 4)."""
     start, length = number(geometry, "s"), number(geometry, "length")
-    if not 0 <= length <= LONGEST_ROAD:
+    if length < 0:
         raise XoscRefusal(f"geometry: a length of {length:g} m; correct the OpenDRIVE file")
     along = np.linspace(0, length, max(2, int(np.ceil(length / SAMPLED)) + 1))
     u, v, turn = _local(geometry, along)

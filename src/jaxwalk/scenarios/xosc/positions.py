@@ -74,10 +74,11 @@ class Positions:
             raise XoscRefusal("RelativeLanePosition: a lane on the other side of the road; write a LanePosition")
         return OnLane(lane.road, number_of_lane, lane.s + ahead, number(found, "offset", 0.0))
 
-    def lane_ahead(self, lane: OnLane) -> np.ndarray:
-        """Return the middle of a lane from a place on, to the end of its road, float64 (point, 2) [m]."""
+    def lane_ahead(self, lane: OnLane, farthest: float) -> np.ndarray:
+        """Return the middle of a lane from a place on, to the end of its road or so far [m], float64 (point, 2) [m]."""
         onward = self.roads.direction(lane.road, lane.lane)
-        end = self.roads.length(lane.road) if onward > 0 else 0.0
+        length = self.roads.length(lane.road)
+        end = min(lane.s + farthest, length) if onward > 0 else max(lane.s - farthest, 0.0)
         count = max(2, int(abs(end - lane.s)) + 1)
         places = [self._of_lane(lane._replace(s=s)) for s in np.linspace(lane.s, end, count).tolist()]
         return np.array([place[:2] for place in places])

@@ -100,8 +100,7 @@ def _line(car: RoadUser, positions: Positions) -> tuple[np.ndarray, np.ndarray]:
             return _on_from(positions, car, points_of(positions, [kind])), np.zeros(0)
     lane = positions.on_lane(positions.begins[car.name])
     if lane is not None:
-        line = positions.lane_ahead(lane)
-        return line[: int(FARTHEST_AHEAD)], np.zeros(0)  # a point a metre
+        return positions.lane_ahead(lane, FARTHEST_AHEAD), np.zeros(0)
     return np.zeros((0, 2)), np.zeros(0)
 
 
