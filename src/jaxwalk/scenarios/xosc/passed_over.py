@@ -23,13 +23,10 @@ def passed_over(document: ET.Element, users: Mapping[str, RoadUser]) -> Iterator
 
 
 def _of_event(event: Happening, user: RoadUser) -> Iterator[str]:
-    for action in event.element.findall("Action"):
-        yield from _global(action)
-        kinds = [*(kind for private in action.findall("PrivateAction") for kind in private),
-                 *action.findall("UserDefinedAction")]  # fmt: skip
-        for kind in kinds:
-            if kind.tag not in DRIVING:
-                yield f"{called(event.element)} of {user.name}: {kind.tag} isn't played"
+    yield from _global(event.element)
+    kinds = [kind for _, kind in event.private_actions] + event.element.findall("Action/UserDefinedAction")
+    others = (kind.tag for kind in kinds if kind.tag not in DRIVING)
+    yield from (f"{called(event.element)} of {user.name}: {tag} isn't played" for tag in others)
 
 
 def _global(element: ET.Element) -> Iterator[str]:
