@@ -18,7 +18,7 @@ from jaxwalk.search.driving import Driving
 from jaxwalk.search.elites import Elites
 from jaxwalk.search.evolution import Evolution
 from jaxwalk.search.grid import CELLS, GRID
-from jaxwalk.search.map_elites import MapElites, steps_of
+from jaxwalk.search.map_elites import MapElites
 from jaxwalk.search.methods import CrossEntropy, Generation, Method, RandomSearch, State
 from jaxwalk.writing import write_whole
 
@@ -68,7 +68,7 @@ def method_of(name: MethodName, game: Driving) -> Method:
     if name == "evolution":
         return Evolution(game.batch)
     methods: dict[str, Method] = {
-        "map-elites": MapElites(steps_of(game.street.world)), "cross-entropy": CrossEntropy(), "random": RandomSearch(),
+        "map-elites": MapElites(game.street), "cross-entropy": CrossEntropy(), "random": RandomSearch(),
     }  # fmt: skip
     return methods[name]
 
