@@ -39,7 +39,7 @@ def search(street: Street, policies: dict[str, Any], method: str, seed: int, sim
     hunt = begun(game, proposer)
     while hunt.simulations < simulations:
         play_generation(game, proposer, hunt, seed)
-    failed = hunt.elites.found
+    failed = hunt.elites.best_failures
     found, plausible = hunt.elites.candidates.some(failed), hunt.elites.quality[failed] > PLAUSIBLE
     when_seen = from_start = np.zeros(0, "U11")
     if len(found):
