@@ -1,7 +1,12 @@
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 from jaxwalk.evaluation import ScenarioSet
 from jaxwalk.wording import counted, first_of, plain, plain_markdown
+
+ROOT = Path(__file__).parents[1]
 
 
 def test_one_is_singular_and_thousands_have_commas():
@@ -26,3 +31,16 @@ def test_a_strangers_text_controls_no_terminal():
 def test_a_strangers_text_is_no_markup_of_a_page():
     assert plain_markdown("<script>a|b</script>") == "&lt;script&gt;a\\|b&lt;/script&gt;"
     assert plain_markdown("![x](javascript:y) {: onclick=z}") == r"\!\[x\](javascript:y) \{: onclick=z\}"
+
+
+def test_messages_and_help_name_pages_in_one_form():
+    """(docs: NAME), in parentheses of its own, of a page that is there; `jaxwalk --help` explains NAME itself."""
+    texts = {path: " ".join(path.read_text("utf-8").split()) for path in (ROOT / "src").rglob("*.py")}
+    named = [(path, name) for path, text in texts.items() for name in re.findall(r"\(docs: ([^()]*)\)", text)]
+    assert len(named) > 40
+    lost = [
+        (path.name, name) for path, name in named if name != "NAME" and not (ROOT / "docs" / f"{name}.md").is_file()
+    ]
+    assert not lost, "no such page"
+    otherwise = [path.name for path, text in texts.items() if re.search(r"(?<!\()docs: ", text)]
+    assert not otherwise, "write (docs: NAME)"

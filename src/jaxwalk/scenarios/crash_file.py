@@ -44,7 +44,7 @@ def parse_crash_suite(text: str, source: str) -> CrashSuite:
     try:
         suite = _ADAPTER.validate_python(tomllib.loads(text))
     except ValidationError as error:
-        fault = explain(dict(error.errors()[0])).replace("docs: maps", "docs: crash-tests")
+        fault = explain(dict(error.errors()[0])).replace("(docs: maps)", "(docs: crash-tests)")
         raise CrashFileError(f"{source}: {fault}; correct the file") from None
     except (ValueError, RecursionError) as error:  # TOMLDecodeError is a ValueError
         raise CrashFileError(f"{source}: not TOML that can be read ({error}); correct the file") from None

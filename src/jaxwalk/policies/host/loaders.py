@@ -60,7 +60,7 @@ def set_of_size(path: Path, features: int, observes: str | None = None) -> str:
     sizes = ", ".join(f"{name} {size('driver', name)}" for name in OBSERVATIONS["driver"])
     named = f" and names the observation set {observes!r}" if observes else ""
     raise DriverError(
-        f"{path}: takes {features} numbers{named}; the sets' sizes are: {sizes}; docs: drivers says how to name one"
+        f"{path}: takes {features} numbers{named}; the sets' sizes are: {sizes}; name one that fits (docs: drivers)"
     )
 
 
