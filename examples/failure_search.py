@@ -21,7 +21,7 @@ for _ in range(6):
     play_generation(game, method, hunt, seed=0)
 print(f"{hunt.log[-1].cells} kinds of failure in {hunt.simulations} scenarios")
 
-failures = hunt.elites.candidates.some(hunt.elites.found)
+failures = hunt.elites.candidates.some(hunt.elites.best_failures)
 played = game.play(failures)
 for cell, percentile in zip(played.moments.cell[:3], played.percentiles[:3], strict=True):
     print(f"{in_words(int(cell))}; {percentile:.0f} % of ordinary scenarios are at least as unusual")

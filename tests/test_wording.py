@@ -1,9 +1,14 @@
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
 from jaxwalk.evaluation import ScenarioSet
 from jaxwalk.wording import counted, first_of, plain, plain_markdown
+
+ROOT = Path(__file__).parents[1]
 
 
 def test_one_is_singular_and_thousands_have_commas():
@@ -43,3 +48,16 @@ def test_a_strangers_text_is_no_markup_of_a_page():
 def test_a_strangers_address_is_no_link(text, shown):
     """On a forge the first four would become links; none of what is shown does (tried with cmarkgfm 2025.10.22)."""
     assert plain_markdown(text) == shown
+
+
+def test_messages_and_help_name_pages_in_one_form():
+    """(docs: NAME), in parentheses of its own, of a page that is there; `jaxwalk --help` explains NAME itself."""
+    texts = {path: " ".join(path.read_text("utf-8").split()) for path in (ROOT / "src").rglob("*.py")}
+    named = [(path, name) for path, text in texts.items() for name in re.findall(r"\(docs: ([^()]*)\)", text)]
+    assert len(named) > 40
+    lost = [
+        (path.name, name) for path, name in named if name != "NAME" and not (ROOT / "docs" / f"{name}.md").is_file()
+    ]
+    assert not lost, "no such page"
+    otherwise = [path.name for path, text in texts.items() if re.search(r"(?<!\()docs: ", text)]
+    assert not otherwise, "write (docs: NAME)"

@@ -14,6 +14,7 @@ from jaxwalk.cli import main
 from jaxwalk.cli.options import Search
 from jaxwalk.experiments import failure_search
 from jaxwalk.scenarios.archive_file import HEADER, read_archive, read_tensors
+from jaxwalk.search.grid import in_words
 
 SMALL = 16
 
@@ -51,7 +52,10 @@ def test_a_driver_is_searched_and_its_failures_are_played_again(little, place, c
     assert len({one["cell"] for one in failures}) == len(failures) == document["log"][-1]["cells"] > 1
     assert failures[0]["people"] == 1 and failures[1]["people"] is None
     with (place / "there" / "failures.csv").open() as file:
-        assert [row["scenario"] for row in csv.DictReader(file)] == [str(n) for n in range(len(failures))]
+        rows = list(csv.DictReader(file))
+    assert [row["scenario"] for row in rows] == [str(n) for n in range(len(failures))]
+    assert [row["cell"] for row in rows] == [str(one["cell"]) for one in failures]
+    assert [row["cell_in_words"] for row in rows] == [str(in_words(one["cell"])) for one in failures]
     page = (place / "there" / "search.html").read_text()
     assert page.count('data-episode="') - page.count('data-episode="${') == len(failures)
     capsys.readouterr()

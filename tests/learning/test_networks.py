@@ -43,7 +43,7 @@ def test_layers_differ_and_start_at_their_scales():
     network = make_mlp(jax.random.key(0), (8, 8, 8, 2), final_scale=0.01)
     norms = [np.linalg.norm(weight, 2) for weight in network.weights]
     np.testing.assert_allclose(norms, [2**0.5, 2**0.5, 0.01], rtol=1e-4)
-    assert not np.allclose(network.weights[0], network.weights[1])
+    assert not np.allclose(network.weights[0], network.weights[1], equal_nan=True)
 
 
 @pytest.mark.parametrize(("action", "kind"), [(Discrete(3), "discrete"), (Box(2), "tanh"), (Box(2), "clipped")])

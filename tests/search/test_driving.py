@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -80,12 +82,29 @@ def test_a_search_goes_on_where_it_stopped(game, name, tmp_path):
     assert whole.log == parted.log and whole.simulations == 48
     np.testing.assert_array_equal(whole.elites.candidates.points, parted.elites.candidates.points)
     np.testing.assert_array_equal(whole.elites.quality, parted.elites.quality)
-    assert whole.elites.found.sum() == whole.log[-1].cells > 1
-    assert (np.diff(whole.elites.cells[whole.elites.found]) > 0).all()
+    assert whole.elites.best_failures.sum() == whole.log[-1].cells > 1
+    assert (np.diff(whole.elites.cells[whole.elites.best_failures]) > 0).all()
     for name, array in whole.learned.items():
         np.testing.assert_array_equal(array, parted.learned[name])
     with pytest.raises(ArchiveError, match="was begun with another value of seed"):
         kept_hunt(tmp_path / "state.safetensors", begun(game, method), {**PLAN, "seed": 4})
+
+
+@pytest.mark.parametrize(
+    "reached, message",
+    [(-1, "cells reached fewer than 0 times"), (0, "cells of its scenarios that were never reached")],
+)
+def test_a_search_with_impossible_visits_is_refused(game, reached, message, tmp_path):
+    """Such numbers would be chances below 0 of choosing a parent."""
+    method, path = method_of("map-elites", game), tmp_path / "state.safetensors"
+    hunt = begun(game, method)
+    play_generation(game, method, hunt, 5)
+    visits = hunt.elites.visits.copy()
+    visits[hunt.elites.cells[0]] = reached
+    hunt.elites = replace(hunt.elites, visits=visits)
+    keep_hunt(path, hunt, PLAN)
+    with pytest.raises(ArchiveError, match=f"state.safetensors: has {message}; search anew in another folder"):
+        kept_hunt(path, begun(game, method), PLAN)
 
 
 def test_failures_are_judged_and_explained(game, tried):

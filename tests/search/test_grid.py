@@ -30,3 +30,10 @@ def test_cells_by_hand():
         ("sidewalk", "40 and more", "4 and more", "left side"),
     ]
     assert fails(found).tolist() == [True, False, True]
+    assert [str(x) for x in words] == [
+        "contact with somebody on a jaywalk at 10 to 20 km/h, at the middle of the car's front, "
+        "first visible at a time to collision of 0 to 1 s",
+        "near miss at 0 to 10 km/h, at the car's right side, first visible at a time to collision of 4 s and more",
+        "contact with somebody on a sidewalk at 40 km/h and more, at the car's left side, "
+        "first visible at a time to collision of 4 s and more",
+    ]

@@ -113,7 +113,7 @@ def _hunted(work: FailureSearch, game: Driving, tell: Tell) -> Hunt:
     if path.exists():
         hunt = kept_hunt(path, hunt, plan)
     while hunt.simulations < work.simulations:
-        cells = int(hunt.elites.found.sum())
+        cells = int(hunt.elites.best_failures.sum())
         tell(f"searching: {cells} kinds of failure", hunt.simulations, work.simulations)
         play_generation(game, method, hunt, work.seed)
         keep_hunt(path, hunt, plan)
@@ -122,7 +122,7 @@ def _hunted(work: FailureSearch, game: Driving, tell: Tell) -> Hunt:
 
 def _keep(work: FailureSearch, game: Driving, hunt: Hunt, tell: Tell) -> SearchResults:
     """Judge and explain the failures that a search has found, and write all files."""
-    found = hunt.elites.candidates.some(hunt.elites.found)
+    found = hunt.elites.candidates.some(hunt.elites.best_failures)
     failures, kept = _judged(work, game, found, tell) if len(found) else ([], found)
     some = min(work.minimise, len(failures))
     minimal = None

@@ -50,7 +50,7 @@ def read_areas(path: str | Path) -> Areas:
     try:
         document = json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except (ValueError, RecursionError) as error:
-        raise TracksError(f"{path}: not GeoJSON ({error}); write it as docs: trajectories shows") from None
+        raise TracksError(f"{path}: not GeoJSON ({error}); correct it (docs: trajectories)") from None
     return parse_areas(document, str(path))
 
 

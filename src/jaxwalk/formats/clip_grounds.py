@@ -67,7 +67,7 @@ def read_clip_grounds(path: Path) -> ClipGrounds:
     except ValidationError as error:
         raise TracksError(f"{path}: {explain(dict(error.errors()[0]))}") from None
     except ValueError as error:
-        raise TracksError(f"{path}: not TOML ({error}); write it as docs: real-recordings shows") from None
+        raise TracksError(f"{path}: not TOML ({error}); correct it (docs: real-recordings)") from None
     for name in ("roadway", "crosswalk"):
         if not shapely.Polygon(getattr(found, name)).is_valid:
             raise TracksError(f"{path}: {name}: the outline crosses itself; give its corners in their order")

@@ -114,7 +114,7 @@ class TrackFile:
             raise TracksError(f"{path}: has several columns {', '.join(sorted(twice))}; keep one of each")
         missing = [name for name in REQUIRED if name not in names]
         if missing:
-            raise TracksError(f"{path}: has no column {', '.join(missing)}; docs: trajectories lists all")
+            raise TracksError(f"{path}: has no column {', '.join(missing)}; add what is missing (docs: trajectories)")
         for field in schema:
             self._check_type(field)
         metadata = schema.metadata or {}

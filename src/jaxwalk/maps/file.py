@@ -113,9 +113,9 @@ def explain(fault: dict[str, Any]) -> str:
     """Return one pydantic fault as a line: the field, what is wrong, what to write instead."""
     field = ".".join(str(part) for part in fault["loc"] if not _is_branch_of_union(part))
     if fault["type"] == "unexpected_keyword_argument":
-        return f"{field}: unknown key; remove it or correct its spelling (docs: maps lists all keys)"
+        return f"{field}: unknown key; remove it or correct its spelling (docs: maps)"
     if fault["type"] == "missing":
-        return f"{field}: missing; add it (docs: maps lists all keys)"
+        return f"{field}: missing; add it (docs: maps)"
     wrong = fault["msg"].replace("Input s", "s").removeprefix("Value error, ")
     return f"{field}: {wrong}, not {shorten(repr(fault['input']), SHOWN)}"
 

@@ -52,7 +52,7 @@ def parse_crash_suite(text: str, source: str) -> CrashSuite:
 
 def first_fault(error: ValidationError) -> str:
     """Return the first thing that is wrong with the fields of a suite, in one line."""
-    return explain(dict(error.errors()[0])).replace("docs: maps", "docs: crash-tests")
+    return explain(dict(error.errors()[0])).replace("(docs: maps)", "(docs: crash-tests)")
 
 
 def checked_suite(suite: CrashSuite, source: str) -> CrashSuite:

@@ -11,8 +11,8 @@ from jaxwalk.search.cube import Candidates
 from jaxwalk.search.driving import Played
 from jaxwalk.search.grid import CELLS, fails
 
-LINES = 4
-"""Scenarios that are kept in a cell, each of another line (with another key)."""
+MOST_IN_CELL = 4
+"""Most scenarios that are kept in a cell, each with another key: of children with their parent's key, the best one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Elites:
         return fails(self.cells)
 
     @property
-    def found(self) -> Bool[np.ndarray, "elite"]:
+    def best_failures(self) -> Bool[np.ndarray, "elite"]:
         """Return which of them is the most plausible failure of its cell."""
         return self.failed & (np.diff(self.cells, prepend=-1) > 0)
 
@@ -52,10 +52,10 @@ class Elites:
         every = Candidates.joined([self.candidates, candidates.some(met)])
         qualities = np.concatenate([self.quality, quality])
         best_first = np.lexsort((np.arange(len(cells)), -qualities, cells))
-        lines = np.stack([cells, every.keys], axis=1)[best_first]
-        _, first = np.unique(lines, axis=0, return_index=True)
+        families = np.stack([cells, every.keys], axis=1)[best_first]
+        _, first = np.unique(families, axis=0, return_index=True)
         kept = best_first[np.sort(first)]
         begins = np.searchsorted(cells[kept], cells[kept])
-        kept = kept[np.arange(len(kept)) - begins < LINES]
+        kept = kept[np.arange(len(kept)) - begins < MOST_IN_CELL]
         visits = self.visits + np.bincount(played.moments.cell[met], minlength=CELLS)
         return Elites(cells[kept], qualities[kept], every.some(kept), visits)

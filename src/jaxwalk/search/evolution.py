@@ -57,9 +57,9 @@ class Evolution:
     def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
         """Return the strategy's next state; its candidates are ranked by how near to a failure and how ordinary."""
         strategy, params, now = self._now(state)
-        missing = np.minimum(-scores, 1e6) + ORDINARY * (ordinary_distance(candidates.points) - 1)
-        found = jnp.asarray(to_normal(candidates.points), jnp.float32)
-        after, _ = strategy.tell(jax.random.key(0), found, jnp.asarray(missing, jnp.float32), now, params)
+        loss = np.minimum(-scores, 1e6) + ORDINARY * (ordinary_distance(candidates.points) - 1)
+        normal = jnp.asarray(to_normal(candidates.points), jnp.float32)
+        after, _ = strategy.tell(jax.random.key(0), normal, jnp.asarray(loss, jnp.float32), now, params)
         return _arrays(after)
 
     def _strategy(self, dimensions: int) -> tuple[Any, Any]:

@@ -18,8 +18,10 @@ PLAUSIBLE = 1.0
 """A failure above this percentile is plausible [%]."""
 AVOIDERS = ("human", "oracle")
 """Judgements of failures that somebody in the car's place would have avoided."""
-UNITS = {"speed": "speed_km_h", "time": "first_visible_s_before", "bearing": "bearing_deg"}
-"""Columns of the table whose names, unlike the document's, have units."""
+TABLE_NAMES = {
+    "speed": "speed_km_h", "time": "first_visible_s_before", "bearing": "bearing_deg", "words": "cell_in_words",
+}  # fmt: skip
+"""Columns of the table whose names aren't the document's: units are in them."""
 
 
 @dataclass(frozen=True)
@@ -105,18 +107,16 @@ class SearchResults:
         return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
     def to_csv(self) -> str:
-        """Return a table with a row for each failure: units in the columns' names, the cell in words.
+        """Return a table with a row for each failure: units in the columns' names, the cell also in words.
 
         What doesn't exist is empty.
         """
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         columns = [field.name for field in fields(FoundFailure)]
-        writer.writerow(UNITS.get(name, name) for name in columns)
-        writer.writerows(
-            [str(one.words) if name == "cell" else _cell(getattr(one, name)) for name in columns]
-            for one in self.failures
-        )
+        columns.insert(columns.index("cell") + 1, "words")
+        writer.writerow(TABLE_NAMES.get(name, name) for name in columns)
+        writer.writerows([_cell(getattr(one, name)) for name in columns] for one in self.failures)
         return text.getvalue()
 
 

@@ -50,7 +50,12 @@ class GridCell:
     """Where the person was at the contact, seen from the car."""
 
     def __str__(self) -> str:
-        return f"{self.contact}, {self.speed} km/h, {self.side}, first visible {self.time} seconds before"
+        """Return the cell as a phrase."""
+        what = "near miss" if self.contact == ContactKind.NONE.word else f"contact with somebody on a {self.contact}"
+        end, _, part = self.side.partition(", ")
+        where = f"the {part} of the car's {end}" if part else f"the car's {end}"
+        speed, time = _with_unit(self.speed, "km/h"), _with_unit(self.time, "s")
+        return f"{what} at {speed}, at {where}, first visible at a time to collision of {time}"
 
 
 def cells_of(
@@ -85,6 +90,12 @@ def in_words(cell: int) -> GridCell:
     """Return a cell in words."""
     contact, speed, time, bearing = (int(part) for part in np.unravel_index(cell, SHAPE))
     return GridCell(ContactKind(contact).word, part_of_axis(SPEEDS, speed), part_of_axis(TIMES, time), SIDES[bearing])
+
+
+def _with_unit(part: str, unit: str) -> str:
+    """Return a part of an axis with its unit: ``10 to 20 km/h``, ``40 km/h and more``."""
+    number, more, _ = part.partition(" and more")
+    return f"{number} {unit}{more}"
 
 
 def part_of_axis(begins: tuple[float, ...], part: int) -> str:

@@ -18,7 +18,7 @@ from jaxwalk.search.driving import Driving
 from jaxwalk.search.elites import Elites
 from jaxwalk.search.evolution import Evolution
 from jaxwalk.search.grid import CELLS, GRID
-from jaxwalk.search.map_elites import MapElites, steps_of
+from jaxwalk.search.map_elites import MapElites
 from jaxwalk.search.methods import CrossEntropy, Generation, Method, RandomSearch, State
 from jaxwalk.writing import write_whole
 
@@ -68,7 +68,7 @@ def method_of(name: MethodName, game: Driving) -> Method:
     if name == "evolution":
         return Evolution(game.batch)
     methods: dict[str, Method] = {
-        "map-elites": MapElites(steps_of(game.street.world)), "cross-entropy": CrossEntropy(), "random": RandomSearch(),
+        "map-elites": MapElites(game.street), "cross-entropy": CrossEntropy(), "random": RandomSearch(),
     }  # fmt: skip
     return methods[name]
 
@@ -90,7 +90,7 @@ def play_generation(game: Driving, method: Method, hunt: Hunt, seed: int) -> Non
     hunt.elites = hunt.elites.joined_by(candidates, played)
     hunt.learned = method.tell(hunt.learned, candidates, played.moments.score)
     failures = (hunt.log[-1].failures if hunt.log else 0) + int(played.moments.failed.sum())
-    cells = int(hunt.elites.found.sum())
+    cells = int(hunt.elites.best_failures.sum())
     hunt.log.append(Progressed(hunt.simulations + len(candidates), failures, cells))
 
 
@@ -133,6 +133,10 @@ def kept_hunt(path: Path, fresh: Hunt, plan: Mapping[str, Any]) -> Hunt:
         raise ArchiveError(f"{path}: its arrays have other sizes than those of this street; {ADVICE}")
     if not (((cells >= 0) & (cells < CELLS)).all() and (np.diff(cells) >= 0).all() and _inside(points)):
         raise ArchiveError(f"{path}: has impossible cells or points; {ADVICE}")
+    if (visits < 0).any():
+        raise ArchiveError(f"{path}: has cells reached fewer than 0 times; {ADVICE}")
+    if (visits[cells] == 0).any():
+        raise ArchiveError(f"{path}: has cells of its scenarios that were never reached; {ADVICE}")
     rows = [Progressed(*row) for row in log.tolist()]
     return Hunt(Elites(cells, quality, Candidates(points, keys), visits), learned, rows)
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from jaxwalk.scenarios.archived import scenarios_at
 from jaxwalk.search.cube import Candidates, stepped
 from jaxwalk.search.elites import Elites
 from jaxwalk.search.methods import Generation, RandomSearch, State
+from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import dimensions, parts
 from jaxwalk.sim.world import World
 
@@ -24,15 +27,16 @@ class Variation:
     group: Int[np.ndarray, "number"]
     """The group of each number of a point: those of a group step together; -1 never steps."""
     shares: tuple[float, ...]
-    """Share of the groups that step: one of these for each child."""
+    """Share of the groups that step: one of these for each child. At least one group steps."""
     rhos: tuple[float, ...]
     """How much of a number stays in a step (`stepped`): one of these for each child."""
 
     def children(self, rng: np.random.Generator, points: Float[np.ndarray, "point number"]) -> np.ndarray:
         """Return a child of each point."""
         share, rho = (rng.choice(choices, (len(points), 1)) for choices in (self.shares, self.rhos))
-        steps = (rng.random(points.shape) < share)[:, self.group] & (self.group >= 0)
-        return stepped(rng, points, rho, steps)
+        chosen = rng.random(points.shape) < share
+        chosen[np.arange(len(points)), rng.choice(self.group[self.group >= 0], len(points))] = True
+        return stepped(rng, points, rho, chosen[:, self.group] & (self.group >= 0))
 
 
 def steps_of(world: World) -> tuple[Variation, ...]:
@@ -64,7 +68,8 @@ def _each_alone(numbers: Int[np.ndarray, "number"], *some: np.ndarray) -> Int[np
 class MapElites(RandomSearch):
     """Varies the best scenarios of each cell, rarely reached cells more often (Mouret and Clune, 2015).
 
-    Failures are rare at first: they are reached from near misses, which have cells too. A child has its parent's key.
+    Failures are rare at first: they are reached from near misses, which have cells too. A child has its parent's key,
+    and is never a copy of it, which would play the same again.
     """
 
     of_failures: float = 0.6
@@ -72,12 +77,15 @@ class MapElites(RandomSearch):
     new: float = 0.05
     """Share of ordinary candidates; all others are children of near misses."""
 
-    def __init__(self, steps: tuple[Variation, ...]) -> None:
-        """Vary scenarios in these ways (`steps_of` returns those of a world)."""
-        self.steps = steps
+    def __init__(self, street: Street) -> None:
+        """Vary scenarios of this street (`steps_of`)."""
+        self.street, self.steps = street, steps_of(street.world)
 
     def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
-        """Return children of failures and of near misses, and ordinary candidates; the first ones are all ordinary."""
+        """Return children of failures and of near misses, and ordinary candidates; the first ones are all ordinary.
+
+        An ordinary candidate is in the place of each child that chooses the same as its parent.
+        """
         own = super().ask(state, elites, turn)
         if not len(elites.cells):
             return own
@@ -88,8 +96,17 @@ class MapElites(RandomSearch):
         way, points = rng.integers(len(self.steps), size=turn.count), chosen.points.copy()
         for number, step in enumerate(self.steps):
             points[way == number] = step.children(rng, points[way == number])
-        fresh = kind >= 1 - self.new
+        fresh = (kind >= 1 - self.new) | _same_scenario(self.street, chosen.points, points)
         return Candidates(np.where(fresh[:, None], own.points, points), np.where(fresh, own.keys, chosen.keys))
+
+
+def _same_scenario(
+    street: Street, one: Float[np.ndarray, "point number"], other: Float[np.ndarray, "point number"]
+) -> Bool[np.ndarray, "point"]:
+    """Return which points are the same scenario as the other's: a number that moved may choose the same as before."""
+    leaves = (jax.tree.leaves(scenarios_at(street, points)) for points in (one, other))
+    alike = [np.asarray(mine == its).reshape(-1, len(one)).all(axis=0) for mine, its in zip(*leaves, strict=True)]
+    return np.logical_and.reduce(alike)
 
 
 def _some(

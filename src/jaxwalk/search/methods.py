@@ -97,11 +97,12 @@ class CrossEntropy(RandomSearch):
 
     def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
         """Move the mean."""
-        mean, found = state["mean"], to_normal(candidates.points)
-        weights = 1 / (self.mixed + (1 - self.mixed) * np.exp(np.clip(found @ mean - mean @ mean / 2, -700, 700)))
+        mean, normal = state["mean"], to_normal(candidates.points)
+        log_ratio = normal @ mean - mean @ mean / 2  # of the density about the mean to the ordinary one
+        weights = 1 / (self.mixed + (1 - self.mixed) * np.exp(np.clip(log_ratio, -700, 700)))
         best = np.argsort(-scores, kind="stable")[: max(2, round(self.elite * len(scores)))]
         own = weights[best] / weights[best].sum()
-        centre = own @ found[best]
+        centre = own @ normal[best]
         error = np.sqrt((own**2).sum())
         centre = np.where(np.abs(centre) > self.clear * error, centre, 0.0)
         return {"mean": (1 - self.pace) * mean + self.pace * centre}

@@ -73,34 +73,16 @@ def test_kinds_of_crosswalks(tmp_path, about, kind):
     assert (crossing.kind, crossing.kind_origin) == kind
 
 
-@pytest.mark.parametrize(
-    "tags, limit",
-    [
-        ({"speed_limit": "20 mph"}, (32.2, "mapped")),
-        ({"speed_limit": ""}, (50.0, "inferred")),
-        ({"speed_limit": "", "location": "nonurban"}, (100.0, "inferred")),
-        ({"speed_limit": "", "subtype": "play_street"}, (15.0, "inferred")),
-    ],
-)
-def test_speed_limits(tmp_path, tags, limit):
-    elements = read_source(written(tmp_path, road_map(**tags))).elements
-    assert {(x["limit_km_h"], x["limit_from"]) for x in elements} == {limit}
-
-
-def test_the_speed_limit_of_a_sign(tmp_path):
+def test_areas_have_holes_and_a_whole_outline(tmp_path):
     made = road_map()
-    sign = made.line((0, -5), (0, -6), kind="traffic_sign", subtype="de274-70")
-    rule = made.relation({"refers": [sign]}, type="regulatory_element", subtype="speed_limit")
-    text = made.text().replace('role="right"/>', f'role="right"/><member type="relation" ref="{rule}" role="rule"/>')
-    assert {x["limit_km_h"] for x in read_source(written(tmp_path, text)).elements} == {70.0}
-
-
-def test_who_may_use_a_lanelet(tmp_path):
-    buses = road_map(participant__vehicle__bus="yes")
-    with pytest.raises(ImportRefusal, match="has no roads"):
-        read_source(written(tmp_path, buses))
-    assert len(read_source(written(tmp_path, road_map(participant__vehicle__car="yes"))).lanes) == 2
-    assert len(read_source(written(tmp_path, road_map(one_way="no"))).lanes) == 4
+    outer = [made.line((50, 20), (70, 20), (70, 40)), made.line((70, 40), (50, 40), (50, 20))]
+    hole = made.line((55, 25), (65, 25), (65, 35), (55, 35), (55, 25))
+    made.relation({"outer": outer, "inner": [hole]}, type="multipolygon", subtype="building")
+    (building,) = read_source(written(tmp_path, made)).buildings
+    assert building.area == pytest.approx(400 - 100)
+    text = "\n".join(x for x in made.text().split("\n") if f'<way id="{outer[1]}"' not in x)
+    source = read_source(written(tmp_path, text))
+    assert source.buildings == () and "1 area without a whole outline in the file" in source.left_out
 
 
 def test_traffic_that_keeps_left_as_the_lanelets_lie(tmp_path):
@@ -195,7 +177,19 @@ def test_what_is_missing_is_named(tmp_path):
     node = way.split('<nd ref="')[1].split('"')[0]
     kept = [x for x in WHOLE.split("\n") if not x.startswith(f'<node id="{node}"')]
     source = read_source(written(tmp_path, "\n".join(kept)))
-    assert "1 node that ways name and the file doesn't have" in source.left_out
+    assert source.left_out == (
+        "1 lanelet without a left or right bound in the file",
+        "1 node that ways name and the file doesn't have; these ways aren't read",
+    )
+    buses = written(
+        tmp_path,
+        WHOLE.replace(
+            'v="walkway"/>',
+            'v="walkway"/><tag k="participant:bicycle" v="no"/><tag k="participant:pedestrian" v="no"/>',
+        ),
+    )
+    (said,) = read_source(buses).left_out
+    assert said.startswith("2 lanelets with subtype=walkway and tags participant:...: not along a road")
 
 
 def test_too_large_a_map(tmp_path, monkeypatch):

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from jaxwalk.maps.imported.tile_lanes import LONGEST_DRIVE, LONGEST_ROUTE, RouteFinder
+from jaxwalk.maps.imported.tile_lanes import LONGEST_DRIVE, LONGEST_ROUTE, ORACLE_LEVEL, RouteFinder
 from jaxwalk.maps.network import Lane
+from jaxwalk.policies.oracle import LEVEL
 
 
 def lane(begin, end, limit, *after):
@@ -38,3 +39,7 @@ def test_a_slow_part_of_a_road_makes_routes_shorter_there_only():
         fast, slow = max(min(end, 500) - begin, 0), max(end - max(begin, 500), 0)
         assert fast + slow <= LONGEST_ROUTE + 1e-6 and fast / (50 / 3.6) + slow / (6 / 3.6) <= LONGEST_DRIVE + 1e-6
     assert max(end - begin for begin, end in (ends(route, lanes) for route in routes)) == pytest.approx(LONGEST_ROUTE)
+
+
+def test_routes_are_planned_in_the_levels_of_the_oracle():
+    np.testing.assert_allclose(ORACLE_LEVEL, LEVEL, rtol=1e-3)

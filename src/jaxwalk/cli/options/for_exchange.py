@@ -27,7 +27,7 @@ class Tracks:
     seed: Annotated[int, option("0", "N")] = 0
     """Which set of scenarios."""
     map: Annotated[str, option("the run folder's, else paper", "MAP")] = ""
-    """A bundled map, a map file or a generated street (test-2000000003, docs: streets)."""
+    """A bundled map, a map file or a generated street, such as test-2000000003 (docs: streets)."""
     world: Annotated[World | None, option("the run folders', else the map's", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car, which is
     usual on other maps than paper; campus: that too, a slow car, and people at a measured pace

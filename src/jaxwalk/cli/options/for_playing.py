@@ -26,8 +26,9 @@ class Evaluate:
     jaxwalk (co-trained, single-agent, town, paper-co-trained, paper-single-agent), run folders or policy files; or your
     own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs: drivers)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
-    """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo, campus: docs: people); learned, town-learned
-    and paper-learned, which come with jaxwalk; run folders or policy files; or a mixture, diffusion:0.7+learned:0.3."""
+    """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo, campus); learned, town-learned and
+    paper-learned, which come with jaxwalk; run folders or policy files; or a mixture, diffusion:0.7+learned:0.3
+    (docs: people)."""
     shield: Annotated[ShieldName | None, option("none", "SHIELD")] = None
     """Put a shield around every driver, which corrects actions that aren't safe by its rule (docs: shields). The
     driver is then called co-trained+rss, and may also be named so."""
@@ -73,7 +74,7 @@ class Evaluate:
     """Also encounters.parquet, a row per encounter (needs --out, and pip install "jaxwalk[data]")."""
     part: Annotated[str | None, option("all of it", "K/N")] = None
     """Evaluate only the K-th of N parts of the scenarios and keep its rows in --out, for `jaxwalk merge`
-    (docs: beyond-one-machine; needs pip install "jaxwalk[data]")."""
+    (docs: beyond-one-machine). Needs pip install "jaxwalk[data]"."""
     json: Flag = False
     """Print one JSON document instead of the table."""
     again: Annotated[Path | None, option("none", "FILE")] = None

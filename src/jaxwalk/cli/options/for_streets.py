@@ -24,7 +24,7 @@ class Import:
 
     OpenStreetMap (.osm, .osm.pbf; needs pip install "jaxwalk[osm]"), Lanelet2 maps (.osm; the same, unless they have
     metres), SUMO networks (.net.xml, .net.xml.gz; needs pip install "jaxwalk[sumo]") and OpenDRIVE (.xodr; needs pip
-    install "jaxwalk[opendrive]"; docs: real-streets). For example:
+    install "jaxwalk[opendrive]") (docs: real-streets). For example:
     jaxwalk import town.osm.pbf --centre 60.1699 24.9384 --radius 300 --out town
     """
 

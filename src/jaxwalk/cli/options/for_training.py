@@ -36,7 +36,7 @@ class Train:
     single_agent: Flag = False
     """Train the car alone, among pedestrians who always go."""
     map: Annotated[tuple[str, ...], option("the recipe's: paper; town training:64", "MAP [MAP ...]")] = ()
-    """Bundled maps, map files, or generated streets (training:64, docs: streets) to train on."""
+    """Bundled maps, map files, or generated streets, such as training:64, to train on (docs: streets)."""
     world: Annotated[World | None, option("the recipe's, by footprint on other maps than paper", "WORLD")] = None
     """What a collision is. paper: the centres closer than 1.5 m; paper-footprint: a body touches the car; campus:
     that too, a slow car, and people at a measured pace (docs: real-recordings); town: as paper-footprint, and a car

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 from xml.parsers import expat
@@ -63,7 +63,7 @@ class LaneletFile(NamedTuple):
     lines: dict[int, LaneletLine]
     relations: dict[int, LaneletRelation]
     missing: int
-    """Number of references to nodes that the file doesn't have."""
+    """Number of nodes of ways that the file doesn't have, or not their places."""
     region: Box | None
     """What was asked for [m]."""
 
@@ -195,9 +195,11 @@ class _Elements:
         return places, (west, south, east, north)
 
 
-def _line(places: dict[int, tuple[float, float]], nodes: Iterable[int], tags: Tags) -> LaneletLine | None:
-    """Return a line, or None if it has no length."""
-    points = np.array(list(_distinct(places[node] for node in nodes if node in places)))
+def _line(places: dict[int, tuple[float, float]], nodes: Sequence[int], tags: Tags) -> LaneletLine | None:
+    """Return a line; None if it has no length, or lacks a node: nobody knows how it runs there."""
+    if any(node not in places for node in nodes):
+        return None
+    points = np.array(list(_distinct(places[node] for node in nodes)))
     return LaneletLine(points, tags) if len(points) > 1 else None
 
 

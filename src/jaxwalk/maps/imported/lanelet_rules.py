@@ -11,7 +11,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from jaxwalk.maps.imported.lanelet_reading import LaneletFile, LaneletRelation
-from jaxwalk.maps.imported.lanelet_shapes import LaneletShape
+from jaxwalk.maps.imported.lanelet_shapes import LaneletShape, yes
 from jaxwalk.maps.imported.osm_tags import MILE
 from jaxwalk.maps.imported.source_map import Origin, SourceCrossing
 from jaxwalk.maps.network import CrossingType
@@ -20,10 +20,16 @@ SPEEDS = (6.0, 130.0)
 """Lowest and highest speed limit [km/h]."""
 URBAN, NONURBAN, PLAY = 50.0, 100.0, 15.0
 """Speed limits where the map says nothing [km/h]."""
-UNITS = {"mph": MILE, "mps": 3.6, "m/s": 3.6}
+UNITS = {"": 1.0, "km/h": 1.0, "kmh": 1.0, "kph": 1.0, "mph": MILE, "mps": 3.6, "m/s": 3.6}
 """In km/h, which is the unit where none is named."""
-SIGN = re.compile(r"de274[^0-9]+(\d{1,3})")
-"""The German sign of a speed limit; 274.1 is that of a zone of 30 km/h."""
+NUMBER = re.compile(r"\s*(\d+(?:\.\d*)?)\s*([a-z/]*)\s*")
+"""A speed with its unit."""
+SIGN = re.compile(r"de274(?:[._]1(?!\d))?(?:[^0-9]+(\d{1,3}))?")
+"""The German sign of a speed limit, 274, and of a zone of one, 274.1: of 30 km/h unless a number follows."""
+SIGN_OF_TOWN = "de310"
+"""The German sign at which a town begins."""
+SPEED_TAGS = ("speed_limit:vehicle:car", "speed_limit:vehicle", "speed_limit")
+"""Tags of a lanelet's speed limit: the finest one that there is counts."""
 CROSSING_WIDTHS = (2.0, 8.0)
 NEAR_LIGHTS = 10.0
 """A crosswalk this close to where cars stop for a traffic light has one [m]."""
@@ -40,18 +46,25 @@ class CrosswalkRules(NamedTuple):
 
 
 def limit_of(file: LaneletFile, lanelet: LaneletShape) -> tuple[float, Origin]:
-    """Return a speed limit [km/h], and where it is from: a rule before a tag before what is usual."""
-    rules = [rule for rule in _rules(file, lanelet) if rule.tags.get("subtype") == "speed_limit"]
-    signs = [file.lines[ref].tags.get("subtype", "") for rule in rules for ref in rule.refs("way", "refers")
-             if ref in file.lines]  # fmt: skip
-    said = [*(rule.tags.get("sign_type", "") for rule in rules), *signs, *(lanelet.tags.get(key, "") for key in (
-        "speed_limit", "speed_limit:vehicle", "speed_limit:vehicle:car"))]  # fmt: skip
-    numbers = [number for text in said if (number := _speed(text)) is not None]
-    if numbers:
-        return float(np.clip(numbers[0], *SPEEDS)), "mapped"
+    """Return a speed limit [km/h], and where it is from: a rule before a tag before what is usual.
+
+    A rule's sign counts before its ``sign_type``; rules that hold only at times (``dynamic``) don't count. A limit
+    beyond `SPEEDS` is moved there, and so is inferred.
+    """
+    rules = [x for x in _rules(file, lanelet) if x.tags.get("subtype") == "speed_limit" and not yes(x.tags, "dynamic")]
+    said = [text for rule in rules for text in _signs(file, rule)] + [lanelet.tags.get(key, "") for key in SPEED_TAGS]
+    number = next((number for text in said if (number := _speed(text)) is not None), None)
+    if number is not None:
+        return float(np.clip(number, *SPEEDS)), "mapped" if SPEEDS[0] <= number <= SPEEDS[1] else "inferred"
     if lanelet.tags.get("subtype") == "play_street":
         return PLAY, "inferred"
     return (NONURBAN if lanelet.tags.get("location") == "nonurban" else URBAN), "inferred"
+
+
+def _signs(file: LaneletFile, rule: LaneletRelation) -> list[str]:
+    """Return what a rule of speed says."""
+    signs = [file.lines[ref].tags.get("subtype", "") for ref in rule.refs("way", "refers") if ref in file.lines]
+    return [*signs, rule.tags.get("sign_type", "")]
 
 
 def _rules(file: LaneletFile, lanelet: LaneletShape) -> Iterator[LaneletRelation]:
@@ -61,12 +74,14 @@ def _rules(file: LaneletFile, lanelet: LaneletShape) -> Iterator[LaneletRelation
 
 
 def _speed(text: str) -> float | None:
-    """Return a speed [km/h] from a tag or a sign's name; None if it is none."""
-    sign = SIGN.match(text.lower())
-    if sign:
-        return 30.0 if sign[1] == "1" else float(sign[1])
-    found = re.match(r"\s*(\d{1,3}(?:\.\d{1,3})?)\s*([a-z/]*)", text.lower())
-    return float(found[1]) * UNITS.get(found[2], 1.0) if found else None
+    """Return a speed [km/h] from a tag or a sign's name; None if it is none, is 0, or has a unit that nobody knows."""
+    if text.lower() == SIGN_OF_TOWN:
+        return URBAN
+    if sign := SIGN.fullmatch(text.lower()):
+        return float(sign[1] or 30)
+    found = NUMBER.fullmatch(text.lower())
+    speed = float(found[1]) * UNITS.get(found[2], 0.0) if found else 0.0
+    return speed or None
 
 
 def crosswalk_rules(file: LaneletFile, lanelets: Sequence[LaneletShape], flip: float) -> CrosswalkRules:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -27,6 +27,10 @@ USES: dict[str, Use] = {
 """By the subtype of a lanelet or area."""
 PARTICIPANT = "participant:"
 """How the keys begin of tags that say who may use a lanelet."""
+YES, NO = ("yes", "true", "1"), ("no", "false", "0")
+"""Values of tags that say yes or no."""
+ONE_WAY = ("one_way", "one_way:vehicle", "one_way:vehicle:car")
+"""Tags that say whether cars use a lanelet only from its beginning to its end, as they do where there is none."""
 STEP = 1.0
 """Distance between the points of a lanelet's middle [m]."""
 MOST_POINTS = 2000
@@ -93,18 +97,32 @@ class AreaShape(NamedTuple):
     shape: BaseGeometry
 
 
+def yes(tags: Tags, key: str) -> bool:
+    """Return whether a tag says yes, in one of the format's words."""
+    return tags.get(key) in YES
+
+
 def use_of(tags: Tags) -> Use:
     """Return who uses a lanelet: by its subtype, unless tags say who may take part."""
     own: Use = USES.get(tags.get("subtype", "road"), "other")
-    said = {key.removeprefix(PARTICIPANT): tags[key] == "yes" for key in tags if key.startswith(PARTICIPANT)}
-    if not said or own in ("crosswalk", "walk"):
+    said = [key.removeprefix(PARTICIPANT) for key in tags if key.startswith(PARTICIPANT)]
+    takes_part = [key for key in said if yes(tags, PARTICIPANT + key)]
+    walks = own in ("crosswalk", "walk")
+    if not said or (walks and ("pedestrian" in takes_part or (not takes_part and "pedestrian" not in said))):
         return own
-    takes_part = [key for key, yes in said.items() if yes]
     if any(key == "vehicle" or key.startswith("vehicle:car") for key in takes_part):
         return "driven"
     if any(key.startswith("vehicle") for key in takes_part):
         return "roadway"
-    return "walk" if "pedestrian" in takes_part else "beside" if "bicycle" in takes_part else "other"
+    if "pedestrian" in takes_part:
+        return "walk"
+    return "beside" if "bicycle" in takes_part and own != "crosswalk" else "other"
+
+
+def is_two_way(tags: Tags) -> bool:
+    """Return whether cars use a lanelet in both directions."""
+    said = next((tags[key] for key in ONE_WAY if key in tags), "yes")
+    return said in NO
 
 
 def lanelet_shapes(file: LaneletFile) -> tuple[list[LaneletShape], int]:
@@ -165,15 +183,21 @@ def _aligned(left: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return (left[::-1], right[::-1]) if area > 0 else (left, right)
 
 
-def area_shapes(file: LaneletFile) -> Iterator[AreaShape]:
-    """Yield the areas of a file."""
-    for number, relation in file.relations.items():
-        is_area = relation.tags.get("type") in ("multipolygon", "area")
-        refs = relation.refs("way", "outer") if is_area else []
-        outline = joined([file.lines[ref].points for ref in refs if ref in file.lines])
-        shape = surface(shapely.Polygon(outline)) if outline is not None and len(outline) > 2 else shapely.Polygon()
-        if not shape.is_empty:
-            yield AreaShape(number, relation.tags.get("subtype", ""), shape)
+def area_shapes(file: LaneletFile) -> tuple[list[AreaShape], int]:
+    """Return the areas of a file, and the number of those whose outline the file doesn't have, or not whole."""
+    relations = [(n, x) for n, x in file.relations.items() if x.tags.get("type") in ("multipolygon", "area")]
+    found = [(n, x.tags.get("subtype", ""), _outlined(file, x)) for n, x in relations]
+    return [AreaShape(n, kind, x) for n, kind, x in found if not x.is_empty], sum(x.is_empty for *_, x in found)
+
+
+def _outlined(file: LaneletFile, relation: LaneletRelation) -> BaseGeometry:
+    """Return an area's shape, less its holes; empty where a line of its outline is missing."""
+    refs = relation.refs("way", "outer")
+    outline = joined([file.lines[ref].points for ref in refs]) if all(ref in file.lines for ref in refs) else None
+    if outline is None or len(outline) < 3:
+        return shapely.Polygon()
+    inner = [shapely.LineString(file.lines[ref].points) for ref in relation.refs("way", "inner") if ref in file.lines]
+    return surface(shapely.Polygon(outline)).difference(shapely.polygonize(inner))
 
 
 def keeps_left(lanelets: Sequence[LaneletShape]) -> bool | None:

@@ -17,10 +17,12 @@ from jaxwalk.maps.imported.lanelet_lanes import lanelet_graph
 from jaxwalk.maps.imported.lanelet_reading import LaneletFile, LaneletLine, read_lanelets
 from jaxwalk.maps.imported.lanelet_rules import crossing_of, crosswalk_rules, limit_of
 from jaxwalk.maps.imported.lanelet_shapes import (
+    PARTICIPANT,
     USES,
     AreaShape,
     LaneletShape,
     area_shapes,
+    is_two_way,
     keeps_left,
     lanelet_shapes,
 )
@@ -32,8 +34,6 @@ from jaxwalk.wording import counted
 
 AT_KERB, BEHIND_CURB = 4.0, 3.0
 """A walkway, and a curbstone, speaks of kerbs whose line of people is nearer than this [m]."""
-TWO_WAYS = ("no", "false")
-"""Values of ``one_way`` with which cars drive in both directions."""
 
 
 class LaneletParts(NamedTuple):
@@ -44,6 +44,8 @@ class LaneletParts(NamedTuple):
     others: list[LaneletShape]
     areas: list[AreaShape]
     without_bounds: int
+    without_outline: int
+    """Number of areas whose outline isn't whole."""
     left: bool
 
 
@@ -83,11 +85,11 @@ def lanelet_map(path: Path, region: Region | None, *, left: bool = False) -> Sou
 def _parts(path: Path, file: LaneletFile, *, left: bool) -> LaneletParts:
     """Return the parts of a map, on the side on which traffic keeps right. Raise ImportRefusal if it has no roads."""
     shapes, without = lanelet_shapes(file)
-    said = keeps_left([x for x in shapes if x.use == "driven" and x.tags.get("one_way") not in TWO_WAYS])
+    said = keeps_left([x for x in shapes if x.use == "driven" and not is_two_way(x.tags)])
     if left and said is False:
         raise ImportRefusal(f"{path}: its lanes keep right; leave --traffic left out")
     left = left if said is None else said
-    areas = list(area_shapes(file))
+    areas, broken = area_shapes(file)
     if left:
         flip = np.array([-1.0, 1.0])
         shapes = [x.mirrored() for x in shapes]
@@ -103,9 +105,9 @@ def _parts(path: Path, file: LaneletFile, *, left: bool) -> LaneletParts:
     if not driven:
         where = "" if file.region is None else " in this region"
         raise ImportRefusal(f"{path}: has no roads{where} (lanelets for vehicles); name another file or part")
-    both = [x.turned() for x in driven if x.tags.get("one_way") in TWO_WAYS]
+    both = [x.turned() for x in driven if is_two_way(x.tags)]
     others = [x for x in shapes if x.use != "driven"]
-    return LaneletParts(file, driven + both, others, areas, without, left)
+    return LaneletParts(file, driven + both, others, areas, without, broken, left)
 
 
 def _extent(driven: Sequence[LaneletShape]) -> Box:
@@ -133,7 +135,7 @@ def _elements(parts: LaneletParts) -> Iterator[dict[str, Any]]:
     for lanelet in (x for x in parts.driven if x.number not in seen):
         seen.add(lanelet.number)
         limit, origin = limit_of(parts.file, lanelet)
-        both = int(lanelet.tags.get("one_way") in TWO_WAYS)
+        both = int(is_two_way(lanelet.tags))
         yield {
             "element": lanelet.name, "name": lanelet.tags.get("road_name", ""),
             "class": lanelet.tags.get("subtype", "road"), "lanes": [1, both], "lanes_from": "mapped",
@@ -146,17 +148,20 @@ def _elements(parts: LaneletParts) -> Iterator[dict[str, Any]]:
 def _left_out(parts: LaneletParts, ground: LaneletGround, no_turns: int) -> Iterator[str]:
     """Yield what isn't imported, and why."""
     others = Counter(
-        x.tags.get("subtype", "") for x in parts.others
+        (x.tags.get("subtype", ""), any(key.startswith(PARTICIPANT) for key in x.tags)) for x in parts.others
         if x.use == "other" or (x.use == "beside" and x.number not in ground.parts)
     )  # fmt: skip
-    for kind, count in sorted(others.items()):
-        yield f"{counted(count, 'lanelet')} with subtype={kind}: not along a road, or not among what is imported"
+    for (kind, participants), count in sorted(others.items()):
+        told = f"subtype={kind}" + (f" and tags {PARTICIPANT}..." if participants else "")
+        yield f"{counted(count, 'lanelet')} with {told}: not along a road, or not among what is imported"
     if parts.without_bounds:
         yield f"{counted(parts.without_bounds, 'lanelet')} without a left or right bound in the file"
+    if parts.without_outline:
+        yield f"{counted(parts.without_outline, 'area')} without a whole outline in the file"
     if no_turns:
         yield no_room(no_turns)
     if parts.file.missing:
-        yield f"{counted(parts.file.missing, 'node')} that ways name and the file doesn't have"
+        yield f"{counted(parts.file.missing, 'node')} that ways name and the file doesn't have; these ways aren't read"
 
 
 def _elsewhere(parts: LaneletParts, crosswalks: Sequence[LaneletShape]) -> dict[str, int]:
