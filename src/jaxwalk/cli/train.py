@@ -82,6 +82,8 @@ def make_experiment(options: Train) -> Experiment:
             "seed": options.seed, "maps": tuple(map(_absolute, options.map)) or None,
             "jaywalk_multiplier": options.jaywalk_multiplier,
             "minutes": options.minutes,
+            "archives": tuple(str(Path(name).absolute()) for name in options.archive) or None,
+            "archive_share": options.archive_share,
         }  # fmt: skip
         experiment = replace(experiment, **{name: value for name, value in changes.items() if value is not None})
         if options.updates is not None:

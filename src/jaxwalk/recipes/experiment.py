@@ -38,6 +38,10 @@ class Experiment:
     """The rules of the world."""
     crowds: tuple[int, ...] = ()
     """Numbers of people in an episode: updates take turns with them. Empty: always ``sim.pedestrians``."""
+    archives: tuple[str, ...] = ()
+    """Files of scenarios, or folders of searches, that are mixed into the episodes (``docs/failure-search.md``)."""
+    archive_share: float = 0.25
+    """Share of the episodes that begin with a scenario of ``archives``, where their number of people plays."""
     seed: int = 0
     """The seed of networks, scenarios and actions."""
     minutes: float | None = None
@@ -53,6 +57,8 @@ class Experiment:
             check_multiplier(self.jaywalk_multiplier)
         if self.minutes is not None and not 0 < self.minutes <= LONGEST:
             raise ValueError(f"minutes must be above 0 and at most {LONGEST:,}, not {self.minutes:g}")
+        if not 0 < self.archive_share <= 1:
+            raise ValueError(f"archive_share must be above 0 and at most 1, not {self.archive_share:g}")
         for people in self.crowds:
             replace(self.sim, pedestrians=people)  # it refuses an impossible number
 

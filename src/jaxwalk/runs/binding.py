@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from jaxwalk.learning import checkpoint
 from jaxwalk.maps import MapText
 from jaxwalk.runs.folder import CONFIG, Run, RunError, as_json, from_json
+from jaxwalk.runs.kept_archives import archive_hashes
 
 PLAN = {"train.updates", "minutes"}
 """What a training changes in its configuration by itself, when it plans or shortens its updates."""
@@ -20,8 +21,9 @@ class EditedConfigError(RunError):
 
 
 def bound_to(run: Run, maps: Sequence[MapText]) -> dict[str, Any]:
-    """Return what a checkpoint of the run keeps: the configuration and the hashes of the maps."""
-    return {"configuration": as_json(run.experiment), "maps": [found.hash for found in maps]}
+    """Return what a checkpoint of the run keeps: the configuration and the hashes of maps and archives."""
+    archives = archive_hashes(run.path, run.experiment.archives)
+    return {"configuration": as_json(run.experiment), "maps": [found.hash for found in maps], "archives": archives}
 
 
 def policy_bound_to(run: Run, maps: Sequence[MapText]) -> dict[str, Any]:
@@ -53,6 +55,8 @@ def check_bound(run: Run, maps: Sequence[MapText], tell: Callable[[str], None]) 
     changed = _changed(run, made.get("configuration", {}))
     if made.get("maps", []) != [found.hash for found in maps]:
         changed.append("the content of the maps")
+    if made.get("archives", []) != archive_hashes(run.path, run.experiment.archives):
+        changed.append("the content of the archives")
     if changed or run.intact is False:
         what = ", ".join(changed) or "its hash differs"
         raise EditedConfigError(

@@ -113,7 +113,7 @@ def resume(folder: str | Path, *, on_update: OnUpdate | None = None, upkeep: Upk
         CallbackError: as in `train`.
     """
     run, upkeep = Run.open(folder), upkeep or Upkeep()
-    street = make_street(run.experiment, run.maps())
+    street = make_street(run.experiment, run.maps(), run.archives)
     mesh_of(run.experiment.train.shards)
     check_writable(run.path)
     ended = train_in(

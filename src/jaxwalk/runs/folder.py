@@ -2,6 +2,7 @@
 
     config.json         the `Experiment`
     maps.json           the maps that it is trained on (`jaxwalk.runs.kept_maps`)
+    archive-N.safetensors    scenarios that it mixes in (`jaxwalk.runs.kept_archives`)
     metrics.jsonl       one line for each update
     events.out.*        the same for TensorBoard
     checkpoints/        to resume from
@@ -27,6 +28,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from jaxwalk.recipes import Experiment
 from jaxwalk.runs.board import Board
+from jaxwalk.runs.kept_archives import keep_archives, kept_archives
 from jaxwalk.runs.kept_maps import keep_maps, kept_maps, to_stderr
 from jaxwalk.runs.lock import LOCK, held
 from jaxwalk.writing import is_unfinished, naming, write_whole
@@ -103,6 +105,7 @@ class Run:
             check_new(run.path)  # check again: another process may have been quicker
             run.describe(experiment)
             keep_maps(run.path, maps)
+            keep_archives(run.path, experiment.archives)
         return run
 
     @classmethod
@@ -129,6 +132,11 @@ class Run:
     def maps(self, tell: Callable[[str], None] = to_stderr) -> tuple[MapText, ...]:
         """Return the maps that it is trained on, as `kept_maps` does."""
         return kept_maps(self.path, self.experiment.maps, tell)
+
+    @property
+    def archives(self) -> list[Path]:
+        """Return the copies of the archives that it mixes in."""
+        return kept_archives(self.path, self.experiment.archives)
 
     def describe(self, experiment: Experiment) -> None:
         """Write the configuration."""

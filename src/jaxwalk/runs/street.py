@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from pathlib import Path
 
 import jax
 
@@ -12,6 +13,7 @@ from jaxwalk.maps import MapError, MapText
 from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.recipes import Experiment, with_training
+from jaxwalk.runs.kept_archives import with_archives
 from jaxwalk.shards import everywhere, mesh_of
 from jaxwalk.sim.cost import DRIVER_COSTS, PAID_ONCE
 from jaxwalk.sim.environment import Street
@@ -28,21 +30,25 @@ class WorldError(ValueError):
     """A configuration that can't be trained. The message names the field and its possible values, in one line."""
 
 
-def make_street(experiment: Experiment, maps: Sequence[MapText] | None = None) -> Street:
-    """Return the environment of an experiment, on the maps that it names or on ``maps``, which a run folder keeps.
+def make_street(
+    experiment: Experiment, maps: Sequence[MapText] | None = None, archives: Sequence[str | Path] | None = None
+) -> Street:
+    """Return the environment of an experiment, on the maps and with the archives that it names or a run folder keeps.
 
     Raises:
         MapError: a map is wrong.
+        ArchiveError, KeptArchiveError: scenarios to mix in can't be read, or aren't of this street.
         WorldError: what agents are paid for, are shown, or have a limit of, doesn't exist.
     """
     _check_sets(experiment)
     _check_limits(experiment)
     try:
-        return _street(experiment, experiment.maps if maps is None else maps)
+        street = _street(experiment, experiment.maps if maps is None else maps)
     except MapError:
         raise
     except ValueError as error:
         raise WorldError(str(error)) from error
+    return with_archives(street, experiment, experiment.archives if archives is None else archives)
 
 
 def crowded(street: Street, experiment: Experiment) -> tuple[Street, ...]:

@@ -89,7 +89,7 @@ def train_in(
     """
     with held(run.path), _saying_what_is_kept(run):
         remove_unfinished(run.path)
-        street = street or make_street(run.experiment, run.maps((display or Display()).say))
+        street = street or make_street(run.experiment, run.maps((display or Display()).say), run.archives)
         if not (run.path / MAPS).is_file():  # a folder of an older version, or killed while it was made
             keep_maps(run.path, street.maps)
         shown = display or Display()

@@ -83,6 +83,14 @@ def read_archive(path: str | Path) -> Archived:
         raise ArchiveError(f"{file}: {error}; {ADVICE}") from error
 
 
+def archive_bytes(path: str | Path) -> bytes:
+    """Return the bytes of a file of scenarios, or of the folder of a search. Raise ArchiveError if there is none."""
+    file = archive_path(path)
+    if not file.is_file():
+        raise ArchiveError(f"{file}: no such file; check the name")
+    return file.read_bytes()
+
+
 def archive_path(path: str | Path) -> Path:
     """Return the file of scenarios that a path means: itself, or that in the folder of a search."""
     return Path(path) / SCENARIOS if Path(path).is_dir() else Path(path)

@@ -17,6 +17,7 @@ from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, Roles, RoleSpec, 
 from jaxwalk.maps import MapText
 from jaxwalk.sim import cost, observation, pedestrian, reward, scenario, vehicle
 from jaxwalk.sim.events import Events, arrives
+from jaxwalk.sim.kept_points import KeptPoints
 from jaxwalk.sim.movement import move
 from jaxwalk.sim.perceived import Perceived
 from jaxwalk.sim.perception import first_perceived, perceive
@@ -35,6 +36,8 @@ class Street(eqx.Module):
     """The weights of the reward terms that are paid, by role and name."""
     costs: tuple[str, ...] = eqx.field(static=True, default=())
     """Names of the car's costs that are counted (`jaxwalk.sim.cost.DRIVER_COSTS`)."""
+    kept: dict[int, KeptPoints] = eqx.field(default_factory=dict)
+    """Scenarios that are mixed into those that are drawn, by the number of people."""
 
     @classmethod
     def create(
@@ -98,7 +101,7 @@ class Street(eqx.Module):
 
         ``like``: keep this scenario's map, start and goal of the car, but draw other people.
         """
-        return scenario.draw(self.world, key, like)
+        return scenario.draw(self.world, key, like, self.kept.get(self.world.rules.pedestrians))
 
     @eqx.filter_jit
     def reset(self, scenario: Scenario) -> State:

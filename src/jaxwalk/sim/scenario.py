@@ -13,6 +13,7 @@ import numpy as np
 from jax.scipy.special import ndtr, ndtri
 from jaxtyping import Array, Bool, Float, Int, Key
 
+from jaxwalk.sim.kept_points import KeptPoints
 from jaxwalk.sim.lookup import look_up
 from jaxwalk.sim.person_kind import begins
 from jaxwalk.sim.script import Script
@@ -117,9 +118,12 @@ def without_people(maps: Int[Array, "*batch"], routes: Int[Array, "*batch"]) -> 
     )  # fmt: skip
 
 
-def draw(world: World, key: Key[Array, ""], like: Scenario | None = None) -> Scenario:
-    """Draw one scenario (no batch axes). ``like``: keep the map and the route of this one."""
-    return from_uniforms(world, uniforms(key, dimensions(world)), like)
+def draw(world: World, key: Key[Array, ""], like: Scenario | None = None, kept: KeptPoints | None = None) -> Scenario:
+    """Draw one scenario (no batch axes). ``like``: keep its map and route; ``kept``: scenarios to draw from too."""
+    if kept is None:
+        return from_uniforms(world, uniforms(key, dimensions(world)), like)
+    key, choice = jax.random.split(key)
+    return from_uniforms(world, kept.mixed(choice, uniforms(key, dimensions(world))), like)
 
 
 def dimensions(world: World) -> int:
