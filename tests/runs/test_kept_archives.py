@@ -1,4 +1,4 @@
-"""A training mixes in scenarios of an archive: those alone, in the share that is asked for, from a copy that it keeps."""
+"""A training mixes in scenarios of an archive: those alone, in the share that is asked for, from a kept copy."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class EditedConfigError(RunError):
 
 def bound_to(run: Run, maps: Sequence[MapText]) -> dict[str, Any]:
     """Return what a checkpoint of the run keeps: the configuration and the hashes of maps and archives."""
-    archives = archive_hashes(run.path, run.experiment.archives)
+    archives = archive_hashes(run.archives)
     return {"configuration": as_json(run.experiment), "maps": [found.hash for found in maps], "archives": archives}
 
 
@@ -55,7 +55,7 @@ def check_bound(run: Run, maps: Sequence[MapText], tell: Callable[[str], None]) 
     changed = _changed(run, made.get("configuration", {}))
     if made.get("maps", []) != [found.hash for found in maps]:
         changed.append("the content of the maps")
-    if made.get("archives", []) != archive_hashes(run.path, run.experiment.archives):
+    if made.get("archives", []) != archive_hashes(run.archives):
         changed.append("the content of the archives")
     if changed or run.intact is False:
         what = ", ".join(changed) or "its hash differs"

@@ -96,16 +96,18 @@ class Run:
         The configuration names each generated street.
         """
         from jaxwalk.maps import each_map, read_map
+        from jaxwalk.scenarios.archive_file import archive_bytes
 
         check_new(Path(path))
         experiment = replace(experiment, maps=each_map(experiment.maps))
         maps = [read_map(name) for name in experiment.maps] if maps is None else maps
+        archives = [archive_bytes(name) for name in experiment.archives]
         run = cls(path, experiment)
         with held(run.path):
             check_new(run.path)  # check again: another process may have been quicker
             run.describe(experiment)
             keep_maps(run.path, maps)
-            keep_archives(run.path, experiment.archives)
+            keep_archives(run.path, archives)
         return run
 
     @classmethod
@@ -136,7 +138,7 @@ class Run:
     @property
     def archives(self) -> list[Path]:
         """Return the copies of the archives that it mixes in."""
-        return kept_archives(self.path, self.experiment.archives)
+        return kept_archives(self.path, len(self.experiment.archives))
 
     def describe(self, experiment: Experiment) -> None:
         """Write the configuration."""

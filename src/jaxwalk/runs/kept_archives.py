@@ -17,28 +17,27 @@ if TYPE_CHECKING:
     from jaxwalk.scenarios.archived import Archived
     from jaxwalk.sim.environment import Street  # JAX comes with it, so functions import it when they need it
 
+HASH_DIGITS = 16
+
 
 class KeptArchiveError(ValueError):
     """An archive can't be mixed into a training. The message names it and says what to do, in one line."""
 
 
-def keep_archives(folder: Path, names: Sequence[str]) -> None:
-    """Copy archives into a run folder. Raise ArchiveError if one isn't there."""
-    from jaxwalk.scenarios.archive_file import archive_bytes
-
-    for path, name in zip(kept_archives(folder, names), names, strict=True):
-        write_whole(path, archive_bytes(name))
+def keep_archives(folder: Path, contents: Sequence[bytes]) -> None:
+    """Write the files of archives into a run folder."""
+    for path, content in zip(kept_archives(folder, len(contents)), contents, strict=True):
+        write_whole(path, content)
 
 
-def kept_archives(folder: Path, names: Sequence[str]) -> list[Path]:
-    """Return the paths of the copies that a run folder keeps of these archives."""
-    return [folder / f"archive-{number}.safetensors" for number in range(len(names))]
+def kept_archives(folder: Path, count: int) -> list[Path]:
+    """Return the paths of the archives that a run folder keeps."""
+    return [folder / f"archive-{number}.safetensors" for number in range(count)]
 
 
-def archive_hashes(folder: Path, names: Sequence[str]) -> list[str]:
-    """Return the hash of each copy that a run folder keeps; an empty text where one is missing."""
-    paths = kept_archives(folder, names)
-    return [hashlib.sha256(path.read_bytes()).hexdigest()[:16] if path.is_file() else "" for path in paths]
+def archive_hashes(paths: Sequence[Path]) -> list[str]:
+    """Return the hash of each file; an empty text where one is missing."""
+    return [hashlib.sha256(path.read_bytes()).hexdigest()[:HASH_DIGITS] if path.is_file() else "" for path in paths]
 
 
 def with_archives(street: Street, experiment: Experiment, paths: Sequence[str | Path]) -> Street:
