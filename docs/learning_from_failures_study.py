@@ -49,11 +49,13 @@ SEARCHES = {"seen": 0, "unseen": 500}
 
 
 def trained(folder: Path, experiment: Experiment, seed: int) -> Path:
-    """Train, or go on with a training, or find it finished; return its folder."""
-    if not (folder / "config.json").is_file():
-        train(shared_out(experiment), folder, seed=seed)
-    elif not is_finished(Run.open(folder)):
-        resume(folder)
+    """Train, or go on with a training, or find it finished; return its folder. Ctrl-C ends the study."""
+    begun = (folder / "config.json").is_file()
+    if begun and is_finished(Run.open(folder)):
+        return folder
+    ended = resume(folder) if begun else train(shared_out(experiment), folder, seed=seed)
+    if ended.interrupted:
+        raise SystemExit(f"{folder}: interrupted; the same command goes on")
     return folder
 
 
@@ -66,7 +68,7 @@ def searched(file: Path, street: Street, driver: Policy, seed: int, simulations:
     hunt = begun(game, method)
     while hunt.simulations < simulations:
         play_generation(game, method, hunt, seed)
-    found = hunt.elites.candidates.some(hunt.elites.found)
+    found = hunt.elites.candidates.some(hunt.elites.best_failures)
     there = np.ones((len(found), street.config.pedestrians), bool)
     file.parent.mkdir(parents=True, exist_ok=True)
     write_archive(file, Archived(street, found.points, there, seed, found.keys), {"simulations": hunt.simulations})
