@@ -4,10 +4,12 @@
 
 It goes on where it was interrupted: what is in the folder is not made again. With every training seed:
 
-plain/SEED     a car trained alone in the world `town`, among people who always go
-seen/SEED      failures of that car on the streets of its training, found by MAP-Elites
-unseen/SEED    failures of the same car, found by another search; nobody trains on them
-mixed/SEED     a car trained as the first one, a share of its episodes begin with the failures in `seen`
+plain/SEED       a car trained alone in the world `town`, among people who always go
+seen/SEED        failures of that car on the streets of its training, found by MAP-Elites
+unseen/SEED      failures of the same car, found by another search; nobody trains on them
+ordinary/SEED    as many ordinary scenarios as there are in `seen`
+mixed/SEED       a car trained as the first one, but a share of its episodes begin with the failures in `seen`
+repeated/SEED    the same with `ordinary` in place of `seen`: what the repetition of few scenarios does by itself
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy import stats
 
 from jaxwalk import resume, train
 from jaxwalk.evaluation import Match, evaluate_grid, over_training_seeds, paired_delay, paired_over_seeds
@@ -36,16 +39,23 @@ from jaxwalk.runs.street import make_street, shared_out
 from jaxwalk.runs.training import is_finished
 from jaxwalk.scenarios.archive_file import SCENARIOS, read_archive, write_archive
 from jaxwalk.scenarios.archived import Archived
+from jaxwalk.search import cube
 from jaxwalk.search.driving import Driving
 from jaxwalk.search.hunt import begun, method_of, play_generation
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.scenario import dimensions
 from jaxwalk.writing import write_whole
 
 UNSEEN_STREETS = "test:200"
 PEOPLE = {"always-go": AlwaysGo()}
+CARS = {"mixed": "seen", "repeated": "ordinary"}
+"""The cars that train on kept scenarios, and on which ones."""
+OTHER = "plain, next seed"
 ENDINGS = ("moving contact", "goal")
 SEARCHES = {"seen": 0, "unseen": 500}
 """What is added to the training seed for the seed of each search."""
+FEWEST = 2
+"""Fewest training seeds: on an archive, cars are compared with a plain car of another seed."""
 
 
 def trained(folder: Path, experiment: Experiment, seed: int) -> Path:
@@ -69,11 +79,26 @@ def searched(file: Path, street: Street, driver: Policy, seed: int, simulations:
     while hunt.simulations < simulations:
         play_generation(game, method, hunt, seed)
     found = hunt.elites.candidates.some(hunt.elites.best_failures)
-    there = np.ones((len(found), street.config.pedestrians), bool)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    write_archive(file, Archived(street, found.points, there, seed, found.keys), {"simulations": hunt.simulations})
+    if not len(found):
+        raise SystemExit(f"{file}: no failure in {hunt.simulations:,} scenarios; ask for more --simulations")
     print(f"{file}: {len(found)} kinds of failure in {hunt.simulations:,} scenarios", flush=True)
+    return kept(file, street, found.points, found.keys, seed)
+
+
+def kept(file: Path, street: Street, points: np.ndarray, keys: np.ndarray, seed: int) -> Path:
+    """Write scenarios, in which everybody is there; return the file."""
+    there = np.ones((len(points), street.config.pedestrians), bool)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    write_archive(file, Archived(street, points, there, seed, keys), {})
     return file
+
+
+def ordinary(file: Path, street: Street, count: int, seed: int) -> Path:
+    """Write that number of ordinary scenarios; return the file."""
+    if file.is_file():
+        return file
+    points = cube.ordinary(np.random.default_rng(seed), count, dimensions(street.world))
+    return kept(file, street, points, np.arange(count), seed)
 
 
 def make_cars(out: Path, base: Experiment, asked: argparse.Namespace) -> None:
@@ -85,8 +110,11 @@ def make_cars(out: Path, base: Experiment, asked: argparse.Namespace) -> None:
             name: searched(out / name / str(seed) / SCENARIOS, street, plain, seed + more, asked.simulations)
             for name, more in SEARCHES.items()
         }
-        mixed = replace(base, archives=(str(files["seen"].absolute()),), archive_share=asked.share)
-        trained(out / "mixed" / str(seed), mixed, seed)
+        count = len(read_archive(files["seen"]))
+        files["ordinary"] = ordinary(out / "ordinary" / str(seed) / SCENARIOS, street, count, seed)
+        for car, of in CARS.items():
+            mixing = replace(base, archives=(str(files[of].absolute()),), archive_share=asked.share)
+            trained(out / car / str(seed), mixing, seed)
 
 
 def on_drawn_scenarios(out: Path, base: Experiment, asked: argparse.Namespace) -> tuple[Results, dict[str, Any]]:
@@ -94,25 +122,27 @@ def on_drawn_scenarios(out: Path, base: Experiment, asked: argparse.Namespace) -
     street = Street.create((UNSEEN_STREETS,), base.sim)
     rounds: list[Any] = [(None, {"clearance": contestant(street, "driver", "clearance")}, PEOPLE)]
     for seed in asked.training_seeds:
-        cars = {name: contestant(street, "driver", str(out / name / str(seed))) for name in ("plain", "mixed")}
+        cars = {name: contestant(street, "driver", str(out / name / str(seed))) for name in ("plain", *CARS)}
         rounds.append((seed, cars, PEOPLE))
     chosen, matches = play_rounds(street, rounds, Scenarios(asked.episodes, asked.seed), say=print)
-    of = {name: [match for match in matches if match.cell.driver == name] for name in ("clearance", "plain", "mixed")}
-    pairs = [paired_over_seeds(ending, of["plain"], of["mixed"]) for ending in ENDINGS]
+    names = ("clearance", "plain", *CARS)
+    of = {name: [match for match in matches if match.cell.driver == name] for name in names}
+    pairs = [paired_over_seeds(ending, of[other], of["mixed"]) for ending in ENDINGS for other in ("plain", "repeated")]
     ordered: list[Match] = [match for group in of.values() for match in group]
     results = replace(results_of(street, chosen, ordered, paired=pairs), over_seeds=over_training_seeds(ordered))
-    return results, {"delay": asdict(paired_delay(of["plain"], of["mixed"]))}
+    return results, {"delays": [asdict(paired_delay(of[other], of["mixed"])) for other in ("plain", "repeated")]}
 
 
 def on_archives(out: Path, asked: argparse.Namespace) -> list[dict[str, Any]]:
-    """Play each archive with the car that it was found with, another plain car, and the car that trained on `seen`."""
+    """Play each search's failures with the cars of its seed, and with the plain car of the next one.
+
+    They were chosen because the plain car of their seed fails in them. Any other car fails in fewer, whatever it
+    trained on: so it is the plain car of another seed that the others are compared with.
+    """
     seeds, rows = asked.training_seeds, []
     for at, seed in enumerate(seeds):
-        cars = {
-            "plain": out / "plain" / str(seed),
-            "another plain one": out / "plain" / str(seeds[(at + 1) % len(seeds)]),
-            "mixed": out / "mixed" / str(seed),
-        }
+        cars = {name: out / name / str(seed) for name in ("plain", *CARS)}
+        cars[OTHER] = out / "plain" / str(seeds[(at + 1) % len(seeds)])
         for name in SEARCHES:
             archived = read_archive(out / name / str(seed))
             drivers = {car: contestant(archived.street, "driver", str(path)) for car, path in cars.items()}
@@ -120,6 +150,13 @@ def on_archives(out: Path, asked: argparse.Namespace) -> list[dict[str, Any]]:
             touched = {car: int(touched_while_moving(of).sum()) for (car, _), of in played.items()}
             rows.append({"archive": name, "seed": seed, "scenarios": len(archived), "touched": touched})
     return rows
+
+
+def difference(rows: list[dict[str, Any]], car: str, other: str) -> str:
+    """Return by how much the shares of scenarios with a contact differ, with the t-interval over seeds [points]."""
+    each = np.array([100 * (row["touched"][car] - row["touched"][other]) / row["scenarios"] for row in rows])
+    half = stats.t.ppf(0.975, len(each) - 1) * each.std(ddof=1) / np.sqrt(len(each))
+    return f"{each.mean():.1f} [{each.mean() - half:.1f}, {each.mean() + half:.1f}]"
 
 
 def made_once(file: Path, make: Callable[[], Any]) -> Any:
@@ -135,12 +172,16 @@ def say(drawn: dict[str, Any], archives: list[dict[str, Any]]) -> None:
         contacts, delay = one["moving_contact_rate"], one["mean_delay"]
         print(one["driver"], "contacts", contacts["mean"], contacts["each"], "delay", delay["mean"])
     for one in drawn["paired"]:
-        print("mixed - plain:", one["ending"], one["difference"], "p", one["p"])
+        print("mixed -", one["a"]["driver"], one["ending"], one["difference"], "p", one["p"])
+    for one in drawn["delays"]:
+        print("mixed -", one["a"], "delay", one["difference"], "p", one["p"])
     for name in SEARCHES:
         mine = [row for row in archives if row["archive"] == name]
         scenarios = sum(row["scenarios"] for row in mine)
         shares = {car: sum(row["touched"][car] for row in mine) / scenarios for car in mine[0]["touched"]}
         print(name, f"{scenarios} scenarios", {car: f"{100 * share:.1f} %" for car, share in shares.items()})
+        for other in (OTHER, "repeated"):
+            print(name, f"mixed - {other}:", difference(mine, "mixed", other), "points")
 
 
 def main() -> None:
@@ -155,6 +196,8 @@ def main() -> None:
     options.add_argument("--episodes", type=int, default=5000, help="new scenarios for each car")
     options.add_argument("--seed", type=int, default=97, help="of the new scenarios")
     asked = options.parse_args()
+    if asked.seeds < FEWEST:
+        options.error(f"--seeds must be at least {FEWEST}")
     asked.training_seeds = range(70, 70 + asked.seeds)
     plan = {name: value for name, value in vars(asked).items() if name not in ("out", "training_seeds")}
     asked.out.mkdir(parents=True, exist_ok=True)

@@ -19,6 +19,8 @@ from jaxwalk.cli import options
 from jaxwalk.cli.commands import COMMANDS
 from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
+from jaxwalk.runs.street import make_street
+from scenarios.small_archive import write_small_archive
 
 WORKERS = (
     "jaxwalk.runs.entry.train_in", "jaxwalk.runs.study.train_in", "jaxwalk.runs.study.Work._do",
@@ -69,7 +71,8 @@ LIKELY = {
     "role": ["driver", "pedestrian"], "only": ["env", "train"], "areas": ["file", "nowhere"],
     "method": ["random", "map-elites", "splitting"], "scenarios": ["file", "nowhere", "run"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
-    "answers": ["file", "nowhere"], "part": ["1/3", "3/3", "4/3"], "parts": ["run", "file", "nowhere"],
+    "answers": ["file", "nowhere"], "archive": ["file", "nowhere", "run", "found.safetensors"],
+    "part": ["1/3", "3/3", "4/3"], "parts": ["run", "file", "nowhere"],
 }  # fmt: skip
 """By the name of an option; all others take numbers, or nothing."""
 POSITIONAL = ("runs", "policy", "files", "drivers", "file", "parts")
@@ -112,6 +115,7 @@ def prepare(folder: Path) -> None:
     (folder / "half" / "config.json").write_text("{}")
     (folder / "mine.safetensors").write_bytes(save(ARRAYS, {"jaxwalk": json.dumps(HEADER)}))
     (folder / "bad.safetensors").write_bytes(save({"x": np.zeros(1)}, {"jaxwalk": "{}"}))
+    write_small_archive(folder / "found.safetensors", make_street(RECIPES["fast"]))
     (folder / "idle.py").write_text("class Idle: pass\n")
     (folder / "town.toml").write_text("size = [60, 20]\n")
     for name in ("cross.osm", "nonsense.onnx", "nonsense.zip", "nonsense.pt", "file", "tracks.parquet"):

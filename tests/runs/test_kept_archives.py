@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import shutil
+import json
 from dataclasses import replace
 
 import equinox as eqx
@@ -11,35 +11,24 @@ import numpy as np
 import pytest
 
 from jaxwalk.cli import main
-from jaxwalk.recipes import Experiment
+from jaxwalk.policies import read_metadata
+from jaxwalk.recipes import RECIPES, Experiment, ExperimentFileError, load_experiment
 from jaxwalk.runs.binding import EditedConfigError
 from jaxwalk.runs.folder import Run
-from jaxwalk.runs.kept_archives import KeptArchiveError
+from jaxwalk.runs.kept_archives import KeptArchiveError, archive_hashes
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import crowded, make_street
 from jaxwalk.runs.training import train_in
-from jaxwalk.scenarios import Archived
-from jaxwalk.scenarios.archive_file import ArchiveError, write_archive
-from jaxwalk.search.cube import ordinary
+from jaxwalk.scenarios.archive_file import SCENARIOS, write_archive
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.scenario import Scenario, dimensions, from_uniforms
-
-COUNT = 3
-
-
-def archive(path, street: Street, *, present: bool = True) -> Archived:
-    """Write a few ordinary scenarios of a street, as if a search had found them."""
-    points = ordinary(np.random.default_rng(1), COUNT, dimensions(street.world))
-    there = np.full((COUNT, street.config.pedestrians), present)
-    kept = Archived(street, points, there, 0, np.arange(COUNT))
-    write_archive(path, kept, {})
-    return kept
+from jaxwalk.sim.scenario import Scenario, draw, from_uniforms
+from scenarios.small_archive import COUNT, write_small_archive
 
 
 @pytest.fixture
 def mixing(tiny, tmp_path) -> Experiment:
     """The tiny training with an archive of its street."""
-    archive(tmp_path / "found.safetensors", make_street(tiny))
+    write_small_archive(tmp_path / "found.safetensors", make_street(tiny))
     return replace(tiny, archives=(str(tmp_path / "found.safetensors"),))
 
 
@@ -72,16 +61,16 @@ def test_all_others_are_drawn_anew(mixing):
     assert abs(others.mean() - 0.5) < 0.06
 
 
-def test_without_an_archive_nothing_changes(tiny, mixing):
-    plain, emptied = make_street(tiny), replace(make_street(mixing), kept={})
-    assert eqx.tree_equal(drawn(plain, 4), drawn(emptied, 4))
+def test_where_another_number_of_people_plays_all_is_drawn_as_without_an_archive(mixing):
+    street = make_street(mixing).with_people(3)
+    plain = jax.vmap(lambda key: draw(street.world, key), out_axes=-1)(jax.random.split(jax.random.key(5), 4))
+    assert eqx.tree_equal(drawn(street, 4), plain)
 
 
 def test_an_archive_is_met_where_its_number_of_people_plays(tiny, tmp_path):
-    archive(tmp_path / "three.safetensors", make_street(tiny).with_people(3))
+    write_small_archive(tmp_path / SCENARIOS, make_street(tiny).with_people(3))
     roles = {name: replace(role, critic_observes=(role.observes,)) for name, role in tiny.train.roles.items()}
     crowds = replace(tiny, train=replace(tiny.train, roles=roles), crowds=(12, 3), archives=(str(tmp_path),))
-    shutil.copy(tmp_path / "three.safetensors", tmp_path / "scenarios.safetensors")
     twelve, three = crowded(make_street(replace(crowds, archive_share=1.0)), crowds)
     assert (from_archive(three, drawn(three, 9)) >= 0).all()
     assert len(np.unique(np.asarray(drawn(twelve, 9).traits)[0, 0])) == 9
@@ -100,12 +89,12 @@ def test_another_copy_is_refused(mixing, tmp_path, quiet):
     run = Run.create(tmp_path / "run", mixing)
     train_in(run, display=Display(quiet))
     street = make_street(mixing)
-    kept = archive(tmp_path / "found.safetensors", street)
-    write_archive(run.archives[0], replace(kept, keys=kept.keys + 1), {})
-    with pytest.raises(EditedConfigError, match="the content of the archives"):
+    kept = write_small_archive(tmp_path / "found.safetensors", street)
+    write_archive(run.archives[0], replace(kept, points=kept.points[::-1].copy()), {})
+    with pytest.raises(EditedConfigError, match=r"the kept scenarios aren't those of checkpoint 6; restore archive-N"):
         train_in(run, resume=True, display=Display(quiet))
     run.archives[0].unlink()
-    with pytest.raises(ArchiveError, match=r"archive-0\.safetensors: no such file"):
+    with pytest.raises(KeptArchiveError, match=r"archive-0\.safetensors: missing; copy it again"):
         train_in(run, resume=True, display=Display(quiet))
 
 
@@ -118,24 +107,76 @@ def _other_rules(street):
 
 
 WRONG = {
-    "another map": (_other_map, True, r"of other maps than the training's, paper; search with --map"),
+    "another map": (_other_map, True, r"of the maps test-\d+, the training's are paper; search with --map"),
     "another crowd": (lambda street: street.with_people(3), True, r"have 3 people, the training's have 12; search"),
-    "another world": (_other_rules, True, r"another world than the training's \(max_speed differ\)"),
+    "another world": (
+        _other_rules,
+        True,
+        r"where max_speed is 9\.0, not 8\.33 as in the training's; search",
+    ),
     "minimised": (lambda street: street, False, r"people are absent in its scenarios, as in minimised ones; name"),
 }
 
 
 @pytest.mark.parametrize(("made", "present", "message"), WRONG.values(), ids=WRONG)
 def test_an_archive_that_the_training_could_not_draw_is_refused(tiny, tmp_path, made, present, message):
-    archive(tmp_path / "found.safetensors", made(make_street(tiny)), present=present)
+    write_small_archive(tmp_path / "found.safetensors", made(make_street(tiny)), present=present)
     with pytest.raises(KeptArchiveError, match=message):
         make_street(replace(tiny, archives=(str(tmp_path / "found.safetensors"),)))
 
 
-def test_the_command_line_says_what_is_wrong_before_it_writes(tmp_path, capsys):
-    run = str(tmp_path / "run")
-    assert main(["train", "--run", run, "--archive", str(tmp_path / "none.safetensors")]) == 2
-    assert "none.safetensors: no such file; check the name" in capsys.readouterr().err
-    assert main(["train", "--run", run, "--archive", "x", "--archive-share", "1.5"]) == 2
-    assert "archive_share must be above 0 and at most 1, not 1.5" in capsys.readouterr().err
+def test_maps_in_another_order_are_said_to_be(tiny, tmp_path):
+    two = replace(tiny, maps=("paper", "test:1"))
+    street = make_street(two)
+    write_small_archive(tmp_path / "found.safetensors", Street.create(street.maps[::-1], street.config))
+    with pytest.raises(KeptArchiveError, match=r"test-\d+, paper, the training's in another order are paper, "):
+        make_street(replace(two, archives=(str(tmp_path / "found.safetensors"),)))
+
+
+def test_archives_of_one_crowd_join_and_none_counts_twice(mixing, tmp_path):
+    write_small_archive(tmp_path / "more.safetensors", make_street(mixing), seed=2)
+    both = replace(mixing, archives=(*mixing.archives, str(tmp_path / "more.safetensors")))
+    assert len(make_street(both).kept[12].points) == 2 * COUNT
+    with pytest.raises(KeptArchiveError, match="are those of another archive; name it once"):
+        make_street(replace(both, archives=mixing.archives * 2))
+
+
+def test_a_file_names_archives_beside_it(mixing, tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text('archives = ["found.safetensors"]\narchive_share = 0.5\n')
+    found = load_experiment(file, RECIPES)
+    assert (found.archives, found.archive_share) == (mixing.archives, 0.5)
+    file.write_text("archive_share = 0.5\n")
+    with pytest.raises(ExperimentFileError, match="archive_share: there are no archives; add archives"):
+        load_experiment(file, RECIPES)
+
+
+SMALL_LINE = "--updates 1 --environments 8 --steps 8 --minibatches 2 --shards 1"
+
+
+def test_a_command_mixes_an_archive_in_and_its_policy_says_so(mixing, tmp_path, capsys):
+    run = tmp_path / "run"
+    line = f"train --run {run} {SMALL_LINE} --archive {mixing.archives[0]} --archive-share 0.5"
+    assert main(line.split()) == 0
+    said = " ".join(capsys.readouterr().err.split())
+    assert "50 % of the episodes with 12 pedestrians begin with one of 3 kept scenarios" in said
+    assert read_metadata(run / "policy.safetensors")["archive_hashes"] == archive_hashes(make_street(mixing))
+    config = json.loads((run / "config.json").read_text())
+    assert (config["archives"], config["archive_share"]) == ([mixing.archives[0]], 0.5)
+
+
+def test_the_command_line_says_what_is_wrong_before_it_writes(mixing, tmp_path, capsys):
+    (tmp_path / "unfinished").mkdir()
+    write_small_archive(tmp_path / "other.safetensors", _other_map(make_street(mixing)))
+    wrong = {
+        f"--archive {tmp_path / 'none.safetensors'}": "none.safetensors: no such file; check the name",
+        f"--archive {tmp_path / 'unfinished'}": "this found no failure or isn't finished",
+        f"--archive {tmp_path / 'other.safetensors'}": "search with --map on the training's",
+        "--archive x --archive-share 1.5": "archive_share must be above 0 and at most 1, not 1.5",
+        "--archive": "--archive needs a file of scenarios, or the folder of a search",
+        "--archive-share 0.5": "--archive-share is the share of the scenarios of --archive; name some, or leave it out",
+    }
+    for words, message in wrong.items():
+        assert main(["train", "--run", str(tmp_path / "run"), *words.split()]) == 2
+        assert message in " ".join(capsys.readouterr().err.split())
     assert not (tmp_path / "run").exists()

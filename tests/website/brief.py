@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
 from glob import glob
 from itertools import pairwise
 from pathlib import Path
 
 from jaxwalk.cli import main
 from jaxwalk.raters.rating_plan import read_plan
+from jaxwalk.recipes import RECIPES
+from jaxwalk.runs.street import make_street
+from jaxwalk.scenarios.archive_file import SCENARIOS
 from maps.imported.osm_files import cross
 from raters.simulated import write_files
+from scenarios.small_archive import write_small_archive
 
 SMALL = {
     "--episodes": "4", "--counterfactuals": "1", "--incidents": "1", "--updates": "2", "--count": "1", "--check": "2",
-    "--people": "6",
+    "--people": "6", "--simulations": "512",
 }  # fmt: skip
 """Options that decide how long a command takes, with small values."""
 EPISODES = ("evaluate", "report", "tracks", "share")
@@ -74,8 +79,18 @@ def provide(words: list[str], trained: Path) -> None:
         elif word in ("driver.onnx", "first.safetensors") and not path.exists():
             line = f"export co-trained --out {word}" if word == "driver.onnx" else f"share runs/first --out {word}"
             assert main(line.split()) == 0
+    if "--archive" in words:
+        _write_archive(Path(words[words.index("--archive") + 1]), words)
     if "train" in words:
         clear(outs)
+
+
+def _write_archive(folder: Path, words: list[str]) -> None:
+    """Write scenarios that the training of a command can mix in, as a search on its street would."""
+    shutil.rmtree(folder, ignore_errors=True)
+    recipe = RECIPES[words[words.index("--recipe") + 1] if "--recipe" in words else "fast"]
+    maps = (words[words.index("--map") + 1],) if "--map" in words else recipe.maps
+    write_small_archive(folder / SCENARIOS, make_street(replace(recipe, maps=maps)))
 
 
 def _write_driver(file: Path, name: str) -> None:

@@ -45,7 +45,7 @@ def message(error: Exception) -> str | None:
         advice = ADVICE.get(error.errno or 0, "check the path and its permissions")
         return plain(f"{where}{what}; {advice}", LONGEST_LINE)
     if isinstance(error, MemoryError) or "RESOURCE_EXHAUSTED" in str(error):  # (the latter is JAX's word for it)
-        return "not enough memory; ask for fewer environments or pedestrians, smaller networks or smaller files"
+        return "not enough memory; ask for fewer environments or pedestrians, smaller networks, files or archives"
     if not type(error).__module__.startswith("jaxwalk"):
         return None
     in_lines = hasattr(error, "faults")  # a MapError has a line for each

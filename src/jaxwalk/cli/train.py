@@ -65,6 +65,8 @@ def check(options: Train) -> None:
         return
     if options.run_folder is None:
         raise UsageError("--run DIR is missing: where to keep the training (or --resume DIR, to continue one)")
+    if options.archive == ():
+        raise UsageError("--archive needs a file of scenarios, or the folder of a search")
     if options.minutes is not None and options.updates is not None:
         raise UsageError("--updates and --minutes both say how long to train; give one of them")
     if options.config and options.recipe != Train.recipe:
@@ -82,10 +84,12 @@ def make_experiment(options: Train) -> Experiment:
             "seed": options.seed, "maps": tuple(map(_absolute, options.map)) or None,
             "jaywalk_multiplier": options.jaywalk_multiplier,
             "minutes": options.minutes,
-            "archives": tuple(str(Path(name).absolute()) for name in options.archive) or None,
+            "archives": tuple(str(Path(name).absolute()) for name in options.archive or ()) or None,
             "archive_share": options.archive_share,
         }  # fmt: skip
         experiment = replace(experiment, **{name: value for name, value in changes.items() if value is not None})
+        if options.archive_share is not None and not experiment.archives:
+            raise UsageError("--archive-share is the share of the scenarios of --archive; name some, or leave it out")
         if options.updates is not None:
             experiment = replace(experiment, minutes=None)
         if options.world or options.map:

@@ -86,6 +86,11 @@ def model_card(file: Path, *, name: str) -> str:
         f"{who}: recipe `{about['recipe']}`, training seed {about['seed']}, {counted(about['updates'], 'update')}, "
         f"{counted(about['steps'], 'environment step')}, maps {maps}.",
         "",
+        *(
+            ["Scenarios that a search had found were mixed into its episodes.", ""]
+            if about.get("archive_hashes")
+            else []
+        ),
         f"Made at commit {about['commit'] or 'unknown'} on {about['hardware']}, with {versions}.",
         "",
         "| role | reads | kind | layers | decision stands for |",

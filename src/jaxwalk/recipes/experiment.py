@@ -39,9 +39,9 @@ class Experiment:
     crowds: tuple[int, ...] = ()
     """Numbers of people in an episode: updates take turns with them. Empty: always ``sim.pedestrians``."""
     archives: tuple[str, ...] = ()
-    """Files of scenarios, or folders of searches, that are mixed into the episodes (``docs/failure-search.md``)."""
+    """Files of scenarios, or folders of searches, that are mixed in (``docs/learning-from-failures.md``)."""
     archive_share: float = 0.25
-    """Share of the episodes that begin with a scenario of ``archives``, where their number of people plays."""
+    """Share of the episodes with an archive's number of people that begin with a scenario of ``archives``."""
     seed: int = 0
     """The seed of networks, scenarios and actions."""
     minutes: float | None = None

@@ -10,7 +10,6 @@ from pydantic import ValidationError
 from jaxwalk.learning import checkpoint
 from jaxwalk.maps import MapText
 from jaxwalk.runs.folder import CONFIG, Run, RunError, as_json, from_json
-from jaxwalk.runs.kept_archives import archive_hashes
 
 PLAN = {"train.updates", "minutes"}
 """What a training changes in its configuration by itself, when it plans or shortens its updates."""
@@ -20,16 +19,16 @@ class EditedConfigError(RunError):
     """A configuration was changed since a checkpoint was made with it."""
 
 
-def bound_to(run: Run, maps: Sequence[MapText]) -> dict[str, Any]:
-    """Return what a checkpoint of the run keeps: the configuration and the hashes of maps and archives."""
-    archives = archive_hashes(run.archives)
-    return {"configuration": as_json(run.experiment), "maps": [found.hash for found in maps], "archives": archives}
+def bound_to(run: Run, maps: Sequence[MapText], archives: Sequence[str] = ()) -> dict[str, Any]:
+    """Return what a checkpoint of the run keeps: the configuration and the hashes of maps and kept scenarios."""
+    hashes = [found.hash for found in maps]
+    return {"configuration": as_json(run.experiment), "maps": hashes, "archives": list(archives)}
 
 
-def policy_bound_to(run: Run, maps: Sequence[MapText]) -> dict[str, Any]:
-    """Return what a policy file of the run states: names and hashes of the maps, and the configuration's hash."""
+def policy_bound_to(run: Run, maps: Sequence[MapText], archives: Sequence[str] = ()) -> dict[str, Any]:
+    """Return what a policy file of the run states: its maps, hashes of kept scenarios, and the configuration's hash."""
     names, hashes = [found.name for found in maps], [found.hash for found in maps]
-    return {"maps": names, "map_hashes": hashes, "config_hash": run.hash}
+    return {"maps": names, "map_hashes": hashes, "archive_hashes": list(archives), "config_hash": run.hash}
 
 
 def check_intact(run: Run) -> None:
@@ -40,8 +39,8 @@ def check_intact(run: Run) -> None:
         )
 
 
-def check_bound(run: Run, maps: Sequence[MapText], tell: Callable[[str], None]) -> None:
-    """Raise EditedConfigError if the newest checkpoint was made with another configuration, or on other maps.
+def check_bound(run: Run, maps: Sequence[MapText], tell: Callable[[str], None], archives: Sequence[str] = ()) -> None:
+    """Raise EditedConfigError if the newest checkpoint was made with another configuration, maps or kept scenarios.
 
     ``tell`` is called with a warning if the checkpoint doesn't say with which, as those of older versions.
     """
@@ -55,8 +54,11 @@ def check_bound(run: Run, maps: Sequence[MapText], tell: Callable[[str], None]) 
     changed = _changed(run, made.get("configuration", {}))
     if made.get("maps", []) != [found.hash for found in maps]:
         changed.append("the content of the maps")
-    if made.get("archives", []) != archive_hashes(run.archives):
-        changed.append("the content of the archives")
+    if made.get("archives", []) != list(archives):
+        raise EditedConfigError(
+            f"{run.path}: the kept scenarios aren't those of checkpoint {updates}; restore archive-N.safetensors, or "
+            "begin another training with --run"
+        )
     if changed or run.intact is False:
         what = ", ".join(changed) or "its hash differs"
         raise EditedConfigError(

@@ -105,9 +105,9 @@ class Run:
         run = cls(path, experiment)
         with held(run.path):
             check_new(run.path)  # check again: another process may have been quicker
+            keep_archives(run.path, archives)  # first: without a configuration, half a folder is no run
             run.describe(experiment)
             keep_maps(run.path, maps)
-            keep_archives(run.path, archives)
         return run
 
     @classmethod
@@ -137,7 +137,7 @@ class Run:
 
     @property
     def archives(self) -> list[Path]:
-        """Return the copies of the archives that it mixes in."""
+        """Return the copies of the archives that it mixes in. Raise KeptArchiveError if one is missing."""
         return kept_archives(self.path, len(self.experiment.archives))
 
     def describe(self, experiment: Experiment) -> None:

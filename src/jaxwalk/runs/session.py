@@ -15,11 +15,11 @@ from jaxwalk.learning import checkpoint
 from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.turns import update_in_turns
-from jaxwalk.maps import MapText
 from jaxwalk.policies import save_policy
 from jaxwalk.provenance import provenance
 from jaxwalk.runs.binding import bound_to, policy_bound_to
 from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.kept_archives import archive_hashes
 from jaxwalk.runs.progress import TrainingProgress
 from jaxwalk.runs.stop import Stop
 from jaxwalk.runs.street import on_devices
@@ -117,9 +117,9 @@ class Session:
         updates = int(learner.updates)
         self.log.to_disk()  # a checkpoint without its metrics would leave a gap
         if checkpoint.latest(self.run.checkpoints) != updates:
-            about = bound_to(self.run, self.street.maps)
+            about = bound_to(self.run, self.street.maps, archive_hashes(self.street))
             checkpoint.save(self.run.checkpoints, learner, updates=updates, about=about)
-        save_policy(self.run.policy, learner, policy_metadata(self.run, self.street.maps, updates))
+        save_policy(self.run.policy, learner, policy_metadata(self.run, self.street, updates))
         self.saved = time.monotonic()
 
 
@@ -144,9 +144,9 @@ def _what_diverged(updates: int, fixed: Sequence[str]) -> str:
     )
 
 
-def policy_metadata(run: Run, maps: Sequence[MapText], updates: int) -> dict[str, Any]:
-    """Return the origin of a policy trained on these maps, as its file states it."""
+def policy_metadata(run: Run, street: Street, updates: int) -> dict[str, Any]:
+    """Return the origin of a policy trained on this street, as its file states it."""
     experiment = run.experiment
     made = {"updates": updates, "steps": updates * experiment.steps_per_update}
     chosen = {"recipe": experiment.recipe, "single_agent": experiment.single_agent, "seed": experiment.seed}
-    return chosen | policy_bound_to(run, maps) | made | asdict(provenance())
+    return chosen | policy_bound_to(run, street.maps, archive_hashes(street)) | made | asdict(provenance())

@@ -16,6 +16,7 @@ from jaxwalk.policies import read_metadata
 from jaxwalk.rollout import TRAINING, seed_key
 from jaxwalk.runs.binding import check_bound
 from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.kept_archives import archive_hashes, said_of_archives
 from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.planning import plan_by_time, replan, shortened, with_plan
@@ -123,6 +124,8 @@ def _train(run: Run, street: Street, resume: bool, display: Display, routine: Ro
     progress, stop = TrainingProgress(display, pace), Stop()
     if train.shards > 1:
         display.say(f"{display.name}: {train.environments:,} environments on {train.shards} devices")
+    for line in said_of_archives(street, run.experiment):
+        display.say(f"{display.name}: {line}")
     with MetricsLog(run, updates=done) as log, stop.listening(), progress, _page(run, display, pace, log) as page:
         if page is not None:
             display.say(f"Watch it: open {page.path.absolute()} in a browser")
@@ -155,7 +158,7 @@ def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None]
     experiment = run.experiment
     key, others = seed_key(experiment.seed, TRAINING), fixed_policies(experiment)
     if resume:
-        check_bound(run, street.maps, tell)
+        check_bound(run, street.maps, tell, archive_hashes(street))
     learner = init_in_turns(crowded(street, experiment), unplanned(experiment.train), key, others=others)
     if resume:
         found = checkpoint.restore_newest(run.checkpoints, learner, tell=tell)

@@ -85,15 +85,23 @@ def read_archive(path: str | Path) -> Archived:
 
 def archive_bytes(path: str | Path) -> bytes:
     """Return the bytes of a file of scenarios, or of the folder of a search. Raise ArchiveError if there is none."""
-    file = archive_path(path)
-    if not file.is_file():
-        raise ArchiveError(f"{file}: no such file; check the name")
-    return file.read_bytes()
+    return archive_path(path).read_bytes()
 
 
 def archive_path(path: str | Path) -> Path:
-    """Return the file of scenarios that a path means: itself, or that in the folder of a search."""
-    return Path(path) / SCENARIOS if Path(path).is_dir() else Path(path)
+    """Return the file of scenarios that a path means: itself, or that in the folder of a search.
+
+    Raises ArchiveError if there is none.
+    """
+    path = Path(path)
+    if path.is_dir() and not (path / SCENARIOS).is_file():
+        raise ArchiveError(
+            f"{path}: has no {SCENARIOS}; if it is the folder of a search, this found no failure or isn't finished"
+        )
+    file = path / SCENARIOS if path.is_dir() else path
+    if not file.is_file():
+        raise ArchiveError(f"{file}: no such file; check the name")
+    return file
 
 
 def read_tensors(path: Path, entry: str, what: str) -> tuple[str, dict[str, np.ndarray]]:

@@ -44,11 +44,11 @@ class Train:
     many run (docs: perception)."""
     jaywalk_multiplier: Annotated[float | None, option("the world's", "X")] = None
     """P(jaywalk | decision) = jaywalking tendency x this: 1 where people are hidden, else 0.25."""
-    archive: Annotated[tuple[str, ...], option("none", "PATH [PATH ...]")] = ()
+    archive: Annotated[tuple[str, ...] | None, option("none", "PATH [PATH ...]")] = None
     """Files of scenarios, or folders of `jaxwalk search`, found on these maps and in this world: mixed into the
-    episodes (docs: failure-search)."""
+    episodes with as many people (docs: learning-from-failures)."""
     archive_share: Annotated[float | None, option("0.25", "X")] = None
-    """Share of the episodes that begin with one of them, where as many people play."""
+    """Share of these episodes that begin with one of the scenarios of --archive."""
     environments: Annotated[int | None, tuned("environments", "N")] = None
     """Environments side by side (fast with --single-agent: 512)."""
     steps: Annotated[int | None, tuned("steps", "N")] = None
