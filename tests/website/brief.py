@@ -38,9 +38,9 @@ MODULE = re.compile(r"^([\w/]+)(?:\.py)?:([A-Z]\w*)")
 def briefly(words: list[str]) -> list[str]:
     """Return a command's words with small numbers in place of large ones."""
     words = words[: words.index(">")] if ">" in words else list(words)
-    for at, word in enumerate(words[:-1]):
-        if word in SMALL:
-            words[at + 1] = SMALL[word]
+    for at, (word, value) in enumerate(pairwise(words), 1):
+        if word in SMALL and not value.startswith("--"):
+            words[at] = SMALL[word]
     words = [re.sub(r"^([a-z-]+):\d+$", r"\1:1", word) for word in words]
     if words[1] == "train" and "--recipe" in words and "--map" not in words:
         words += ["--map", "training:1"]
