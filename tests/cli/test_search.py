@@ -94,7 +94,7 @@ BAD = {
     "one repeat": ("search random --method splitting --repeats 1", "--repeats must lie in [2,"),
     "a suite and a map": ("search random --suite town --map paper", "--map: the suite town decides it"),
     "no file": ("evaluate --driver random --scenarios none", "none: no such file"),
-    "an empty folder": ("evaluate --driver random --scenarios empty", "empty/scenarios.safetensors: no such file"),
+    "an empty folder": ("evaluate --driver random --scenarios empty", "empty: has no scenarios.safetensors; if it is"),
     "another file": ("evaluate --driver random --scenarios text", "text: damaged or no safetensors file"),
     "a seed": ("evaluate --driver random --scenarios text --seed 3", "--seed: --scenarios text decides it"),
 }  # fmt: skip
