@@ -56,7 +56,7 @@ def load_experiment(path: str | Path, recipes: Mapping[str, Experiment]) -> Expe
     except ValidationError as error:
         fault = dict(error.errors(include_url=False)[0])
         raise ExperimentFileError(f"{path}: {_explained(fault, content)}; correct the file") from None
-    if "archive_share" in table and not found.archives:
+    if found.archive_share != base.archive_share and not found.archives:
         raise ExperimentFileError(f"{path}: archive_share: there are no archives; add archives, or leave it out")
     archives = tuple(str((path.parent / name).absolute()) for name in found.archives)
     maps = tuple(_beside(path, name) for name in found.maps) if "maps" in table else found.maps
