@@ -69,7 +69,8 @@ def test_a_full_grid_leaves_nothing_out():
 
 def test_the_tables_columns_have_units_and_its_cells_are_words():
     (row,) = csv.DictReader(io.StringIO(results((2, 2, 0, 3)).to_csv()))
-    assert row["cell"] == "jaywalk, 20 to 30 km/h, front, middle, first visible 0 to 1 seconds before"
+    assert row["cell"] == str(np.ravel_multi_index((2, 2, 0, 3), SHAPE))
+    assert row["cell_in_words"].startswith("contact with somebody on a jaywalk at 20 to 30 km/h, at the middle")
     assert (row["speed_km_h"], row["first_visible_s_before"], row["bearing_deg"]) == ("25.000", "0.500", "-3.000")
     assert row["people"] == "" and "speed" not in row
 
