@@ -20,7 +20,7 @@ from scenarios.small_archive import write_small_archive
 
 SMALL = {
     "--episodes": "4", "--counterfactuals": "1", "--incidents": "1", "--updates": "2", "--count": "1", "--check": "2",
-    "--people": "6", "--simulations": "512",
+    "--people": "6",
 }  # fmt: skip
 """Options that decide how long a command takes, with small values."""
 EPISODES = ("evaluate", "report", "tracks", "share")
