@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from jaxwalk.sim.environment import Street  # JAX comes with it, so functions import it when they need it
 
 HASH_DIGITS = 16
+"""Number of hexadecimal digits of the hash of kept scenarios."""
 LONGEST = 120
 """Longest list of maps in a message [characters]."""
 

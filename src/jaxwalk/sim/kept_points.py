@@ -12,6 +12,7 @@ class KeptPoints(eqx.Module):
     """Points of the unit cube of all draws, and how often one of them takes the place of a drawn one."""
 
     points: Float[Array, "scenario number"]
+    """As `jaxwalk.sim.scenario.from_uniforms` takes them, in [0, 1)."""
     share: Float[Array, ""]
     """Probability of a kept scenario, in [0, 1]; each of them is as likely as any other."""
 
