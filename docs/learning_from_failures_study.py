@@ -152,11 +152,15 @@ def on_archives(out: Path, asked: argparse.Namespace) -> list[dict[str, Any]]:
     return rows
 
 
-def difference(rows: list[dict[str, Any]], car: str, other: str) -> str:
-    """Return by how much the shares of scenarios with a contact differ, with the t-interval over seeds [points]."""
-    each = np.array([100 * (row["touched"][car] - row["touched"][other]) / row["scenarios"] for row in rows])
+def shares(rows: list[dict[str, Any]], archive: str, car: str) -> np.ndarray:
+    """Return for each seed the share of an archive's scenarios in which the moving car touches somebody [%]."""
+    return np.array([100 * row["touched"][car] / row["scenarios"] for row in rows if row["archive"] == archive])
+
+
+def interval(each: np.ndarray) -> str:
+    """Return the mean over seeds with its 95 % t-interval, in words."""
     half = stats.t.ppf(0.975, len(each) - 1) * each.std(ddof=1) / np.sqrt(len(each))
-    return f"{each.mean():.1f} [{each.mean() - half:.1f}, {each.mean() + half:.1f}]"
+    return f"{each.mean():.1f} [{each.mean() - half:.1f}, {each.mean() + half:.1f}] points"
 
 
 def made_once(file: Path, make: Callable[[], Any]) -> Any:
@@ -178,10 +182,11 @@ def say(drawn: dict[str, Any], archives: list[dict[str, Any]]) -> None:
     for name in SEARCHES:
         mine = [row for row in archives if row["archive"] == name]
         scenarios = sum(row["scenarios"] for row in mine)
-        shares = {car: sum(row["touched"][car] for row in mine) / scenarios for car in mine[0]["touched"]}
-        print(name, f"{scenarios} scenarios", {car: f"{100 * share:.1f} %" for car, share in shares.items()})
+        pooled = {car: sum(row["touched"][car] for row in mine) / scenarios for car in mine[0]["touched"]}
+        print(name, f"{scenarios} scenarios", {car: f"{100 * share:.1f} %" for car, share in pooled.items()})
         for other in (OTHER, "repeated"):
-            print(name, f"mixed - {other}:", difference(mine, "mixed", other), "points")
+            print(name, f"mixed - {other}:", interval(shares(archives, name, "mixed") - shares(archives, name, other)))
+    print("mixed, unseen - seen:", interval(shares(archives, "unseen", "mixed") - shares(archives, "seen", "mixed")))
 
 
 def main() -> None:
