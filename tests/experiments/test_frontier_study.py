@@ -28,6 +28,8 @@ def test_who_plays():
     turned = [(KNOBS["clearance"].label("clearance", x), "clearance") for x in KNOBS["clearance"].settings]
     bare = [(name, "co-trained") for name in ("co-trained", "co-trained+rss", "co-trained+cbf")]
     assert names == [*bare, *turned, ("town+rss", "town+rss")]
+    own = [one.contender.name for one in entrants(replace(plan, own_settings=True))]
+    assert own == ["co-trained", "co-trained+rss", "co-trained+cbf", "clearance", "town+rss"]
     everybody = entrants(FrontierEffort())
     assert len({one.contender.name for one in everybody}) == len(everybody) == 40 + 4 * 4
 

@@ -48,6 +48,12 @@ def test_the_tables(page):
         assert len({line.count(" | ") for line in lines}) == 1, lines[0]
 
 
+def test_a_knob_that_nobody_turned_is_not_explained():
+    made = Provenance(commit="abc123", hardware="an abacus", versions={})
+    unturned = FrontierSuite("town", "always-go", "0123456789abcdef", (driver("clearance", 8, 1.0),))
+    assert "## The knobs" not in frontier_page([unturned], seed=7, origins=ORIGINS, made=made)
+
+
 def test_the_plots_are_drawn_and_the_same_each_time(tmp_path):
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()

@@ -13,6 +13,6 @@ def run(options: Frontier) -> int:
     with bad_values():
         plan = FrontierEffort(
             episodes=options.episodes, seed=options.seed, suites=options.suite, drivers=options.driver,
-            shields=options.shield, pedestrians=options.pedestrians,
+            shields=options.shield, pedestrians=options.pedestrians, own_settings=options.own_settings,
         )  # fmt: skip
     return until_interrupted(lambda: f"Read {frontier_study(options.out, plan, trust=options.trust)}")

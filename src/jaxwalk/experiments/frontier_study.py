@@ -59,6 +59,8 @@ class FrontierEffort(Effort):
     shields: tuple[str, ...] = SHIELD_NAMES
     """The shields around drivers without a knob."""
     pedestrians: str = "always-go"
+    own_settings: bool = False
+    """Whether drivers with a knob play with their own setting alone."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,9 @@ def entrants(plan: FrontierEffort, *, trust: bool = False) -> list[Entrant]:
     """Return everybody who plays: each driver with its knob turned, or bare and behind each shield if it has none."""
     found: list[Entrant] = []
     for driver in dict.fromkeys(plan.drivers):
+        if driver in KNOBS and plan.own_settings:
+            found.append(_named(driver, driver, trust))
+            continue
         if driver in KNOBS:
             found += [_turned(driver, setting) for setting in KNOBS[driver].settings]
             continue

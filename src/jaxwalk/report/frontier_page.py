@@ -41,7 +41,8 @@ def frontier_page(
         f"commit {made.commit or 'unknown'}, {made.hardware}. {BRACKETS}",
         f"Drivers: {', '.join(origin.in_words() for origin in origins)}.",
     ]
-    knobs = [origin.name for origin in origins if origin.name in KNOBS]
+    unturned = {scores.contender.name for scores in first.scores}
+    knobs = [origin.name for origin in origins if origin.name in KNOBS and origin.name not in unturned]
     if knobs:
         parts += ["## The knobs", _knobs(knobs).markdown()]
     for found in suites:

@@ -217,6 +217,8 @@ class Frontier:
     """As in `jaxwalk evaluate`: rules, trained policies that come with jaxwalk, run folders or your own drivers."""
     shield: Annotated[tuple[ShieldName, ...], option("predictive rss cbf", "SHIELD [SHIELD ...]")] = SHIELD_NAMES
     """The shields around drivers without a knob (docs: shields)."""
+    own_settings: Flag = False
+    """Drivers with a knob play with their own setting alone: a table of many drivers on many scenarios, not curves."""
     pedestrians: Annotated[str, option("always-go", "P")] = "always-go"
     """As in `jaxwalk evaluate`."""
     episodes: Annotated[int, option("2000", "N")] = 2000
