@@ -12,7 +12,8 @@ from jaxwalk import Street
 from jaxwalk.evaluation import play
 from jaxwalk.learning import mappo
 from jaxwalk.metrics import OUTCOMES, measure
-from jaxwalk.metrics.contacts import touched_while_moving
+from jaxwalk.metrics.contacts import RULES as CONTACT_RULES
+from jaxwalk.metrics.contacts import find_contacts, touched_while_moving
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower, shielded
 from jaxwalk.policies.shields.predictive_shield import PredictiveShield
 from jaxwalk.recipes import RECIPES, with_training
@@ -44,6 +45,24 @@ def test_the_predictive_shield_keeps_random_actions_from_touching_anybody(footpr
     assert rows[OUTCOMES].driven.sum() > 0.5 * bare[OUTCOMES].driven.sum()
     assert trajectory.shield_changed.any()
     assert not trajectory.shield_infeasible.any()
+
+
+def test_the_steady_shield_touches_only_who_breaks_its_assumption(footprint):
+    """People here turn at once, which it assumes they don't: whom it touches has just done so, or set out."""
+
+    def steady(driver):
+        """For each contact of the moving car: did the person keep to it since the car could last have stopped?"""
+        trajectory, _ = played(footprint, driver)
+        contacts = find_contacts(trajectory, footprint.config)
+        here = contacts.moving & (contacts.rule == CONTACT_RULES.index("footprint"))
+        changes = np.hypot(np.diff(trajectory.ped_vx, axis=0), np.diff(trajectory.ped_vy, axis=0))
+        where = zip(contacts.frame[here], contacts.episode[here], contacts.ped[here], strict=True)
+        return [bool(changes[max(f - 35, 0) : f, e, p].max(initial=0) < 0.1) for f, e, p in where]
+
+    assert sum(steady(RouteFollower())) > 20
+    behind = steady(shielded(RouteFollower(), "predictive-steady"))
+    assert behind
+    assert not any(behind)
 
 
 def test_so_it_does_where_contacts_are_of_discs(street):

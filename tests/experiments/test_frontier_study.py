@@ -31,7 +31,7 @@ def test_who_plays():
     own = [one.contender.name for one in entrants(replace(plan, own_settings=True))]
     assert own == ["co-trained", "co-trained+rss", "co-trained+cbf", "clearance", "town+rss"]
     everybody = entrants(FrontierEffort())
-    assert len({one.contender.name for one in everybody}) == len(everybody) == 40 + 4 * 4
+    assert len({one.contender.name for one in everybody}) == len(everybody) == 40 + 4 * 5
 
 
 @pytest.fixture(scope="module")

@@ -111,11 +111,17 @@ def test_how_near_people_the_predictive_shield_lets_the_car_be():
     assert not alone(least - 0.01, 0, 0, 0, speed=0.6, shield=PredictiveShield()).safe
 
 
-def test_people_beside_its_cone_are_left_to_stay_out_of_the_way():
-    beside = {"speed": 6.0, "shield": PredictiveShield(cone=45.0)}
-    assert not alone(2.0, 1.8, 0, 0, speed=6.0, shield=PredictiveShield()).safe
-    assert alone(1.5, 1.8, 0, 0, **beside).safe
-    assert not alone(2.0, 1.8, 0, 0, **beside).safe
+def test_the_same_if_people_change_their_velocity_steadily():
+    """In three steps somebody who stands has gathered 0.1, 0.2 and 0.3 m/s: 0.01 + 0.02 + 0.03 m."""
+    steady = PredictiveShield(acceleration=1.0)
+    least = RULES.car_length / 2 + RULES.body_radius + 0.18 + 0.06
+    assert alone(least + 0.02, 0, 0, 0, speed=0.6, shield=steady).safe
+    assert not alone(least - 0.01, 0, 0, 0, speed=0.6, shield=steady).safe
+    assert alone(
+        10.0, 3.0, 1.4, 0, speed=5.0, shield=steady
+    ).safe  # walks beside the way; may turn to it, but not at once
+    assert not alone(10.0, 3.0, 1.4, 0, speed=5.0, shield=PredictiveShield()).safe
+    assert not alone(4.0, 3.0, 0, -1.4, speed=5.0, shield=steady).safe  # walks into it
 
 
 def test_braking_as_before_is_what_the_step_before_made_sure_of():
@@ -189,7 +195,9 @@ def test_who_crosses_as_assumed_is_not_touched(shield, walker):
     assert not drive_past(shield, walker, speed=4.0)
 
 
-@pytest.mark.parametrize(("name", "near"), [("predictive", 3.5), ("rss", 3.5), ("cbf", 5.0)])
+@pytest.mark.parametrize(
+    ("name", "near"), [("predictive", 3.5), ("predictive-steady", 3.5), ("rss", 3.5), ("cbf", 5.0)]
+)
 def test_who_breaks_the_assumption_breaks_the_shield(name, near):
     """Who stands beside the way runs at the car at 8 m/s: faster than anybody is, and without a step before it."""
     assert drive_past(SHIELDS[name](), runs_at_it(8.0, near=near), speed=4.0)
@@ -206,7 +214,7 @@ def test_names_of_shielded_drivers():
 
 
 def test_wrong_shields_are_refused():
-    with pytest.raises(ValueError, match="no shield 'paper'; there are: predictive, rss, cbf"):
+    with pytest.raises(ValueError, match="no shield 'paper'; there are: predictive, predictive-steady, rss, cbf"):
         shielded(RouteFollower(), "paper")
     with pytest.raises(ValueError, match="one shield at most"):
         shielded(shielded(RouteFollower(), "rss"), "cbf")

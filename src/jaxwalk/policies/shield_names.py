@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-SHIELD_NAMES = ("predictive", "rss", "cbf")
+SHIELD_NAMES = ("predictive", "predictive-steady", "rss", "cbf")
 """The shields (`jaxwalk.policies.shielding`)."""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -16,7 +17,12 @@ from jaxwalk.policies.shields.predictive_shield import PredictiveShield
 from jaxwalk.policies.shields.rss_shield import RssShield
 from jaxwalk.policies.shields.shield_scene import Shield, ShieldScene
 
-SHIELDS: dict[str, Callable[[], Shield]] = {"predictive": PredictiveShield, "rss": RssShield, "cbf": CbfShield}
+SHIELDS: dict[str, Callable[[], Shield]] = {
+    "predictive": PredictiveShield,
+    "predictive-steady": partial(PredictiveShield, acceleration=1.0),
+    "rss": RssShield,
+    "cbf": CbfShield,
+}
 """Shields by name: call an entry to make the shield."""
 ACTION = Box(2)
 """The space of a driver's action."""

@@ -215,7 +215,7 @@ class Frontier:
         ON_THE_FRONTIER
     )
     """As in `jaxwalk evaluate`: rules, trained policies that come with jaxwalk, run folders or your own drivers."""
-    shield: Annotated[tuple[ShieldName, ...], option("predictive rss cbf", "SHIELD [SHIELD ...]")] = SHIELD_NAMES
+    shield: Annotated[tuple[ShieldName, ...], option("all four", "SHIELD [SHIELD ...]")] = SHIELD_NAMES
     """The shields around drivers without a knob (docs: shields)."""
     own_settings: Flag = False
     """Drivers with a knob play with their own setting alone: a table of many drivers on many scenarios, not curves."""

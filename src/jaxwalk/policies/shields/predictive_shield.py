@@ -17,8 +17,6 @@ from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.state import VehicleState
 
-EVERYWHERE = 180.0
-"""A cone that leaves nobody out [degrees]."""
 ROUNDING = 0.01
 """Single precision rounds: distances are kept larger by this [m]."""
 
@@ -26,16 +24,17 @@ ROUNDING = 0.01
 class PredictiveShield(eqx.Module):
     """Keeps an action if the car, braking fully after it, touches nobody before it stands, whatever people do.
 
-    After t s, each perceived person may be anywhere within ``reach_speed`` x t of where they are. The car brakes on
-    with the action's steering, by the simulator's own step, kerbs included. Otherwise it brakes fully with the last
-    step's steering: the step before has made sure of that. So while its assumption holds, the moving car touches
-    nobody.
+    After t s, each perceived person may be anywhere within ``reach_speed`` x t of where they are, as far as that is
+    also within what ``acceleration`` allows of where they would be had they kept their velocity: the two sets of
+    Koschi, Pek, Beikirch and Althoff 2018 for a pedestrian's dynamics, with our numbers. The car brakes on with the
+    action's steering, by the simulator's own step, kerbs included. Otherwise it brakes fully with the last step's
+    steering: the step before has made sure of that. So while its assumption holds, the moving car touches nobody.
     """
 
     reach_speed: float = eqx.field(static=True, default=SimConfig.fastest_walk)
     """Nobody is faster than this [m/s]: the assumption."""
-    cone: float = eqx.field(static=True, default=EVERYWHERE)
-    """People further than this to the side of the car's heading are assumed to stay out of its way [degrees]."""
+    acceleration: float = eqx.field(static=True, default=math.inf)
+    """Nobody changes their velocity faster than this, in any direction [m/s2]: the other assumption."""
     view: View = eqx.field(static=True, default=Around())
     """What it sees."""
 
@@ -66,16 +65,20 @@ class PredictiveShield(eqx.Module):
 
     def _apart(self, steps: Array, car: VehicleState, scene: ShieldScene) -> Bool[Array, "*batch"]:
         """Return whether nobody can touch the car where it is after some steps, or it stands there."""
-        rules, now, people = scene.world.rules, scene.car, scene.people
-        ahead, left = to_frame(car.x - now.x, car.y - now.y, now.cos, now.sin)
-        cos, sin = to_frame(car.cos, car.sin, now.cos, now.sin)
-        place = to_frame(people.ahead - ahead, people.left - left, cos, sin)
-        if rules.contact == "footprint":
-            room = to_rectangle(*place, rules.car_length, rules.car_width) - rules.body_radius
-        else:
-            room = distance(*place) - rules.collision_distance
-        clear = room >= self.reach_speed * rules.dt * steps + ROUNDING
-        if self.cone < EVERYWHERE:
-            away = distance(people.ahead, people.left)
-            clear |= people.ahead < away * math.cos(math.radians(self.cone))
+        time = scene.world.rules.dt * steps
+        clear = _room(scene, car, (scene.people.ahead, scene.people.left)) >= self.reach_speed * time + ROUNDING
+        if math.isfinite(self.acceleration):
+            gained = self.acceleration * time * (time + scene.world.rules.dt) / 2  # velocities change once a step
+            clear |= _room(scene, car, scene.people.at(time)) >= gained + ROUNDING
         return clear.all(axis=0) | (car.speed <= 0)
+
+
+def _room(scene: ShieldScene, car: VehicleState, people: tuple[Array, Array]) -> Float[Array, "_ *batch"]:
+    """Return how far places, ahead and left of where the car is now, are from touching it where it is then [m]."""
+    rules, now = scene.world.rules, scene.car
+    ahead, left = to_frame(car.x - now.x, car.y - now.y, now.cos, now.sin)
+    cos, sin = to_frame(car.cos, car.sin, now.cos, now.sin)
+    place = to_frame(people[0] - ahead, people[1] - left, cos, sin)
+    if rules.contact == "footprint":
+        return to_rectangle(*place, rules.car_length, rules.car_width) - rules.body_radius
+    return distance(*place) - rules.collision_distance
