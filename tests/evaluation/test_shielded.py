@@ -47,22 +47,34 @@ def test_the_predictive_shield_keeps_random_actions_from_touching_anybody(footpr
     assert not trajectory.shield_infeasible.any()
 
 
+def kept_the_assumption(street, driver, first=0):
+    """For each contact of the moving car: did the person change velocity steadily since it could last have stopped?"""
+    scenarios, keys = Drawn(street, 77).take(np.arange(first, first + EPISODES))
+    trajectory = play(street, {"driver": driver, "pedestrian": AlwaysGo()}, scenarios, keys)
+    contacts = find_contacts(trajectory, street.config)
+    here = contacts.moving & (contacts.rule == CONTACT_RULES.index("footprint"))
+    changes = np.hypot(np.diff(trajectory.ped_vx, axis=0), np.diff(trajectory.ped_vy, axis=0))
+    where = zip(contacts.frame[here], contacts.episode[here], contacts.ped[here], strict=True)
+    return [bool(changes[max(f - 35, 0) : f, e, p].max(initial=0) < 0.1) for f, e, p in where]
+
+
 def test_the_steady_shield_touches_only_who_breaks_its_assumption(footprint):
     """People here turn at once, which it assumes they don't: whom it touches has just done so, or set out."""
-
-    def steady(driver):
-        """For each contact of the moving car: did the person keep to it since the car could last have stopped?"""
-        trajectory, _ = played(footprint, driver)
-        contacts = find_contacts(trajectory, footprint.config)
-        here = contacts.moving & (contacts.rule == CONTACT_RULES.index("footprint"))
-        changes = np.hypot(np.diff(trajectory.ped_vx, axis=0), np.diff(trajectory.ped_vy, axis=0))
-        where = zip(contacts.frame[here], contacts.episode[here], contacts.ped[here], strict=True)
-        return [bool(changes[max(f - 35, 0) : f, e, p].max(initial=0) < 0.1) for f, e, p in where]
-
-    assert sum(steady(RouteFollower())) > 20
-    behind = steady(shielded(RouteFollower(), "predictive-steady"))
+    assert sum(kept_the_assumption(footprint, RouteFollower())) > 20
+    behind = kept_the_assumption(footprint, shielded(RouteFollower(), "predictive-steady"))
     assert behind
     assert not any(behind)
+
+
+@pytest.mark.long
+def test_so_it_does_in_ten_thousand_scenarios(footprint):
+    found = [
+        kept_the_assumption(footprint, shielded(Random(), "predictive-steady"), first)
+        for first in range(0, 10_000, EPISODES)
+    ]
+    print(f"{sum(map(len, found))} contacts of the moving car, {sum(map(sum, found))} of them with who kept to it")
+    assert sum(map(len, found)) > 50
+    assert not any(map(any, found))
 
 
 def test_so_it_does_where_contacts_are_of_discs(street):
