@@ -166,6 +166,7 @@ def test_one_driver():
     found = evidence(hits={("A", "always-go"): 0, ("A", "learned"): 20})
     decision, sentences = decide(found), said(found)
     assert (decision.kind, decision.order) == ("alone", ("A",))
+    assert decision.standing("A") == "compared with nobody"
     assert sentences.who == (
         "Who is safer cannot be judged, because A alone was evaluated: the moving car hits somebody in 0.00 % of "
         "scenarios with A among always-go and in 2.0 % among learned, and it arrives in 90.0 %."

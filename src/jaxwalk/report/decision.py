@@ -120,15 +120,15 @@ class Decision:
     def standing(self, driver: str) -> str:
         """Return in a word or two how a driver stands to the leader."""
         if driver == self.leader:
-            return {"safest": "safest", "ahead": "among the safest"}.get(self.kind, NONE_BETTER)
+            return LEADER.get(self.kind, "fewest hits")
         if driver in self.beaten:
             return "less safe"
         judged = any(duel.judged for duel in self.between(self.leader, driver))
         return "no difference shown" if judged else "cannot be judged"
 
 
-NONE_BETTER = "fewest hits"
-"""Said of the leader where nothing more is sure."""
+LEADER: dict[Kind, str] = {"safest": "safest", "ahead": "among the safest", "alone": "compared with nobody"}
+"""What is said of the leader; where nothing is sure, that it has the fewest hits."""
 
 
 def decide(evidence: Evidence) -> Decision:
