@@ -6,6 +6,7 @@ from dataclasses import replace
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from jaxwalk import DRIVERS, POPULATIONS, Drawn, Street
 from jaxwalk.acting import act, cast_of, fresh_memory, step_key
@@ -18,7 +19,7 @@ episodes, seed = (int(x) for x in sys.argv[1:] or (32, 0))  # use 256 or more fo
 suite = SUITES["blind-corner"]
 rules = replace(WORLDS["blind-corner"], pedestrians=suite.people)
 street = Street.create(suite.maps, rules, driver_costs=tuple(DRIVER_COSTS))
-scenarios, keys = Drawn(street, seed, episodes).take(jnp.arange(episodes))
+scenarios, keys = Drawn(street, seed, episodes).take(np.arange(episodes))
 
 
 @eqx.filter_jit

@@ -26,8 +26,8 @@ def answered(place: int) -> RaterAnswer:
     pair = plan.pairs[place]
     a, b = strengths[pair.a], strengths[pair.b]
     weights = np.exp([a, b, (a + b) / 2])
-    choice = rng.choice(["left", "right", "equal"], p=weights / weights.sum()) if place < len(pairs) else "left"
-    return RaterAnswer(place, "a", str(choice), 9.0, False)
+    drawn = rng.choice(3, p=weights / weights.sum()) if place < len(pairs) else 0
+    return RaterAnswer(place, "a", ("left", "right", "equal")[drawn], 9.0, False)
 
 
 files = [

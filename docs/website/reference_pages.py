@@ -114,9 +114,9 @@ def _assigned(tree: ast.Module) -> dict[str, ast.expr]:
     """Return what a module assigns to names at its top."""
     found = {}
     for node in tree.body:
-        targets = (
-            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
-        )
+        if not isinstance(node, ast.Assign | ast.AnnAssign):
+            continue
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
         found |= {target.id: node.value for target in targets if isinstance(target, ast.Name) and node.value}
     return found
 
@@ -171,8 +171,9 @@ def _block(name: PublicName) -> str:
     """Return the Markdown that describes a name; of names that are assigned several at once, the tool finds none."""
     tree = tree_of(name.home)
     for node, after in zip(tree.body, [*tree.body[1:], None], strict=True):
-        several = isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple)
-        if several and name.name in [ast.unparse(target) for target in node.targets[0].elts]:
+        if not isinstance(node, ast.Assign) or not isinstance(node.targets[0], ast.Tuple):
+            continue
+        if name.name in [ast.unparse(target) for target in node.targets[0].elts]:
             text = after.value.value if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant) else ""
             return f"## `{name.name}` {{ #{name.path} }}\n\n{text}\n"
     return f"::: {name.path}\n"
