@@ -31,6 +31,10 @@ BESIDE = 3.0
 """The eye is less than half of this beyond the roadway's edge, so a tried place is near it [m]."""
 AT_ONCE = 2_000_000
 """Lines times boxes that are looked at at once."""
+FIRST = 2
+"""So many of the places of the eye in a cell are tried with every box; all of them only with those still undecided."""
+ROUNDING = 0.01
+"""More than single precision loses [m]."""
 
 
 def pack_occluders(maps: RoadMap, sight: float) -> Float[np.ndarray, "map row column entry"]:
@@ -107,11 +111,23 @@ def _matter(boxes: np.ndarray, eyes: np.ndarray, people: np.ndarray, sight: floa
     reach = np.hypot(*(boxes[:, :2] - middle).T) - np.hypot(boxes[:, 4], boxes[:, 5]) <= sight + spread
     near = people[np.hypot(*(people - middle).T) <= sight + spread].astype(np.float32)
     wide = (boxes[:, :6] + np.array([0, 0, 0, 0, WIDENED, WIDENED])).astype(np.float32)
-    for eye in eyes.astype(np.float32):
-        open_ones = np.flatnonzero(reach & ~matter)
-        for part in np.array_split(open_ones, max(1, len(open_ones) * len(near) // AT_ONCE)):
-            matter[part] = blocked(wide[part, None], eye, near[None]).any(axis=1)
+    eyes, centre = eyes.astype(np.float32), middle.astype(np.float32)
+    for eye in eyes[:: max(1, len(eyes) // FIRST)]:
+        for part in _parts(reach & ~matter, near):
+            matter[part] = blocked(wide[part, None], eye, near).any(axis=1)
+    # no point of a line from an eye is farther than this from the line from the middle to the same place
+    farthest = np.hypot(*(eyes - centre).T).max() + ROUNDING
+    wider = wide + np.array([0, 0, 0, 0, farthest, farthest], np.float32)
+    for part in _parts(reach & ~matter, near):
+        for box, behind in zip(part, blocked(wider[part, None], centre, near), strict=True):
+            matter[box] = blocked(wide[box], eyes[:, None], near[behind]).any()
     return matter
+
+
+def _parts(boxes: Bool[np.ndarray, " box"], places: np.ndarray) -> list[np.ndarray]:
+    """Return the numbers of the boxes that are True, so many at once as can be looked at from all places."""
+    numbers = np.flatnonzero(boxes)
+    return np.array_split(numbers, max(1, len(numbers) * len(places) // AT_ONCE)) if len(numbers) else []
 
 
 def _places(maps: RoadMap, number: int) -> tuple[np.ndarray, np.ndarray]:
