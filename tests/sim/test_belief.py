@@ -13,7 +13,7 @@ from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim import belief
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
 from jaxwalk.sim.observation import BELIEF, FOOTPRINT, TOLD, part
-from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, everything, people, play, refreshed, reset
+from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, people, play, refreshed, reset
 
 TYPES = (JAYWALK, CROSSWALK)
 posterior = jax.jit(belief.posterior)  # one program, not one for each operation
@@ -82,20 +82,31 @@ def jaywalking(paid_street):
     return with_jaywalk_multiplier(paid_street, 1.0)
 
 
+@jax.jit
+def _walk(street, scenario, state):
+    """The state 100 steps later, everybody walking, and what was counted after each step."""
+
+    def body(state, _):
+        state, _ = street.step(scenario, state, actions())
+        return state, jnp.stack(_seen(street, scenario, state)[0])
+
+    return jax.lax.scan(body, state, None, length=100)
+
+
 @pytest.fixture(scope="module")
-def stepped(street, jaywalking, scenarios):
-    """Everybody walks for 500 steps: counts after every step (step, type, ped, env), and the frames."""
+def walked(jaywalking, scenarios):
+    """Everybody walks for 500 steps: states and counts of each hundred."""
+    parts = [(reset(jaywalking, scenarios), None)]
+    for _ in range(5):
+        parts.append(_walk(jaywalking, scenarios, parts[-1][0]))
+    return parts[1:]
 
-    @jax.jit
-    def walk(street, scenario, state):
-        def body(state, _):
-            state, _ = street.step(scenario, state, actions())
-            return state, jnp.stack(_seen(street, scenario, state)[0])
 
-        return jax.lax.scan(body, state, None, length=500)[1]
-
+@pytest.fixture(scope="module")
+def stepped(street, walked, scenarios):
+    """Counts after every one of 500 steps (step, type, ped, env), and the frames."""
     unpaid = with_jaywalk_multiplier(street, 1.0)  # or `play` is compiled anew
-    return np.asarray(walk(jaywalking, scenarios, reset(jaywalking, scenarios))), play(unpaid, scenarios)
+    return np.concatenate([counts for _, counts in walked]), play(unpaid, scenarios)
 
 
 def test_a_crossing_counts_from_the_roadway_on(stepped):
@@ -124,12 +135,9 @@ def nearest(state, of_all):
 
 
 @pytest.fixture(scope="module")
-def looked(jaywalking, scenarios):
+def looked(jaywalking, scenarios, walked):
     """After 300 steps of walking, the state and what the driver's sets show of it."""
-    state = reset(jaywalking, scenarios)
-    for _ in range(300):
-        state, *_ = everything(jaywalking, scenarios, state, actions())
-    state = refreshed(jaywalking, scenarios, state)  # as the tests do: other programs round differently
+    state = refreshed(jaywalking, scenarios, walked[2][0])  # as the tests do: other programs round differently
     return state, _look(jaywalking, scenarios, state)
 
 
