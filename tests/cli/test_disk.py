@@ -21,7 +21,7 @@ COMMANDS = {
     "play": "play --driver constant-speed --out out/episode.html",
     "evaluate": "evaluate --driver constant-speed --episodes 2 --out out",
     "a part": "evaluate --driver constant-speed --episodes 2 --part 1/1 --out out",
-    "rate": "rate clearance careful-human --episodes 64 --pairs 3 --out out",
+    "rate": "rate constant-speed route-follower --episodes 32 --pairs 3 --out out",
     "reproduce": "reproduce --out out",
     "hidden-intent": "hidden-intent --out out",
     "co-training": "co-training --out out",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+from functools import partial
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from jaxwalk.cli.options import Search
 from jaxwalk.experiments import failure_search
 from jaxwalk.scenarios.archive_file import HEADER, read_archive, read_tensors
 from jaxwalk.search.grid import in_words
+from jaxwalk.search.splitting import SplittingPlan
 
 SMALL = 16
 
@@ -79,6 +81,7 @@ def test_a_driver_is_searched_and_its_failures_are_played_again(little, place, c
 
 def test_how_rare_failures_are(little, place, capsys, monkeypatch):
     monkeypatch.setattr("jaxwalk.search.driving.BATCH", SMALL)
+    monkeypatch.setattr("jaxwalk.cli.search.SplittingPlan", partial(SplittingPlan, moves=1))
     line = "search route-follower --people 4 --method splitting --particles 16 --repeats 2 --out there"
     assert main(line.split()) == 0
     assert "the moving car touches somebody in 0." in capsys.readouterr().out

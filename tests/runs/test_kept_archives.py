@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import json
+import shutil
 from dataclasses import replace
 
 import equinox as eqx
 import jax
 import numpy as np
 import pytest
+from rich.console import Console
 
 from jaxwalk.cli import main
 from jaxwalk.policies import read_metadata
@@ -76,20 +79,29 @@ def test_an_archive_is_met_where_its_number_of_people_plays(tiny, tmp_path):
     assert len(np.unique(np.asarray(drawn(twelve, 9).traits)[0, 0])) == 9
 
 
-def test_an_interrupted_training_goes_on_with_the_copy_that_its_folder_keeps(mixing, tmp_path, quiet):
-    whole, cut = (Run.create(tmp_path / name, mixing) for name in ("whole", "cut"))
-    (tmp_path / "found.safetensors").unlink()
-    train_in(whole, display=Display(quiet))
+@pytest.fixture(scope="module")
+def mixed(tiny, tmp_path_factory):
+    """Two run folders of one training, the first one trained; the archive that they name is gone."""
+    folder = tmp_path_factory.mktemp("mixed")
+    archive = folder / "found.safetensors"
+    write_small_archive(archive, make_street(tiny))
+    experiment = replace(tiny, archives=(str(archive),))
+    whole, cut = (Run.create(folder / name, experiment) for name in ("whole", "cut"))
+    archive.unlink()
+    train_in(whole, display=Display(Console(file=io.StringIO())))
+    return whole, cut
+
+
+def test_an_interrupted_training_goes_on_with_the_copy_that_its_folder_keeps(mixed, quiet):
+    whole, cut = mixed
     assert train_in(cut, display=Display(quiet), on_update=lambda line: line["update"] == 2).stopped
     train_in(Run.open(cut.path), resume=True, display=Display(quiet))
     assert cut.policy.read_bytes() == whole.policy.read_bytes()
 
 
-def test_another_copy_is_refused(mixing, tmp_path, quiet):
-    run = Run.create(tmp_path / "run", mixing)
-    train_in(run, display=Display(quiet))
-    street = make_street(mixing)
-    kept = write_small_archive(tmp_path / "found.safetensors", street)
+def test_another_copy_is_refused(mixed, tiny, tmp_path, quiet):
+    run = Run.open(shutil.copytree(mixed[0].path, tmp_path / "run"))
+    kept = write_small_archive(tmp_path / "found.safetensors", make_street(tiny))
     write_archive(run.archives[0], replace(kept, points=kept.points[::-1].copy()), {})
     with pytest.raises(EditedConfigError, match=r"the kept scenarios aren't those of checkpoint 6; restore archive-N"):
         train_in(run, resume=True, display=Display(quiet))
