@@ -85,7 +85,7 @@ def mixed(tiny, tmp_path_factory):
     folder = tmp_path_factory.mktemp("mixed")
     archive = folder / "found.safetensors"
     write_small_archive(archive, make_street(tiny))
-    experiment = replace(tiny, archives=(str(archive),))
+    experiment = replace(tiny, archives=(str(archive),), archive_share=0.5)
     whole, cut = (Run.create(folder / name, experiment) for name in ("whole", "cut"))
     archive.unlink()
     train_in(whole, display=Display(Console(file=io.StringIO())))
@@ -163,12 +163,10 @@ def test_a_file_names_archives_beside_it(mixing, tmp_path):
         load_experiment(file, RECIPES)
 
 
-SMALL_LINE = "--updates 1 --environments 8 --steps 8 --minibatches 2 --shards 1"
-
-
-def test_a_command_mixes_an_archive_in_and_its_policy_says_so(mixing, tmp_path, capsys):
+def test_a_command_mixes_an_archive_in_and_its_policy_says_so(tiny, mixing, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(RECIPES, "fast", tiny)  # so that nothing is compiled that another test hasn't
     run = tmp_path / "run"
-    line = f"train --run {run} {SMALL_LINE} --archive {mixing.archives[0]} --archive-share 0.5"
+    line = f"train --run {run} --recipe fast --shards 1 --archive {mixing.archives[0]} --archive-share 0.5"
     assert main(line.split()) == 0
     said = " ".join(capsys.readouterr().err.split())
     assert "50 % of the episodes with 12 pedestrians begin with one of 3 kept scenarios" in said
