@@ -119,17 +119,24 @@ class Recorder:
             _table(terminalreporter, "tests", self.tests, self.worst)
 
 
+ARENAS, _M_ARENA_MAX = 2, -8
+"""Threads share so many heaps (of glibc's), so that one that compiles takes memory that another one has freed."""
+
+
 class Relief:
     """Keeps a process small: gives freed memory back, and forgets compiled programs when they take too much."""
 
-    TRIM, FORGET, GROWTH = 200, 800, 220
+    TRIM, FORGET, GROWTH = 150, 1000, 250
     """In MB: growth after which freed memory is given back; size above which programs are forgotten, if the process has
     grown by that much since it last forgot them (fixtures stay, and what they need isn't worth compiling again)."""
 
     def __init__(self) -> None:
         self.trimmed, self.forgot = memory(), 0.0
-        library = ctypes.util.find_library("c") if sys.platform == "linux" else None
-        self.trim = getattr(ctypes.CDLL(library), "malloc_trim", None) if library else None
+        name = ctypes.util.find_library("c") if sys.platform == "linux" else None
+        library = ctypes.CDLL(name) if name else None
+        self.trim = getattr(library, "malloc_trim", None)
+        if hasattr(library, "mallopt"):
+            library.mallopt(_M_ARENA_MAX, ARENAS)
 
     @pytest.hookimpl(trylast=True)
     def pytest_runtest_logfinish(self) -> None:

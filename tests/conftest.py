@@ -49,7 +49,7 @@ def pytest_configure(config):
 
     from compiling import Recorder, Relief
 
-    gc.set_threshold(100_000, 20, 20)  # tracing makes millions of objects that stay; looking for garbage took a tenth
+    gc.set_threshold(400_000, 20, 20)  # tracing makes millions of objects that stay; looking for garbage took a tenth
     config.pluginmanager.register(Recorder(config.getoption("compile_report")), "compiling")
     config.pluginmanager.register(Relief(), "relief")
 
