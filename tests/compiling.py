@@ -135,7 +135,7 @@ class Relief:
         name = ctypes.util.find_library("c") if sys.platform == "linux" else None
         library = ctypes.CDLL(name) if name else None
         self.trim = getattr(library, "malloc_trim", None)
-        if hasattr(library, "mallopt"):
+        if library is not None and hasattr(library, "mallopt"):
             library.mallopt(_M_ARENA_MAX, ARENAS)
 
     @pytest.hookimpl(trylast=True)
