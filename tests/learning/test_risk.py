@@ -133,6 +133,9 @@ class Still(eqx.Module):
 OTHERS = {"pedestrian": Still()}
 QUICK = {"proportional": 1.0, "integral": 0.05, "derivative": 0.01}
 """Gains for trainings of 200 updates."""
+AT_TIMES = limited(CostLimit("fine", limit=0.4, worth=0.5, **QUICK))
+TAILED = limited(CostLimit("fine", limit=0.95, tail=0.9, **QUICK), CostLimit("nothing", limit=1.0))
+"""Configurations of several tests, so that what is compiled for one serves the others."""
 
 
 def play(game, config, updates=200, last=40):
@@ -161,7 +164,7 @@ def test_what_pays_and_costs_is_done_as_often_as_the_limit_allows():
     _, plain = play(TOLL, limited(CostLimit("nothing", limit=1.0)))
     assert plain["reward/driver"] > 0.95
     assert (plain["cost/driver/nothing"], plain["multiplier/driver/nothing"]) == (0, 0)
-    learner, found = play(TOLL, limited(CostLimit("fine", limit=0.4, worth=0.5, **QUICK)))
+    learner, found = play(TOLL, AT_TIMES)
     assert found["cost/driver/fine"] == pytest.approx(0.4, abs=0.1)
     assert found["reward/driver"] == pytest.approx(0.6, abs=0.08)
     assert found["multiplier/driver/fine"] == pytest.approx(0.5, abs=0.15)
@@ -170,6 +173,15 @@ def test_what_pays_and_costs_is_done_as_often_as_the_limit_allows():
     assert 0.05 < fined < 0.5
     assert list(learner.critics) == ["driver", "driver fine"]
     assert found["driver fine/explained_variance"] > 0.1, "a scenario tells much of the cost, chance the rest"
+
+
+def test_without_an_episode_s_end_nothing_changes():
+    """Five steps of episodes of 100: the costs of such a rollout say nothing about whole episodes."""
+    game = dataclasses.replace(TOLL, length=jnp.int32(100))
+    learner, metrics = update(game, AT_TIMES, init(game, AT_TIMES, jax.random.key(0), others=OTHERS))
+    assert float(metrics["episodes"]) == 0
+    assert float(metrics["cost/driver/fine"]) == 0
+    assert eqx.tree_equal(learner.multipliers, fresh_multipliers(AT_TIMES))
 
 
 def test_a_limited_tail_asks_for_more_care_than_a_limited_mean():
@@ -182,26 +194,15 @@ def test_a_limited_tail_asks_for_more_care_than_a_limited_mean():
     _, mean = play(HASTE, limited(CostLimit("fine", limit=0.95, **QUICK)))
     assert mean["reward/driver"] == pytest.approx(0.378, abs=0.08)
     assert mean["cost/driver/fine"] == pytest.approx(0.95, abs=0.08)
-    _, tail = play(HASTE, limited(CostLimit("fine", limit=0.95, tail=0.9, **QUICK)))
+    _, tail = play(HASTE, TAILED)
     assert tail["reward/driver"] == pytest.approx(0.0, abs=0.12)
     assert tail["cost/driver/fine"] == pytest.approx(0.95, abs=0.08)
     assert tail["threshold/driver/fine"] == pytest.approx(0.9, abs=0.1)
 
 
-def test_without_an_episode_s_end_nothing_changes():
-    """Five steps of episodes of 100: the costs of such a rollout say nothing about whole episodes."""
-    game = dataclasses.replace(TOLL, length=jnp.int32(100))
-    config = limited(CostLimit("fine", limit=0.4))
-    learner, metrics = update(game, config, init(game, config, jax.random.key(0), others=OTHERS))
-    assert float(metrics["episodes"]) == 0
-    assert float(metrics["cost/driver/fine"]) == 0
-    assert eqx.tree_equal(learner.multipliers, fresh_multipliers(config))
-
-
 @pytest.mark.parametrize("shards", [1, 2])
 def test_resumed_training_equals_uninterrupted_training(shards, tmp_path):
-    limits = CostLimit("fine", limit=0.95, tail=0.9, **QUICK), CostLimit("nothing", limit=1.0)
-    game, config = HASTE, dataclasses.replace(limited(*limits), shards=shards)
+    game, config = HASTE, dataclasses.replace(TAILED, shards=shards)
     learner = init(game, config, jax.random.key(0), others=OTHERS)
     for number in range(1, 4):
         learner, _ = update(game, config, learner)
@@ -213,9 +214,8 @@ def test_resumed_training_equals_uninterrupted_training(shards, tmp_path):
 
 
 def test_shared_out_environments_count_the_same_costs():
-    game, config = HASTE, limited(CostLimit("fine", limit=0.95, tail=0.9, **QUICK))
-    _, one = play(game, config, updates=3, last=1)
-    _, two = play(game, dataclasses.replace(config, shards=2), updates=3, last=1)
+    _, one = play(HASTE, TAILED, updates=3, last=1)
+    _, two = play(HASTE, dataclasses.replace(TAILED, shards=2), updates=3, last=1)
     for name in one:
         assert two[name] == pytest.approx(one[name], rel=1e-3, abs=1e-4), name
 
