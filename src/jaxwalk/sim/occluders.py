@@ -32,7 +32,7 @@ BESIDE = 3.0
 AT_ONCE = 2_000_000
 """Lines times boxes that are looked at at once."""
 FIRST = 2
-"""So many of the places of the eye in a cell are tried with every box; all of them only with those still undecided."""
+"""Number of eyes in a cell that are tried with every box; all of them are tried only with the undecided ones."""
 ROUNDING = 0.01
 """More than single precision loses [m]."""
 
@@ -125,7 +125,7 @@ def _matter(boxes: np.ndarray, eyes: np.ndarray, people: np.ndarray, sight: floa
 
 
 def _parts(boxes: Bool[np.ndarray, " box"], places: np.ndarray) -> list[np.ndarray]:
-    """Return the numbers of the boxes that are True, so many at once as can be looked at from all places."""
+    """Return the numbers of the boxes that are True, in parts that can be looked at from all places at once."""
     numbers = np.flatnonzero(boxes)
     return np.array_split(numbers, max(1, len(numbers) * len(places) // AT_ONCE)) if len(numbers) else []
 
