@@ -24,6 +24,7 @@ from jaxwalk.bench.thunks import COPIES, LAUNCHES, MICROSECONDS, SYNCHRONISATION
 from jaxwalk.bench.training_speed import WHOLE_MINIBATCH
 from jaxwalk.learning import mappo
 from jaxwalk.learning.config import GLOBAL
+from jaxwalk.platforms import traced_for
 from jaxwalk.recipes import RECIPES, Experiment, with_training
 from jaxwalk.rollout import RESTART_EVERY, TRAINING, Act, environment_keys, rollout, seed_key, start
 from jaxwalk.runs.street import fixed_policies, make_street
@@ -42,8 +43,9 @@ def plan(settings: Settings) -> dict[str, Any]:
     """Return a row for each program, and where it was compiled."""
     device = described_device(str(settings.plan))
     recipes = WORLDS_OF[:1] if settings.quick else WORLDS_OF
-    rows = [rollout_row(RECIPES[recipe], settings.plan_environments, device) for recipe in recipes]
-    rows += [] if settings.quick else [update_row(RECIPES[recipe], device) for recipe in recipes]
+    with traced_for("gpu"):
+        rows = [rollout_row(RECIPES[recipe], settings.plan_environments, device) for recipe in recipes]
+        rows += [] if settings.quick else [update_row(RECIPES[recipe], device) for recipe in recipes]
     return describe(settings) | {"device": device.device_kind, "programs": rows}
 
 
