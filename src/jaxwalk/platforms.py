@@ -1,9 +1,9 @@
 """What is compiled otherwise for a GPU than for a CPU, and why. Results are the same.
 
-On a GPU every kernel is launched by the host (2 to 3 us), and a loop or a branch that depends on data makes the host wait
-for the device: a step of the simulator takes as long as its launches do, whatever they compute. On a CPU nothing is
-launched, and the work itself counts. So where the two want something else, code asks `few_launches`. The choice is made
-when a program is traced: the programs of a CPU have no trace of it. ``docs/benchmark.md`` has what each choice saves.
+On a GPU the host launches every kernel (2 to 3 us), and a loop or a branch that depends on data makes it wait for the
+device: a step of the simulator takes as long as its launches do, whatever they compute. On a CPU nothing is launched,
+and the work itself counts. So where the two want something else, code asks `few_launches`. The choice is made when a
+program is traced: the programs of a CPU have no trace of it. ``docs/benchmark.md`` has what each choice saves.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ def for_everybody(people: Any, body: Callable[[Any, Any], Any], begin: Any) -> A
 
     It finds neighbours and minima without an array of all pairs. Three turns at a time are unrolled, so that one pass
     over the environments does them. Between passes the compiler stores ``found``; otherwise every reader would compute
-    its inputs again. Up to `AT_ONCE` turns are unrolled where launches count: 12 people are one launch instead of eight.
+    its inputs again. On a GPU up to `AT_ONCE` turns are unrolled: 12 people are one launch then instead of eight.
 
     Args:
         people: a pytree with arrays ``(ped, ...)``; ``body`` gets each person's ``(1, ...)``.
