@@ -24,6 +24,8 @@ RESTART_EVERY = 8
 """Steps between restarts. An ended episode idles for 1 to 8 steps, 4.5 on average."""
 RESTARTS_AT_ONCE = 16
 """The environments restart in parts of this share (1 / 16): about as many as end between two restarts."""
+STEPS_AT_ONCE = 2
+"""Steps in a turn of the loop on a GPU: in turns of a single step XLA copies much of what a step reads and writes."""
 TRAINING, EVALUATION = 0, 1
 """Key domains of a seed, so that no evaluation uses a scenario of the training."""
 
@@ -226,7 +228,7 @@ def rollout(
     def play_block(stream: Stream, _: None) -> tuple[Stream, Any]:
         stream = restart(environment, stream, fresh_memory)
         keys = jax.vmap(step_key, (None, 0))(stream.key, stream.step + jnp.arange(block))
-        return jax.lax.scan(play_step, stream, keys)
+        return jax.lax.scan(play_step, stream, keys, unroll=math.gcd(block, STEPS_AT_ONCE) if few_launches() else 1)
 
     def play_step(stream: Stream, key: Key[Array, "env"]) -> tuple[Stream, Any]:
         stream, step = advance(environment, act, stream, key)
