@@ -23,7 +23,12 @@ SCHEMA = 1
 """Version of the document; it changes when the meaning of a name in it changes."""
 NEEDED = ("jax-cuda13-plugin", "jax-cuda13-pjrt", "nvidia-nvvm", "nvidia-cuda-nvcc")
 """Packages that compile for NVIDIA GPUs; the first two have JAX's own version."""
-ALONE = {"JAX_PLATFORMS": "cpu", "JAX_NUM_CPU_DEVICES": "1", "JAX_ENABLE_COMPILATION_CACHE": "false"}
+ALONE = {
+    "JAX_PLATFORMS": "cpu",
+    "JAX_NUM_CPU_DEVICES": "1",
+    "JAX_ENABLE_COMPILATION_CACHE": "false",
+    "JAX_DISABLE_MOST_OPTIMIZATIONS": "false",
+}
 """Environment variables of the process that compiles: a GPU in this machine stays unused."""
 LAUNCH_US = (2.0, 3.0)
 """Time that a launch takes, on a quick and on a slow host [us]."""
