@@ -59,17 +59,15 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
     stride = jnp.where(go, pace(world, scenario, people) * world.rules.dt, 0)
     carry = stride - people.remaining
     finished = go & (carry >= 0)
-    if few_launches():
+    missing = None if few_launches() else (finished & ~people.planned).any()
+    if missing is None:
         following = next_leg(world, scenario, people.leg)
-        kept, planned = people.following, jnp.zeros_like(people.planned)
     else:
-        missing = (finished & ~people.planned).any()
         following = jax.lax.cond(missing, lambda: next_leg(world, scenario, people.leg), lambda: people.following)
-        kept, planned = following, (people.planned | missing) & ~finished
     people = PedestrianState(
         leg=jax.tree.map(lambda new, old: jnp.where(finished, new, old), following, people.leg),
-        following=kept,
-        planned=planned,
+        following=people.following if missing is None else following,
+        planned=jnp.zeros_like(people.planned) if missing is None else (people.planned | missing) & ~finished,
         remaining=jnp.where(finished, jnp.maximum(following.length - carry, 0), people.remaining - stride),
         going=go,
         on_roadway=people.on_roadway,
