@@ -18,11 +18,14 @@ from jaxtyping import Array, Bool, Int, Key
 
 from jaxwalk.acting import SCENARIO_KEYS, step_key
 from jaxwalk.interfaces import Environment, Outcome, Roles
+from jaxwalk.platforms import few_launches
 
 RESTART_EVERY = 8
 """Steps between restarts. An ended episode idles for 1 to 8 steps, 4.5 on average."""
 RESTARTS_AT_ONCE = 16
 """The environments restart in parts of this share (1 / 16): about as many as end between two restarts."""
+STEPS_AT_ONCE = 2
+"""Steps in a turn of the loop on a GPU: in turns of a single step XLA copies much of what a step reads and writes."""
 TRAINING, EVALUATION = 0, 1
 """Key domains of a seed, so that no evaluation uses a scenario of the training."""
 
@@ -149,36 +152,61 @@ def advance(environment: Environment, act: Act, stream: Stream, key: Key[Array, 
 
 
 def restart(environment: Environment, stream: Stream, fresh_memory: Any = None) -> Stream:
-    """Begin the next episode wherever the final state has been recorded, in some of the environments at a time.
+    """Begin the next episode wherever the final state has been recorded.
 
-    Drawing a scenario costs as much as several steps, so scenarios are drawn only where one is needed.
+    Drawing a scenario costs as much as several steps, so scenarios are drawn only where one is needed, for some of the
+    environments at a time. On a GPU the launches of a draw count, not its size, and its host would have to wait for the
+    answer whether another part is needed: there they are drawn for all environments at once.
     """
+    if few_launches():
+        return _restarted(environment, stream, fresh_memory)
+    return jax.lax.while_loop(lambda s: s.shown.any(), lambda s: _some_restarted(environment, s, fresh_memory), stream)
+
+
+def _restarted(environment: Environment, stream: Stream, fresh_memory: Any) -> Stream:
+    """Return the environments after their restarts. Draws a scenario for each, needed or not."""
+    episode = stream.episode + stream.shown
+    scenario = draw_batch(environment, scenario_key(stream.key, episode))
+
+    def put(old: Array, new: Array) -> Array:
+        return jnp.where(stream.shown, new, old)
+
+    return Stream(
+        key=stream.key,
+        episode=episode,
+        step=stream.step,
+        scenario=jax.tree.map(put, stream.scenario, scenario),
+        state=jax.tree.map(put, stream.state, environment.reset(scenario)),
+        memory=jax.tree.map(put, stream.memory, fresh_memory),
+        ended=stream.ended & ~stream.shown,
+        shown=jnp.zeros_like(stream.shown),
+    )
+
+
+def _some_restarted(environment: Environment, stream: Stream, fresh_memory: Any) -> Stream:
+    """Return the environments after as many restarts as usually are needed."""
     count = stream.shown.size
     places = -(-count // RESTARTS_AT_ONCE)
+    (chosen,) = jnp.nonzero(stream.shown, size=places, fill_value=count)  # past the end: nothing is written
+    begins = jnp.zeros(count, bool).at[chosen].set(True, mode="drop")
+    episode = stream.episode + begins
+    some_or_last = jnp.minimum(chosen, count - 1)
+    drawn = draw_batch(environment, scenario_key(stream.key[some_or_last], episode[some_or_last]))
+    scenario, state = jax.lax.optimization_barrier((drawn, environment.reset(drawn)))  # once, not per environment
 
-    def some(stream: Stream) -> Stream:
-        (chosen,) = jnp.nonzero(stream.shown, size=places, fill_value=count)  # past the end: nothing is written
-        begins = jnp.zeros(count, bool).at[chosen].set(True, mode="drop")
-        episode = stream.episode + begins
-        some_or_last = jnp.minimum(chosen, count - 1)
-        drawn = draw_batch(environment, scenario_key(stream.key[some_or_last], episode[some_or_last]))
-        scenario, state = jax.lax.optimization_barrier((drawn, environment.reset(drawn)))  # once, not per environment
+    def put(old: Array, new: Array) -> Array:
+        return old.at[..., chosen].set(new, mode="drop", wrap_negative_indices=False)
 
-        def put(old: Array, new: Array) -> Array:
-            return old.at[..., chosen].set(new, mode="drop", wrap_negative_indices=False)
-
-        return Stream(
-            key=stream.key,
-            episode=episode,
-            step=stream.step,
-            scenario=jax.tree.map(put, stream.scenario, scenario),
-            state=jax.tree.map(put, stream.state, state),
-            memory=jax.tree.map(lambda old, new: jnp.where(begins, new, old), stream.memory, fresh_memory),
-            ended=stream.ended & ~begins,
-            shown=stream.shown & ~begins,
-        )
-
-    return jax.lax.while_loop(lambda s: s.shown.any(), some, stream)
+    return Stream(
+        key=stream.key,
+        episode=episode,
+        step=stream.step,
+        scenario=jax.tree.map(put, stream.scenario, scenario),
+        state=jax.tree.map(put, stream.state, state),
+        memory=jax.tree.map(lambda old, new: jnp.where(begins, new, old), stream.memory, fresh_memory),
+        ended=stream.ended & ~begins,
+        shown=stream.shown & ~begins,
+    )
 
 
 def rollout(
@@ -200,7 +228,7 @@ def rollout(
     def play_block(stream: Stream, _: None) -> tuple[Stream, Any]:
         stream = restart(environment, stream, fresh_memory)
         keys = jax.vmap(step_key, (None, 0))(stream.key, stream.step + jnp.arange(block))
-        return jax.lax.scan(play_step, stream, keys)
+        return jax.lax.scan(play_step, stream, keys, unroll=math.gcd(block, STEPS_AT_ONCE) if few_launches() else 1)
 
     def play_step(stream: Stream, key: Key[Array, "env"]) -> tuple[Stream, Any]:
         stream, step = advance(environment, act, stream, key)

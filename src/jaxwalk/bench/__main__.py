@@ -21,6 +21,7 @@ PROGRAMS = {
     "train-streets": ("streets", "trained"),
     "train-fast": ("training_speed", "fast"),
     "train-paper": ("training_speed", "paper"),
+    "plan": ("gpu_programs", "plan"),
 }
 """The module and the function that measures each part: Settings -> a document."""
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -15,10 +17,14 @@ class BenchmarkError(ValueError):
     """A part could not be measured. The message names it, in one line."""
 
 
-def measure_apart(part: str, settings: Settings) -> Any:
-    """Return what a part measured in a process of its own; its progress goes to standard error."""
+def measure_apart(part: str, settings: Settings, environment: Mapping[str, str] | None = None) -> Any:
+    """Return what a part measured in a process of its own; its progress goes to standard error.
+
+    ``environment`` has variables that the process gets besides those of this one.
+    """
     command = [sys.executable, "-m", __package__ or "", part, json.dumps(asdict(settings))]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, check=False)
+    variables = os.environ | dict(environment or {})
+    done = subprocess.run(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, env=variables, check=False)
     if done.returncode:
         raise BenchmarkError(f"the part {part} could not be measured (exit code {done.returncode}); see above")
     try:

@@ -186,18 +186,23 @@ def play(program: Program, settings: Settings) -> dict[str, Any]:
 
 def look_and_act(street: Street, sets: Sets = EVERY) -> Act:
     """Return a policy that acts at random and observes all of those sets; it records one number for each street."""
-    people = jnp.arange(street.world.rules.pedestrians, dtype=jnp.uint32)
 
     def act(key: jax.Array, scenario: Any, state: Any, memory: Any) -> tuple[dict[str, jax.Array], Any, jax.Array]:
         seen = [street.observe(scenario, state, street.view(role, name)) for role, name in sets]
         seen.append(street.global_state(scenario, state))
-        words = jnp.moveaxis(jax.random.key_data(key), -1, 0)  # keys are random numbers: 64 fresh bits are enough
-        action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1
-        go = words[1][None] >> people[:, None] % 32 & 1
         looked = sum(jnp.ones(x[..., 0].size) @ x.reshape(-1, x.shape[-1]) for x in seen)  # a sum, as a product
-        return {"driver": action, "pedestrian": go.astype(jnp.int32)}, memory, jnp.asarray(looked)
+        return random_actions(street, key), memory, jnp.asarray(looked)
 
     return act
+
+
+def random_actions(street: Street, key: jax.Array) -> dict[str, jax.Array]:
+    """Return everybody's action from a step's keys ``(env,)``, whose 64 bits are random enough."""
+    people = jnp.arange(street.world.rules.pedestrians, dtype=jnp.uint32)
+    words = jnp.moveaxis(jax.random.key_data(key), -1, 0)
+    action = jnp.stack([words[0] >> 16, words[0] & 0xFFFF]).astype(jnp.float32) * 2.0**-15 - 1
+    go = words[1][None] >> people[:, None] % 32 & 1
+    return {"driver": action, "pedestrian": go.astype(jnp.int32)}
 
 
 def keep(step: Step) -> tuple[jax.Array, ...]:

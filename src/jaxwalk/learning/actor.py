@@ -13,6 +13,7 @@ from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distribution, TanhGaussian
 from jaxwalk.learning.networks import MLP, make_mlp
+from jaxwalk.platforms import few_launches
 
 DISCRETE, GATED = "discrete", "gated"
 """The kinds of policy with discrete actions: one decides everywhere, the other only where the observation's first
@@ -121,8 +122,11 @@ def run_where(
 ) -> Float[Array, "out *rest"]:
     """Run the network on the columns selected by ``which``; elsewhere the outputs are 0. Not differentiable.
 
-    Few columns are selected, so the network runs only on those, one part of them at a time.
+    Few columns are selected, so the network runs only on those, one part of them at a time. A GPU, whose host would
+    have to wait for the answer whether there is another part, runs it on all of them.
     """
+    if few_launches():
+        return jnp.where(which, network(columns), 0)
     flat = columns.reshape(columns.shape[0], -1)
     count = flat.shape[1]
     places = -(-count // CHOSEN_PART)

@@ -18,7 +18,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import optax
-from jax.sharding import PartitionSpec
+from jax.sharding import Mesh, PartitionSpec
 from jaxtyping import Array, Int, Key
 
 from jaxwalk.acting import ALL, fresh_memory, part_of
@@ -132,6 +132,13 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
     action was in its space. ``fixed/ROLE``: every action of that role's fixed policy was. Nothing is donated: the input
     stays usable, and it is small compared with the rollout.
     """
+    return update_on(mesh_of(config.shards), environment, config, learner)
+
+
+def update_on(
+    mesh: Mesh, environment: Environment, config: TrainConfig, learner: Learner
+) -> tuple[Learner, dict[str, Array]]:
+    """Do the work of `update` on the devices of a mesh, which may be devices that are only described."""
     arrays, rest = eqx.partition((environment, learner), eqx.is_array)
 
     def work(arrays: tuple[Environment, Learner]) -> tuple[Learner, dict[str, Array]]:
@@ -139,7 +146,7 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
         learner, metrics = _update(environment, shard_of(config), learner)
         return eqx.filter(learner, eqx.is_array), metrics
 
-    specs, mesh = _partition_specs(learner), mesh_of(config.shards)
+    specs = _partition_specs(learner)
     shared = jax.shard_map(
         work, mesh=mesh, in_specs=((EVERYWHERE, specs),), out_specs=(specs, EVERYWHERE), check_vma=False
     )

@@ -10,13 +10,18 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from jaxwalk.platforms import few_launches
+
+AT_ONCE = 24
+"""Most turns that are unrolled into one kernel on a GPU: larger ones compile slowly."""
+
 
 def for_everybody(people: Any, body: Callable[[Any, Any], Any], begin: Any) -> Any:
     """Call ``body(person, found)`` for one person after the other, and return the last ``found``.
 
     It finds neighbours and minima without an array of all pairs. Three turns at a time are unrolled, so that one pass
     over the environments does them. Between passes the compiler stores ``found``; otherwise every reader would compute
-    its inputs again.
+    its inputs again. On a GPU up to `AT_ONCE` turns are unrolled: 12 people are one launch then instead of eight.
 
     Args:
         people: a pytree with arrays ``(ped, ...)``; ``body`` gets each person's ``(1, ...)``.
@@ -29,7 +34,8 @@ def for_everybody(people: Any, body: Callable[[Any, Any], Any], begin: Any) -> A
         return body(jax.tree.map(one, people), found)
 
     (count,) = {len(of_all) for of_all in jax.tree.leaves(people)}
-    return jax.lax.fori_loop(0, count, turn, begin, unroll=3)
+    unroll = min(count, AT_ONCE) if few_launches() else 3
+    return jax.lax.fori_loop(0, count, turn, begin, unroll=max(unroll, 1))
 
 
 def with_index(squared: Array, index: Array, people: int) -> Array:

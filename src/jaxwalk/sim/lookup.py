@@ -9,6 +9,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from jaxwalk.platforms import few_launches
+
 IN_BOUNDS: Any = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
 """Options for indices that are known to be valid. One below 0 or beyond the last entry gives an undefined result."""
 
@@ -21,13 +23,13 @@ def look_up(table: Array, *index: Array) -> Array:
 def look_up_each(tables: Sequence[Array], *index: Array) -> list[Array]:
     """Return `look_up` of each table; all tables have one shape.
 
-    The barrier makes XLA compute the places once instead of in every gather. A list of tables gathers faster than one
-    stacked array.
+    On a CPU a barrier makes XLA compute the places once instead of in every gather. A list of tables gathers faster
+    than one stacked array.
     """
     flat = jnp.zeros((), jnp.int32)
     for size, i in zip(tables[0].shape, index, strict=True):
         flat = flat * size + i
-    places = jax.lax.optimization_barrier(flat.reshape(-1))
+    places = _once(flat.reshape(-1))
     return [table.reshape(-1).at[places].get(**IN_BOUNDS).reshape(flat.shape) for table in tables]
 
 
@@ -37,7 +39,12 @@ def look_up_row(table: Array, *index: Array) -> Array:
     for size, i in zip(table.shape[:-1], index, strict=True):
         flat = flat * size + i
     rows = table.reshape(-1, table.shape[-1]).at[flat.reshape(-1)].get(**IN_BOUNDS)
-    return jax.lax.optimization_barrier(rows.T).reshape(-1, *flat.shape)  # transposed once, not by every reader
+    return _once(rows.T).reshape(-1, *flat.shape)  # transposed once, not by every reader
+
+
+def _once(x: Array) -> Array:
+    """Return an array that a CPU computes once; on a GPU that would be a launch of its own."""
+    return x if few_launches() else jax.lax.optimization_barrier(x)
 
 
 def of_map(table: Array, map_index: Array) -> Array:

@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Shaped
 
+from jaxwalk.platforms import few_launches
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING, LegKind
 from jaxwalk.sim.free_walk import pace_of_script, stand, walk_freely
 from jaxwalk.sim.jaywalk import Zone, into_gap, jaywalk_from, zone_of
@@ -48,7 +49,8 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
 
     The rest of a step after the end of a leg is carried into the next leg (but not over a second end). What follows a
     leg depends on nothing that happens during it, so it is computed for everybody at once whenever somebody needs it:
-    in about a tenth of the steps. Scripted people walk as `jaxwalk.sim.free_walk` says.
+    in about a tenth of the steps. To ask whether somebody does makes a GPU's host wait: there it is computed in every
+    step, and never kept. Scripted people walk as `jaxwalk.sim.free_walk` says.
     """
     if scenario.script is not None:
         return walk_freely(world, scenario, people, go)
@@ -57,12 +59,15 @@ def walk(world: World, scenario: Scenario, people: PedestrianState, go: Bool[Arr
     stride = jnp.where(go, pace(world, scenario, people) * world.rules.dt, 0)
     carry = stride - people.remaining
     finished = go & (carry >= 0)
-    missing = (finished & ~people.planned).any()
-    following = jax.lax.cond(missing, lambda: next_leg(world, scenario, people.leg), lambda: people.following)
+    missing = None if few_launches() else (finished & ~people.planned).any()
+    if missing is None:
+        following = next_leg(world, scenario, people.leg)
+    else:
+        following = jax.lax.cond(missing, lambda: next_leg(world, scenario, people.leg), lambda: people.following)
     people = PedestrianState(
         leg=jax.tree.map(lambda new, old: jnp.where(finished, new, old), following, people.leg),
-        following=following,
-        planned=(people.planned | missing) & ~finished,
+        following=people.following if missing is None else following,
+        planned=jnp.zeros_like(people.planned) if missing is None else (people.planned | missing) & ~finished,
         remaining=jnp.where(finished, jnp.maximum(following.length - carry, 0), people.remaining - stride),
         going=go,
         on_roadway=people.on_roadway,

@@ -13,6 +13,7 @@ import numpy as np
 from jax.scipy.special import ndtr, ndtri
 from jaxtyping import Array, Bool, Float, Int, Key
 
+from jaxwalk.platforms import few_launches
 from jaxwalk.sim.kept_points import KeptPoints
 from jaxwalk.sim.lookup import look_up
 from jaxwalk.sim.person_kind import begins
@@ -178,7 +179,7 @@ def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario 
         goal = _choose(maps.goal_choices, look_up(maps.goal_count, map_index, node), (map_index, node), draw)
         return goal, goal
 
-    _, goals = jax.lax.scan(next_goal, start, goal_draws)
+    _, goals = jax.lax.scan(next_goal, start, goal_draws, unroll=len(goal_draws) if few_launches() else 1)
     return Scenario(
         map=map_index,
         route=route,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import replace
 
 import jax
@@ -10,6 +11,7 @@ from jaxtyping import Array, Float
 
 from jaxwalk.maps.road_field import BEYOND, CELL, UNIT
 from jaxwalk.maps.routes import ROUTE_SPACING
+from jaxwalk.platforms import few_launches
 from jaxwalk.safety.bicycle import slip
 from jaxwalk.sim.geometry import rotate, to_frame
 from jaxwalk.sim.lookup import look_up, look_up_row
@@ -83,7 +85,8 @@ def onto_road(
 ) -> tuple[Array, Array, Array]:
     """Move a position off the road to the nearest place well inside it; also return whether it was off.
 
-    Far off the road, or in a corner too narrow for it, the car stays where it was.
+    Far off the road, or in a corner too narrow for it, the car stays where it was. On a GPU, whose host would have to
+    wait for the answer whether a car must be pushed again, all pushes are made.
     """
     first = room(world, scenario, x, y)
     off = first[0] <= 0
@@ -100,7 +103,11 @@ def onto_road(
         x, y = x + missing(inside) * east, y + missing(inside) * north
         return count + 1, x, y, room(world, scenario, x, y)
 
-    _, new_x, new_y, (inside, _, _) = jax.lax.while_loop(goes_on, push, (0, x, y, first))
+    if few_launches():
+        pushed = functools.reduce(lambda at, _: push(at), range(PUSHES), (0, x, y, first))
+    else:
+        pushed = jax.lax.while_loop(goes_on, push, (0, x, y, first))
+    _, new_x, new_y, (inside, _, _) = pushed
     lost = off & (inside <= 0)
     return jnp.where(lost, vehicle.x, new_x), jnp.where(lost, vehicle.y, new_y), off
 

@@ -1,0 +1,87 @@
+"""What is compiled for a GPU comes out as what is compiled for a CPU: both are run here, on a CPU."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxwalk.learning.actor import run_where
+from jaxwalk.learning.networks import make_mlp
+from jaxwalk.platforms import few_launches, traced_for
+from jaxwalk.rollout import TRAINING, draw_batch, environment_keys, rollout, seed_key, start
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import WORLDS
+from jaxwalk.sim.vehicle import CLOSE, PUSHES, onto_road
+
+PEOPLE = 4
+
+
+def test_a_cpu_is_the_only_device_without_launches():
+    assert not few_launches()
+    with traced_for("gpu"):
+        assert few_launches()
+        with traced_for("cpu"):
+            assert not few_launches()
+        assert few_launches()
+    assert not few_launches()
+
+
+def _drive_about(key, scenario, state, memory):
+    """Go at full throttle with any steering; everybody walks."""
+    steering = (jax.random.key_data(key)[..., 0] & 0xFFFF).astype(jnp.float32) * 2.0**-15 - 1
+    go = jnp.ones((PEOPLE, *key.shape), jnp.int32)
+    return {"driver": jnp.stack([jnp.ones_like(steering), steering]), "pedestrian": go}, memory, state.vehicle.x
+
+
+def _played(street):
+    stream, steps = rollout(street, _drive_about, start(street, environment_keys(seed_key(3, TRAINING), 0, 4)), 24)
+    people = stream.state.pedestrian
+    people = replace(people, following=people.leg, planned=people.going)  # what comes next is kept on a CPU alone
+    return stream.scenario, replace(stream.state, pedestrian=people), stream.episode, steps
+
+
+def test_episodes_are_the_same():
+    street, found = Street.create(config=replace(WORLDS["paper-footprint"], pedestrians=PEOPLE, horizon=10)), []
+    for platform in ("cpu", "gpu"):
+        with traced_for(platform):
+            program = jax.jit(_played)
+            assert ("cond[" in str(program.trace(street).jaxpr)) is (platform == "cpu")
+            found.append(jax.tree.map(np.asarray, program(street)))
+    one, other = found
+    assert (one[2] > 0).all()  # every environment has restarted
+    jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, rtol=1e-4, atol=1e-4), one, other)
+
+
+def test_cars_are_pushed_back_to_the_same_place():
+    street = Street.create()
+    scenarios = draw_batch(street, environment_keys(seed_key(1, TRAINING), 0, 64))
+    car = street.reset(scenarios).vehicle
+    aside = jnp.linspace(-8.0, 8.0, 64)
+    x, y = car.x - aside * car.sin, car.y + aside * car.cos
+
+    def push(x, y):
+        return onto_road(street.world, scenarios, car, x, y)
+
+    found = []
+    for platform in ("cpu", "gpu"):
+        with traced_for(platform):
+            found.append(jax.jit(push)(x, y))
+    one, other = found
+    assert 0 < one[2].sum() < 64
+    assert np.hypot(one[0] - other[0], one[1] - other[1]).max() <= PUSHES * CLOSE
+    np.testing.assert_array_equal(one[2], other[2])
+
+
+def test_a_network_runs_where_it_is_asked_to():
+    network = make_mlp(jax.random.key(0), (3, 4, 2), final_scale=1.0)
+    columns, which = jax.random.normal(jax.random.key(1), (3, 5, 40)), jnp.arange(200).reshape(5, 40) % 7 == 0
+    found = []
+    for platform in ("cpu", "gpu"):
+        with traced_for(platform):
+            found.append(run_where(network, columns, which))
+    np.testing.assert_allclose(*found, rtol=1e-5, atol=1e-6)
+    assert (found[0][:, ~which] == 0).all()
+    assert (found[0][:, which] != 0).any()
