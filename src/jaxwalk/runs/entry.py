@@ -13,6 +13,7 @@ from rich.console import Console
 
 from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.interfaces import Roles
+from jaxwalk.peers import is_first, several, wait_for_all
 from jaxwalk.policies import LearnedPolicy, load_policy, read_metadata
 from jaxwalk.recipes import RECIPES, Experiment, ExperimentFileError, load_experiment, with_training
 from jaxwalk.runs.folder import Run, RunError, check_writable
@@ -66,6 +67,9 @@ def train(
     The first Ctrl-C ends it after the update in progress, as ``on_update`` can; `resume` continues what is in a folder
     of your own. An exception of ``on_update`` passes through; that folder keeps the checkpoints before it.
 
+    In a program that several processes run (`jax.distributed`), all call it with a folder that all of them see; what the
+    first one says counts, and it alone writes and calls ``on_update``.
+
     Args:
         recipe: a recipe's name, a file (``docs/recipes.md``), or an `Experiment`, which is trained exactly as it is.
             The environments of the others are shared out among the devices that JAX has.
@@ -83,6 +87,10 @@ def train(
         RunError: the folder isn't empty or can't be written (before the training); `DivergedError`, `UnwrittenError`.
         CallbackError: ``on_update`` returned something else than None or a truth value.
     """
+    if several() and folder is None:
+        raise RunError("folder: several processes train together in a folder that all of them see; name one")
+    if not is_first():
+        return _follow(Path(str(folder)))
     experiment = _experiment(recipe)
     if updates is not None:
         experiment = replace(with_training(experiment, updates=updates), minutes=None)
@@ -92,6 +100,7 @@ def train(
     upkeep = upkeep or Upkeep()
     with _temporary() if folder is None else nullcontext(Path(folder)) as path:
         run = Run.create(path, experiment, street.maps)
+        wait_for_all()
         ended = train_in(
             run, street=street, on_update=on_update, display=upkeep.display(experiment),
             checkpoint_minutes=upkeep.checkpoint_minutes,
@@ -112,15 +121,26 @@ def resume(folder: str | Path, *, on_update: OnUpdate | None = None, upkeep: Upk
             `UnwrittenError`.
         CallbackError: as in `train`.
     """
+    if not is_first():
+        return _follow(Path(folder))
     run, upkeep = Run.open(folder), upkeep or Upkeep()
     street = make_street(run.experiment, run.maps(), run.archives)
     mesh_of(run.experiment.train.shards)
     check_writable(run.path)
+    wait_for_all()
     ended = train_in(
         run, resume=True, street=street, on_update=on_update, display=upkeep.display(run.experiment),
         checkpoint_minutes=upkeep.checkpoint_minutes,
     )  # fmt: skip
     return _trained(run, ended, kept=True)
+
+
+def _follow(folder: Path) -> Trained:
+    """Train in the folder that the first process makes or resumes."""
+    wait_for_all()
+    run = Run.open(folder)
+    street = make_street(run.experiment, run.maps(), run.archives)
+    return _trained(run, train_in(run, resume=True, street=street), kept=True)
 
 
 def _experiment(recipe: str | Path | Experiment) -> Experiment:

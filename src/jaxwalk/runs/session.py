@@ -15,10 +15,11 @@ from jaxwalk.learning import checkpoint
 from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.turns import update_in_turns
+from jaxwalk.peers import gathered, is_first
 from jaxwalk.policies import save_policy
 from jaxwalk.provenance import provenance
 from jaxwalk.runs.binding import bound_to, policy_bound_to
-from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.folder import MetricsLog, NoLog, Run, RunError
 from jaxwalk.runs.kept_archives import archive_hashes
 from jaxwalk.runs.progress import TrainingProgress
 from jaxwalk.runs.stop import Stop
@@ -61,7 +62,7 @@ class Session:
 
     run: Run
     street: Street
-    log: MetricsLog
+    log: MetricsLog | NoLog
     progress: TrainingProgress
     stop: Stop
     page: WatchPage | None = None
@@ -113,8 +114,13 @@ class Session:
             self.told_to_stop = self.stop.requested = True
 
     def save(self, learner: Learner) -> None:
-        """Write a checkpoint and the policy of a learner. Its last update is recorded, so its numbers are finite."""
-        updates = int(learner.updates)
+        """Write a checkpoint and the policy of a learner. Its last update is recorded, so its numbers are finite.
+
+        All processes call it, and the first one writes.
+        """
+        learner, updates = gathered(learner), int(learner.updates)
+        if not is_first():
+            return
         self.log.to_disk()  # a checkpoint without its metrics would leave a gap
         if checkpoint.latest(self.run.checkpoints) != updates:
             about = bound_to(self.run, self.street.maps, archive_hashes(self.street))
