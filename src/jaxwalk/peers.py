@@ -1,8 +1,8 @@
 """Several processes that train together (`jax.distributed`): who writes, what they agree on, and whole arrays.
 
-Every process runs the same program on its own devices. Only process 0 writes files, and what depends on time, signals or
-files is decided once for all of them. Functions here are called by all processes in the same order, as a program of one
-that the others don't run would wait for ever. With one process they cost nothing.
+Every process runs the same program on its own devices. Only process 0 writes files, and what depends on time, signals
+or files is decided once for all of them. Functions here are called by all processes in the same order, as a program of
+one that the others don't run would wait for ever. With one process they cost nothing.
 """
 
 from __future__ import annotations

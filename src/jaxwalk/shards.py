@@ -35,8 +35,8 @@ def mesh_of(shards: int) -> Mesh:
     devices = jax.devices()
     if jax.process_count() > 1 and len(devices) != shards:
         raise ShardsError(
-            f"shards: {jax.process_count()} processes have {len(devices)} devices, and the training has {shards} shards; "
-            "start a number of processes that divides the shards evenly"
+            f"shards: {jax.process_count()} processes have {len(devices)} devices, and the training has {shards} "
+            "shards; start a number of processes that divides the shards evenly"
         )
     if len(devices) < shards:
         raise ShardsError(

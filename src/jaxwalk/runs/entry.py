@@ -67,8 +67,8 @@ def train(
     The first Ctrl-C ends it after the update in progress, as ``on_update`` can; `resume` continues what is in a folder
     of your own. An exception of ``on_update`` passes through; that folder keeps the checkpoints before it.
 
-    In a program that several processes run (`jax.distributed`), all call it with a folder that all of them see; what the
-    first one says counts, and it alone writes and calls ``on_update``.
+    In a program that several processes run (`jax.distributed`), all call it with a folder that all of them see; what
+    the first one says counts, and it alone writes and calls ``on_update``.
 
     Args:
         recipe: a recipe's name, a file (``docs/recipes.md``), or an `Experiment`, which is trained exactly as it is.

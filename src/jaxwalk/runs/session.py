@@ -25,6 +25,7 @@ from jaxwalk.runs.progress import TrainingProgress
 from jaxwalk.runs.stop import Stop
 from jaxwalk.runs.street import on_devices
 from jaxwalk.runs.watch import WatchPage
+from jaxwalk.runs.watchdog import Watchdog
 from jaxwalk.sim.environment import Street
 
 OnUpdate = Callable[[Mapping[str, int | float]], bool | None]
@@ -69,6 +70,8 @@ class Session:
     """The page that shows the progress."""
     routine: Routine = Routine()
     """What happens between updates."""
+    watchdog: Watchdog | None = None
+    """Is told each finished update, if several processes train together."""
     told_to_stop: bool = False
     """Whether ``on_update`` ended the training."""
     begun: float = field(default_factory=time.monotonic)
@@ -105,6 +108,8 @@ class Session:
         if len(self.turns) > 1:
             values["people"] = self.turns[(updates - 1) % len(self.turns)].config.pedestrians
         line = {"update": updates, "seconds": round(self.seconds, 3), **values}
+        if self.watchdog is not None:
+            self.watchdog.finished()
         self.log.write(line)
         self.progress.show(updates, values)
         if self.page is not None:

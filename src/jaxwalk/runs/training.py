@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import jax
@@ -29,6 +30,7 @@ from jaxwalk.runs.session import OnUpdate, Routine, Session, unplanned
 from jaxwalk.runs.stop import Stop
 from jaxwalk.runs.street import crowded, fixed_policies, make_street
 from jaxwalk.runs.watch import WatchPage, there_is_one
+from jaxwalk.runs.watchdog import Watchdog
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import remove_unfinished
 
@@ -153,11 +155,12 @@ def _train(run: Run, street: Street, resume: bool, display: Display, routine: Ro
         display.say(f"{display.name}: {train.environments:,} environments on {train.shards} devices{processes}")
     for line in said_of_archives(street, run.experiment):
         display.say(f"{display.name}: {line}")
-    with _log(run, done) as log, stop.listening(), progress, _page(run, display, pace, log) as page:
+    page_of = partial(_page, run, display, pace)
+    with _log(run, done) as log, stop.listening(), progress, page_of(log) as page, _watchdog(routine) as watchdog:
         if page is not None:
             display.say(f"Watch it: open {page.path.absolute()} in a browser")
         earlier = log.kept[-1]["seconds"] if log.kept else 0.0
-        session = Session(run, street, log, progress, stop, page, routine, begun=begun, earlier=earlier)
+        session = Session(run, street, log, progress, stop, page, routine, watchdog, begun=begun, earlier=earlier)
         if minutes is not None:
             learner = plan_by_time(session, learner, 60 * minutes)
         learner = _loop(session, learner, 60 * minutes if minutes else math.inf)
@@ -166,6 +169,11 @@ def _train(run: Run, street: Street, resume: bool, display: Display, routine: Ro
     ended_early = updates < int(learner.planned)
     stopped = ended_early and session.told_to_stop
     return TrainingEnd(updates, updates * per_update, session.seconds, ended_early and not stopped, stopped)
+
+
+def _watchdog(routine: Routine) -> AbstractContextManager[Watchdog | None]:
+    """Return what ends a training in which a process hangs; none where a function may take long between updates."""
+    return Watchdog() if several() and routine.on_update is None else nullcontext()
 
 
 def _log(run: Run, done: int) -> MetricsLog | NoLog:
@@ -212,9 +220,8 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
     begun, first, planned = time.monotonic(), done, int(learner.planned)
 
     def wishes() -> tuple[int, int, int]:
-        """Whether to stop, whether to save, and the updates planned. Any process may stop; the first one decides all else."""
         if not is_first():
-            return session.stop.requested, 0, 0
+            return session.stop.requested, False, 0
         each = (time.monotonic() - begun) / max(done - first, 1)
         shorter = shortened(planned - first, done - first, each=each, left=limit - session.seconds)
         due = time.monotonic() - session.saved > session.routine.checkpoint_seconds
