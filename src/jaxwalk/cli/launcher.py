@@ -150,7 +150,7 @@ def _folder(options: Train) -> Path:
 @contextmanager
 def _started(words: Sequence[str], count: int) -> Iterator[list[Member]]:
     """Yield running processes; at the end, all of them are ended."""
-    address = f"127.0.0.1:{_free_port()}"
+    address = f"127.0.0.1:{free_port()}"
     members: list[Member] = []
     try:
         for number in range(count):
@@ -183,7 +183,7 @@ def _printed(member: Member) -> str:
     return member.printed.read().decode(errors="backslashreplace").strip()[-LAST_WORDS:]
 
 
-def _free_port() -> int:
+def free_port() -> int:
     """Return a port of the loopback address that nobody uses now."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
