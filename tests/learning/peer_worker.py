@@ -1,4 +1,4 @@
-"""One of several processes that play a small game together: `python peer_worker.py PROCESS PROCESSES SHARDS PORT FOLDER`.
+"""One of several processes that play a small game: `python peer_worker.py PROCESS PROCESSES SHARDS PORT FOLDER`.
 
 Makes three updates, saves them as a checkpoint, reads that again, makes a fourth one, and writes every array. A process
 writes what it holds: all of them must be the same.

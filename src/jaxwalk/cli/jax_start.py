@@ -54,6 +54,8 @@ def start_jax(set_here: set[str], group: Group | None = None) -> None:
     ``set_here``: environment variables that the user did not set. Raises MachineError if it can't start.
     """
     if "jax" in sys.modules:
+        if group is not None:
+            raise MachineError("JAX has started already, and can't join other processes; use the command line")
         return
     if group is not None:
         os.environ[DEVICES] = str(group.devices)

@@ -18,7 +18,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
 from jaxwalk.cli.early import check_names
 from jaxwalk.cli.errors import BAD_INPUT, INTERRUPTED, LOST
@@ -47,8 +46,8 @@ class Member:
 
     number: int
     process: subprocess.Popen[bytes]
-    printed: IO[bytes]
-    """What it prints, but for the messages of process 0."""
+    printed: Path
+    """File of what it prints, but for the messages of process 0."""
 
     @property
     def code(self) -> int | None:
@@ -76,19 +75,26 @@ def launch(options: Train, words: Sequence[str]) -> int:
 def _train(options: Train, words: Sequence[str], stop: Stop, restarts: int) -> int:
     """Train until all processes have ended, in order or together with one that was lost; return the exit code."""
     with _started(words, options.processes) as members:
-        failed = _wait(members, stop)
-        codes = [member.code for member in members]
-    if not failed:
-        return max(code or 0 for code in codes)
-    if (codes[0] or 0) > 0 and codes[0] not in LEFT_ALONE:
-        return codes[0] or 0  # process 0 has said why
-    failing = (each for each in members if (codes[each.number] or 0) > 0 and codes[each.number] not in LEFT_ALONE)
-    own = next(failing, None)
-    if own is not None:
-        print(f"jaxwalk: process {own.number} of {len(members)} failed:\n{_printed(own)}", file=sys.stderr)
+        if _wait(members, stop):
+            again = "it begins again" if restarts and not stop.requested else None
+            return _report_failure(options, words, members, again)
+        codes = [member.code or 0 for member in members]
+    return max(codes) and INTERRUPTED
+
+
+def _report_failure(options: Train, words: Sequence[str], members: Sequence[Member], again: str | None) -> int:
+    """Print one message about what has happened, unless process 0 has; return the exit code."""
+    codes = [member.code for member in members]
+    failing = [number for number, code in enumerate(codes) if (code or 0) > 0 and code not in LEFT_ALONE]
+    if 0 in failing:
+        return codes[0] or 0
+    if failing:
+        said = _printed(members[failing[0]])
+        print(f"jaxwalk: process {failing[0]} of {len(members)} failed:\n{said}", file=sys.stderr)
         return BAD_INPUT
-    after = "it begins again" if restarts else f"resume it with: jaxwalk {' '.join(_words_to_resume(options, words))}"
-    print(f"jaxwalk: {_what_happened(codes)}, and the training ended; {_kept(options)}; {after}", file=sys.stderr)
+    next_step = again or f"resume it with: jaxwalk {' '.join(_words_to_resume(options, words))}"
+    what = f"{_what_happened(codes)}, and the training ended"
+    print(f"jaxwalk: {what}; {_kept(options)}; {next_step}", file=sys.stderr)
     return LOST
 
 
@@ -102,7 +108,7 @@ def _wait(members: Sequence[Member], stop: Stop) -> bool:
         if stop.requested and not told:
             told = True
             for member in members:
-                member.process.send_signal(signal.SIGINT)
+                member.process.terminate()  # an interrupt may be ignored: shells do that for what runs in the background
         if failed_at is None and any(member.code not in (None, *ENDED_WELL) for member in members):
             failed_at = time.monotonic()
         if failed_at is not None and time.monotonic() - failed_at > GRACE:
@@ -152,35 +158,41 @@ def _started(words: Sequence[str], count: int) -> Iterator[list[Member]]:
     """Yield running processes; at the end, all of them are ended."""
     address = f"127.0.0.1:{free_port()}"
     members: list[Member] = []
-    try:
-        for number in range(count):
-            members.append(_start([*words, "--coordinator", address, "--process", str(number)], number))
-        yield members
-    finally:
-        for member in members:
-            member.process.kill()
-            member.process.wait()
+    with tempfile.TemporaryDirectory(prefix="jaxwalk-") as folder:
+        try:
+            for number in range(count):
+                command = _command([*words, "--coordinator", address], number)
+                members.append(_start(command, number, Path(folder) / str(number)))
+            yield members
+        finally:
+            for member in members:
+                with member.process as process:
+                    process.kill()
 
 
-def _start(words: Sequence[str], number: int) -> Member:
+def _command(words: Sequence[str], number: int) -> list[str]:
+    """Return the command line of process ``number``."""
+    return [sys.executable, "-m", "jaxwalk", *words, "--process", str(number)]
+
+
+def _start(command: Sequence[str], number: int, printed: Path) -> Member:
     """Start a process in a session of its own, so that Ctrl-C in a terminal reaches it only from here.
 
     It sees by the end of its standard input that this process has ended.
     """
-    printed = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
-    shown = os.dup(2) if number == 0 else os.dup(printed.fileno())
-    process = subprocess.Popen(
-        [sys.executable, "-m", "jaxwalk", *words], stdin=subprocess.PIPE, stdout=printed, stderr=printed,
-        env=os.environ | {LAUNCHED: str(shown)}, pass_fds=(shown,), start_new_session=True,
-    )  # fmt: skip
-    os.close(shown)
+    with printed.open("wb") as out:
+        shown = os.dup(2 if number == 0 else out.fileno())
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=out, stderr=out, env=os.environ | {LAUNCHED: str(shown)},
+            pass_fds=(shown,), start_new_session=True,
+        )  # fmt: skip
+        os.close(shown)
     return Member(number, process, printed)
 
 
 def _printed(member: Member) -> str:
     """Return the last words of a process."""
-    member.printed.seek(0)
-    return member.printed.read().decode(errors="backslashreplace").strip()[-LAST_WORDS:]
+    return member.printed.read_text(errors="backslashreplace").strip()[-LAST_WORDS:]
 
 
 def free_port() -> int:

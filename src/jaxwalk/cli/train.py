@@ -66,7 +66,8 @@ def _lead(options: Train) -> int:
     done = f"{counted(trained.updates, 'update')}, {counted(trained.steps, 'step')}"
     made = f"{done} in {trained.seconds / 60:.1f} minutes"
     if trained.interrupted:
-        say(f"Interrupted after {made}. Resume with: jaxwalk train --resume {trained.folder}")
+        processes = f" --processes {options.processes}" if options.processes > 1 else ""
+        say(f"Interrupted after {made}. Resume with: jaxwalk train --resume {trained.folder}{processes}")
         return INTERRUPTED
     say(f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {trained.folder}")
     return 0
