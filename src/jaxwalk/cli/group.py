@@ -61,7 +61,7 @@ def group_of(options: object) -> Group | None:
     """Return the group that the process belongs to; None if it is alone.
 
     Raises:
-        UsageError: options about processes make no sense, or the shards can't be divided among so many.
+        UsageError: options about processes make no sense, or don't divide the shards.
         RunError: the run folder to resume can't be read.
     """
     if not isinstance(options, Train):

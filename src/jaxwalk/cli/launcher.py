@@ -7,6 +7,7 @@ of life and ends the others (`jaxwalk.cli.group.SILENCE`); here the ended ones a
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import socket
@@ -15,7 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -103,18 +104,21 @@ def _wait(members: Sequence[Member], stop: Stop) -> bool:
 
     A signal to this process is handed on to all of them, once.
     """
-    told, failed_at = False, None
-    while any(member.code is None for member in members):
+    told, until = False, math.inf
+    while any(member.code is None for member in members) and time.monotonic() < until:
         if stop.requested and not told:
             told = True
-            for member in members:
-                member.process.terminate()  # an interrupt may be ignored: shells do that for what runs in the background
-        if failed_at is None and any(member.code not in (None, *ENDED_WELL) for member in members):
-            failed_at = time.monotonic()
-        if failed_at is not None and time.monotonic() - failed_at > GRACE:
-            break
+            _tell_to_end(members)
+        if until == math.inf and any(member.code not in (None, *ENDED_WELL) for member in members):
+            until = time.monotonic() + GRACE
         time.sleep(EVERY)
     return any(member.code not in ENDED_WELL for member in members)
+
+
+def _tell_to_end(members: Sequence[Member]) -> None:
+    """Ask all processes to end in order. Not by an interrupt, which shells let background processes ignore."""
+    for member in members:
+        member.process.terminate()
 
 
 def _what_happened(codes: Sequence[int | None]) -> str:
@@ -157,17 +161,14 @@ def _folder(options: Train) -> Path:
 def _started(words: Sequence[str], count: int) -> Iterator[list[Member]]:
     """Yield running processes; at the end, all of them are ended."""
     address = f"127.0.0.1:{free_port()}"
-    members: list[Member] = []
-    with tempfile.TemporaryDirectory(prefix="jaxwalk-") as folder:
-        try:
-            for number in range(count):
-                command = _command([*words, "--coordinator", address], number)
-                members.append(_start(command, number, Path(folder) / str(number)))
-            yield members
-        finally:
-            for member in members:
-                with member.process as process:
-                    process.kill()
+    with tempfile.TemporaryDirectory(prefix="jaxwalk-") as folder, ExitStack() as ends:
+        members: list[Member] = []
+        for number in range(count):
+            command = _command([*words, "--coordinator", address], number)
+            members.append(_start(command, number, Path(folder) / str(number)))
+            ends.enter_context(members[-1].process)
+            ends.callback(members[-1].process.kill)
+        yield members
 
 
 def _command(words: Sequence[str], number: int) -> list[str]:

@@ -1,4 +1,8 @@
-"""``jaxwalk.train`` and ``jaxwalk.resume``: a training from Python. The command ``jaxwalk train`` is made of them."""
+"""``jaxwalk.train`` and ``jaxwalk.resume``: a training from Python. The command ``jaxwalk train`` is made of them.
+
+In a program that several processes run (`jax.distributed`), all call one of them with a folder that all see; what the
+first process says counts, and it alone writes and calls ``on_update``.
+"""
 
 from __future__ import annotations
 
@@ -67,9 +71,6 @@ def train(
     The first Ctrl-C ends it after the update in progress, as ``on_update`` can; `resume` continues what is in a folder
     of your own. An exception of ``on_update`` passes through; that folder keeps the checkpoints before it.
 
-    In a program that several processes run (`jax.distributed`), all call it with a folder that all of them see; what
-    the first one says counts, and it alone writes and calls ``on_update``.
-
     Args:
         recipe: a recipe's name, a file (``docs/recipes.md``), or an `Experiment`, which is trained exactly as it is.
             The environments of the others are shared out among the devices that JAX has.
@@ -91,10 +92,7 @@ def train(
         raise RunError("folder: several processes train together in a folder that all of them see; name one")
     if not is_first():
         return _follow(Path(str(folder)))
-    experiment = _experiment(recipe)
-    if updates is not None:
-        experiment = replace(with_training(experiment, updates=updates), minutes=None)
-    experiment = experiment if seed is None else replace(experiment, seed=seed)
+    experiment = _experiment(recipe, seed, updates)
     street = make_street(experiment)
     mesh_of(experiment.train.shards)
     upkeep = upkeep or Upkeep()
@@ -143,7 +141,15 @@ def _follow(folder: Path) -> Trained:
     return _trained(run, train_in(run, resume=True, street=street), kept=True)
 
 
-def _experiment(recipe: str | Path | Experiment) -> Experiment:
+def _experiment(recipe: str | Path | Experiment, seed: int | None, updates: int | None) -> Experiment:
+    """Return the experiment to train, with another seed and number of updates if these are given."""
+    experiment = _named(recipe)
+    if updates is not None:
+        experiment = replace(with_training(experiment, updates=updates), minutes=None)
+    return experiment if seed is None else replace(experiment, seed=seed)
+
+
+def _named(recipe: str | Path | Experiment) -> Experiment:
     """Return the experiment of a name or a file, with its environments shared out; an `Experiment` itself as it is."""
     if isinstance(recipe, Experiment):
         return recipe

@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable
 
 LEAST, TIMES = 300.0, 20.0
-"""An update may take this long [s], or so many times the longest one before; the first two, which compile, longer."""
+"""An update may take this long [s], or this many times the longest one before; the first two compile, any time."""
 HUNG = 4
 """Exit code of a process that ends because one of them hangs."""
 LAUNCHED = "JAXWALK_LAUNCHED"

@@ -75,10 +75,10 @@ class Train:
     watch: Flag = False
     """Also write watch.html into the run folder: a page that shows the training's progress in a browser."""
     processes: Annotated[int, option("1", "N")] = 1
-    """Train in so many processes, which divide the shards, one for each unless --shards says more; started on this
-    machine, unless --coordinator (docs: beyond-one-machine)."""
+    """Number of processes that train together and divide the shards, one for each unless --shards says more. They are
+    started on this machine, unless --coordinator is given (docs: beyond-one-machine)."""
     restarts: Annotated[int, option("0", "N")] = 0
-    """So many times, begin again from the last checkpoint if a process is lost."""
+    """How often to begin again from the last checkpoint if a process is lost."""
     coordinator: Annotated[str | None, option("none", "HOST:PORT")] = None
     """Where process 0 can be reached, if the processes are started by hand or by a cluster's scheduler."""
     process: Annotated[int | None, option("none", "I")] = None
