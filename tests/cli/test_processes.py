@@ -15,6 +15,7 @@ from jaxwalk.cli.group import Group, group_of
 from jaxwalk.cli.options import Train
 from jaxwalk.recipes import RECIPES, with_training
 from jaxwalk.runs.folder import Run
+from jaxwalk.runs.watchdog import LAUNCHED
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="JAX's processes don't find each other on Windows")
 WAITS = """
@@ -49,6 +50,10 @@ REFUSED = {
     "no such process": ("--processes 2 --coordinator a:1 --process 2", "--process must be from 0 to 1"),
     "no port": ("--processes 2 --coordinator a --process 0", "--coordinator must be HOST:PORT"),
     "a port too high": ("--processes 2 --coordinator a:99999 --process 0", "--coordinator must be HOST:PORT"),
+    "restarts of a scheduler": (
+        "--processes 2 --coordinator a:1 --process 0 --restarts 1",
+        "--restarts needs processes that this command starts",
+    ),
     "restarts of one": ("--restarts 1", "--restarts needs processes that this command starts"),
     "uneven": ("--processes 2 --shards 3", "--processes must divide the training's 3 shards, not be 2"),
     "JAX runs": ("--processes 2 --coordinator a:1 --process 0", "JAX has started already"),
@@ -87,6 +92,13 @@ def test_shards_of_a_run_are_divided(place):
     Run.create(place / "run", with_training(RECIPES["fast"], shards=4))
     options = Train(resume=place / "run", processes=2, coordinator="node1:7777", process=1)
     assert group_of(options) == Group("node1:7777", 1, 2, devices=2)
+
+
+def test_a_launched_process_accepts_the_words_of_its_launcher(place, monkeypatch):
+    Run.create(place / "run", with_training(RECIPES["fast"], shards=2))
+    monkeypatch.setenv(LAUNCHED, "2")
+    options = Train(resume=place / "run", processes=2, coordinator="127.0.0.1:7777", process=0, restarts=3)
+    assert group_of(options) == Group("127.0.0.1:7777", 0, 2, devices=1)
 
 
 def test_processes_that_end_well_end_it(place, deed, capfd):

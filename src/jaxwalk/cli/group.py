@@ -46,7 +46,8 @@ def check_processes(options: Train) -> None:
     host, _, port = (options.coordinator or "localhost:1").rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
         raise UsageError(f"--coordinator must be HOST:PORT, as in node1:7777, not {options.coordinator}")
-    if options.restarts < 0 or (options.restarts and (options.processes == 1 or options.coordinator)):
+    by_others = options.coordinator is not None and LAUNCHED not in os.environ
+    if options.restarts < 0 or (options.restarts and (options.processes == 1 or by_others)):
         raise UsageError("--restarts needs processes that this command starts: --processes, without --coordinator")
     if options.processes > 1 and sys.platform == "win32":
         raise UsageError("--processes: JAX's processes don't find each other on Windows; leave it out, or use WSL")
