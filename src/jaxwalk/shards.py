@@ -24,12 +24,20 @@ EVERYWHERE = PartitionSpec()
 
 
 class ShardsError(ValueError):
-    """There are fewer devices than shards. The message says what to do, in one line."""
+    """There are fewer devices than shards, or processes without one. The message says what to do, in one line."""
 
 
 def mesh_of(shards: int) -> Mesh:
-    """Return a mesh of this many devices. Raises ShardsError if there are fewer."""
+    """Return a mesh of this many devices, in the order of their processes.
+
+    Raises ShardsError if there are fewer, or if several processes have more: each needs a part of the work.
+    """
     devices = jax.devices()
+    if jax.process_count() > 1 and len(devices) != shards:
+        raise ShardsError(
+            f"shards: {jax.process_count()} processes have {len(devices)} devices, and the training has {shards} "
+            "shards; start a number of processes that divides the shards evenly"
+        )
     if len(devices) < shards:
         raise ShardsError(
             f"shards: {shards} devices are needed, and JAX has {len(devices)} ({devices[0].platform}); ask for fewer, "
@@ -49,7 +57,8 @@ def place(tree: Any, specs: Any, mesh: Mesh) -> Any:
     def put(x: Array, spec: PartitionSpec) -> Array:
         if jnp.issubdtype(x.dtype, jax.dtypes.prng_key):
             return jax.random.wrap_key_data(put(jax.random.key_data(x), spec), impl=jax.random.key_impl(x))
-        return jax.device_put(np.asarray(x), NamedSharding(mesh, spec))  # JAX would compile a program for each shape
+        values = np.asarray(x)  # of a NumPy array: JAX would compile a program for each shape
+        return jax.make_array_from_callback(values.shape, NamedSharding(mesh, spec), values.__getitem__)
 
     arrays, rest = eqx.partition(tree, eqx.is_array)
     return eqx.combine(jax.tree.map(put, arrays, specs), rest)

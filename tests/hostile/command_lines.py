@@ -31,6 +31,7 @@ WORKERS = (
     "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
     "jaxwalk.cli.search.search_failures", "jaxwalk.cli.search.estimate_rate", "jaxwalk.cli.evaluate.read_archive",
     "jaxwalk.cli.importing_streets.read_source",
+    "jaxwalk.cli.launcher._train",
     "jaxwalk.cli.rate.make_rating", "jaxwalk.cli.rate.analyse_answers", "jaxwalk.cli.live.serve_pages",
     "jaxwalk.cli.submit.read_entry", "jaxwalk.cli.merge.merge_parts", "jaxwalk.cli.evaluate.evaluate_part",
     "jaxwalk.cli.map_new.write_whole", "jaxwalk.cli.map_check.load_network", "jaxwalk.cli.map_draw.street_picture",

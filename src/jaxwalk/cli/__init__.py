@@ -32,9 +32,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signals.listen()
     code = _run(sys.argv[1:], signals)
     signals.ignore()
-    if signals.number is not None:
+    if signals.number is not None or (code and _has_peers()):
         leave(code)
     return code
+
+
+def _has_peers() -> bool:
+    """Return whether other processes train with this one: JAX would wait for them at the end, though one has failed."""
+    return "jax" in sys.modules and sys.modules["jax"].distributed.is_initialized()
 
 
 def _run(arguments: list[str], signals: Signals) -> int:
@@ -63,9 +68,14 @@ def _command(arguments: list[str]) -> int:
         print(f"jaxwalk {version('jaxwalk')}")
         return 0
     from jaxwalk.cli import commands
+    from jaxwalk.cli.group import launches
 
     try:
         options = commands.parse(arguments)
+        if launches(options):
+            from jaxwalk.cli.launcher import launch
+
+            return launch(options, arguments)
         gc.set_threshold(GARBAGE)  # modules and programs stay in memory: revisiting them takes 0.4 s
         return commands.run(options)
     except SystemExit as end:  # --help, or an option that does not exist

@@ -8,9 +8,9 @@ from contextlib import contextmanager
 
 from jaxwalk.wording import plain
 
-DIFFERS, BAD_INPUT, INTERRUPTED = 1, 2, 130
+DIFFERS, BAD_INPUT, LOST, INTERRUPTED = 1, 2, 3, 130
 """Exit codes: for results that don't come out again or fall short of what is required, for input that can't be used,
-and for Ctrl-C."""
+for a training that lost one of its processes, and for Ctrl-C."""
 ADVICE = {
     errno.ENOSPC: "make room on the disk, or name another place",
     errno.EDQUOT: "make room on the disk, or name another place",

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from jaxwalk.cli.group import Group, join
 from jaxwalk.provenance import cores
 from jaxwalk.runs.folder import RunError, check_writable
 
@@ -47,16 +48,22 @@ def prepare_machine() -> set[str]:
     return set(os.environ) - before
 
 
-def start_jax(set_here: set[str]) -> None:
-    """Start JAX. ``set_here``: environment variables that the user did not set.
+def start_jax(set_here: set[str], group: Group | None = None) -> None:
+    """Start JAX, and join the group of processes if there is one.
 
-    Raises MachineError if it can't start.
+    ``set_here``: environment variables that the user did not set. Raises MachineError if it can't start.
     """
     if "jax" in sys.modules:
+        if group is not None:
+            raise MachineError("JAX has started already, and can't join other processes; use the command line")
         return
+    if group is not None:
+        os.environ[DEVICES] = str(group.devices)
     with _explained(set_here):
         with _flags_are_read():
             import jax
+        if group is not None:
+            join(group)
         jax.devices()
 
 

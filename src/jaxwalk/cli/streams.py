@@ -6,6 +6,8 @@ import os
 import sys
 from typing import Any
 
+from jaxwalk.runs.watchdog import LAUNCHED
+
 
 class ForgivingStream:
     """A stream that goes on, without a word, after certain errors; what is written afterwards is lost."""
@@ -45,6 +47,8 @@ def prepare_streams() -> None:
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # takes the lowest free number, which is this one
     out: Any = sys.stdout or os.fdopen(1, "w", encoding="utf-8", closefd=False)
     err: Any = sys.stderr or os.fdopen(2, "w", encoding="utf-8", closefd=False)
+    if LAUNCHED in os.environ:  # where people look; on the usual one are messages of libraries
+        err = os.fdopen(int(os.environ[LAUNCHED]), "w", buffering=1, encoding="utf-8", errors="backslashreplace")
     for stream in (out, err):
         if stream.errors == "strict" or stream.encoding.lower() != "utf-8":  # surrogateescape writes names as they are
             stream.reconfigure(errors="backslashreplace")

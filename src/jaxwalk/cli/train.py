@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
-from jaxwalk.cli.errors import INTERRUPTED, UsageError, bad_values
+from jaxwalk.cli.errors import INTERRUPTED, LOST, UsageError, bad_values
 from jaxwalk.cli.options import Train
 from jaxwalk.recipes import LONGEST, RECIPES, Experiment, load_experiment, single_agent, with_training
 from jaxwalk.runs.entry import Upkeep, resume, train
 from jaxwalk.runs.folder import check_new
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import shared_out
+from jaxwalk.runs.training import PeerLostError
+from jaxwalk.runs.watchdog import LAUNCHED
 from jaxwalk.sim.sim_config import rules_of
 from jaxwalk.wording import counted
 
@@ -23,12 +27,32 @@ TUNABLE = (
     "learning_rate", "discount", "gae_lambda", "clip", "reward_scale", "chunk_rows", "shards",
 )  # fmt: skip
 """Options that are fields of `TrainConfig`."""
-GOES_WITH_RESUME = ("resume", "checkpoint_minutes", "watch")
+GOES_WITH_RESUME = (
+    "resume", "checkpoint_minutes", "watch", "processes", "restarts", "coordinator", "process",
+)  # fmt: skip
 """The only options that a resumed training takes."""
 
 
 def run(options: Train) -> int:
-    """Train or resume; return 130 if Ctrl-C ended it."""
+    """Train or resume; return 130 if Ctrl-C ended it, 3 if another process of the training was lost."""
+    try:
+        return _follow(options) if options.process else _lead(options)
+    except PeerLostError as error:
+        if LAUNCHED not in os.environ:  # else the launcher knows more about it
+            print(f"jaxwalk: {error}", file=sys.stderr)
+        return LOST
+
+
+def _follow(options: Train) -> int:
+    """Train in the folder that process 0 begins or resumes."""
+    folder = options.resume or options.run_folder
+    if folder is None:
+        raise UsageError("--run DIR or --resume DIR is missing: the folder of process 0")
+    return INTERRUPTED if resume(folder).interrupted else 0
+
+
+def _lead(options: Train) -> int:
+    """Train or resume, as process 0 or alone."""
     check(options)
     console = Console(stderr=True)
     upkeep = Upkeep(console, watch=options.watch, checkpoint_minutes=options.checkpoint_minutes)
@@ -42,7 +66,8 @@ def run(options: Train) -> int:
     done = f"{counted(trained.updates, 'update')}, {counted(trained.steps, 'step')}"
     made = f"{done} in {trained.seconds / 60:.1f} minutes"
     if trained.interrupted:
-        say(f"Interrupted after {made}. Resume with: jaxwalk train --resume {trained.folder}")
+        processes = f" --processes {options.processes}" if options.processes > 1 else ""
+        say(f"Interrupted after {made}. Resume with: jaxwalk train --resume {trained.folder}{processes}")
         return INTERRUPTED
     say(f"Trained: {made}. Evaluate with: jaxwalk evaluate --driver {trained.folder}")
     return 0

@@ -46,19 +46,19 @@ class DamagedError(CheckpointError):
 
 
 def save(path: str | Path, learner: Any, *, updates: int, about: Mapping[str, Any] | None = None) -> None:
-    """Write all arrays of the learner (random keys too) into folder ``path`` under the number ``updates``.
+    """Write all arrays of the learner (of random keys their data) into folder ``path`` under the number ``updates``.
 
     ``about`` is JSON to keep with them, which `kept_with` returns. Raise OSError if that fails, for instance on a full
     disk; earlier checkpoints remain.
     """
     from orbax.checkpoint.args import StandardSave
 
-    arrays = _named_arrays(learner)
-    _check_room(Path(path), sum(_data(x).nbytes for x in arrays.values()))
-    # Orbax would split arrays that several devices hold, by a program for each shape; a NumPy array cannot be a key.
-    arrays |= jax.device_get({name: x for name, x in arrays.items() if not _is_key(x)})
+    # NumPy arrays: orbax would split arrays that several devices hold, by a program for each shape, and doesn't let one
+    # of several processes write JAX's.
+    arrays = jax.device_get({name: _data(x) for name, x in _named_arrays(learner).items()})
+    _check_room(Path(path), sum(x.nbytes for x in arrays.values()))
     try:
-        with _manager(path, create=True) as manager:  # this also removes what a killed process left incomplete
+        with _manager(path, writes=True) as manager:  # this also removes what a killed process left incomplete
             if not manager.save(updates, args=StandardSave(arrays), custom_metadata=dict(about or {})):
                 raise OSError(errno.EEXIST, "a newer checkpoint is in the way", str(path))
             manager.wait_until_finished()
@@ -79,13 +79,13 @@ def latest(path: str | Path) -> int | None:
     """Return the number of updates of the newest checkpoint in the folder; None if there is none."""
     if not Path(path).is_dir():
         return None
-    with _manager(path, create=False) as manager:
+    with _manager(path) as manager:
         return manager.latest_step()
 
 
 def kept_with(path: str | Path, updates: int) -> dict[str, Any]:
     """Return the JSON that was saved with a checkpoint; empty if it has none, or if that can't be read."""
-    with _manager(path, create=False) as manager:
+    with _manager(path) as manager:
         try:
             return dict(manager.metadata(updates).custom_metadata or {})
         except Exception:  # orbax raises many kinds
@@ -118,7 +118,7 @@ def _numbers(path: str | Path) -> list[int]:
     """Return the numbers of updates of all checkpoints, newest first."""
     if not Path(path).is_dir():
         return []
-    with _manager(path, create=False) as manager:
+    with _manager(path) as manager:
         return sorted(manager.all_steps(), reverse=True)
 
 
@@ -141,7 +141,7 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
     if step is None:
         raise CheckpointError(f"{path}: holds no checkpoint; give the folder that training wrote, or start again")
     wanted = _named_arrays(like)
-    with _manager(path, create=False) as manager:
+    with _manager(path) as manager:
         try:
             metadata = manager.item_metadata(step)
             stored = {_name_now(name): name for name in metadata}
@@ -154,7 +154,8 @@ def restore(path: str | Path, like: T, *, updates: int | None = None) -> T:
             raise DamagedError(f"{path}: checkpoint {step} can't be read ({type(error).__name__})") from error
     arrays, rest = eqx.partition(like, eqx.is_array)
     names, structure = _names(arrays), jax.tree.structure(arrays)
-    return eqx.combine(jax.tree.unflatten(structure, [found[stored[name]] for name in names]), rest)
+    arrays = [_as_wanted(found[stored[name]], wanted[name]) for name in names]
+    return eqx.combine(jax.tree.unflatten(structure, arrays), rest)
 
 
 def _check_same(path: str | Path, wanted: dict[str, Array], stored: dict[str, tuple[int, ...]]) -> None:
@@ -185,13 +186,18 @@ def _data(x: Array) -> Array:
     return jax.random.key_data(x) if _is_key(x) else x
 
 
-def _manager(path: str | Path, *, create: bool) -> Any:
+def _manager(path: str | Path, *, writes: bool = False) -> Any:
     """Return orbax's checkpoint manager for the folder."""
     import orbax.checkpoint as ocp
 
-    options = ocp.CheckpointManagerOptions(
-        max_to_keep=KEPT, create=create, enable_async_checkpointing=False, cleanup_tmp_directories=create
+    own = jax.process_index()  # each process reads by itself, and only the first one writes
+    alone = ocp.options.MultiprocessingOptions(
+        primary_host=own, active_processes={own}, barrier_sync_key_prefix=f"process-{own}"
     )
+    options = ocp.CheckpointManagerOptions(
+        max_to_keep=KEPT, create=False, enable_async_checkpointing=False, cleanup_tmp_directories=writes,
+        multiprocessing_options=alone,
+    )  # fmt: skip
     return ocp.CheckpointManager(Path(path).resolve(), options=options, item_handlers=ocp.StandardCheckpointHandler())
 
 
@@ -212,4 +218,11 @@ def _named_arrays(learner: Any) -> dict[str, Array]:
 
 
 def _abstract(x: Array) -> jax.ShapeDtypeStruct:
-    return jax.ShapeDtypeStruct(x.shape, x.dtype, sharding=x.sharding)
+    data = jax.eval_shape(_data, x)
+    return jax.ShapeDtypeStruct(data.shape, data.dtype, sharding=x.sharding)
+
+
+def _as_wanted(found: Array, wanted: Array) -> Array:
+    """Return a stored array, as a key if that is wanted. Checkpoints of version 0.1 hold keys as such."""
+    bare = _is_key(wanted) and not _is_key(found)
+    return jax.random.wrap_key_data(found, impl=jax.random.key_impl(wanted)) if bare else found

@@ -1,4 +1,8 @@
-"""``jaxwalk.train`` and ``jaxwalk.resume``: a training from Python. The command ``jaxwalk train`` is made of them."""
+"""``jaxwalk.train`` and ``jaxwalk.resume``: a training from Python. The command ``jaxwalk train`` is made of them.
+
+In a program that several processes run (`jax.distributed`), all call one of them with a folder that all see; what the
+first process says counts, and it alone writes and calls ``on_update``.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +17,7 @@ from rich.console import Console
 
 from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.interfaces import Roles
+from jaxwalk.peers import is_first, several, wait_for_all
 from jaxwalk.policies import LearnedPolicy, load_policy, read_metadata
 from jaxwalk.recipes import RECIPES, Experiment, ExperimentFileError, load_experiment, with_training
 from jaxwalk.runs.folder import Run, RunError, check_writable
@@ -83,15 +88,17 @@ def train(
         RunError: the folder isn't empty or can't be written (before the training); `DivergedError`, `UnwrittenError`.
         CallbackError: ``on_update`` returned something else than None or a truth value.
     """
-    experiment = _experiment(recipe)
-    if updates is not None:
-        experiment = replace(with_training(experiment, updates=updates), minutes=None)
-    experiment = experiment if seed is None else replace(experiment, seed=seed)
+    if several() and folder is None:
+        raise RunError("folder: several processes train together in a folder that all of them see; name one")
+    if not is_first():
+        return _follow(Path(str(folder)))
+    experiment = _experiment(recipe, seed, updates)
     street = make_street(experiment)
     mesh_of(experiment.train.shards)
     upkeep = upkeep or Upkeep()
     with _temporary() if folder is None else nullcontext(Path(folder)) as path:
         run = Run.create(path, experiment, street.maps)
+        wait_for_all()
         ended = train_in(
             run, street=street, on_update=on_update, display=upkeep.display(experiment),
             checkpoint_minutes=upkeep.checkpoint_minutes,
@@ -112,10 +119,13 @@ def resume(folder: str | Path, *, on_update: OnUpdate | None = None, upkeep: Upk
             `UnwrittenError`.
         CallbackError: as in `train`.
     """
+    if not is_first():
+        return _follow(Path(folder))
     run, upkeep = Run.open(folder), upkeep or Upkeep()
     street = make_street(run.experiment, run.maps(), run.archives)
     mesh_of(run.experiment.train.shards)
     check_writable(run.path)
+    wait_for_all()
     ended = train_in(
         run, resume=True, street=street, on_update=on_update, display=upkeep.display(run.experiment),
         checkpoint_minutes=upkeep.checkpoint_minutes,
@@ -123,7 +133,23 @@ def resume(folder: str | Path, *, on_update: OnUpdate | None = None, upkeep: Upk
     return _trained(run, ended, kept=True)
 
 
-def _experiment(recipe: str | Path | Experiment) -> Experiment:
+def _follow(folder: Path) -> Trained:
+    """Train in the folder that the first process makes or resumes."""
+    wait_for_all()
+    run = Run.open(folder)
+    street = make_street(run.experiment, run.maps(), run.archives)
+    return _trained(run, train_in(run, resume=True, street=street), kept=True)
+
+
+def _experiment(recipe: str | Path | Experiment, seed: int | None, updates: int | None) -> Experiment:
+    """Return the experiment to train, with another seed and number of updates if these are given."""
+    experiment = _named(recipe)
+    if updates is not None:
+        experiment = replace(with_training(experiment, updates=updates), minutes=None)
+    return experiment if seed is None else replace(experiment, seed=seed)
+
+
+def _named(recipe: str | Path | Experiment) -> Experiment:
     """Return the experiment of a name or a file, with its environments shared out; an `Experiment` itself as it is."""
     if isinstance(recipe, Experiment):
         return recipe

@@ -140,11 +140,12 @@ class Run:
         """Return the copies of the archives that it mixes in. Raise KeptArchiveError if one is missing."""
         return kept_archives(self.path, len(self.experiment.archives))
 
-    def describe(self, experiment: Experiment) -> None:
-        """Write the configuration."""
+    def describe(self, experiment: Experiment, *, write: bool = True) -> None:
+        """Take a configuration, and write it; ``write``: False in a process that leaves writing to another one."""
         document = as_json(experiment)
         self.experiment, self.hash, self.intact = experiment, config_hash(document), True
-        write_whole(self.path / CONFIG, json.dumps(document | {HASH: self.hash}, indent=2) + "\n")
+        if write:
+            write_whole(self.path / CONFIG, json.dumps(document | {HASH: self.hash}, indent=2) + "\n")
 
     def metrics(self) -> list[dict[str, Any]]:
         """Return the lines of the metrics file; [] if there is none yet. Leaves out an incomplete last line."""
@@ -195,6 +196,24 @@ class MetricsLog:
         """Wait until all lines are on the disk."""
         with naming(self._path):
             os.fsync(self._file.fileno())
+
+
+class NoLog:
+    """What a process has instead of a `MetricsLog` if another one writes."""
+
+    kept: tuple[dict[str, Any], ...] = ()
+
+    def __enter__(self) -> NoLog:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def write(self, line: Mapping[str, int | float]) -> None:
+        """Write nothing."""
+
+    def to_disk(self) -> None:
+        """Wait for nothing."""
 
 
 def _metrics(line: str) -> dict[str, int | float]:

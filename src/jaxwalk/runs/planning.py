@@ -10,6 +10,7 @@ import jax
 import numpy as np
 
 from jaxwalk.learning.mappo import Learner
+from jaxwalk.peers import ask, is_first
 from jaxwalk.runs.session import Session
 
 TRIAL_SECONDS, TRIAL_CYCLES = 3.0, 4
@@ -21,14 +22,15 @@ OVERRUN = 1.1
 
 def with_plan(learner: Learner, updates: int) -> Learner:
     """Return the same learner with that number of updates planned."""
-    planned = jax.device_put(np.int32(updates), learner.planned.sharding)
+    planned = jax.make_array_from_callback((), learner.planned.sharding, lambda _: np.asarray(updates, np.int32))
     return eqx.tree_at(lambda x: x.planned, learner, planned)
 
 
 def replan(session: Session, learner: Learner, updates: int) -> Learner:
     """Return the learner with a new plan; write the plan into the run folder and show it."""
     experiment = session.run.experiment
-    session.run.describe(replace(experiment, train=replace(experiment.train, updates=updates), minutes=None))
+    planned = replace(experiment, train=replace(experiment.train, updates=updates), minutes=None)
+    session.run.describe(planned, write=is_first())
     session.progress.restart(updates)
     return with_plan(learner, updates)
 
@@ -38,18 +40,23 @@ def plan_by_time(session: Session, learner: Learner, limit: float) -> Learner:
 
     The rate is measured on updates that are discarded, so the run equals one for which that number of updates was
     asked, on any machine. The quickest cycle counts, since other work may slow some down: a plan that is too long is
-    shortened later, one that is too short would stay.
+    shortened later, one that is too short would stay. Of several processes, the first one measures for all.
     """
     trial = _cycle(session, learner)  # compiles here
     times: list[float] = []
-    while len(times) < TRIAL_CYCLES or sum(times) < min(TRIAL_SECONDS, 0.1 * limit):
+
+    def enough() -> tuple[int, ...]:
+        late = session.seconds > limit or session.stop.requested
+        known = len(times) >= TRIAL_CYCLES and sum(times) >= min(TRIAL_SECONDS, 0.1 * limit)
+        return (int(is_first() and (late or known)),)
+
+    while not any(ask(enough)()):
         begun = time.monotonic()
         trial = _cycle(session, trial)
         times.append(time.monotonic() - begun)
-        if session.seconds > limit or session.stop.requested:
-            break
     each = min(times) / len(session.turns)
-    return replan(session, learner, max(1, int((limit - session.seconds) / each)))
+    fitting = max(1, int((limit - session.seconds) / each))
+    return replan(session, learner, *ask(lambda: [fitting if is_first() else 0])())
 
 
 def _cycle(session: Session, learner: Learner) -> Learner:

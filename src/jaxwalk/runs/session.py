@@ -15,15 +15,17 @@ from jaxwalk.learning import checkpoint
 from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.turns import update_in_turns
+from jaxwalk.peers import gathered, is_first
 from jaxwalk.policies import save_policy
 from jaxwalk.provenance import provenance
 from jaxwalk.runs.binding import bound_to, policy_bound_to
-from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.folder import MetricsLog, NoLog, Run, RunError
 from jaxwalk.runs.kept_archives import archive_hashes
 from jaxwalk.runs.progress import TrainingProgress
 from jaxwalk.runs.stop import Stop
 from jaxwalk.runs.street import on_devices
 from jaxwalk.runs.watch import WatchPage
+from jaxwalk.runs.watchdog import Watchdog
 from jaxwalk.sim.environment import Street
 
 OnUpdate = Callable[[Mapping[str, int | float]], bool | None]
@@ -61,13 +63,15 @@ class Session:
 
     run: Run
     street: Street
-    log: MetricsLog
+    log: MetricsLog | NoLog
     progress: TrainingProgress
     stop: Stop
     page: WatchPage | None = None
     """The page that shows the progress."""
     routine: Routine = Routine()
     """What happens between updates."""
+    watchdog: Watchdog | None = None
+    """Is told each finished update, if several processes train together."""
     told_to_stop: bool = False
     """Whether ``on_update`` ended the training."""
     begun: float = field(default_factory=time.monotonic)
@@ -104,6 +108,8 @@ class Session:
         if len(self.turns) > 1:
             values["people"] = self.turns[(updates - 1) % len(self.turns)].config.pedestrians
         line = {"update": updates, "seconds": round(self.seconds, 3), **values}
+        if self.watchdog is not None:
+            self.watchdog.finished()
         self.log.write(line)
         self.progress.show(updates, values)
         if self.page is not None:
@@ -113,8 +119,13 @@ class Session:
             self.told_to_stop = self.stop.requested = True
 
     def save(self, learner: Learner) -> None:
-        """Write a checkpoint and the policy of a learner. Its last update is recorded, so its numbers are finite."""
-        updates = int(learner.updates)
+        """Write a checkpoint and the policy of a learner. Its last update is recorded, so its numbers are finite.
+
+        All processes call it, and the first one writes.
+        """
+        learner, updates = gathered(learner), int(learner.updates)
+        if not is_first():
+            return
         self.log.to_disk()  # a checkpoint without its metrics would leave a gap
         if checkpoint.latest(self.run.checkpoints) != updates:
             about = bound_to(self.run, self.street.maps, archive_hashes(self.street))

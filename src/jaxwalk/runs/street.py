@@ -10,6 +10,7 @@ import jax
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.learning.config import GLOBAL
 from jaxwalk.maps import MapError, MapText
+from jaxwalk.peers import several
 from jaxwalk.policies.drivers import Careless, RouteFollower
 from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.recipes import Experiment, with_training
@@ -107,8 +108,10 @@ def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> No
 def shared_out(experiment: Experiment) -> Experiment:
     """Return the experiment with its environments shared out among as many processor cores as divide them evenly.
 
-    An accelerator wants all of them: nothing is changed there.
+    An accelerator wants all of them: nothing is changed there. Several processes have one shard for each device.
     """
+    if several():
+        return with_training(experiment, shards=len(jax.devices()))
     devices, count = jax.devices(), experiment.train.environments
     most = len(devices) if devices[0].platform == "cpu" else 1
     fitting = (n for n in range(most, 1, -1) if count % n == 0 and count >= n * LEAST_SHARE)

@@ -7,15 +7,20 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
+
+import jax
+from rich.console import Console
 
 from jaxwalk.learning import checkpoint
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.turns import init_in_turns
+from jaxwalk.peers import ask, is_first, several, wait_for_all
 from jaxwalk.policies import read_metadata
 from jaxwalk.rollout import TRAINING, seed_key
 from jaxwalk.runs.binding import check_bound
-from jaxwalk.runs.folder import MetricsLog, Run, RunError
+from jaxwalk.runs.folder import MetricsLog, NoLog, Run, RunError
 from jaxwalk.runs.kept_archives import archive_hashes, said_of_archives
 from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
@@ -25,11 +30,14 @@ from jaxwalk.runs.session import OnUpdate, Routine, Session, unplanned
 from jaxwalk.runs.stop import Stop
 from jaxwalk.runs.street import crowded, fixed_policies, make_street
 from jaxwalk.runs.watch import WatchPage, there_is_one
+from jaxwalk.runs.watchdog import Watchdog
 from jaxwalk.sim.environment import Street
 from jaxwalk.writing import remove_unfinished
 
 CHECKPOINT_MINUTES = 2.0
 """Minutes between checkpoints."""
+CONNECTION = ("Gloo", "NCCL", "coordination service", "CoordinationService")
+"""Words of JAX's errors about the connection between processes."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +60,10 @@ class UnwrittenError(RunError):
     """Training could not write into its folder, for example because the disk is full."""
 
 
+class PeerLostError(RunError):
+    """Another process of the training ended, or can't be reached any more."""
+
+
 def is_finished(run: Run) -> bool:
     """Return whether all planned updates are made and the saved policy is the last one's, of this configuration."""
     if run.experiment.minutes is not None or not run.policy.is_file():
@@ -71,7 +83,8 @@ def train_in(
 ) -> TrainingEnd:
     """Train in a run folder until its planned number of updates is made.
 
-    Where the experiment says minutes, as many updates are planned as fit into them, compiling included.
+    Where the experiment says minutes, as many updates are planned as fit into them, compiling included. Of several
+    processes (`jaxwalk.peers`), all call it, and the first one's arguments count; it alone writes and shows anything.
 
     Args:
         run: a folder made by `Run.create`, or an opened one to resume.
@@ -87,14 +100,29 @@ def train_in(
         UnwrittenError: the disk is full, or the like.
         CheckpointError: no checkpoint can be read.
         EditedConfigError: the configuration isn't that of the checkpoint.
+        PeerLostError: another process of the training ended, or can't be reached any more.
     """
-    with held(run.path), _saying_what_is_kept(run):
+    shown = display or Display()
+    street = street or make_street(run.experiment, run.maps(shown.say), run.archives)
+    if not is_first():
+        with _losing_no_peer():
+            return _train(run, street, resume, Display(Console(quiet=True)), Routine(60 * checkpoint_minutes))
+    with held(run.path), _saying_what_is_kept(run), _losing_no_peer():
         remove_unfinished(run.path)
-        street = street or make_street(run.experiment, run.maps((display or Display()).say), run.archives)
         if not (run.path / MAPS).is_file():  # a folder of an older version, or killed while it was made
             keep_maps(run.path, street.maps)
-        shown = display or Display()
         return _train(run, street, resume, shown, Routine(60 * checkpoint_minutes, on_update))
+
+
+@contextmanager
+def _losing_no_peer() -> Iterator[None]:
+    """Raise PeerLostError for an error of the connection to another process. JAX raises many kinds."""
+    try:
+        yield
+    except (ValueError, RuntimeError) as error:
+        if not several() or not any(word in str(error) for word in CONNECTION):
+            raise
+        raise PeerLostError("another process of the training ended, or can't be reached any more; resume it") from error
 
 
 @contextmanager
@@ -123,26 +151,39 @@ def _train(run: Run, street: Street, resume: bool, display: Display, routine: Ro
     pace = Pace(done, int(learner.planned), per_update)
     progress, stop = TrainingProgress(display, pace), Stop()
     if train.shards > 1:
-        display.say(f"{display.name}: {train.environments:,} environments on {train.shards} devices")
+        processes = f" of {jax.process_count()} processes" if several() else ""
+        display.say(f"{display.name}: {train.environments:,} environments on {train.shards} devices{processes}")
     for line in said_of_archives(street, run.experiment):
         display.say(f"{display.name}: {line}")
-    with MetricsLog(run, updates=done) as log, stop.listening(), progress, _page(run, display, pace, log) as page:
+    page_of = partial(_page, run, display, pace)
+    with _log(run, done) as log, stop.listening(), progress, page_of(log) as page, _watchdog(routine) as watchdog:
         if page is not None:
             display.say(f"Watch it: open {page.path.absolute()} in a browser")
         earlier = log.kept[-1]["seconds"] if log.kept else 0.0
-        session = Session(run, street, log, progress, stop, page, routine, begun=begun, earlier=earlier)
+        session = Session(run, street, log, progress, stop, page, routine, watchdog, begun=begun, earlier=earlier)
         if minutes is not None:
             learner = plan_by_time(session, learner, 60 * minutes)
         learner = _loop(session, learner, 60 * minutes if minutes else math.inf)
+        wait_for_all()
     updates = int(learner.updates)
     ended_early = updates < int(learner.planned)
     stopped = ended_early and session.told_to_stop
     return TrainingEnd(updates, updates * per_update, session.seconds, ended_early and not stopped, stopped)
 
 
-def _page(run: Run, display: Display, pace: Pace, log: MetricsLog) -> AbstractContextManager[WatchPage | None]:
+def _watchdog(routine: Routine) -> AbstractContextManager[Watchdog | None]:
+    """Return what ends a training in which a process hangs; none where a function may take long between updates."""
+    return Watchdog() if several() and routine.on_update is None else nullcontext()
+
+
+def _log(run: Run, done: int) -> MetricsLog | NoLog:
+    """Return where the metrics after that many updates are written."""
+    return MetricsLog(run, updates=done) if is_first() else NoLog()
+
+
+def _page(run: Run, display: Display, pace: Pace, log: MetricsLog | NoLog) -> AbstractContextManager[WatchPage | None]:
     """Return the progress page, if it is wanted or exists: an existing page must not keep saying "stopped"."""
-    wanted = display.watch or there_is_one(run.path)
+    wanted = is_first() and (display.watch or there_is_one(run.path))
     return WatchPage(run, display.name, pace, log.kept) if wanted else nullcontext()
 
 
@@ -157,13 +198,19 @@ def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None]
     """
     experiment = run.experiment
     key, others = seed_key(experiment.seed, TRAINING), fixed_policies(experiment)
-    if resume:
+    if resume and is_first():
         check_bound(run, street.maps, tell, archive_hashes(street))
     learner = init_in_turns(crowded(street, experiment), unplanned(experiment.train), key, others=others)
-    if resume:
-        found = checkpoint.restore_newest(run.checkpoints, learner, tell=tell)
-        learner = learner if found is None else found
-    return with_plan(learner, experiment.train.updates)
+    return with_plan(_restored(run, learner, tell, resume=resume), experiment.train.updates)
+
+
+def _restored(run: Run, learner: Learner, tell: Callable[[str], None], *, resume: bool) -> Learner:
+    """Return the newest readable checkpoint, or the learner itself. The first process chooses, and all read it."""
+    found = checkpoint.restore_newest(run.checkpoints, learner, tell=tell) if resume and is_first() else None
+    (updates,) = ask(lambda: [0 if found is None else int(found.updates)])()
+    if updates and not is_first():
+        return checkpoint.restore(run.checkpoints, learner, updates=updates)
+    return learner if found is None else found
 
 
 def _loop(session: Session, learner: Learner, limit: float) -> Learner:
@@ -171,21 +218,30 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
     waiting: tuple[Any, int, Learner] | None = None
     done = int(learner.updates)
     begun, first, planned = time.monotonic(), done, int(learner.planned)
-    while done < planned and not session.stop.requested:
-        before = learner
+
+    def wishes() -> tuple[int, int, int]:
+        if not is_first():
+            return session.stop.requested, False, 0
+        each = (time.monotonic() - begun) / max(done - first, 1)
+        shorter = shortened(planned - first, done - first, each=each, left=limit - session.seconds)
+        due = time.monotonic() - session.saved > session.routine.checkpoint_seconds
+        return session.stop.requested, due, planned if shorter is None else first + shorter
+
+    stops = any(ask(lambda: [session.stop.requested])())
+    while done < planned and not stops:
+        before, wished = learner, ask(wishes)
         learner, metrics = session.update(before, done)
         done += 1
         if waiting:
             session.record(*waiting)
         waiting = (metrics, done, before)
-        if time.monotonic() - session.saved > session.routine.checkpoint_seconds:
+        stops, due, fitting = wished()
+        if due:
             session.record(*waiting)
             waiting = None
             session.save(learner)
-        each = (time.monotonic() - begun) / (done - first)
-        shorter = shortened(planned - first, done - first, each=each, left=limit - session.seconds)
-        if shorter is not None:
-            planned = first + shorter
+        if fitting < planned:
+            planned = fitting
             learner = replan(session, learner, planned)
     if waiting:
         session.record(*waiting)

@@ -74,6 +74,15 @@ class Train:
     """Minutes between checkpoints."""
     watch: Flag = False
     """Also write watch.html into the run folder: a page that shows the training's progress in a browser."""
+    processes: Annotated[int, option("1", "N")] = 1
+    """Number of processes that train together and divide the shards, one for each unless --shards says more. They are
+    started on this machine, unless --coordinator is given (docs: beyond-one-machine)."""
+    restarts: Annotated[int, option("0", "N")] = 0
+    """How often to begin again from the last checkpoint if a process is lost."""
+    coordinator: Annotated[str | None, option("none", "HOST:PORT")] = None
+    """Where process 0 can be reached, if the processes are started by hand or by a cluster's scheduler."""
+    process: Annotated[int | None, option("none", "I")] = None
+    """With --coordinator: the number of this process, from 0."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,114 @@
+"""A process among several that train together: what its options say, and how it joins the others."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from dataclasses import dataclass
+
+from jaxwalk.cli.errors import UsageError
+from jaxwalk.cli.options import Train
+from jaxwalk.recipes import RECIPES, load_experiment
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.watchdog import LAUNCHED
+
+MOST = 4096
+"""Largest number of processes."""
+SILENCE = 30
+"""A process that gives no sign of life for so long has stopped: the others end [s]."""
+FAREWELL = 60
+"""Longest time that a process waits for the others in the end [s]."""
+LOOPBACK = ("127.0.0.1", "localhost")
+
+
+@dataclass(frozen=True)
+class Group:
+    """Processes that train together, and which of them this one is."""
+
+    coordinator: str
+    """Address and port where process 0 can be reached."""
+    process: int
+    """Number of this process, from 0."""
+    processes: int
+    devices: int
+    """Number of devices of each process: training shards divided by processes."""
+
+
+def check_processes(options: Train) -> None:
+    """Raise UsageError if the options about processes exclude each other or make no sense."""
+    if not 1 <= options.processes <= MOST:
+        raise UsageError(f"--processes must be from 1 to {MOST:,}, not {options.processes}")
+    if (options.coordinator is None) != (options.process is None):
+        raise UsageError("--coordinator and --process go together: where process 0 is, and which one this is")
+    if options.process is not None and not 0 <= options.process < options.processes:
+        raise UsageError(f"--process must be from 0 to {options.processes - 1} (--processes {options.processes})")
+    host, _, port = (options.coordinator or "localhost:1").rpartition(":")
+    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        raise UsageError(f"--coordinator must be HOST:PORT, as in node1:7777, not {options.coordinator}")
+    by_others = options.coordinator is not None and LAUNCHED not in os.environ
+    if options.restarts < 0 or (options.restarts and (options.processes == 1 or by_others)):
+        raise UsageError("--restarts needs processes that this command starts: --processes, without --coordinator")
+    if options.processes > 1 and sys.platform == "win32":
+        raise UsageError("--processes: JAX's processes don't find each other on Windows; leave it out, or use WSL")
+
+
+def launches(options: object) -> bool:
+    """Return whether a command starts processes, and trains in none itself."""
+    return isinstance(options, Train) and options.processes > 1 and options.coordinator is None
+
+
+def group_of(options: object) -> Group | None:
+    """Return the group that the process belongs to; None if it is alone.
+
+    Raises:
+        UsageError: options about processes make no sense, or don't divide the shards.
+        RunError: the run folder to resume can't be read.
+    """
+    if not isinstance(options, Train):
+        return None
+    check_processes(options)
+    if options.coordinator is None or options.process is None or options.processes == 1:
+        return None
+    shards = shards_of(options)
+    return Group(options.coordinator, options.process, options.processes, shards // options.processes)
+
+
+def shards_of(options: Train) -> int:
+    """Return the number of shards of a training by several processes. Raises UsageError if they can't divide it."""
+    if options.resume:
+        shards = Run.open(options.resume).experiment.train.shards
+    else:
+        experiment = load_experiment(options.config, RECIPES) if options.config else RECIPES[options.recipe]
+        stated = options.shards or experiment.train.shards
+        shards = stated if stated > 1 else options.processes
+    if shards % options.processes:
+        raise UsageError(f"--processes must divide the training's {shards} shards, not be {options.processes}")
+    return shards
+
+
+def join(group: Group) -> None:
+    """Connect this process with the others; they wait for each other here."""
+    import jax
+
+    host, _, port = group.coordinator.rpartition(":")
+    first = group.process * group.devices
+    jax.distributed.initialize(
+        group.coordinator, group.processes, group.process,
+        local_device_ids=list(range(first, first + group.devices)) if LAUNCHED in os.environ else None,
+        cluster_detection_method="deactivate",  # it would guess from variables of SLURM, which may be incomplete
+        coordinator_bind_address=f"127.0.0.1:{port}" if host in LOOPBACK else None,
+        heartbeat_timeout_seconds=SILENCE, shutdown_timeout_seconds=FAREWELL,
+    )  # fmt: skip
+
+
+def end_with_launcher() -> None:
+    """End this process as soon as the one that launched it has ended: that holds the other end of standard input."""
+    if LAUNCHED in os.environ:
+        threading.Thread(target=_watch_launcher, daemon=True).start()
+
+
+def _watch_launcher() -> None:
+    while os.read(0, 1):
+        pass
+    os._exit(1)

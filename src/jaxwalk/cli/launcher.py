@@ -1,0 +1,203 @@
+"""``jaxwalk train --processes N``: starts the processes of a training on this machine, and ends them together.
+
+The processes find each other on the loopback address. Process 0 shows its progress here; what others print, and
+messages of the libraries of all of them, is kept for the case that one fails. JAX notices a process that gives no sign
+of life and ends the others (`jaxwalk.cli.group.SILENCE`); here the ended ones are noticed, and the rest is ended.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from jaxwalk.cli.early import check_names
+from jaxwalk.cli.errors import BAD_INPUT, INTERRUPTED, LOST
+from jaxwalk.cli.group import SILENCE, check_processes, shards_of
+from jaxwalk.cli.options import Train
+from jaxwalk.cli.signals import TERMINATED
+from jaxwalk.runs.folder import CHECKPOINTS, CONFIG
+from jaxwalk.runs.stop import Stop
+from jaxwalk.runs.watchdog import HUNG, LAUNCHED
+
+GRACE = 5.0
+"""Time that processes have to end by themselves after one has failed [s]."""
+EVERY = 0.1
+"""Time between two looks at the processes [s]."""
+ENDED_WELL = (0, INTERRUPTED, TERMINATED)
+"""Exit codes of processes that came to their end together."""
+LEFT_ALONE = (*ENDED_WELL, LOST, HUNG)
+"""Exit codes of processes that have no error of their own."""
+LAST_WORDS = 4000
+"""Longest part of what a failed process printed that is shown [characters]."""
+
+
+@dataclass
+class Member:
+    """A process of the group."""
+
+    number: int
+    process: subprocess.Popen[bytes]
+    printed: Path
+    """File of what it prints, but for the messages of process 0."""
+
+    @property
+    def code(self) -> int | None:
+        """Return its exit code; None while it runs, and -N if signal N ended it."""
+        return self.process.poll()
+
+
+def launch(options: Train, words: Sequence[str]) -> int:
+    """Start the processes of a training, wait for their end, and return the exit code.
+
+    Args:
+        options: the options of ``jaxwalk train``.
+        words: the words of the command line after ``jaxwalk``.
+    """
+    check_processes(options)
+    check_names(options)
+    shards_of(options)
+    with Stop().listening() as stop:
+        left = options.restarts
+        while (code := _train(options, words, stop, left)) == LOST and left and not stop.requested:
+            words, left = _words_to_resume(options, words), left - 1
+    return code
+
+
+def _train(options: Train, words: Sequence[str], stop: Stop, restarts: int) -> int:
+    """Train until all processes have ended, in order or together with one that was lost; return the exit code."""
+    with _started(words, options.processes) as members:
+        if _wait(members, stop):
+            again = "it begins again" if restarts and not stop.requested else None
+            return _report_failure(options, words, members, again)
+        codes = [member.code or 0 for member in members]
+    return max(codes) and INTERRUPTED
+
+
+def _report_failure(options: Train, words: Sequence[str], members: Sequence[Member], again: str | None) -> int:
+    """Print one message about what has happened, unless process 0 has; return the exit code."""
+    codes = [member.code for member in members]
+    failing = [number for number, code in enumerate(codes) if (code or 0) > 0 and code not in LEFT_ALONE]
+    if 0 in failing:
+        return codes[0] or 0
+    if failing:
+        said = _printed(members[failing[0]])
+        print(f"jaxwalk: process {failing[0]} of {len(members)} failed:\n{said}", file=sys.stderr)
+        return BAD_INPUT
+    next_step = again or f"resume it with: jaxwalk {' '.join(_words_to_resume(options, words))}"
+    what = f"{_what_happened(codes)}, and the training ended"
+    print(f"jaxwalk: {what}; {_kept(options)}; {next_step}", file=sys.stderr)
+    return LOST
+
+
+def _wait(members: Sequence[Member], stop: Stop) -> bool:
+    """Wait until all processes have ended, or some time after one has failed; return whether one has.
+
+    A signal to this process is handed on to all of them, once.
+    """
+    told, until = False, math.inf
+    while any(member.code is None for member in members) and time.monotonic() < until:
+        if stop.requested and not told:
+            told = True
+            _tell_to_end(members)
+        if until == math.inf and any(member.code not in (None, *ENDED_WELL) for member in members):
+            until = time.monotonic() + GRACE
+        time.sleep(EVERY)
+    return any(member.code not in ENDED_WELL for member in members)
+
+
+def _tell_to_end(members: Sequence[Member]) -> None:
+    """Ask all processes to end in order. Not by an interrupt, which shells let background processes ignore."""
+    for member in members:
+        member.process.terminate()
+
+
+def _what_happened(codes: Sequence[int | None]) -> str:
+    """Return which process was lost, by the exit codes before the rest of them was ended."""
+    killed = [n for n, code in enumerate(codes) if code is not None and code < 0 and code != -signal.SIGABRT]
+    if killed:
+        name = signal.Signals(-(codes[killed[0]] or 0)).name
+        return f"process {killed[0]} of {len(codes)} was killed ({name})"
+    if HUNG in codes:
+        return "a process hangs, so that no update was finished for long"
+    silent = [str(number) for number, code in enumerate(codes) if code is None]
+    if silent:
+        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s"
+    return "the processes lost each other"
+
+
+def _kept(options: Train) -> str:
+    """Return what there is to resume from."""
+    folder = _folder(options) / CHECKPOINTS
+    numbers = [int(path.name) for path in folder.glob("*") if path.name.isdecimal()]
+    return f"the checkpoint of update {max(numbers)} is kept" if numbers else "there is no checkpoint yet"
+
+
+def _words_to_resume(options: Train, words: Sequence[str]) -> list[str]:
+    """Return the command line that goes on; the given one if its folder hasn't come into being."""
+    if not (_folder(options) / CONFIG).is_file():
+        return list(words)
+    extra = ["--watch"] if options.watch else []
+    if options.checkpoint_minutes != Train.checkpoint_minutes:
+        extra += ["--checkpoint-minutes", f"{options.checkpoint_minutes:g}"]
+    return ["train", "--resume", str(_folder(options)), "--processes", str(options.processes), *extra]
+
+
+def _folder(options: Train) -> Path:
+    """Return the run folder."""
+    return options.resume or options.run_folder or Path()
+
+
+@contextmanager
+def _started(words: Sequence[str], count: int) -> Iterator[list[Member]]:
+    """Yield running processes; at the end, all of them are ended."""
+    address = f"127.0.0.1:{free_port()}"
+    with tempfile.TemporaryDirectory(prefix="jaxwalk-") as folder, ExitStack() as ends:
+        members: list[Member] = []
+        for number in range(count):
+            command = _command([*words, "--coordinator", address], number)
+            members.append(_start(command, number, Path(folder) / str(number)))
+            ends.enter_context(members[-1].process)
+            ends.callback(members[-1].process.kill)
+        yield members
+
+
+def _command(words: Sequence[str], number: int) -> list[str]:
+    """Return the command line of process ``number``."""
+    return [sys.executable, "-m", "jaxwalk", *words, "--process", str(number)]
+
+
+def _start(command: Sequence[str], number: int, printed: Path) -> Member:
+    """Start a process in a session of its own, so that Ctrl-C in a terminal reaches it only from here.
+
+    It sees by the end of its standard input that this process has ended.
+    """
+    with printed.open("wb") as out:
+        shown = os.dup(2 if number == 0 else out.fileno())
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=out, stderr=out, env=os.environ | {LAUNCHED: str(shown)},
+            pass_fds=(shown,), start_new_session=True,
+        )  # fmt: skip
+        os.close(shown)
+    return Member(number, process, printed)
+
+
+def _printed(member: Member) -> str:
+    """Return the last words of a process."""
+    return member.printed.read_text(errors="backslashreplace").strip()[-LAST_WORDS:]
+
+
+def free_port() -> int:
+    """Return a port of the loopback address that nobody uses now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]

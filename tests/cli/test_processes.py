@@ -1,0 +1,160 @@
+"""`jaxwalk train --processes`: what is refused, and how the launcher ends processes, most of which only wait here."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+
+import pytest
+
+from jaxwalk.cli import launcher, main
+from jaxwalk.cli.group import Group, group_of
+from jaxwalk.cli.options import Train
+from jaxwalk.recipes import RECIPES, with_training
+from jaxwalk.runs.folder import Run
+from jaxwalk.runs.watchdog import LAUNCHED
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="JAX's processes don't find each other on Windows")
+WAITS = """
+import os, signal, sys, time
+number, deed = sys.argv[1:]
+def end(*_):
+    os.write(int(os.environ["JAXWALK_LAUNCHED"]), b"saved\\n")
+    sys.exit(143)
+signal.signal(signal.SIGTERM, end)
+os.write(int(os.environ["JAXWALK_LAUNCHED"]), b"ready\\n")
+if number == "1" and deed == "fails":
+    print("a reason")
+    sys.exit(2)
+if number == "0" and deed == "refuses":
+    os.write(int(os.environ["JAXWALK_LAUNCHED"]), b"jaxwalk: no\\n")
+    sys.exit(2)
+if number == "0" and deed == "aborts":
+    os.abort()
+if deed == "ends":
+    sys.exit(0)
+if number == "1" and deed == "dies":
+    os.kill(os.getpid(), signal.SIGKILL)
+if deed == "dies":
+    sys.exit(3)
+time.sleep(60)
+"""
+REFUSED = {
+    "no processes": ("--processes 0", "--processes must be from 1 to 4,096, not 0"),
+    "far too many": ("--processes 5000", "--processes must be from 1 to 4,096, not 5000"),
+    "no coordinator": ("--processes 2 --process 0", "--coordinator and --process go together"),
+    "which process": ("--processes 2 --coordinator a:1", "--coordinator and --process go together"),
+    "no such process": ("--processes 2 --coordinator a:1 --process 2", "--process must be from 0 to 1"),
+    "no port": ("--processes 2 --coordinator a --process 0", "--coordinator must be HOST:PORT"),
+    "a port too high": ("--processes 2 --coordinator a:99999 --process 0", "--coordinator must be HOST:PORT"),
+    "restarts of a scheduler": (
+        "--processes 2 --coordinator a:1 --process 0 --restarts 1",
+        "--restarts needs processes that this command starts",
+    ),
+    "restarts of one": ("--restarts 1", "--restarts needs processes that this command starts"),
+    "uneven": ("--processes 2 --shards 3", "--processes must divide the training's 3 shards, not be 2"),
+    "JAX runs": ("--processes 2 --coordinator a:1 --process 0", "JAX has started already"),
+}
+
+
+@pytest.fixture
+def deed(monkeypatch, tmp_path):
+    """Let the launcher start processes that do something else than to train."""
+    script = tmp_path / "waits.py"
+    script.write_text(WAITS)
+    monkeypatch.setattr(launcher, "GRACE", 1.0)
+
+    def choose(name):
+        monkeypatch.setattr(
+            launcher, "_command", lambda words, number: [sys.executable, str(script), str(number), name]
+        )
+
+    return choose
+
+
+def launch(*words, capfd):
+    code = main(["train", "--run", "new", "--processes", "2", *words])
+    return code, capfd.readouterr().err
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_options_that_make_no_sense_are_refused(name, place, capsys):
+    words, said = REFUSED[name]
+    assert main(["train", "--run", "new", *words.split()]) == 2
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert not (place / "new").exists()
+
+
+def test_shards_of_a_run_are_divided(place):
+    Run.create(place / "run", with_training(RECIPES["fast"], shards=4))
+    options = Train(resume=place / "run", processes=2, coordinator="node1:7777", process=1)
+    assert group_of(options) == Group("node1:7777", 1, 2, devices=2)
+
+
+def test_a_launched_process_accepts_the_words_of_its_launcher(place, monkeypatch):
+    Run.create(place / "run", with_training(RECIPES["fast"], shards=2))
+    monkeypatch.setenv(LAUNCHED, "2")
+    options = Train(resume=place / "run", processes=2, coordinator="127.0.0.1:7777", process=0, restarts=3)
+    assert group_of(options) == Group("127.0.0.1:7777", 0, 2, devices=1)
+
+
+def test_processes_that_end_well_end_it(place, deed, capfd):
+    deed("ends")
+    assert launch(capfd=capfd) == (0, "ready\n")
+
+
+def test_a_process_that_is_killed_ends_all_with_one_message(place, deed, capfd):
+    deed("dies")
+    code, said = launch(capfd=capfd)
+    assert code == 3
+    assert said.replace("ready\n", "") == (
+        "jaxwalk: process 1 of 2 was killed (SIGKILL), and the training ended; there is no checkpoint yet; "
+        "resume it with: jaxwalk train --run new --processes 2\n"
+    )
+
+
+def test_it_begins_again_as_often_as_asked(place, deed, capfd):
+    deed("dies")
+    code, said = launch("--restarts", "2", capfd=capfd)
+    assert (code, said.count("it begins again"), said.count("resume it with")) == (3, 2, 1)
+
+
+def test_one_that_is_left_when_others_abort_was_silent(place, deed, capfd):
+    deed("aborts")
+    code, said = launch(capfd=capfd)
+    assert (code, "process 1 of 2 gave no sign of life for 30 s" in said) == (3, True)
+
+
+def test_what_process_0_refuses_is_said_once(place, deed, capfd):
+    deed("refuses")
+    assert launch(capfd=capfd) == (2, "ready\njaxwalk: no\n")
+
+
+def test_what_another_process_says_is_shown_if_it_fails(place, deed, capfd):
+    deed("fails")
+    code, said = launch(capfd=capfd)
+    assert (code, said) == (2, "ready\njaxwalk: process 1 of 2 failed:\nready\na reason\n")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_is_handed_on_and_all_end_in_order(number, place, deed, capfd):
+    deed("waits")
+
+    def send():
+        time.sleep(1.5)
+        os.kill(os.getpid(), number)
+
+    threading.Thread(target=send).start()
+    code, said = launch(capfd=capfd)
+    assert (code, said) == (130, "ready\nsaved\n")
+
+
+def test_what_is_resumed_has_the_options_of_a_resumed_training(place):
+    Run.create(place / "new", RECIPES["fast"])
+    options = Train(run_folder=place / "new", processes=2, seed=3, watch=True, checkpoint_minutes=0.5)
+    assert launcher._words_to_resume(options, ["train"]) == [
+        "train", "--resume", str(place / "new"), "--processes", "2", "--watch", "--checkpoint-minutes", "0.5",
+    ]  # fmt: skip
