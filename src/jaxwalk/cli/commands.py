@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from functools import reduce
 from importlib import import_module
@@ -93,6 +94,8 @@ def run(options: Any) -> int:
     """Run the command that the options belong to, and return its exit code."""
     command = next(each for each in COMMANDS if each.options is type(options))
     check_names(options)
+    if getattr(options, "cluster", None) is not None:  # as its workers: another device may round otherwise
+        os.environ.setdefault("JAX_PLATFORMS", "cpu")
     set_here = prepare_machine()
     if command.processes:
         try_jax(set_here)
