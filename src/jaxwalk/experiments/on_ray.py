@@ -136,7 +136,7 @@ def play_on_ray(
             except RayError as error:
                 _check_again(part, attempts[part], error)
                 attempts[part] += 1
-                say(f"part {part}: {_first_line(error)} It is played again.")
+                say(f"part {part}: its worker died ({type(error).__name__}); it is played again")
                 playing[task.remote(play, part)] = part
                 continue
             keep(part, found)
