@@ -28,14 +28,12 @@ def number_of_parts(work: Evaluation, asked: int | None, *, batch: int = BATCH) 
     if asked is None:
         return min(batches, max(FEWEST, -(-work.episodes * cells // USUAL)))
     if asked > batches:
-        raise PartError(
-            f"--parts {asked}: {work.episodes:,} episodes are {batches:,} batches of {batch}; take a smaller N"
-        )
+        played = f"{work.episodes:,} episodes are played {batch} at a time"
+        raise PartError(f"--parts {asked}: {played}, so there are at most {batches:,} parts; take a smaller N")
     least = min(batches, -(-work.episodes * cells // MOST))
     if asked < least:
-        raise PartError(
-            f"--parts {asked}: a part plays at most {MOST:,} episodes in all its cells; take at least {least:,}"
-        )
+        most = f"a part plays at most {MOST:,} episodes in all its cells"
+        raise PartError(f"--parts {asked}: {most}; take at least {least:,}")
     return asked
 
 
