@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib.util
 import logging
 import os
+import platform
 import signal
 import sys
 import threading
@@ -18,7 +19,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, redirect_stdout, suppress
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
 AUTO, LOCAL = "auto", "local"
 """Words for clusters: the one that Ray finds, and one of this machine alone, for as long as the command runs."""
@@ -31,6 +32,14 @@ PlayedFiles = dict[str, bytes]
 """The files of a played part, by name."""
 Play = Callable[[str], PlayedFiles]
 """Plays the part of a name such as ``3/16``; sent to workers, so it can be pickled, and imports no JAX by that."""
+
+
+class Failed(NamedTuple):
+    """Why a part can't be played."""
+
+    where: str
+    """Name of the machine."""
+    why: str
 
 
 class ClusterError(ValueError):
@@ -139,6 +148,8 @@ def play_on_ray(
                 say(f"part {part}: its worker died ({type(error).__name__}); it is played again")
                 playing[task.remote(play, part)] = part
                 continue
+            if isinstance(found, Failed):
+                raise ClusterError(f"part {part} failed on {found.where}: {found.why}")
             keep(part, found)
     except ConnectionError as error:
         raise ClusterError(f"the cluster is gone ({_first_line(error)}); start it again") from error
@@ -148,25 +159,30 @@ def play_on_ray(
                 ray.cancel(reference, force=True)
 
 
-def _played(play: Play, part: str) -> PlayedFiles:
-    """Return the files of a part, which is played in the process that calls this: the task."""
-    return play(part)
+def _played(play: Play, part: str) -> PlayedFiles | Failed:
+    """Return the files of a part, which is played in the process that calls this: the task. An error is returned too.
+
+    Not every error can be sent as it is.
+    """
+    try:
+        return play(part)
+    except Exception as error:
+        ours = type(error).__module__.startswith("jaxwalk")
+        return Failed(platform.node(), str(error) if ours else f"{type(error).__name__}: {_first_line(error)}")
 
 
 def _check_again(part: str, attempt: int, error: Any) -> None:
-    """Raise ClusterError if a part failed otherwise than by a worker's death, or has had its attempts."""
+    """Raise ClusterError if a part can't be begun, or has had its attempts."""
     from ray.exceptions import RayTaskError
 
-    if isinstance(error, RayTaskError):  # raised by the task itself, so it would be raised again
-        cause = error.cause
-        ours = type(cause).__module__.startswith("jaxwalk")
-        why = str(cause) if ours else f"{type(cause).__name__}: {_first_line(cause)}"
-        raise ClusterError(f"part {part} failed on {error.ip}: {why}") from error
+    if isinstance(error, RayTaskError):
+        said = str(error).strip().splitlines()[-1]
+        advice = "install the same jaxwalk, in the same Python, on all machines"
+        raise ClusterError(f"part {part}: a worker can't begin it ({said}); {advice}") from error
     if attempt >= ATTEMPTS:
-        why = f"{ATTEMPTS} workers died while they played it, the last one so: {_first_line(error)}"
-        raise ClusterError(
-            f"part {part}: {why} If memory was short, give Ray fewer cores (ray start --num-cpus N)"
-        ) from error
+        why = f"{ATTEMPTS} workers died while they played it, the last by {type(error).__name__}"
+        advice = "if memory was short, give Ray fewer cores (ray start --num-cpus N)"
+        raise ClusterError(f"part {part}: {why}; {advice}") from error
 
 
 def _first_line(error: Any) -> str:
