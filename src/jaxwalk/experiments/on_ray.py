@@ -12,6 +12,7 @@ import logging
 import os
 import platform
 import signal
+import socket
 import sys
 import threading
 import warnings
@@ -23,6 +24,8 @@ from typing import Any, NamedTuple
 
 AUTO, LOCAL = "auto", "local"
 """Words for clusters: the one that Ray finds, and one of this machine alone, for as long as the command runs."""
+PATIENCE = 10.0
+"""Time that the address of a cluster has to answer [s]."""
 ATTEMPTS = 4
 """A part is given up when so many workers have died while they played it: then it is the part."""
 ALONE = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
@@ -74,10 +77,20 @@ def connected(cluster: str, cores: int) -> Iterator[str | None]:
         own = {"num_cpus": cores, "include_dashboard": False, "_temp_dir": folder} if cluster == LOCAL else {}
         try:
             with _as_before(), _explained(cluster):
+                _check_answers(cluster)
                 ray.init(address=cluster, log_to_driver=False, logging_level=logging.ERROR, **own)
             yield folder if cluster == LOCAL else None
         finally:
             ray.shutdown()
+
+
+def _check_answers(cluster: str) -> None:
+    """Raise OSError or ValueError if nobody listens at the address of a cluster, for which Ray would wait minutes."""
+    address = os.environ.get("RAY_ADDRESS", AUTO) if cluster == AUTO else cluster
+    if address in (AUTO, LOCAL):
+        return
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    socket.create_connection((host.strip("[]"), int(port)), timeout=PATIENCE).close()
 
 
 @contextmanager
