@@ -17,6 +17,7 @@ from jaxwalk.evaluation.stored_rows import StoredRowsError, StoredTable, no_rows
 from jaxwalk.experiments import evaluating
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.experiments.in_parts import evaluate_part, merge_parts
+from jaxwalk.experiments.kept_parts import KeptParts
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.metrics import statistics
 from jaxwalk.metrics.encounters import ENCOUNTERS, Encounters
@@ -106,6 +107,37 @@ def test_a_part_that_was_killed_is_run_again_and_a_part_run_twice_counts_once(pa
     chosen, said = complete([read_part(parts / name) for name in ("2", "3", "again", "1")])
     assert [part.folder.name for part in chosen] == ["1", "2", "3"]
     assert said == [f"{again}: part 2/3 again, with the same rows; left out"]
+
+
+def test_parts_that_come_as_files_are_kept_until_none_is_missing(parts, work, tmp_path):
+    kept = KeptParts.of(work, tmp_path / "kept", PARTS, batch=BATCH)
+    assert kept.names == kept.missing() == ["1/3", "2/3", "3/3"]
+    assert [kept.episodes(name) for name in kept.names] == [8, 16, 12]
+    for number in (3, 1):
+        kept.keep(f"{number}/3", {path.name: path.read_bytes() for path in (parts / str(number)).iterdir()})
+    (tmp_path / "kept" / "2").mkdir()
+    (tmp_path / "kept" / "2" / "outcomes.parquet").write_bytes(b"of a command that was killed")
+    again = KeptParts.of(work, tmp_path / "kept", PARTS, batch=BATCH)
+    assert again.missing() == ["2/3"]
+    assert [part.document.part.number for part in again.finished()] == [1, 3]
+    again.keep("2/3", {path.name: path.read_bytes() for path in (parts / "2").iterdir()})
+    merge_parts(again.finished(), tmp_path / "merged", ignore)
+    for name in FILES:
+        assert (tmp_path / "merged" / name).read_bytes() == (parts / "whole" / name).read_bytes(), name
+    again.remove()
+    assert not (tmp_path / "kept").exists()
+
+
+def test_kept_parts_of_another_evaluation_are_refused(copied, work):
+    with pytest.raises(PartError, match=r"/1: isn't .*: its number of parts is 3, not 2; name another --out"):
+        KeptParts.of(work, copied, 2, batch=BATCH)
+    other = replace(work, scenarios=Scenarios(EPISODES, 8))
+    with pytest.raises(PartError, match=r"/1: isn't what this evaluation needs there: its seed is 7, not 8; name"):
+        KeptParts.of(other, copied, PARTS, batch=BATCH)
+    shutil.move(copied / "3", copied / "1" / "aside")
+    shutil.copytree(copied / "2", copied / "3")
+    with pytest.raises(PartError, match="/3: isn't what this evaluation needs there: it is part 2/3; name another"):
+        KeptParts.of(work, copied, PARTS, batch=BATCH)
 
 
 def test_parts_divide_whole_batches():

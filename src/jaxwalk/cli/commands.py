@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from functools import reduce
 from importlib import import_module
@@ -97,6 +98,8 @@ def run(options: Any) -> int:
     group = group_of(options)
     if group is None or group.process == 0:  # other processes take what process 0 has found good
         check_names(options)
+    if getattr(options, "cluster", None) is not None:  # as its workers: another device may round otherwise
+        os.environ.setdefault("JAX_PLATFORMS", "cpu")
     set_here = prepare_machine()
     if command.processes:
         try_jax(set_here)

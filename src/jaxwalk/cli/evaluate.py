@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import Progress
 
 from jaxwalk.cli.checks import (
     check_count,
@@ -23,14 +21,16 @@ from jaxwalk.cli.checks import (
     check_seed,
     place,
 )
+from jaxwalk.cli.cluster import check_cluster, evaluate_on_cluster
 from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
 from jaxwalk.cli.evaluation_table import WIDEST, tables
 from jaxwalk.cli.options import Evaluate
+from jaxwalk.cli.progress import with_progress
 from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet, jaywalk_multiplier
 from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.evaluation.parts import Part
 from jaxwalk.experiments.again import compare_documents, evaluation_again, read_document
-from jaxwalk.experiments.evaluating import Evaluation, Tell, evaluate_all, prepared
+from jaxwalk.experiments.evaluating import Evaluation, evaluate_all, prepared
 from jaxwalk.experiments.in_parts import evaluate_part
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
@@ -46,8 +46,6 @@ from jaxwalk.wording import counted, first_of
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
 """The only options that an evaluation takes which is made again."""
 
-T = TypeVar("T")
-
 
 def run(options: Evaluate) -> int:
     """Evaluate and show; nothing is written unless ``--out`` names a folder."""
@@ -55,9 +53,12 @@ def run(options: Evaluate) -> int:
         return _again(options, options.again)
     check(options)
     with bad_values():
-        work = _work(options)
+        work = work_of(options)
     if options.part is not None and options.out is not None:
         return _one_part(work, Part.parse(options.part), options.out)
+    if options.cluster is not None and options.out is not None:
+        show(evaluate_on_cluster(options, work, options.cluster, options.out), as_json=options.json)
+        return 0
     with held(options.out) if options.out else nullcontext():
         results = with_progress("evaluating", partial(evaluate_all, work))
     show(results, as_json=options.json)
@@ -87,7 +88,7 @@ def _one_part(work: Evaluation, part: Part, out: Path) -> int:
     return 0
 
 
-def _work(options: Evaluate) -> Evaluation:
+def work_of(options: Evaluate) -> Evaluation:
     """Return what the options ask for, with all policies loaded."""
     compared = with_shield(options.compare, options.shield)
     drivers = tuple(dict.fromkeys((*with_shield(options.driver, options.shield), *compared)))
@@ -136,17 +137,6 @@ def _check_again(options: Evaluate, path: Path) -> None:
         check_writable(options.out)
 
 
-def with_progress(what: str, work: Callable[[Tell], T]) -> T:
-    """Return the result of some work, with a progress bar meanwhile; ``what`` it begins with."""
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=None)
-
-        def tell(what: str, done: int, total: int) -> None:
-            bar.update(task, description=escape(what), completed=done, total=total)
-
-        return work(tell)
-
-
 def check(options: Evaluate) -> None:
     """Raise UsageError for options that make no sense."""
     if options.compare and (len(options.compare) != 2 or len(set(options.compare)) != 2):
@@ -161,7 +151,11 @@ def check(options: Evaluate) -> None:
     check_count("--counterfactuals", options.counterfactuals, 0, MOST_EPISODES)
     if options.jaywalk_multiplier == ():
         raise UsageError("--jaywalk-multiplier needs a number, such as 0.25")
-    if options.part is not None:
+    if options.cluster is not None:
+        check_cluster(options, options.cluster)
+    elif options.parts is not None:
+        raise UsageError("--parts: goes with --cluster; leave it out, or see --part")
+    elif options.part is not None:
         _check_part(options, options.part)
     if options.encounters and not options.out:
         raise UsageError("--encounters needs --out DIR, where encounters.parquet is to be")

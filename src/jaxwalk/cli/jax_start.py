@@ -8,7 +8,7 @@ import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from jaxwalk.cli.group import Group, join
@@ -46,6 +46,18 @@ def prepare_machine() -> set[str]:
         os.environ.setdefault(DEVICES, str(cores()))
     os.environ.setdefault(LOCATIONS, "0")  # only profilers read the source line of each operation; tracing is quicker
     return set(os.environ) - before
+
+
+def for_workers() -> tuple[tuple[str, str], ...]:
+    """Return environment variables for the JAX of a worker, on any machine: a core each, and what the user has set.
+
+    What `prepare_machine` chooses for a machine is left out, so that it chooses for the worker's.
+    """
+    chosen = {(DEVICES, str(cores()))}
+    with suppress(RuntimeError):
+        chosen.add((FOLDER, str(_cache_folder())))
+    given = {pair for pair in os.environ.items() if pair[0].startswith(("JAX_", "XLA_"))} - chosen
+    return tuple(sorted({"JAX_PLATFORMS": "cpu", DEVICES: "1", **dict(given)}.items()))
 
 
 def start_jax(set_here: set[str], group: Group | None = None) -> None:

@@ -7,8 +7,9 @@ from functools import partial
 from pathlib import Path
 
 from jaxwalk.cli.errors import UsageError
-from jaxwalk.cli.evaluate import show, with_progress
+from jaxwalk.cli.evaluate import show
 from jaxwalk.cli.options import Merge
+from jaxwalk.cli.progress import with_progress
 from jaxwalk.evaluation import check_parquet
 from jaxwalk.evaluation.parts import read_part
 from jaxwalk.experiments.in_parts import merge_parts

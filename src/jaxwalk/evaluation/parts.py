@@ -206,12 +206,17 @@ def _check_equal(a: StoredPart, b: StoredPart) -> None:
 
 def _check_alike(first: StoredPart, other: StoredPart) -> None:
     """Raise PartError unless two parts are of the same evaluation, made by the same versions."""
-    for (what, a), (_, b) in zip(_settings(first.document), _settings(other.document), strict=True):
+    found = difference(first.document, other.document)
+    if found is not None:
+        raise PartError(f"{other.folder}: isn't of the same evaluation as {first.folder}: {found}; leave it out")
+
+
+def difference(wanted: PartDocument, found: PartDocument) -> str | None:
+    """Return how a part's evaluation differs from a wanted one, as ``its seed is 8, not 7``; None if it doesn't."""
+    for (what, a), (_, b) in zip(_settings(wanted), _settings(found), strict=True):
         if a != b:
-            raise PartError(
-                f"{other.folder}: isn't of the same evaluation as {first.folder}: {what} {b!s:.80}, not {a!s:.80}; "
-                "leave it out"
-            )
+            return f"{what} {b!s:.80}, not {a!s:.80}"
+    return None
 
 
 def _settings(document: PartDocument) -> list[tuple[str, Any]]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, islice, product
 from pathlib import Path
 
@@ -49,36 +49,45 @@ def evaluate_part(work: Evaluation, part: Part, out: Path, tell: Tell, *, batch:
         DriverError: a driver that is not JAX failed.
         ActionError: an action of another policy isn't in its space.
     """
-    if not isinstance(work.scenarios, Scenarios):
-        raise PartError("only drawn scenarios are evaluated in parts")
-    if CHUNK % batch:
-        raise ValueError(f"batch must divide {CHUNK}, so that parts can be merged, not be {batch}")
-    span = part.span(work.episodes, batch)
-    drivers = tuple(policy_origin("driver", name) for name in work.drivers)  # before they can change
-    populations = tuple(policy_origin("pedestrian", name) for name in work.populations)
+    planned = planned_part(work, part, batch=batch)  # before drivers can change
+    span = planned.span
     out.mkdir(parents=True, exist_ok=True)
     remove_unfinished(out)
     with together():
         with RowWriter(out) as writer:
-            cells = tuple(_played_cell(work, number, span, writer, tell, batch) for number in range(len(_cells(work))))
-        street = work.streets[0]
-        document = PartDocument(
-            format=FORMAT,
-            part=part,
-            scenarios_hash=hash_of(scenario_bytes(work.source(street), span)),
-            seed=work.scenarios.seed,
-            episodes=work.episodes,
-            batch=batch,
-            dt=float(street.world.rules.dt),
-            street=StreetOrigin.of(street),
-            drivers=drivers,
-            populations=populations,
-            options=work.options,
-            cells=cells,
-            made=provenance(),
-        )
+            cells = tuple(_played_cell(work, planned, number, writer, tell) for number in range(len(planned.cells)))
+        drawn = hash_of(scenario_bytes(work.source(work.streets[0]), span))
+        document = replace(planned, scenarios_hash=drawn, cells=cells)
         write_whole(out / PART, document.to_json())
     return document
+
+
+def planned_part(work: Evaluation, part: Part, *, batch: int = BATCH) -> PartDocument:
+    """Return what a part will say about itself, without the hashes and times that are known when it is played.
+
+    Raises PartError and ValueError as `evaluate_part` does.
+    """
+    if not isinstance(work.scenarios, Scenarios):
+        raise PartError("only drawn scenarios are evaluated in parts")
+    if CHUNK % batch:
+        raise ValueError(f"batch must divide {CHUNK}, so that parts can be merged, not be {batch}")
+    part.span(work.episodes, batch)
+    street = work.streets[0]
+    return PartDocument(
+        format=FORMAT,
+        part=part,
+        scenarios_hash="",
+        seed=work.scenarios.seed,
+        episodes=work.episodes,
+        batch=batch,
+        dt=float(street.world.rules.dt),
+        street=StreetOrigin.of(street),
+        drivers=tuple(policy_origin("driver", name) for name in work.drivers),
+        populations=tuple(policy_origin("pedestrian", name) for name in work.populations),
+        options=work.options,
+        cells=tuple(_planned_cell(*cell) for cell in _cells(work)),
+        made=provenance(),
+    )
 
 
 def _cells(work: Evaluation) -> list[tuple[Street, tuple[str, Policy], tuple[str, Policy]]]:
@@ -86,33 +95,40 @@ def _cells(work: Evaluation) -> list[tuple[Street, tuple[str, Policy], tuple[str
     return list(product(work.streets, work.drivers.items(), work.populations.items()))
 
 
-def _played_cell(work: Evaluation, number: int, span: range, writer: RowWriter, tell: Tell, batch: int) -> PartCell:
+def _planned_cell(street: Street, driver: tuple[str, Policy], people: tuple[str, Policy]) -> PartCell:
+    """Return what is known about a cell before it is played."""
+    return PartCell(
+        driver=driver[0],
+        pedestrians=people[0],
+        driver_mode=acts_by(driver[1]),
+        pedestrian_mode=acts_by(people[1]),
+        jaywalk_multiplier=jaywalk_multiplier(street),
+        driver_observes=driver[1].view.name,
+        pedestrian_observes=people[1].view.name,
+        driver_seconds=0.0,
+        driver_steps=0,
+        sha256="",
+    )
+
+
+def _played_cell(work: Evaluation, planned: PartDocument, number: int, writer: RowWriter, tell: Tell) -> PartCell:
     """Play a part of a cell, and write its rows; return what is known about it."""
-    cells = _cells(work)
-    street, (driver, car), (population, people) = cells[number]
+    street, (driver, car), (population, people) = _cells(work)[number]
     digest, before = RowDigest(), driver_cost(car)
-    policies = {"driver": car, "pedestrian": people}
+    policies, source = {"driver": car, "pedestrian": people}, work.source(street)
 
     def progress(done: int, total: int) -> None:
-        tell(f"{driver} among {population}", number * total + done, len(cells) * total)
+        tell(f"{driver} among {population}", number * total + done, len(planned.cells) * total)
 
+    batches = evaluate_batches(
+        street, policies, source, batch=planned.batch, progress=progress, span=planned.span
+    )  # fmt: skip
     with named({"driver": driver, "pedestrian": population}):
-        for rows in evaluate_batches(street, policies, work.source(street), batch=batch, progress=progress, span=span):
+        for rows in batches:
             writer.write(number, rows)
             digest.update(rows)
     seconds, steps = (driver_cost(car) - before).tolist()
-    return PartCell(
-        driver=driver,
-        pedestrians=population,
-        driver_mode=acts_by(car),
-        pedestrian_mode=acts_by(people),
-        jaywalk_multiplier=jaywalk_multiplier(street),
-        driver_observes=car.view.name,
-        pedestrian_observes=people.view.name,
-        driver_seconds=seconds,
-        driver_steps=int(steps),
-        sha256=digest.digits,
-    )
+    return replace(planned.cells[number], driver_seconds=seconds, driver_steps=int(steps), sha256=digest.digits)
 
 
 @dataclass(frozen=True)

@@ -75,6 +75,12 @@ class Evaluate:
     part: Annotated[str | None, option("all of it", "K/N")] = None
     """Evaluate only the K-th of N parts of the scenarios and keep its rows in --out, for `jaxwalk merge`
     (docs: beyond-one-machine). Needs pip install "jaxwalk[data]"."""
+    cluster: Annotated[str | None, option("this process", "WHERE")] = None
+    """Play parts as tasks of Ray and put them together: local, on all cores of this machine; auto, on the cluster that
+    runs; or its address, ray://HOST:PORT or HOST:PORT. What is finished is kept in --out, and the same command goes on
+    (docs: beyond-one-machine). Needs pip install "jaxwalk[cluster]"."""
+    parts: Annotated[int | None, option("by the number of episodes", "N")] = None
+    """Number of parts for --cluster."""
     json: Flag = False
     """Print one JSON document instead of the table."""
     again: Annotated[Path | None, option("none", "FILE")] = None
