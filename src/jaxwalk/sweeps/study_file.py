@@ -165,7 +165,7 @@ def load_sweep(path: str | Path) -> SweepPlan:
     """Return what a TOML file says of a sweep.
 
     Raises:
-        SweepFileError: a field is unknown, missing or impossible, or no training can have the values that it may vary to.
+        SweepFileError: a field is unknown, missing or impossible, or no training can have the values that it may have.
         ExperimentFileError: it can't be read, or a field of the training is unknown or impossible.
     """
     path = Path(path)

@@ -48,7 +48,8 @@ class DrawnAxis:
     """An axis of the parallel coordinates."""
 
     name: str
-    x: float
+    x: int
+    """Its place, from the left [px]."""
     ticks: tuple[tuple[float, str], ...]
     """Place [px] and text of some values."""
 
@@ -56,14 +57,14 @@ class DrawnAxis:
 def sweep_page(folder: Path, results: SweepResults) -> str:
     """Return the page."""
     template = resources.files("jaxwalk.sweeps").joinpath("sweep_page.html").read_text(encoding="utf-8")
-    best = results.best
+    plan = results.plan
     return filled_in(
         template,
-        results=results, plan=results.plan, objective=results.plan.objective, best=best[:SHOWN], folder=folder,
-        fields=list(results.plan.fields), shown=shown_value, made=provenance(), curve=curve_name(results.plan.objective),
+        results=results, plan=plan, objective=plan.objective, best=results.best[:SHOWN], folder=folder,
+        fields=list(plan.fields), shown=shown_value, made=provenance(), curve=curve_name(plan.objective),
         axes=_axes(results), lines=_parallel_lines(results), ticks=_curve_ticks(results), curves=_curve_lines(results),
         size={"wide": WIDE, "tall": TALL, "left": LEFT, "top": TOP, "bottom": BOTTOM},
-        across=LEFT * 2 + AXIS * len(results.plan.fields), last=_last_update(results),
+        across=LEFT * 2 + AXIS * len(plan.fields), last=_last_update(results),
     )  # fmt: skip
 
 

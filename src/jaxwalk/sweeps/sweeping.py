@@ -24,6 +24,7 @@ from jaxwalk.sweeps.journal import PATIENCE, Journal, check_optuna
 from jaxwalk.sweeps.study_file import SweepPlan
 from jaxwalk.sweeps.sweep_results import SweepResults, read_results, write_results
 from jaxwalk.sweeps.trial_work import WHY, TrialWork, UselessTrialError
+from jaxwalk.sweeps.varied import single_changes
 from jaxwalk.writing import remove_unfinished, write_whole
 
 PLAN = "plan.json"
@@ -49,7 +50,7 @@ def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> S
     check_optuna()
     check_folder(folder, plan)
     check_objective(plan)
-    make_street(plan.base)  # names that don't exist are refused before anything is written
+    _check_streets(plan)
     console = console or Console(stderr=True)
     journal = Journal(folder, plan)
     with held(folder, seconds=PATIENCE):
@@ -60,6 +61,14 @@ def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> S
     while _work(journal, console):
         _write(journal)
     return _write(journal)
+
+
+def _check_streets(plan: SweepPlan) -> None:
+    """Raise the error of `make_street` for a name that doesn't exist, before anything is written."""
+    make_street(plan.base)
+    for labels in single_changes(plan.fields):
+        if any(isinstance(label, str) for label in labels.values()):  # numbers are checked with the file
+            make_street(plan.experiment(plan.first | labels))
 
 
 def _work(journal: Journal, console: Console) -> bool:

@@ -127,7 +127,7 @@ def score_of(run: Run, objective: SweepObjective) -> float:
         found = mean_of_last(run.metrics(), objective.metric, run.experiment.train.updates)
     if found is None or not math.isfinite(found):
         raise UselessTrialError(f"{run.path}: has no {objective.metric}; train longer, or choose another metric")
-    return found
+    return float(found)
 
 
 def mean_of_last(lines: Sequence[Mapping[str, Any]], metric: str, updates: int) -> float | None:
