@@ -6,6 +6,7 @@ import importlib.util
 import json
 import math
 
+import jax
 import pytest
 
 from jaxwalk.recipes import RECIPES
@@ -96,3 +97,11 @@ def pretended(monkeypatch):
     monkeypatch.setattr("jaxwalk.sweeps.sweeping.make_street", lambda experiment: None)
     assert math.isclose(RECIPES["fast"].driver_weights["time"], -0.06)
     return found
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """An empty working folder; processes share the tests' cache of compiled code."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(jax.config.jax_compilation_cache_dir or tmp_path / "cache"))
+    return tmp_path

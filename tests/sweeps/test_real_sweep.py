@@ -9,56 +9,13 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
-import jax
 import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.policies import load_policy
 from jaxwalk.runs.folder import Run
-
-TINY = """
-sampler = "{sampler}"
-trials = {trials}
-
-[objective]
-metric = "{metric}"
-direction = "maximise"
-{more}
-
-[training.train]
-environments = 8
-steps = 8
-minibatches = 2
-updates = {updates}
-
-[training.train.roles.driver]
-actor_hidden = [8]
-critic_hidden = [8]
-epochs = 1
-
-[training.train.roles.pedestrian]
-actor_hidden = [8]
-critic_hidden = [8]
-epochs = 1
-
-[vary.driver_weights]
-time = {{ low = -0.25, high = -0.02 }}
-"""
-
-
-def written(folder: Path, **changes) -> Path:
-    usual = {"sampler": "random", "trials": 2, "metric": "reward/driver", "more": "", "updates": 1}
-    (folder / "study.toml").write_text(TINY.format(**usual | changes))
-    return folder / "study.toml"
-
-
-@pytest.fixture
-def place(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(jax.config.jax_compilation_cache_dir or tmp_path / "cache"))
-    return tmp_path
+from sweeps.tiny_sweep import written
 
 
 def test_a_sweep_trains_and_evaluates_run_folders(place, capsys):
@@ -86,7 +43,7 @@ def test_a_number_that_no_evaluation_has_is_refused(place, capsys):
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are killed")
 def test_a_sweep_of_twenty_trials_killed_five_times_is_complete(place):
-    """Two processes share it; each kill (SIGKILL) hits one of them, at a random moment after another trial has begun."""
+    """Two processes share it; each kill (SIGKILL) hits one of them, a random moment after more trials have begun."""
     study, out, chance = written(place, trials=20, updates=12), place / "out", random.Random(0)
     command = [sys.executable, "-m", "jaxwalk", "sweep", str(study), "--out", str(out)]
     environment = {**os.environ, "JAX_NUM_CPU_DEVICES": "1", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}

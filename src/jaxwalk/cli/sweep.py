@@ -8,10 +8,11 @@ from pathlib import Path
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.interruption import until_interrupted
 from jaxwalk.cli.options import Sweep
+from jaxwalk.cli.sweep_jobs import LOGS, check_place, run_on_ray, submit_jobs
 from jaxwalk.sweeps.study_file import load_sweep
 from jaxwalk.sweeps.sweep_page import shown_value
 from jaxwalk.sweeps.sweep_results import SweepResults
-from jaxwalk.sweeps.sweeping import sweep
+from jaxwalk.sweeps.sweeping import begin_sweep, sweep
 
 BEST = 3
 """Number of trials that are named at the end."""
@@ -24,8 +25,26 @@ def run(options: Sweep) -> int:
         return 0
     if options.study is None:
         raise UsageError("name the file of the sweep; jaxwalk sweep --example prints one")
+    check_place(options)
     plan = load_sweep(options.study)
+    if options.on != "local":
+        begin_sweep(options.out, plan)
+    if options.on == "slurm":
+        return _submitted(options)
+    if options.on == "ray":
+        run_on_ray(options)
     return until_interrupted(lambda: said(sweep(options.out, plan), options.out))
+
+
+def _submitted(options: Sweep) -> int:
+    """Submit jobs, and say which."""
+    jobs = ", ".join(str(job.job_id) for job in submit_jobs(options))
+    print(f"Submitted to SLURM: {jobs}; their output is in {options.out / LOGS}")
+    print(
+        f"Each job writes {options.out / 'study.html'}. When they have ended, the same command without --on says which"
+    )
+    print("trials are the best, or goes on here; with --on slurm, it submits further jobs.")
+    return 0
 
 
 def said(results: SweepResults, folder: Path) -> str:

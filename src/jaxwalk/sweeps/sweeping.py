@@ -47,20 +47,29 @@ def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> S
         OptunaError, JournalError, SweepFileError, ContestantError: Optuna is missing, the journal is damaged, or the
             objective doesn't exist.
     """
+    begin_sweep(folder, plan)
+    console = console or Console(stderr=True)
+    journal = Journal(folder, plan)
+    with held(folder, seconds=PATIENCE):
+        journal.trials()  # makes the journal, while no other process does
+    while _work(journal, console):
+        _write(journal)
+    return _write(journal)
+
+
+def begin_sweep(folder: Path, plan: SweepPlan) -> None:
+    """Check everything that a sweep needs, and make its folder with the plan, unless it is there.
+
+    Raises what `sweep` raises before it trains.
+    """
     check_optuna()
     check_folder(folder, plan)
     check_objective(plan)
     _check_streets(plan)
-    console = console or Console(stderr=True)
-    journal = Journal(folder, plan)
     with held(folder, seconds=PATIENCE):
         check_folder(folder, plan)  # check again: another process may have been quicker
         remove_unfinished(folder)
         write_whole(folder / PLAN, json.dumps(as_plan(plan), indent=2, allow_nan=False) + "\n")
-        journal.trials()
-    while _work(journal, console):
-        _write(journal)
-    return _write(journal)
 
 
 def _check_streets(plan: SweepPlan) -> None:
