@@ -21,6 +21,8 @@ CLUSTER = "slurm"
 """Submitit's name of the cluster."""
 LOGS = "jobs"
 """Folder of the jobs' outputs, inside the sweep's."""
+LOGGING = "SUBMITIT_LOG_LEVEL"
+"""Submitit's environment variable of what it logs; jobs have the user's."""
 RETRIES = 20
 """How often Ray begins a task again whose process or machine died."""
 NEEDS = {
@@ -50,9 +52,7 @@ class SweepJob:
 
     def checkpoint(self, *_: Any) -> Any:
         """Return what to submit when SLURM ends the job before its time: the same, which resumes its trial."""
-        from submitit.helpers import DelayedSubmission
-
-        return DelayedSubmission(self)
+        return _submitit().helpers.DelayedSubmission(self)
 
 
 def check_place(options: Sweep) -> None:
@@ -76,9 +76,7 @@ def submit_jobs(options: Sweep) -> list[Any]:
 
     Raises UsageError for a parameter that submitit doesn't know.
     """
-    from submitit import AutoExecutor
-
-    executor = AutoExecutor(folder=options.out / LOGS, cluster=CLUSTER)
+    executor = _submitit().AutoExecutor(folder=options.out / LOGS, cluster=CLUSTER)
     try:
         executor.update_parameters(
             name="jaxwalk-sweep", cpus_per_task=options.cpus, gpus_per_node=options.gpus,
@@ -88,6 +86,17 @@ def submit_jobs(options: Sweep) -> list[Any]:
         raise UsageError(f"--slurm: {error}; see submitit's documentation") from error
     with executor.batch():
         return [executor.submit(_job(options)) for _ in range(options.workers)]
+
+
+def _submitit() -> Any:
+    """Return submitit, imported without its logging: that would close all handlers of the process."""
+    before = os.environ.get(LOGGING)
+    os.environ[LOGGING] = "NOCONFIG"
+    try:
+        import submitit
+    finally:
+        os.environ.pop(LOGGING) if before is None else os.environ.update({LOGGING: before})
+    return submitit
 
 
 def _parameters(options: Sweep) -> dict[str, Any]:
