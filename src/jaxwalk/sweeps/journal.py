@@ -24,8 +24,8 @@ from jaxwalk.sweeps.varied import ListedValues
 
 if TYPE_CHECKING:
     from optuna import Study
-    from optuna.distributions import BaseDistribution
     from optuna.samplers import BaseSampler
+    from optuna.storages import JournalStorage
     from optuna.trial import FrozenTrial, Trial
 
 JOURNAL, TRIALS, NAME = "journal.log", "trials", "sweep"
@@ -60,11 +60,8 @@ class Journal:
     plan: SweepPlan
 
     @cached_property
-    def study(self) -> Study:
-        """Return Optuna's study, which is made if there is none. Call this first while no other process can.
-
-        Raises JournalError if the file is damaged.
-        """
+    def storage(self) -> JournalStorage:
+        """Return Optuna's storage, which reads and writes the file. Raise JournalError if it is damaged."""
         import optuna
         from optuna.storages import JournalStorage
         from optuna.storages.journal import JournalFileBackend
@@ -72,18 +69,24 @@ class Journal:
         optuna.logging.set_verbosity(optuna.logging.ERROR)
         path = self.folder / JOURNAL
         try:
-            storage = JournalStorage(JournalFileBackend(str(path), lock_obj=_lock_of(path)))
-            return optuna.create_study(
-                storage=storage,
-                study_name=NAME,
-                direction="maximize" if self.plan.objective.maximised else "minimize",
-                pruner=optuna.pruners.MedianPruner(PRUNING_STARTS, n_warmup_steps=PRUNING_WARMS),
-                load_if_exists=True,
-            )
+            return JournalStorage(JournalFileBackend(str(path), lock_obj=_lock_of(path)))
         except (ValueError, KeyError, AssertionError) as error:
             raise JournalError(
                 f"{path}: damaged ({error}); restore it from a copy, or begin again in another folder"
             ) from error
+
+    @cached_property
+    def study(self) -> Study:
+        """Return Optuna's study, which is made if there is none. Call this first while no other process can."""
+        import optuna
+
+        return optuna.create_study(
+            storage=self.storage,
+            study_name=NAME,
+            direction="maximize" if self.plan.objective.maximised else "minimize",
+            pruner=optuna.pruners.MedianPruner(PRUNING_STARTS, n_warmup_steps=PRUNING_WARMS),
+            load_if_exists=True,
+        )
 
     def trials(self) -> list[FrozenTrial]:
         """Return all trials in the order of their numbers, as the journal has them now."""
@@ -135,11 +138,16 @@ class Journal:
         """Return a trial with all its values: those of the journal, and new ones if it was killed before it had all."""
         from optuna.trial import Trial
 
-        storage = self.study._storage
         self.study.sampler = self._sampler(number)
-        trial = Trial(self.study, storage.get_trial_id_from_study_id_trial_number(self.study._study_id, number))
-        for name, distribution in self._distributions.items():
-            trial._suggest(name, distribution)
+        study = self.storage.get_study_id_from_name(NAME)
+        trial = Trial(self.study, self.storage.get_trial_id_from_study_id_trial_number(study, number))
+        for name, varied in self.plan.fields.items():
+            if self.plan.sampler == "grid" or isinstance(varied, ListedValues):
+                trial.suggest_categorical(name, varied.grid())
+            elif varied.whole:
+                trial.suggest_int(name, int(varied.low), int(varied.high), log=varied.log)
+            else:
+                trial.suggest_float(name, varied.low, varied.high, log=varied.log)
         return trial
 
     def _sampler(self, number: int) -> BaseSampler:
@@ -148,22 +156,6 @@ class Journal:
 
         seed = int(np.random.SeedSequence([self.plan.sampler_seed, number]).generate_state(1)[0])
         return TPESampler(n_startup_trials=STARTED, seed=seed) if self.plan.sampler == "tpe" else RandomSampler(seed)
-
-    @cached_property
-    def _distributions(self) -> dict[str, BaseDistribution]:
-        """Return Optuna's distribution of each field."""
-        from optuna.distributions import CategoricalDistribution, FloatDistribution, IntDistribution
-
-        found: dict[str, BaseDistribution] = {}
-        for name, varied in self.plan.fields.items():
-            if self.plan.sampler == "grid" or isinstance(varied, ListedValues):
-                labels = varied.grid()
-                found[name] = CategoricalDistribution(labels)
-            elif varied.whole:
-                found[name] = IntDistribution(int(varied.low), int(varied.high), log=varied.log)
-            else:
-                found[name] = FloatDistribution(varied.low, varied.high, log=varied.log)
-        return found
 
 
 def _lock_of(path: Path) -> Any:
