@@ -36,18 +36,25 @@ def test_a_missing_package_is_named_with_its_extra(package, study, tmp_path, cap
 def test_where_there_is_no_slurm_nothing_is_submitted(study, tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     assert main(["sweep", str(study()), "--out", str(tmp_path / "out"), "--on", "slurm"]) == 2
-    assert "--on slurm: there is no sbatch on this machine" in capsys.readouterr().err
+    assert "--on slurm: there is no srun on this machine" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
-    ("word", "said"), [("timeout_min", "write KEY=VALUE"), ("time=3", "--slurm: "), ("timeout_min=", "write KEY=VALUE")]
+    ("word", "said"),
+    [
+        ("timeout_min", "write KEY=VALUE"),
+        ("slurm_nonsense=3", "--slurm: Unknown argument 'nonsense'"),
+        ("timeout_min=long", '--slurm: Parameter "timeout_min" expected type'),
+        ("timeout_min=", "write KEY=VALUE"),
+    ],
 )
 def test_a_wrong_parameter_is_refused(word, said, pretended, study, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(sweep_jobs, "CLUSTER", "debug")
     line = ["sweep", str(study()), "--out", str(tmp_path / "out"), "--on", "slurm", "--slurm", word]
     assert main(line) == 2
     assert said in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 def test_submitted_jobs_work_on_the_trials(pretended, study, tmp_path, capsys, monkeypatch):

@@ -10,6 +10,7 @@ import importlib.util
 import os
 import shutil
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -67,25 +68,30 @@ def check_place(options: Sweep) -> None:
         raise UsageError("--slurm goes with --on slurm")
     if options.on in NEEDS and importlib.util.find_spec(NEEDS[options.on][0]) is None:
         raise UsageError(f"--on {options.on} {NEEDS[options.on][1]}")
-    if options.on == "slurm" and CLUSTER == "slurm" and shutil.which("sbatch") is None:
-        raise UsageError("--on slurm: there is no sbatch on this machine; submit from a login node of the cluster")
+    if options.on == "slurm" and CLUSTER == "slurm" and shutil.which("srun") is None:
+        raise UsageError("--on slurm: there is no srun on this machine; submit from a login node of the cluster")
+    if options.on == "slurm":
+        _executor(options)  # refuses a wrong parameter before anything is written
 
 
 def submit_jobs(options: Sweep) -> list[Any]:
-    """Submit the processes to SLURM as one array, and return submitit's jobs.
+    """Submit the processes to SLURM as one array, and return submitit's jobs."""
+    executor = _executor(options)
+    with executor.batch():
+        return [executor.submit(_job(options)) for _ in range(options.workers)]
 
-    Raises UsageError for a parameter that submitit doesn't know.
-    """
-    executor = _submitit().AutoExecutor(folder=options.out / LOGS, cluster=CLUSTER)
+
+def _executor(options: Sweep) -> Any:
+    """Return what submits jobs. Raise UsageError for a parameter that submitit doesn't know."""
+    executor, parameters = _submitit().AutoExecutor(folder=options.out / LOGS, cluster=CLUSTER), _parameters(options)
     try:
         executor.update_parameters(
             name="jaxwalk-sweep", cpus_per_task=options.cpus, gpus_per_node=options.gpus,
-            slurm_array_parallelism=options.workers, **_parameters(options),
+            slurm_array_parallelism=options.workers, **parameters,
         )  # fmt: skip
-    except (NameError, ValueError, TypeError) as error:
-        raise UsageError(f"--slurm: {error}; see submitit's documentation") from error
-    with executor.batch():
-        return [executor.submit(_job(options)) for _ in range(options.workers)]
+    except (AssertionError, NameError, ValueError, TypeError) as error:
+        raise UsageError(f"--slurm: {str(error).splitlines()[0]}; see submitit's parameters") from error
+    return executor
 
 
 def _submitit() -> Any:
@@ -120,9 +126,8 @@ def run_on_ray(options: Sweep) -> None:
 
     A task whose process or machine dies is begun again, and resumes the trial. Raises SweepJobError if one fails.
     """
-    import ray
-
-    ray.init(log_to_driver=True, include_dashboard=False) if "RAY_ADDRESS" not in os.environ else ray.init()
+    ray: Any = import_module("ray")
+    ray.init() if "RAY_ADDRESS" in os.environ else ray.init(include_dashboard=False)
     try:
         task = ray.remote(_said_of).options(num_cpus=options.cpus, num_gpus=options.gpus, max_retries=RETRIES)
         ended = ray.get([task.remote(_job(options)) for _ in range(options.workers)])
