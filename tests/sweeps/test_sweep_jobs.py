@@ -7,7 +7,6 @@ import json
 import pytest
 
 from jaxwalk.cli import main, sweep_jobs
-from jaxwalk.cli.options import Sweep
 from jaxwalk.cli.sweep_jobs import SweepJob, submit_jobs
 from sweeps.tiny_sweep import written
 
@@ -58,7 +57,7 @@ def test_a_wrong_parameter_is_refused(word, said, pretended, study, tmp_path, ca
 
 
 def test_submitted_jobs_work_on_the_trials(pretended, study, tmp_path, capsys, monkeypatch):
-    """Submitit's debug executor runs a job in this process when its result is asked for."""
+    """With submitit's debug executor, whose jobs stay in this process."""
     jobs = []
     monkeypatch.setattr(sweep_jobs, "CLUSTER", "debug")
     monkeypatch.setattr("jaxwalk.cli.sweep.submit_jobs", lambda options: jobs.extend(submit_jobs(options)) or jobs)
@@ -69,14 +68,14 @@ def test_submitted_jobs_work_on_the_trials(pretended, study, tmp_path, capsys, m
     assert main(line) == 0
     assert capsys.readouterr().out.startswith("Submitted to SLURM: ") and len(jobs) == 2
     assert not pretended.trained and (tmp_path / "out" / "plan.json").is_file()
-    assert jobs[0].submission().function.options.out == tmp_path / "out"
-    assert [job.result() for job in jobs] == [0, 0]
+    assert jobs[0].submission().function == SweepJob(tmp_path / "study.toml", tmp_path / "out", 2)
+    assert [job.submission().function() for job in jobs] == [0, 0]
     assert [number for number, _, _ in pretended.trained] == ["0", "1", "2", "3"]
     assert json.loads((tmp_path / "out" / "study.json").read_text())["best"]
 
 
 def test_a_job_that_is_ended_before_its_time_is_submitted_again(study, tmp_path):
-    job = SweepJob(Sweep(study=study(), out=tmp_path / "out"))
+    job = SweepJob(study(), tmp_path / "out", 2)
     assert job.checkpoint().function == job
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import shutil
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -41,15 +41,18 @@ class SweepJobError(ValueError):
 class SweepJob:
     """One process of a sweep, which submitit pickles."""
 
-    options: Sweep
-    """Those of the command, with absolute paths."""
+    study: Path
+    out: Path
+    """Both absolute, as the machine's working folder may be another one."""
+    cpus: int
+    """Cores of the process."""
 
     def __call__(self) -> int:
         """Work on the sweep until nothing is left for this process; return the command's exit code."""
         from jaxwalk.cli.commands import run
 
-        os.environ.setdefault(DEVICES, str(self.options.cpus))
-        return run(replace(self.options, on="local"))
+        os.environ.setdefault(DEVICES, str(self.cpus))
+        return run(Sweep(study=self.study, out=self.out))
 
     def checkpoint(self, *_: Any) -> Any:
         """Return what to submit when SLURM ends the job before its time: the same, which resumes its trial."""
@@ -117,8 +120,8 @@ def _parameters(options: Sweep) -> dict[str, Any]:
 
 
 def _job(options: Sweep) -> SweepJob:
-    """Return a job for machines on which the working folder is another one."""
-    return SweepJob(replace(options, study=Path(options.study or "").absolute(), out=options.out.absolute()))
+    """Return what one process does."""
+    return SweepJob(Path(options.study or "").absolute(), options.out.absolute(), options.cpus)
 
 
 def run_on_ray(options: Sweep) -> None:
