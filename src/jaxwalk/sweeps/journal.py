@@ -110,15 +110,21 @@ class Journal:
     def _interrupted(self, mine: ExitStack) -> Trial | None:
         """Return the first trial that was begun, isn't ended and that nobody works on."""
         for number in (each.number for each in self.trials() if each.state.name == "RUNNING"):
-            with ExitStack() as tried:
-                try:
-                    tried.enter_context(held(self.trial_folder(number)))
-                except InUseError:
-                    continue
-                if self.trials()[number].state.name == "RUNNING":  # it may have ended before it could be locked
-                    mine.push(tried.pop_all())
-                    return self._with_values(number)
+            if self._locked(number, mine):
+                return self._with_values(number)
         return None
+
+    def _locked(self, number: int, mine: ExitStack) -> bool:
+        """Lock a trial that was begun; return False if another process works on it or has ended it."""
+        with ExitStack() as tried:
+            try:
+                tried.enter_context(held(self.trial_folder(number)))
+            except InUseError:
+                return False
+            if self.trials()[number].state.name == "RUNNING":  # it may have ended before it could be locked
+                mine.push(tried.pop_all())
+                return True
+        return False
 
     def _new(self, mine: ExitStack) -> Trial | None:
         """Return a trial that nobody has begun."""

@@ -45,7 +45,7 @@ class SweepObjective:
     __pydantic_config__: ClassVar = {"extra": "forbid"}
 
     metric: str
-    """Of the training: a number of ``metrics.jsonl``. Of an evaluation: such as ``outcomes.goal`` (`results.json`)."""
+    """A number of ``metrics.jsonl``, or of an evaluation, such as ``outcomes.goal``."""
     direction: Literal["maximise", "minimise"]
     """Whether more is better, or less."""
     of: Literal["training", "evaluation"] = "training"
@@ -193,15 +193,21 @@ def _check_fields(plan: SweepPlan, table: Mapping[str, Any]) -> None:
     if "path" in table:
         raise SweepFileError(f"{plan.path}: path: there is no such field; leave it out")
     try:
-        for name in FIXED.keys() & plan.fields.keys():
-            raise VariedError(f"{name} can't vary: {FIXED[name]}")
-        if plan.sampler == "grid":
-            len(plan.grid)
-        for name, varied in plan.fields.items():
-            if plan.sampler != "grid" and getattr(varied, "points", None) is not None:
-                raise VariedError(f"{name}: points belongs to a grid; leave it out")
+        _check_vary(plan)
     except VariedError as error:
         raise SweepFileError(f"{plan.path}: vary.{error}; correct the file") from None
+
+
+def _check_vary(plan: SweepPlan) -> None:
+    """Raise VariedError unless the fields can vary, in a grid if that is asked for."""
+    for name in FIXED.keys() & plan.fields.keys():
+        raise VariedError(f"{name} can't vary: {FIXED[name]}")
+    if plan.sampler == "grid":
+        grid_of(plan.fields)
+        return
+    for name, varied in plan.fields.items():
+        if getattr(varied, "points", None) is not None:
+            raise VariedError(f"{name}: points belongs to a grid; leave it out")
 
 
 def _check_values(plan: SweepPlan) -> None:

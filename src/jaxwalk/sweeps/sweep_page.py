@@ -28,7 +28,7 @@ AXIS, TALL, WIDE = 150, 300, 760
 LEFT, TOP, BOTTOM = 70, 16, 30
 """Margins [px]."""
 BEST_SHARE = 4
-"""The best of so many trials are coloured."""
+"""One of this many trials, the best ones, is coloured."""
 
 
 @dataclass(frozen=True)

@@ -57,9 +57,7 @@ class TrialWork:
         try:
             experiment = self.plan.experiment(self.trial.params)
             seeds = self.plan.training_seeds(experiment)
-            for index, seed in enumerate(seeds):
-                if self._noted(PRUNED) is None and self._noted(_name(seed)) is None:
-                    self._train(replace(experiment, seed=seed), index)
+            self._train_all([replace(experiment, seed=seed) for seed in seeds])
         except (DivergedError, ExperimentFileError) as error:
             raise UselessTrialError(str(error)) from error
         if self._noted(PRUNED):
@@ -69,6 +67,12 @@ class TrialWork:
     def _noted(self, name: str) -> Any:
         """Return a note of the journal; None if there is none."""
         return self.trial.user_attrs.get(name)
+
+    def _train_all(self, experiments: Sequence[Experiment]) -> None:
+        """Train what has no number yet, until the trial is pruned."""
+        for index, experiment in enumerate(experiments):
+            if self._noted(PRUNED) is None and self._noted(_name(experiment.seed)) is None:
+                self._train(experiment, index)
 
     def _train(self, experiment: Experiment, index: int) -> None:
         """Train with a seed, or resume that, and note its number."""
