@@ -12,6 +12,7 @@ import shutil
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from jaxwalk.cli.errors import UsageError, message
@@ -74,19 +75,23 @@ def check_place(options: Sweep) -> None:
     if options.on == "slurm" and CLUSTER == "slurm" and shutil.which("srun") is None:
         raise UsageError("--on slurm: there is no srun on this machine; submit from a login node of the cluster")
     if options.on == "slurm":
-        _executor(options)  # refuses a wrong parameter before anything is written
+        with TemporaryDirectory() as elsewhere:  # a wrong parameter is refused before anything is written
+            _executor(options, Path(elsewhere))
 
 
 def submit_jobs(options: Sweep) -> list[Any]:
     """Submit the processes to SLURM as one array, and return submitit's jobs."""
-    executor = _executor(options)
+    executor = _executor(options, options.out / LOGS)
     with executor.batch():
         return [executor.submit(_job(options)) for _ in range(options.workers)]
 
 
-def _executor(options: Sweep) -> Any:
-    """Return what submits jobs. Raise UsageError for a parameter that submitit doesn't know."""
-    executor, parameters = _submitit().AutoExecutor(folder=options.out / LOGS, cluster=CLUSTER), _parameters(options)
+def _executor(options: Sweep, folder: Path) -> Any:
+    """Return what submits jobs, with a folder for their output.
+
+    Raises UsageError for a parameter that submitit doesn't know.
+    """
+    executor, parameters = _submitit().AutoExecutor(folder=folder, cluster=CLUSTER), _parameters(options)
     try:
         executor.update_parameters(
             name="jaxwalk-sweep", cpus_per_task=options.cpus, gpus_per_node=options.gpus,
