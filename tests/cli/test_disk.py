@@ -15,9 +15,11 @@ from jaxwalk.cli import main
 from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 from maps.imported.osm_files import cross
+from sweeps.tiny_sweep import written
 
 COMMANDS = {
     "train": "train --run out",
+    "sweep": "sweep study.toml --out out",
     "play": "play --driver constant-speed --out out/episode.html",
     "evaluate": "evaluate --driver constant-speed --episodes 2 --out out",
     "a part": "evaluate --driver constant-speed --episodes 2 --part 1/1 --out out",
@@ -45,6 +47,7 @@ def test_no_room_is_one_message_and_nothing_is_half_written(name, place, capsys,
         raise OSError(fault, os.strerror(fault))
 
     cross().write(place / "cross.osm")
+    written(place)
     monkeypatch.setattr(writing, "_to_disk", fail)
     assert main(COMMANDS[name].split()) == 2
     err = " ".join(capsys.readouterr().err.split())
@@ -56,6 +59,7 @@ def test_no_room_is_one_message_and_nothing_is_half_written(name, place, capsys,
 
 def test_a_folder_that_may_only_be_read_is_refused_before_anything_is_done(place, capsys, monkeypatch):
     Run.create(place / "run", RECIPES["fast"])
+    written(place)
     monkeypatch.setattr(os, "access", lambda *_: False)  # the superuser may write everywhere
     for command in (*COMMANDS.values(), "train --resume run"):
         assert main(command.split()) == 2, command

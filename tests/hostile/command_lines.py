@@ -21,6 +21,7 @@ from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.street import make_street
 from scenarios.small_archive import write_small_archive
+from sweeps.tiny_sweep import written
 
 WORKERS = (
     "jaxwalk.runs.entry.train_in", "jaxwalk.runs.study.train_in", "jaxwalk.runs.study.Work._do",
@@ -33,6 +34,7 @@ WORKERS = (
     "jaxwalk.cli.importing_streets.read_source",
     "jaxwalk.cli.launcher._train",
     "jaxwalk.cli.rate.make_rating", "jaxwalk.cli.rate.analyse_answers", "jaxwalk.cli.live.serve_pages",
+    "jaxwalk.cli.sweep.sweep", "jaxwalk.cli.sweep.submit_jobs", "jaxwalk.cli.sweep.run_on_ray",
     "jaxwalk.cli.submit.read_entry", "jaxwalk.cli.merge.merge_parts", "jaxwalk.cli.evaluate.evaluate_part",
     "jaxwalk.cli.map_new.write_whole", "jaxwalk.cli.map_check.load_network", "jaxwalk.cli.map_draw.street_picture",
 )  # fmt: skip
@@ -73,10 +75,11 @@ LIKELY = {
     "method": ["random", "map-elites", "splitting"], "scenarios": ["file", "nowhere", "run"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
     "answers": ["file", "nowhere"], "archive": ["file", "nowhere", "run", "found.safetensors"],
+    "study": ["study.toml", "town.toml", "file", "nowhere"], "on": ["local", "slurm", "ray"],
     "part": ["1/3", "3/3", "4/3"], "parts": ["run", "file", "nowhere"],
 }  # fmt: skip
 """By the name of an option; all others take numbers, or nothing."""
-POSITIONAL = ("runs", "policy", "files", "drivers", "file", "parts")
+POSITIONAL = ("study", "runs", "policy", "files", "drivers", "file", "parts")
 MAPS_FIRST = (options.MapCheck, options.MapDraw)
 """Commands in which maps have no flag."""
 
@@ -117,6 +120,7 @@ def prepare(folder: Path) -> None:
     (folder / "mine.safetensors").write_bytes(save(ARRAYS, {"jaxwalk": json.dumps(HEADER)}))
     (folder / "bad.safetensors").write_bytes(save({"x": np.zeros(1)}, {"jaxwalk": "{}"}))
     write_small_archive(folder / "found.safetensors", make_street(RECIPES["fast"]))
+    written(folder)
     (folder / "idle.py").write_text("class Idle: pass\n")
     (folder / "town.toml").write_text("size = [60, 20]\n")
     for name in ("cross.osm", "nonsense.onnx", "nonsense.zip", "nonsense.pt", "file", "tracks.parquet"):

@@ -152,6 +152,6 @@ def test_the_page_shows_a_file_that_is_read():
     text = page.partition('```toml title="mine.toml"\n')[2].partition("```")[0]
     path = Path("mine.toml")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("jaxwalk.recipes.experiment_file._table", lambda _: tomllib.loads(text))
+        patch.setattr("jaxwalk.recipes.experiment_file.read_table", lambda _: tomllib.loads(text))
         found = load_experiment(path, RECIPES)
     assert found.recipe == "town" and found.crowds == (12, 48) and found.sim.perception

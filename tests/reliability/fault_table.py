@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 OUT = "kept"
 """Where every command writes."""
 SMALL = "--environments 8 --steps 8 --minibatches 2 --updates 2"
-LONG = ("reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier")
+LONG = ("sweep", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier")
 """Commands that take minutes: they meet the faults that end them."""
 COMMANDS = {
     "observations": "observations",
@@ -16,6 +16,7 @@ COMMANDS = {
     "evaluate": f"evaluate --driver random --episodes 2 --out {OUT}",
     "merge": f"merge part --out {OUT}",
     "train": f"train --run new {SMALL}",
+    "sweep": "sweep study.toml --out new",
     "play": f"play --driver random --out {OUT}/a.html",
     "export": f"export co-trained --out {OUT}/a.onnx",
     "tracks": f"tracks --driver random --out {OUT}/a.parquet",
@@ -78,7 +79,7 @@ class Fault:
         return bool(self.send) or 0 not in self.codes
 
 
-NO_OUTPUT = ("train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier")
+NO_OUTPUT = ("train", *LONG)
 """Commands that print nothing on standard output, or only in the end."""
 NO_FILES = ("observations", "measure", "map check", "live")
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP

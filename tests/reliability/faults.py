@@ -27,6 +27,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from maps.imported.osm_files import cross
 from reliability.fault_table import COMMANDS, FAULTS, LONG, OUT, SMALL, WRITES, Fault
+from sweeps.tiny_sweep import written
 
 AT_LEAST = 3
 """Number of commands that meet each fault."""
@@ -61,7 +62,7 @@ def cases(everything: bool, pattern: str) -> Iterator[tuple[Fault, str]]:
 
 
 def prepare(folder: Path, cache: Path) -> None:
-    """Make what commands read: a run, a table of trajectories, an entry, a part of an evaluation, a town."""
+    """Make what commands read: a run, a table of trajectories, an entry, a part of an evaluation, a town, a sweep."""
     entry = "evaluate --driver route-follower --episodes 2000 --out entry"
     part = "evaluate --driver random --episodes 2 --part 1/1 --out part"
     for line in (f"train --run run {SMALL}", "tracks --driver random --out tracks.parquet", entry, part):
@@ -69,6 +70,7 @@ def prepare(folder: Path, cache: Path) -> None:
         assert done.returncode == 0, done.stderr.decode()
     (folder / "entry" / "README.md").write_text("a car that looks at nobody")
     cross().write(folder / "cross.osm")
+    written(folder, trials=1)
 
 
 def play(fault: Fault, name: str, folder: Path, cache: Path) -> Seen:

@@ -17,6 +17,7 @@ from jaxwalk.scenarios.archive_file import SCENARIOS
 from maps.imported.osm_files import cross
 from raters.simulated import write_files
 from scenarios.small_archive import write_small_archive
+from sweeps.tiny_sweep import written as write_sweep
 
 SMALL = {
     "--episodes": "4", "--counterfactuals": "1", "--incidents": "1", "--updates": "2", "--count": "1", "--check": "2",
@@ -26,7 +27,7 @@ SMALL = {
 EPISODES = ("evaluate", "report", "tracks", "share")
 CHECKED = (
     "train", "reproduce", "hidden-intent", "co-training", "generalisation", "risk-aware", "frontier", "crashtest",
-    "bench", "live", "submit",
+    "bench", "live", "submit", "sweep",
 )  # fmt: skip
 """Commands that can't be made short: they run up to where their work begins, which has tests of its own."""
 ELSEWHERE = ("driver.pt", "ppo.zip", "theirs.parquet", "07_tracks.csv", "clip_traj_ped_filtered.csv")
@@ -72,6 +73,8 @@ def provide(words: list[str], trained: Path) -> None:
             _write_driver(Path(f"{found[1]}.py"), found[2])
         elif word.startswith("zoo/"):
             path.mkdir(parents=True, exist_ok=True)
+        elif word == "study.toml" and not path.exists():
+            write_sweep(Path())
         elif word == "town.osm":
             cross().write(path)
         elif word == "answers-*.json":

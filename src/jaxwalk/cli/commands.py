@@ -33,6 +33,7 @@ class Command:
 
 COMMANDS = (
     Command("train", options.Train, "jaxwalk.cli.train"),
+    Command("sweep", options.Sweep, "jaxwalk.cli.sweep"),
     Command("evaluate", options.Evaluate, "jaxwalk.cli.evaluate"),
     Command("merge", options.Merge, "jaxwalk.cli.merge"),
     Command("crashtest", options.Crashtest, "jaxwalk.cli.crashtest"),

@@ -22,7 +22,7 @@ from jaxwalk.sim.sim_config import SimConfig
 PLAN = "plan.json"
 """File of a folder of `jaxwalk reproduce`, which `jaxwalk report` takes as well."""
 
-FILES = ("files", "areas", "again", "answers", "config", "scenarios")
+FILES = ("files", "areas", "again", "answers", "config", "scenarios", "study")
 """Options that name files to read."""
 
 

@@ -42,29 +42,46 @@ def load_experiment(path: str | Path, recipes: Mapping[str, Experiment]) -> Expe
     Raises:
         ExperimentFileError: it can't be read, or a field is unknown or impossible.
     """
-    path = Path(path)
-    table = _table(path)
-    base = _base(path, table, recipes)
+    return described_experiment(read_table(path), path, recipes)
+
+
+def described_experiment(
+    table: Mapping[str, Any], path: str | Path, recipes: Mapping[str, Experiment], *, within: str = ""
+) -> Experiment:
+    """Return the training that a table of a file describes, as `load_experiment` does.
+
+    Args:
+        table: what the file says of the training.
+        path: the file, which messages name, and beside which maps and archives are.
+        recipes: the recipes that the table may name.
+        within: where in the file the table is, such as ``training.``; messages name it.
+
+    Raises:
+        ExperimentFileError: a field is unknown or impossible.
+    """
+    path, table, where = Path(path), dict(table), f"{path}: {within}"
+    base = _base(where, table, recipes)
     content = _experiments().dump_python(base, mode="json")
     for role in _inner(table, "train", "roles"):
         if role not in base.train.roles:
             known = ", ".join(base.train.roles)
-            raise ExperimentFileError(f"{path}: train.roles.{role}: there is no such role; there are {known}")
-    merged = _merged(content, table)
+            raise ExperimentFileError(f"{where}train.roles.{role}: there is no such role; there are {known}")
+    merged = merged_tables(content, table)
     try:
         found = _experiments().validate_json(json.dumps(merged, default=str), strict=True)
     except ValidationError as error:
         fault = dict(error.errors(include_url=False)[0])
-        raise ExperimentFileError(f"{path}: {_explained(fault, content)}; correct the file") from None
+        raise ExperimentFileError(f"{where}{explained_fault(fault, content)}; correct the file") from None
     if found.archive_share != base.archive_share and not found.archives:
-        raise ExperimentFileError(f"{path}: archive_share: there are no archives; add archives, or leave it out")
+        raise ExperimentFileError(f"{where}archive_share: there are no archives; add archives, or leave it out")
     archives = tuple(str((path.parent / name).absolute()) for name in found.archives)
     maps = tuple(_beside(path, name) for name in found.maps) if "maps" in table else found.maps
     return replace(found, maps=maps, archives=archives)
 
 
-def _table(path: Path) -> dict[str, Any]:
-    """Return the content of a TOML file."""
+def read_table(path: str | Path) -> dict[str, Any]:
+    """Return the content of a TOML file. Raise ExperimentFileError if it can't be read."""
+    path = Path(path)
     try:
         if path.exists() and not path.is_file():
             raise ExperimentFileError(f"{path}: not a regular file; check the path")
@@ -77,13 +94,13 @@ def _table(path: Path) -> dict[str, Any]:
         raise ExperimentFileError(f"{path}: not TOML that can be read ({error}); correct the file") from None
 
 
-def _base(path: Path, table: dict[str, Any], recipes: Mapping[str, Experiment]) -> Experiment:
-    """Return the recipe that a file names, in the world that it names; both names are removed from ``table``."""
+def _base(where: str, table: dict[str, Any], recipes: Mapping[str, Experiment]) -> Experiment:
+    """Return the recipe that a table names, in the world that it names; both names are removed from ``table``."""
     name, world = table.pop("recipe", "fast"), table.pop("world", None)
     if name not in list(recipes):
-        raise ExperimentFileError(f"{path}: recipe: there is no {_quoted(name)}; there are {', '.join(recipes)}")
+        raise ExperimentFileError(f"{where}recipe: there is no {quoted_value(name)}; there are {', '.join(recipes)}")
     if world is not None and world not in list(WORLDS):
-        raise ExperimentFileError(f"{path}: world: there is no {_quoted(world)}; there are {', '.join(WORLDS)}")
+        raise ExperimentFileError(f"{where}world: there is no {quoted_value(world)}; there are {', '.join(WORLDS)}")
     base, maps = recipes[name], table.get("maps")
     if world is None and not isinstance(maps, list):
         return base
@@ -97,14 +114,14 @@ def _inner(table: Any, *names: str) -> Any:
     return table if isinstance(table, dict) else {}
 
 
-def _merged(base: Any, changes: Any) -> Any:
+def merged_tables(base: Any, changes: Any) -> Any:
     """Return tables with the values that others change."""
     if isinstance(base, dict) and isinstance(changes, dict):
-        return base | {name: _merged(base.get(name), value) for name, value in changes.items()}
+        return base | {name: merged_tables(base.get(name), value) for name, value in changes.items()}
     return changes
 
 
-def _explained(fault: dict[str, Any], known: Any) -> str:
+def explained_fault(fault: dict[str, Any], known: Any) -> str:
     """Return one pydantic fault as a line that begins with the field. ``known``: the fields of the recipe."""
     parts = [part for part in fault["loc"] if part not in ("int", "float")]  # members of unions
     field = ".".join(map(str, parts))
@@ -115,10 +132,11 @@ def _explained(fault: dict[str, Any], known: Any) -> str:
     message = str(fault["msg"]).removeprefix("Value error, ").replace("Input should", "must")
     if fault["type"] == "value_error":  # the message names the field and the value
         return f"{field}: {message}" if field else message
-    return f"{field}: {message}, not {_quoted(fault['input'])}"
+    return f"{field}: {message}, not {quoted_value(fault['input'])}"
 
 
-def _quoted(value: Any) -> str:
+def quoted_value(value: Any) -> str:
+    """Return a wrong value for a message, cut off if it is long."""
     return shorten(repr(value), SHOWN)
 
 

@@ -1,0 +1,142 @@
+"""A sweep in a folder: trials are worked on until none is left, by this process and by others that share the folder.
+
+plan.json          what the file said
+journal.log        all trials (`jaxwalk.sweeps.journal`)
+trials/N/seed-S    a run folder: trial N, trained with seed S
+study.json, trials.csv, study.html    what came of it (`jaxwalk.sweeps.sweep_results`)
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from jaxwalk.runs.folder import RunError, as_json, check_writable, is_empty
+from jaxwalk.runs.lock import held
+from jaxwalk.runs.street import make_street
+from jaxwalk.runs.study import read_json
+from jaxwalk.sweeps.evaluated import check_objective
+from jaxwalk.sweeps.journal import PATIENCE, Journal, check_optuna
+from jaxwalk.sweeps.study_file import SweepPlan
+from jaxwalk.sweeps.sweep_results import SweepResults, read_results, write_results
+from jaxwalk.sweeps.trial_work import WHY, TrialWork, UselessTrialError
+from jaxwalk.sweeps.varied import single_changes
+from jaxwalk.writing import remove_unfinished, write_whole
+
+PLAN = "plan.json"
+"""File of what was asked for."""
+MAY_GROW = "trials"
+"""The one field that may have another value when a sweep goes on: a larger one."""
+
+
+def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> SweepResults:
+    """Work on the trials of a sweep until none is left for this process; return what there is then.
+
+    Args:
+        folder: made if missing; what is there is kept, and interrupted trials are resumed.
+        plan: what the file says (`load_sweep`).
+        console: where progress is shown (default: standard error).
+
+    Raises:
+        Interrupted: on Ctrl-C; the same call goes on later.
+        RunError: the folder was begun with another plan, or isn't a sweep's.
+        OptunaError, JournalError, SweepFileError, ContestantError: Optuna is missing, the journal is damaged, or the
+            objective doesn't exist.
+    """
+    begin_sweep(folder, plan)
+    console = console or Console(stderr=True)
+    journal = Journal(folder, plan)
+    with held(folder, seconds=PATIENCE):
+        journal.trials()  # makes the journal, while no other process does
+    while _work(journal, console):
+        _write(journal)
+    return _write(journal)
+
+
+def begin_sweep(folder: Path, plan: SweepPlan) -> None:
+    """Check everything that a sweep needs, and make its folder with the plan, unless it is there.
+
+    Raises what `sweep` raises before it trains.
+    """
+    check_optuna()
+    check_folder(folder, plan)
+    check_objective(plan)
+    _check_streets(plan)
+    with held(folder, seconds=PATIENCE):
+        check_folder(folder, plan)  # check again: another process may have been quicker
+        remove_unfinished(folder)
+        write_whole(folder / PLAN, json.dumps(as_plan(plan), indent=2, allow_nan=False) + "\n")
+
+
+def _check_streets(plan: SweepPlan) -> None:
+    """Raise the error of `make_street` for a name that doesn't exist, before anything is written."""
+    make_street(plan.base)
+    for labels in single_changes(plan.fields):
+        if any(isinstance(label, str) for label in labels.values()):  # numbers are checked with the file
+            make_street(plan.experiment(plan.first | labels))
+
+
+def _work(journal: Journal, console: Console) -> bool:
+    """Work on one trial to its end; return False if there is none."""
+    with journal.claimed() as trial:
+        if trial is None:
+            return False
+        work = TrialWork(trial, journal.plan, journal.trial_folder(trial.number), console)
+        try:
+            score = work.score()
+        except UselessTrialError as error:
+            trial.set_user_attr(WHY, str(error))
+            console.print(f"trial {trial.number} failed: {error}", soft_wrap=True, markup=False)
+            _end(journal, trial.number, "FAIL")
+            return True
+        if score is None:
+            _end(journal, trial.number, "PRUNED")
+            said = "pruned"
+        else:
+            _end(journal, trial.number, "COMPLETE", score)
+            said = f"{journal.plan.objective.metric} {score:.6g}"
+        console.print(f"trial {trial.number}: {said}", soft_wrap=True, markup=False)
+        return True
+
+
+def _end(journal: Journal, number: int, state: str, score: float | None = None) -> None:
+    """Note in the journal how a trial ended."""
+    from optuna.trial import TrialState
+
+    journal.study.tell(number, score, TrialState[state])
+
+
+def _write(journal: Journal) -> SweepResults:
+    """Write the results, while no other process does."""
+    with held(journal.folder, seconds=PATIENCE):
+        results = read_results(journal)
+        write_results(journal.folder, results)
+    return results
+
+
+def check_folder(folder: Path, plan: SweepPlan) -> None:
+    """Raise RunError unless the folder can be made, or was begun with the same plan. Writes nothing."""
+    there, other = read_json(folder / PLAN, "sweep"), "or name another folder"
+    if folder.exists() and not folder.is_dir():
+        raise RunError(f"{folder}: is a file, not a folder; name another one")
+    if there is None and folder.is_dir() and not is_empty(folder):
+        raise RunError(f"{folder}: the folder is not empty and no `jaxwalk sweep` made it; name another folder")
+    if there is not None:
+        asked = as_plan(plan)
+        there = there if isinstance(there, dict) else {}
+        name = next((name for name in asked if name != MAY_GROW and there.get(name) != asked[name]), None)
+        if name is not None:
+            raise RunError(f"{folder}: was begun with another value of {name}; undo the change in {plan.path}, {other}")
+        if plan.trials is not None and there.get(MAY_GROW, 0) > plan.trials:
+            raise RunError(f"{folder}: was begun with {there[MAY_GROW]} trials; ask for no fewer, {other}")
+    check_writable(folder)
+
+
+def as_plan(plan: SweepPlan) -> dict[str, Any]:
+    """Return what the folder keeps of a plan, as JSON has it."""
+    document = {name: value for name, value in asdict(plan).items() if name != "path"}
+    return json.loads(json.dumps(document | {"training": as_json(plan.base)}))

@@ -1,0 +1,83 @@
+"""Sweeps of real trainings, tiny ones: small networks, 64 steps an update. What varies compiles nothing anew."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from jaxwalk.cli import main
+from jaxwalk.policies import load_policy
+from jaxwalk.runs.folder import Run
+from sweeps.tiny_sweep import written
+
+
+def test_a_sweep_trains_and_evaluates_run_folders(place, capsys):
+    """The objective is of an evaluation."""
+    study = written(place, metric="outcomes.kilometres", more='of = "evaluation"\nepisodes = 4\nseed = 7')
+    assert main(["sweep", str(study), "--out", "out"]) == 0
+    document = json.loads((place / "out" / "study.json").read_text())
+    assert [trial["state"] for trial in document["trials"]] == ["complete"] * 2
+    assert all(trial["value"] == trial["seeds"]["seed-0"] > 0 for trial in document["trials"])
+    for number in range(2):
+        run = Run.open(place / "out" / "trials" / str(number) / "seed-0")
+        assert run.experiment.driver_weights["time"] == document["trials"][number]["values"]["driver_weights.time"]
+        assert len(run.metrics()) == 1 and load_policy(run.policy, "driver")
+    page = (place / "out" / "study.html").read_text()
+    assert "1,000" not in page and "of an evaluation on 4 scenarios of seed 7 among always-go" in page
+
+
+def test_a_number_that_no_evaluation_has_is_refused(place, capsys):
+    study = written(place, metric="outcomes.gaol", more='of = "evaluation"')
+    assert main(["sweep", str(study), "--out", "out"]) == 2
+    assert "an evaluation has no 'outcomes.gaol'; it has outcomes.goal" in capsys.readouterr().err
+    assert not (place / "out").exists()
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are killed")
+def test_a_sweep_of_twenty_trials_killed_five_times_is_complete(place):
+    """Two processes share it; each kill (SIGKILL) hits one of them, a random moment after more trials have begun."""
+    study, out, chance = written(place, trials=20, updates=12), place / "out", random.Random(0)
+    command = [sys.executable, "-m", "jaxwalk", "sweep", str(study), "--out", str(out)]
+    environment = {**os.environ, "JAX_NUM_CPU_DEVICES": "1", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
+
+    def begin():
+        return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def begun() -> int:
+        return len(list(out.glob("trials/*/seed-0/metrics.jsonl")))
+
+    processes = [begin(), begin()]
+    try:
+        for kill in range(5):
+            wanted = begun() + 2
+            while begun() < wanted and any(process.poll() is None for process in processes):
+                time.sleep(0.01)
+            time.sleep(chance.uniform(0.0, 1.0))
+            processes[kill % 2].send_signal(signal.SIGKILL)
+            assert processes[kill % 2].wait() == -signal.SIGKILL, "it was over before it could be killed"
+            processes[kill % 2].stderr.close()
+            processes[kill % 2] = begin()
+        for process in processes:
+            _, said = process.communicate(timeout=900)
+            assert process.returncode == 0, said
+    finally:
+        for process in processes:
+            process.kill()
+    assert subprocess.run(command, env=environment, check=False, capture_output=True).returncode == 0
+    document = json.loads((out / "study.json").read_text())
+    assert [(trial["number"], trial["state"]) for trial in document["trials"]] == [(n, "complete") for n in range(20)]
+    assert len({trial["values"]["driver_weights.time"] for trial in document["trials"]}) == 20
+    for number in range(20):
+        lines = Run.open(out / "trials" / str(number) / "seed-0").metrics()
+        assert [line["update"] for line in lines] == list(range(1, 13))
+    told = [json.loads(line) for line in (out / "journal.log").read_text().splitlines()]
+    ended = [entry["trial_id"] for entry in told if entry["op_code"] == 6 and entry["state"] == 1]
+    assert sorted(ended) == list(range(20)), "each trial has ended once"

@@ -1,0 +1,111 @@
+"""A sweep's file: what it says, and one message for each mistake."""
+
+from __future__ import annotations
+
+from importlib import resources
+
+import pytest
+
+from jaxwalk.cli import main
+from jaxwalk.recipes import RECIPES
+from jaxwalk.sweeps.study_file import load_sweep
+from jaxwalk.sweeps.varied import ListedValues, ValueRange, changes_of, grid_of
+
+WRONG = {
+    "sampler": ("random", "bohb", "sampler: must be 'tpe', 'random' or 'grid', not 'bohb'"),
+    "no trials": ("trials = 4", "", "trials is needed with random"),
+    "trials of a grid": ('"random"', '"grid"', "trials is decided by the grid; leave it out"),
+    "unknown": ("trials = 4", "trials = 4\nsees = 2", "sees: there is no such field; perhaps seeds is meant"),
+    "its own path": ("trials = 4", 'trials = 4\npath = "x"', "path: there is no such field"),
+    "seeds": ("trials = 4", "trials = 4\nseeds = 0", "seeds must lie in [1, 1,000], not 0"),
+    "objective": ("reward/driver", "reward/drover", "objective.metric: there is no 'reward/drover' of a training"),
+    "direction": ("minimise", "min", "objective.direction: must be 'maximise' or 'minimise', not 'min'"),
+    "no direction": ('direction = "minimise"', "", "objective.direction is missing"),
+    "of training": ("[objective]", "[objective]\nepisodes = 9", "objective: episodes belongs to an evaluation"),
+    "pruned evaluation": (
+        '[objective]\nmetric = "reward/driver"',
+        'prune = true\n[objective]\nof = "evaluation"\nmetric = "outcomes.goal"',
+        "prune needs an objective of the training",
+    ),
+    "training": ("updates = 10", "updats = 10", "training.train.updats: there is no such field; perhaps updates"),
+    "minutes": ("[training.train]", "[training]\nminutes = 3.0\n[training.train]", "training.minutes: trials are"),
+    "value": ("high = -0.02", 'high = "a"', "vary.driver_weights.time: high: must be"),
+    "order": ("high = -0.02", "high = -0.3", "vary.driver_weights.time: low must be below high"),
+    "log": ("high = -0.02", "high = -0.02, log = true", "vary.driver_weights.time: low must be above 0 with log"),
+    "points": ("high = -0.02", "high = -0.02, points = 3", "vary.driver_weights.time: points belongs to a grid"),
+    "one value": ("{ low = -0.25, high = -0.02 }", "[-0.1]", "vary.driver_weights.time: needs at least two values"),
+    "no range": ("{ low = -0.25, high = -0.02 }", "-0.1", "vary.driver_weights.time: -0.1 doesn't vary; give a list"),
+    "seed": ("[vary.driver_weights]\ntime = {", "[vary]\nseed = {", "vary.seed can't vary: each trial is trained"),
+    "impossible": (
+        "[vary.driver_weights]",
+        "[vary.train]\nminibatches = [2, 3]\n[vary.driver_weights]",
+        "vary.train: minibatches must divide steps (8), not 3",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_mistake_is_one_message_that_names_the_field(name, study, tmp_path, capsys):
+    old, new, said = WRONG[name]
+    assert main(["sweep", str(study(**{old: new})), "--out", str(tmp_path / "out")]) == 2
+    err = capsys.readouterr().err
+    assert said in err and err.startswith(f"jaxwalk: {tmp_path / 'study.toml'}: ") and err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_name_that_only_the_street_knows_is_refused_before_anything_is_written(study, tmp_path, capsys):
+    names = '[vary.train.roles.driver]\nobserves = ["route-footprint", "rout"]\n'
+    path = study(**{"[vary.driver_weights]": names + "[vary.driver_weights]"})
+    assert main(["sweep", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert "train.roles.driver.observes must be one of " in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_value_that_is_always_varied_need_not_fit_before(study):
+    """The recipe's 32 minibatches don't divide 8 steps."""
+    changed = {
+        "minibatches = 2\n": "",
+        "[vary.driver_weights]": "[vary.train]\nminibatches = [4, 8]\n[vary.driver_weights]",
+    }
+    plan = load_sweep(study(**changed))
+    assert plan.base.train.minibatches == 4
+    assert plan.experiment({"train.minibatches": 8, "driver_weights.time": -0.1}).train.minibatches == 8
+
+
+def test_a_trial_is_the_training_with_its_values(study):
+    plan = load_sweep(study())
+    found = plan.experiment({"driver_weights.time": -0.125})
+    assert found.driver_weights == {**RECIPES["fast"].driver_weights, "time": -0.125}
+    assert (found.train.updates, found.train.environments) == (10, 8)
+    assert list(plan.training_seeds(found)) == [0] and plan.count == 4
+
+
+def test_the_example_is_a_sweep(tmp_path, capsys):
+    assert main(["sweep", "--example"]) == 0
+    path = tmp_path / "study.toml"
+    path.write_text(capsys.readouterr().out)
+    assert path.read_text() == resources.files("jaxwalk.sweeps").joinpath("example.toml").read_text(encoding="utf-8")
+    plan = load_sweep(path)
+    assert list(plan.fields) == [
+        "train.learning_rate", "train.minibatches", "train.roles.driver.entropy", "driver_weights.time"
+    ]  # fmt: skip
+
+
+def test_without_a_file_the_example_is_named(capsys):
+    assert main(["sweep"]) == 2
+    assert "jaxwalk sweep --example prints one" in capsys.readouterr().err
+
+
+def test_a_grid_has_all_combinations():
+    fields = {"train.roles.driver.actor_hidden": ListedValues(([8], [8, 8])), "x": ValueRange(1e-4, 1e-2, True, 3)}
+    grid = grid_of(fields)
+    assert [list(labels.values()) for labels in grid[:2]] == [["[8]", 1e-4], ["[8]", pytest.approx(1e-3)]]
+    assert len(grid) == 6 and grid[-1] == {"train.roles.driver.actor_hidden": "[8, 8]", "x": 1e-2}
+    nested = {"train": {"roles": {"driver": {"actor_hidden": [8, 8]}}}, "x": 1e-2}
+    assert changes_of(fields, grid[-1]) == nested
+
+
+def test_whole_ends_have_whole_numbers_between_them():
+    assert ValueRange(1, 8, log=True, points=4).grid() == (1, 2, 4, 8)
+    assert ValueRange(1, 4, points=7).grid() == (1, 2, 3, 4)
+    assert ValueRange(0.0, 1.0, points=3).grid() == (0.0, 0.5, 1.0)

@@ -1,0 +1,86 @@
+"""The page of a sweep: from results that are made by hand."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from jaxwalk.sweeps.study_file import load_sweep
+from jaxwalk.sweeps.sweep_page import sweep_page
+from jaxwalk.sweeps.sweep_results import SweepResults, TrialResult
+from jaxwalk.sweeps.trial_curves import TrialCurve, curve_of
+
+
+@pytest.fixture
+def results(study):
+    """Three complete trials, of which the second is the best (least), and a pruned one."""
+    plan = load_sweep(
+        study(**{"[vary.driver_weights]": "[vary.train]\nminibatches = [1, 2, 4]\n[vary.driver_weights]"})
+    )
+    rows = [(0, 4.0, 1, -0.25), (1, 1.0, 2, -0.135), (2, 2.0, 4, -0.02), (3, None, 4, -0.1)]
+    trials = tuple(
+        TrialResult(
+            number,
+            "pruned" if value is None else "complete",
+            value,
+            {} if value is None else {"seed-0": value},
+            {"train.minibatches": parts, "driver_weights.time": time},
+            "after update 3 of <seed> 0" if value is None else None,
+        )
+        for number, value, parts, time in rows
+    )
+    curves = {0: TrialCurve((5, 10), (4.0, 2.0)), 3: TrialCurve((3,), (3.0,))}
+    return SweepResults(plan, trials, {"driver_weights.time": 0.75, "train.minibatches": 0.25}, curves)
+
+
+def lines(page, kind):
+    return re.findall(rf'<polyline class="{kind}" points="([^"]*)"><title>([^<]*)</title>', page)
+
+
+def test_the_page_says_what_is_best_and_that_it_is_optimistic(results):
+    page = sweep_page(Path("runs/x"), results)
+    assert "4 of 4 trials ended: 3 complete, 1 pruned" in page
+    assert "The best of 3 complete trials is trial 1</b> with 1" in page and "this number is optimistic" in page
+    assert re.findall(r"<code>runs/x/trials/(\d)/seed-0</code>", page) == ["1", "2", "0"]
+    assert re.findall(r"<th scope=\"row\">([^<]*)</th><td>(\d+) %", page) == [
+        ("driver_weights.time", "75"),
+        ("train.minibatches", "25"),
+    ]
+    assert "after update 3 of &lt;seed&gt; 0" in page
+
+
+def test_a_line_goes_through_its_values_and_ends_at_its_number(results):
+    """Axes are 254 px high, from 16 to 270; the least number, the best, is at the bottom."""
+    page = sweep_page(Path("runs/x"), results)
+    (best,) = [points for points, said in lines(page, "best") if said.startswith("trial 1: 1;")]
+    assert best == "70,143.0 220,143.0 370,270.0"
+    others = [points for points, _ in lines(page, "other")]
+    assert "70,270.0 220,270.0 370,16.0" in others and "70,16.0 220,16.0 370,185.3" in others
+    assert [said for _, said in lines(page, "early")] == [
+        "trial 3: pruned; train.minibatches 4, driver_weights.time -0.1"
+    ]
+
+
+def test_it_is_one_file_without_a_script(results):
+    page = sweep_page(Path("runs/x"), results)
+    assert "<script" not in page and not re.search(r"(src|href|url)\s*[=(]", page)
+
+
+def test_without_a_complete_trial_there_is_a_page_too(results):
+    few = replace(results, trials=results.trials[3:], importance={}, curves={})
+    page = sweep_page(Path("runs/x"), few)
+    assert "1 of 4 trials ended: 1 pruned" in page and "<svg" not in page and "Too few complete trials" in page
+
+
+def test_a_curve_is_the_mean_over_seeds_and_updates(results):
+    objective = results.plan.objective
+    seeds = [
+        [{"update": n, "episodes": 1, "reward/driver": float(n + 100 * seed)} for n in range(1, 121)] for seed in (0, 1)
+    ]
+    curve = curve_of(seeds, objective)
+    assert curve.updates == tuple(range(2, 121, 2))
+    assert curve.values[:2] == (51.5, 53.5)
+    assert curve_of([[]], objective) is None
