@@ -1,6 +1,7 @@
 """A sweep of four short trainings: which price of time makes the car collect most reward for its progress?
 
-Needs ``pip install "jaxwalk[sweep]"``. On the command line: ``jaxwalk sweep study.toml``; docs/sweeps.md explains the file.
+Needs ``pip install "jaxwalk[sweep]"``. On the command line: ``jaxwalk sweep study.toml``; docs/sweeps.md says what the
+file holds.
 """
 
 from pathlib import Path

@@ -6,10 +6,10 @@
 2. on a Ray of this machine: ``--cluster local``, of which two workers are killed (SIGKILL) while they play;
 3. as 16 parts by hand: two of them are killed and evaluated again, one is evaluated twice; then ``jaxwalk merge``.
 
-results.json (all counts, sums, quantiles, histograms and intervals) and episodes.csv (a row per scenario) must be the same
-bytes each time. It prints the processor seconds of each step, and the most memory of its largest processes. Exit code 1
-if anything differs, or if a process of 2 or 3 took more than --most GB. --steps goes on after those that are done. Needs
-Linux, and pip install "jaxwalk[cluster]".
+results.json (all counts, sums, quantiles, histograms and intervals) and episodes.csv (a row per scenario) must be the
+same bytes each time. It prints the processor seconds of each step, and the most memory of its largest processes. Exit
+code 1 if anything differs, or if a process of 2 or 3 took more than --most GB. --steps goes on after those that are
+done. Needs Linux, and pip install "jaxwalk[cluster]".
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ def test_options_that_make_no_sense_are_refused(words, study, tmp_path, capsys):
 @pytest.mark.parametrize("package", ["submitit", "ray"])
 def test_a_missing_package_is_named_with_its_extra(package, study, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(sweep_jobs.importlib.util, "find_spec", lambda name: None if name == package else object())
-    on, extra = ("slurm", "sweep") if package == "submitit" else ("ray", "ray")
+    on, extra = ("slurm", "sweep") if package == "submitit" else ("ray", "cluster")
     assert main(["sweep", str(study()), "--out", str(tmp_path / "out"), "--on", on]) == 2
     assert f'install it with: pip install "jaxwalk[{extra}]"' in capsys.readouterr().err
 

@@ -29,7 +29,7 @@ RETRIES = 20
 """How often Ray begins a task again whose process or machine died."""
 NEEDS = {
     "slurm": ("submitit", 'needs submitit; install it with: pip install "jaxwalk[sweep]"'),
-    "ray": ("ray", 'needs Ray; install it with: pip install "jaxwalk[ray]"'),
+    "ray": ("ray", 'needs Ray; install it with: pip install "jaxwalk[cluster]"'),
 }
 """The package that each place needs, and what to do without it."""
 
