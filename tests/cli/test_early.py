@@ -44,6 +44,8 @@ WRONG = {
     "train --run new --map half.toml": "half.toml has",
     "train --run new --config none.toml": "none.toml: no such file",
     "train --run new --config half.toml": "half.toml: size: there is no such field",
+    "sweep none.toml": "none.toml: no such file",
+    "sweep half.toml": "half.toml: objective is missing",
     "map check half.toml": "half.toml has",
     "map draw nowhere": "no such map",
     "train --run full": "full: the folder is not empty",

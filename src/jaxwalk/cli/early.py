@@ -11,13 +11,14 @@ from typing import Any
 
 from jaxwalk.cli.checks import place
 from jaxwalk.cli.errors import UsageError
-from jaxwalk.cli.options import Share, Train
+from jaxwalk.cli.options import Share, Sweep, Train
 from jaxwalk.maps import checked, each_map, map_content
 from jaxwalk.maps.generated import names_generated
 from jaxwalk.recipes import RECIPES, load_experiment
 from jaxwalk.runs.contestant_names import check_name, run_folders
 from jaxwalk.runs.folder import Run, check_new
 from jaxwalk.sim.sim_config import SimConfig
+from jaxwalk.sweeps.study_file import load_sweep
 
 PLAN = "plan.json"
 """File of a folder of `jaxwalk reproduce`, which `jaxwalk report` takes as well."""
@@ -38,6 +39,8 @@ def check_names(options: Any) -> None:
         Run.open(options.resume)
     elif isinstance(options, Train) and options.run_folder:
         check_new(options.run_folder)
+    if isinstance(options, Sweep) and options.study:
+        load_sweep(options.study)
     if hasattr(options, "people"):
         place(options)
     named = list(_named(options))
