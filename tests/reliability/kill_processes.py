@@ -137,7 +137,10 @@ def strike_often(folder: Path, kills: int, stops: int, seed: int, say: Callable[
             struck = left.pop().name
             hit[f"{struck} in {happened[0]}"] += 1
             longest[struck] = max(longest[struck], round(happened[1]))
-            say(f"{struck}: ended after {happened[1]:.1f} s; training {number} has written {written(cut)} updates")
+            what, seconds = happened
+            say(
+                f"{struck} in {what}: ended after {seconds:.1f} s; training {number} has written {written(cut)} updates"
+            )
         if happened is None or not left:
             complete(cut)
             wrong += [f"{cut.name}: {what}" for what in differences(cut, whole)]

@@ -17,6 +17,8 @@ MOST = 4096
 """Largest number of processes."""
 SILENCE = 30
 """A process that gives no sign of life for so long has stopped: the others end [s]."""
+MEETING, MEETING_LAUNCHED = 300, 40
+"""Time that processes have to find each other [s]; less for those that are started together, on one machine."""
 FAREWELL = 60
 """Longest time that a process waits for the others in the end [s]."""
 LOOPBACK = ("127.0.0.1", "localhost")
@@ -92,10 +94,11 @@ def join(group: Group) -> None:
     import jax
 
     host, _, port = group.coordinator.rpartition(":")
-    first = group.process * group.devices
+    first, launched = group.process * group.devices, LAUNCHED in os.environ
     jax.distributed.initialize(
         group.coordinator, group.processes, group.process,
-        local_device_ids=list(range(first, first + group.devices)) if LAUNCHED in os.environ else None,
+        local_device_ids=list(range(first, first + group.devices)) if launched else None,
+        initialization_timeout=MEETING_LAUNCHED if launched else MEETING,
         cluster_detection_method="deactivate",  # it would guess from variables of SLURM, which may be incomplete
         coordinator_bind_address=f"127.0.0.1:{port}" if host in LOOPBACK else None,
         heartbeat_timeout_seconds=SILENCE, shutdown_timeout_seconds=FAREWELL,

@@ -131,7 +131,7 @@ def _what_happened(codes: Sequence[int | None]) -> str:
         return "a process hangs, so that no update was finished for long"
     silent = [str(number) for number, code in enumerate(codes) if code is None]
     if silent:
-        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s"
+        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s or more"
     return "the processes lost each other"
 
 
