@@ -23,16 +23,16 @@ from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.search.driving import Driving
 from jaxwalk.search.found_failures import AVOIDERS, PLAUSIBLE
 from jaxwalk.search.grid import GRID
-from jaxwalk.search.hunt import begun, method_of, play_generation
+from jaxwalk.search.hunt import MethodName, begun, method_of, play_generation
 from jaxwalk.search.judging import judge
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.suites import SUITES
 from jaxwalk.writing import write_whole
 
-METHODS = ("random", "map-elites", "cross-entropy", "evolution")
+METHODS: tuple[MethodName, ...] = ("random", "map-elites", "cross-entropy", "evolution")
 
 
-def search(street: Street, policies: dict[str, Any], method: str, seed: int, simulations: int) -> dict[str, Any]:
+def search(street: Street, policies: dict[str, Any], method: MethodName, seed: int, simulations: int) -> dict[str, Any]:
     """Return what one search finds: failures, kinds, and how many kinds are plausible and avoidable."""
     game = Driving(street, policies, seed)
     proposer = method_of(method, game)
