@@ -30,12 +30,14 @@ WORKERS = (
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark", "jaxwalk.cli.bench.planned",
     "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
-    "jaxwalk.cli.search.search_failures", "jaxwalk.cli.search.estimate_rate", "jaxwalk.cli.evaluate.read_archive",
+    "jaxwalk.cli.search.search_failures", "jaxwalk.cli.search.estimate_rate",
+    "jaxwalk.cli.evaluation_asked.read_archive",
     "jaxwalk.cli.importing_streets.read_source",
     "jaxwalk.cli.launcher._train",
     "jaxwalk.cli.rate.make_rating", "jaxwalk.cli.rate.analyse_answers", "jaxwalk.cli.live.serve_pages",
     "jaxwalk.cli.sweep.sweep", "jaxwalk.cli.sweep.submit_jobs", "jaxwalk.cli.sweep.run_on_ray",
     "jaxwalk.cli.submit.read_entry", "jaxwalk.cli.merge.merge_parts", "jaxwalk.cli.evaluate.evaluate_part",
+    "jaxwalk.cli.evaluate.evaluate_on_cluster",
     "jaxwalk.cli.map_new.write_whole", "jaxwalk.cli.map_check.load_network", "jaxwalk.cli.map_draw.street_picture",
 )  # fmt: skip
 """Where the work begins that a good command line asks for: a case ends there."""
@@ -75,13 +77,14 @@ LIKELY = {
     "method": ["random", "map-elites", "splitting"], "scenarios": ["file", "nowhere", "run"],
     "suite": ["paper", "r152", "town.toml"], "require": ["avoid<=40", "keep", "never"], "layers": ["standard", "all"],
     "answers": ["file", "nowhere"], "archive": ["file", "nowhere", "run", "found.safetensors"],
+    "part": ["1/3", "3/3", "4/3"], "parts": ["run", "file", "nowhere", "3"],
     "study": ["study.toml", "town.toml", "file", "nowhere"], "on": ["local", "slurm", "ray"],
-    "part": ["1/3", "3/3", "4/3"], "parts": ["run", "file", "nowhere"],
+    "cluster": ["local", "auto", "ray://host:1", "nowhere"],
 }  # fmt: skip
 """By the name of an option; all others take numbers, or nothing."""
-POSITIONAL = ("study", "runs", "policy", "files", "drivers", "file", "parts")
-MAPS_FIRST = (options.MapCheck, options.MapDraw)
-"""Commands in which maps have no flag."""
+POSITIONAL = ("study", "runs", "policy", "files", "drivers", "file")
+NAMELESS = ((options.MapCheck, "map"), (options.MapDraw, "map"), (options.Merge, "parts"))
+"""What has no flag in one command, and a flag in another."""
 
 
 def commands() -> list[type]:
@@ -99,7 +102,7 @@ def command_lines(draw: Callable[[st.SearchStrategy[Any]], Any]) -> list[str]:
     given += draw(st.lists(st.sampled_from(sorted(fields)), max_size=3))
     line = [name]
     for field in given:
-        bare = field in POSITIONAL or (kind in MAPS_FIRST and field == "map")
+        bare = field in POSITIONAL or (kind, field) in NAMELESS
         if not bare and not (kind is options.Share and field == "run_folder"):
             line.append("--" + ("run" if field == "run_folder" else field.replace("_", "-")))
         if fields[field].default is not False:

@@ -28,10 +28,6 @@ from reliability.process_tree import Tree, watched
 
 JAXWALK = [sys.executable, "-m", "jaxwalk"]
 FILES = ("results.json", "episodes.csv")
-BY_HAND = 16
-KILLED = (3, 11)
-"""Parts by hand that are killed, and the one that is evaluated twice."""
-TWICE = 7
 STEPS = ("one", "ray", "parts")
 """Steps that can be left out if they are done; the merge of parts and the comparison are always made."""
 
@@ -71,15 +67,15 @@ def on_ray(command: list[str], out: Path) -> Tree:
     return tree
 
 
-def by_hand(command: list[str], out: Path) -> list[Tree]:
-    """Evaluate parts one after the other; two are killed and evaluated again, one is evaluated twice."""
+def by_hand(command: list[str], out: Path, parts: int) -> list[Tree]:
+    """Evaluate parts one after the other; the first and the last are killed and evaluated again, the last one twice."""
     trees = []
-    for number in range(1, BY_HAND + 1):
-        part = [*command, "--part", f"{number}/{BY_HAND}", "--out", str(out / str(number))]
-        if number in KILLED:
+    for number in range(1, parts + 1):
+        part = [*command, "--part", f"{number}/{parts}", "--out", str(out / str(number))]
+        if number in (1, parts):
             _kill_while_it_plays(part, out / str(number))
         trees.append(run(part))
-    trees.append(run([*command, "--part", f"{TWICE}/{BY_HAND}", "--out", str(out / "again")]))
+    trees.append(run([*command, "--part", f"{parts}/{parts}", "--out", str(out / "again")]))
     return trees
 
 
@@ -99,6 +95,7 @@ def main() -> int:
     """Play, compare and print."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--episodes", type=int, default=8192)
+    parser.add_argument("--by-hand", type=int, default=16, help="number of parts by hand")
     parser.add_argument("--driver", default="route-follower")
     parser.add_argument("--most", type=float, default=1.5, help="most memory of a process that isn't the first [GB]")
     parser.add_argument("--out", type=Path, default=Path("runs/million"))
@@ -112,7 +109,7 @@ def main() -> int:
     if "ray" in given.steps:
         most = say("on Ray", [on_ray(command, ray)])
     if "parts" in given.steps:
-        most = max(most, say(f"{BY_HAND} parts by hand, and one again", by_hand(command, parts)))
+        most = max(most, say("parts by hand, and one again", by_hand(command, parts, given.by_hand)))
     folders = [str(path) for path in parts.iterdir()]
     most = max(most, say("their merge", [run([*JAXWALK, "merge", *folders, "--out", str(merged)])]))
     different = [f"{folder}/{name}" for folder in (ray, merged) for name in FILES

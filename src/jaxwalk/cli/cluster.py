@@ -38,7 +38,7 @@ def evaluate_on_cluster(options: Evaluate, work: Evaluation, cluster: str, out: 
     """Play all parts that aren't finished yet as tasks of a cluster, put them together, and remove them.
 
     Raises:
-        PartError: there can't be so many parts, or those in the folder are of another evaluation.
+        PartError: there can't be that number of parts, or those in the folder are of another evaluation.
         ClusterError: the cluster can't be used, or can't play a part.
         InUseError: another process writes into the folder.
     """
@@ -46,14 +46,19 @@ def evaluate_on_cluster(options: Evaluate, work: Evaluation, cluster: str, out: 
     with held(out):
         kept = KeptParts.of(work, out / PARTS, parts)
         if kept.missing():
-            with connected(cluster, cores()) as scratch:
-                play = PlayPart(options, os.getcwd(), for_workers(), scratch)
-                with_progress("playing", partial(_play, kept, play))
+            _play_missing(options, cluster, kept)
         merged = with_progress("merging", partial(merge_parts, kept.finished(), out))
         kept.remove()
     for line in merged.said:
         _say(line)
     return merged.results
+
+
+def _play_missing(options: Evaluate, cluster: str, kept: KeptParts) -> None:
+    """Play the parts that aren't finished on a cluster, and keep them. Raises ClusterError."""
+    with connected(cluster, cores()) as scratch:
+        play = PlayPart(options, os.getcwd(), for_workers(), scratch)
+        with_progress("playing", partial(_play, kept, play))
 
 
 def _play(kept: KeptParts, play: PlayPart, tell: Tell) -> None:

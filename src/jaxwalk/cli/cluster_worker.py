@@ -51,7 +51,7 @@ class PlayPart:
 @lru_cache(1)
 def _loaded(options: Evaluate) -> Evaluation:
     """Return what the options ask for, with all policies loaded: once for all parts that a worker plays."""
-    from jaxwalk.cli.evaluate import work_of
+    from jaxwalk.cli.evaluation_asked import work_of
 
     return work_of(options)
 

@@ -19,28 +19,23 @@ from jaxwalk.cli.checks import (
     check_kept,
     check_pedestrians,
     check_seed,
-    place,
 )
 from jaxwalk.cli.cluster import check_cluster, evaluate_on_cluster
 from jaxwalk.cli.errors import DIFFERS, UsageError, bad_values
+from jaxwalk.cli.evaluation_asked import work_of
 from jaxwalk.cli.evaluation_table import WIDEST, tables
 from jaxwalk.cli.options import Evaluate
 from jaxwalk.cli.progress import with_progress
-from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet, jaywalk_multiplier
-from jaxwalk.evaluation.document_parts import EvaluationOptions
+from jaxwalk.evaluation import BATCH, Cell, Results, check_parquet
 from jaxwalk.evaluation.parts import Part
 from jaxwalk.experiments.again import compare_documents, evaluation_again, read_document
-from jaxwalk.experiments.evaluating import Evaluation, evaluate_all, prepared
+from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.experiments.in_parts import evaluate_part
-from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.maps import map_labels
-from jaxwalk.policies.shield_names import with_shield
 from jaxwalk.report.suite import preventable_said, said, shields_said
-from jaxwalk.runs.contestants import world_of
 from jaxwalk.runs.effort import MOST_EPISODES
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
-from jaxwalk.scenarios.archive_file import read_archive
 from jaxwalk.wording import counted, first_of
 
 GOES_WITH_AGAIN = ("again", "out", "trust", "driver_seconds")
@@ -86,27 +81,6 @@ def _one_part(work: Evaluation, part: Part, out: Path) -> int:
     which = f"scenarios {span.start:,} to {span.stop - 1:,} of {work.episodes:,}"
     print(f"{out}: part {part.name}, {which}; once all are there: jaxwalk merge DIR [DIR ...] --out RESULTS")
     return 0
-
-
-def work_of(options: Evaluate) -> Evaluation:
-    """Return what the options ask for, with all policies loaded."""
-    compared = with_shield(options.compare, options.shield)
-    drivers = tuple(dict.fromkeys((*with_shield(options.driver, options.shield), *compared)))
-    populations = tuple(dict.fromkeys(options.pedestrians))
-    kept = read_archive(options.scenarios) if options.scenarios else None
-    street = world_of([*drivers, *populations], place(options)) if kept is None else kept.street
-    asked = EvaluationOptions(
-        jaywalk_multipliers=tuple(dict.fromkeys(options.jaywalk_multiplier or (jaywalk_multiplier(street),))),
-        driver_acts=options.driver_acts,
-        pedestrians_act=options.pedestrians_act,
-        compare=(compared[0], compared[1]) if compared else None,
-        counterfactuals=options.counterfactuals,
-        encounters=options.encounters,
-    )
-    return prepared(
-        street, (drivers, populations), kept or Scenarios(options.episodes, options.seed), asked,
-        out=options.out, trust=options.trust, seconds=options.driver_seconds,
-    )  # fmt: skip
 
 
 def _again(options: Evaluate, path: Path) -> int:

@@ -27,7 +27,10 @@ AUTO, LOCAL = "auto", "local"
 PATIENCE = 10.0
 """Time that the address of a cluster has to answer [s]."""
 ATTEMPTS = 4
-"""A part is given up when so many workers have died while they played it: then it is the part."""
+"""A part is given up when this number of workers have died while they played it: then it is the part."""
+STARTS = 3
+"""A Ray of our own is started up to this number of times: each time it gives itself 30 s, too little on a machine that
+has much else to do."""
 ALONE = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
 """Environment of a Ray of our own. By the second one, on any system, Ray uses the loopback address alone."""
 
@@ -35,6 +38,13 @@ PlayedFiles = dict[str, bytes]
 """The files of a played part, by name."""
 Play = Callable[[str], PlayedFiles]
 """Plays the part of a name such as ``3/16``; sent to workers, so it can be pickled, and imports no JAX by that."""
+
+
+class Died(NamedTuple):
+    """The end of a worker that played a part."""
+
+    how: str
+    """Ray's word for it."""
 
 
 class Failed(NamedTuple):
@@ -69,24 +79,44 @@ def connected(cluster: str, cores: int) -> Iterator[str | None]:
         ClusterError: there is no such cluster, Ray can't start, or isn't installed.
     """
     check_ray()
+    if cluster == LOCAL:
+        os.environ.update(ALONE)
     with TemporaryDirectory(prefix="jaxwalk-", ignore_cleanup_errors=True) as folder, redirect_stdout(sys.stderr):
-        if cluster == LOCAL:
-            os.environ.update(ALONE)
-        import ray
-
         own = {"num_cpus": cores, "include_dashboard": False, "_temp_dir": folder} if cluster == LOCAL else {}
-        try:
-            with _as_before(), _explained(cluster):
-                _check_answers(cluster)
-                ray.init(address=cluster, log_to_driver=False, logging_level=logging.ERROR, **own)
+        with _ray(cluster, own):
             yield folder if cluster == LOCAL else None
-        finally:
-            ray.shutdown()
+
+
+@contextmanager
+def _ray(cluster: str, own: dict[str, Any]) -> Iterator[None]:
+    """Use a cluster inside the ``with``; ``own``: options of one of our own. Raise ClusterError as `connected`."""
+    import ray
+
+    try:
+        with _as_before(), _explained(cluster):
+            _check_answers(cluster)
+            _start(STARTS if own else 1, address=cluster, **own)
+        yield
+    finally:
+        ray.shutdown()
+
+
+def _start(attempts: int, **options: Any) -> None:
+    """Connect to Ray, or start one, as its own ``init`` does. Raises what that raises at the last attempt."""
+    import ray
+
+    try:
+        ray.init(log_to_driver=False, logging_level=logging.ERROR, **options)
+    except Exception:
+        ray.shutdown()
+        if attempts == 1:
+            raise
+        _start(attempts - 1, **options)
 
 
 def _check_answers(cluster: str) -> None:
     """Raise OSError or ValueError if nobody listens at the address of a cluster, for which Ray would wait minutes."""
-    address = os.environ.get("RAY_ADDRESS", AUTO) if cluster == AUTO else cluster
+    address = (os.environ.get("RAY_ADDRESS") or AUTO) if cluster == AUTO else cluster
     if address in (AUTO, LOCAL):
         return
     host, _, port = address.removeprefix("ray://").rpartition(":")
@@ -97,11 +127,13 @@ def _check_answers(cluster: str) -> None:
 def _as_before() -> Iterator[None]:
     """Let Ray start without what it changes: the handler of SIGTERM; and without a warning about its processes."""
     handler = signal.getsignal(signal.SIGTERM)
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", r"os\.fork\(\) was called", RuntimeWarning)  # they run another program
-        yield
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, handler)
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", r"os\.fork\(\) was called", RuntimeWarning)  # they run another program
+            yield
+    finally:
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGTERM, handler)
 
 
 @contextmanager
@@ -142,32 +174,55 @@ def play_on_ray(
     Raises:
         ClusterError: a part fails, or its workers die again and again. Nothing is playing any more.
     """
-    import ray
-    from ray.exceptions import RayError
-
-    # Ray itself would retry silently, and for ever where memory is short.
-    task = ray.remote(num_cpus=1, max_retries=0)(_played)
-    attempts = Counter(parts)  # the first of each
-    playing = {task.remote(play, part): part for part in attempts}
+    tasks = Tasks(play, say)
     try:
-        while playing:
-            ready, _ = ray.wait([*playing])
-            part = playing.pop(ready[0])
-            try:
-                found = ray.get(ready[0])
-            except RayError as error:
-                _check_again(part, attempts[part], error)
-                attempts[part] += 1
-                say(f"part {part}: its worker died ({type(error).__name__}); it is played again")
-                playing[task.remote(play, part)] = part
-                continue
-            if isinstance(found, Failed):
-                raise ClusterError(f"part {part} failed on {found.where}: {found.why}")
-            keep(part, found)
+        for part in parts:
+            tasks.begin(part)
+        for part, files in tasks.finished():
+            keep(part, files)
     except ConnectionError as error:
         raise ClusterError(f"the cluster is gone ({_first_line(error)}); start it again") from error
     finally:
-        for reference in playing:
+        tasks.end()
+
+
+class Tasks:
+    """Parts that the connected cluster plays, or will."""
+
+    def __init__(self, play: Play, say: Callable[[str], None]) -> None:
+        """Have no part yet; the arguments are those of `play_on_ray`."""
+        import ray
+
+        # Ray itself would retry silently, and for ever where memory is short.
+        self._task = ray.remote(num_cpus=1, max_retries=0)(_played)
+        self._play, self._say = play, say
+        self._attempts: Counter[str] = Counter()
+        self._playing: dict[Any, str] = {}
+
+    def begin(self, part: str) -> None:
+        """Let a part be played as soon as there is a core for it."""
+        self._attempts[part] += 1
+        self._playing[self._task.remote(self._play, part)] = part
+
+    def finished(self) -> Iterator[tuple[str, PlayedFiles]]:
+        """Yield name and files of each part as soon as it is played. Raise ClusterError as `play_on_ray` does."""
+        import ray
+
+        while self._playing:
+            reference = ray.wait([*self._playing])[0][0]
+            part = self._playing.pop(reference)
+            found = _result(reference, part, self._attempts[part])
+            if isinstance(found, Died):
+                self._say(f"part {part}: its worker died ({found.how}); it is played again")
+                self.begin(part)
+            else:
+                yield part, found
+
+    def end(self) -> None:
+        """End what is still playing."""
+        import ray
+
+        for reference in self._playing:
             with suppress(Exception):  # it may have ended meanwhile, or the cluster with it
                 ray.cancel(reference, force=True)
 
@@ -184,18 +239,30 @@ def _played(play: Play, part: str) -> PlayedFiles | Failed:
         return Failed(platform.node(), str(error) if ours else f"{type(error).__name__}: {_first_line(error)}")
 
 
-def _check_again(part: str, attempt: int, error: Any) -> None:
-    """Raise ClusterError if a part can't be begun, or has had its attempts."""
-    from ray.exceptions import RayTaskError
+def _result(reference: Any, part: str, attempt: int) -> PlayedFiles | Died:
+    """Return the files of a part that was played, or how its worker died.
 
-    if isinstance(error, RayTaskError):
+    Raise ClusterError if the part fails, or has had its attempts.
+    """
+    import ray
+    from ray.exceptions import RayError, RayTaskError
+
+    try:
+        found: Any = ray.get(reference)
+    except RayTaskError as error:
         said = str(error).strip().splitlines()[-1]
         advice = "install the same jaxwalk, in the same Python, on all machines"
         raise ClusterError(f"part {part}: a worker can't begin it ({said}); {advice}") from error
-    if attempt >= ATTEMPTS:
-        why = f"{ATTEMPTS} workers died while they played it, the last by {type(error).__name__}"
+    except RayError as error:
+        how = type(error).__name__
+        if attempt < ATTEMPTS:
+            return Died(how)
         advice = "if memory was short, give Ray fewer cores (ray start --num-cpus N)"
+        why = f"{ATTEMPTS} workers died while they played it, the last by {how}"
         raise ClusterError(f"part {part}: {why}; {advice}") from error
+    if isinstance(found, Failed):
+        raise ClusterError(f"part {part} failed on {found.where}: {found.why}")
+    return found
 
 
 def _first_line(error: Any) -> str:
