@@ -90,7 +90,7 @@ def connected(cluster: str, cores: int) -> Iterator[str | None]:
 @contextmanager
 def _ray(cluster: str, own: dict[str, Any]) -> Iterator[None]:
     """Use a cluster inside the ``with``; ``own``: options of one of our own. Raise ClusterError as `connected`."""
-    import ray
+    import ray  # pyright: ignore[reportMissingImports]
 
     try:
         with _as_before(), _explained(cluster):
@@ -103,7 +103,7 @@ def _ray(cluster: str, own: dict[str, Any]) -> Iterator[None]:
 
 def _start(attempts: int, **options: Any) -> None:
     """Connect to Ray, or start one, as its own ``init`` does. Raises what that raises at the last attempt."""
-    import ray
+    import ray  # pyright: ignore[reportMissingImports]
 
     try:
         ray.init(log_to_driver=False, logging_level=logging.ERROR, **options)
@@ -153,7 +153,7 @@ def _explained(cluster: str) -> Iterator[None]:
 
 def cores_of_cluster() -> int:
     """Return how many cores the connected cluster has now."""
-    import ray
+    import ray  # pyright: ignore[reportMissingImports]
 
     return int(ray.cluster_resources().get("CPU", 0))
 
@@ -191,7 +191,7 @@ class Tasks:
 
     def __init__(self, play: Play, say: Callable[[str], None]) -> None:
         """Have no part yet; the arguments are those of `play_on_ray`."""
-        import ray
+        import ray  # pyright: ignore[reportMissingImports]
 
         # Ray itself would retry silently, and for ever where memory is short.
         self._task = ray.remote(num_cpus=1, max_retries=0)(_played)
@@ -206,7 +206,7 @@ class Tasks:
 
     def finished(self) -> Iterator[tuple[str, PlayedFiles]]:
         """Yield name and files of each part as soon as it is played. Raise ClusterError as `play_on_ray` does."""
-        import ray
+        import ray  # pyright: ignore[reportMissingImports]
 
         while self._playing:
             reference = ray.wait([*self._playing])[0][0]
@@ -220,7 +220,7 @@ class Tasks:
 
     def end(self) -> None:
         """End what is still playing."""
-        import ray
+        import ray  # pyright: ignore[reportMissingImports]
 
         for reference in self._playing:
             with suppress(Exception):  # it may have ended meanwhile, or the cluster with it
@@ -244,8 +244,8 @@ def _result(reference: Any, part: str, attempt: int) -> PlayedFiles | Died:
 
     Raise ClusterError if the part fails, or has had its attempts.
     """
-    import ray
-    from ray.exceptions import RayError, RayTaskError
+    import ray  # pyright: ignore[reportMissingImports]
+    from ray.exceptions import RayError, RayTaskError  # pyright: ignore[reportMissingImports]
 
     try:
         found: Any = ray.get(reference)
