@@ -14,7 +14,7 @@ import tyro
 from jaxwalk.cli import options
 from jaxwalk.cli.arguments import gathered
 from jaxwalk.cli.early import check_names
-from jaxwalk.cli.group import end_with_launcher, group_of
+from jaxwalk.cli.group import group_of, keep_in_touch
 from jaxwalk.cli.jax_start import prepare_machine, start_jax, try_jax
 
 
@@ -95,7 +95,7 @@ def _as_one_word(arguments: list[str]) -> list[str]:
 def run(options: Any) -> int:
     """Run the command that the options belong to, and return its exit code."""
     command = next(each for each in COMMANDS if each.options is type(options))
-    end_with_launcher()
+    keep_in_touch()
     group = group_of(options)
     if group is None or group.process == 0:  # other processes take what process 0 has found good
         check_names(options)

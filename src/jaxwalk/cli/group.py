@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import socket
 import sys
 import threading
+from contextlib import suppress
 from dataclasses import dataclass
 
 from jaxwalk.cli.errors import UsageError
@@ -17,8 +19,8 @@ MOST = 4096
 """Largest number of processes."""
 SILENCE = 30
 """A process that gives no sign of life for so long has stopped: the others end [s]."""
-MEETING, MEETING_LAUNCHED = 300, 40
-"""Time that processes have to find each other [s]; less for those that are started together, on one machine."""
+BEAT = 1.0
+"""Time between two signs of life that a process gives to its launcher [s]."""
 FAREWELL = 60
 """Longest time that a process waits for the others in the end [s]."""
 LOOPBACK = ("127.0.0.1", "localhost")
@@ -98,20 +100,34 @@ def join(group: Group) -> None:
     jax.distributed.initialize(
         group.coordinator, group.processes, group.process,
         local_device_ids=list(range(first, first + group.devices)) if launched else None,
-        initialization_timeout=MEETING_LAUNCHED if launched else MEETING,
         cluster_detection_method="deactivate",  # it would guess from variables of SLURM, which may be incomplete
         coordinator_bind_address=f"127.0.0.1:{port}" if host in LOOPBACK else None,
-        heartbeat_timeout_seconds=SILENCE, shutdown_timeout_seconds=FAREWELL,
+        heartbeat_timeout_seconds=4 * SILENCE if launched else SILENCE,  # the launcher is quicker, and has better words
+        shutdown_timeout_seconds=FAREWELL,
     )  # fmt: skip
 
 
-def end_with_launcher() -> None:
-    """End this process as soon as the one that launched it has ended: that holds the other end of standard input."""
+def keep_in_touch() -> None:
+    """Show the process that launched this one that it lives, and end as soon as that has ended.
+
+    Standard input is a socket, whose other end the launcher holds.
+    """
     if LAUNCHED in os.environ:
-        threading.Thread(target=_watch_launcher, daemon=True).start()
+        threading.Thread(target=_keep_in_touch, args=(socket.socket(fileno=os.dup(0)),), daemon=True).start()
 
 
-def _watch_launcher() -> None:
-    while os.read(0, 1):
-        pass
+def _keep_in_touch(launcher: socket.socket) -> None:
+    launcher.settimeout(BEAT)
+    with suppress(OSError):
+        while _is_there(launcher):
+            pass
     os._exit(1)
+
+
+def _is_there(launcher: socket.socket) -> bool:
+    """Send a sign of life and wait a second; return whether the launcher is still there."""
+    try:
+        launcher.send(b".")
+        return bool(launcher.recv(1))
+    except TimeoutError:
+        return True

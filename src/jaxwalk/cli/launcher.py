@@ -1,8 +1,8 @@
 """``jaxwalk train --processes N``: starts the processes of a training on this machine, and ends them together.
 
 The processes find each other on the loopback address. Process 0 shows its progress here; what others print, and
-messages of the libraries of all of them, is kept for the case that one fails. JAX notices a process that gives no sign
-of life and ends the others (`jaxwalk.cli.group.SILENCE`); here the ended ones are noticed, and the rest is ended.
+messages of the libraries of all of them, is kept for the case that one fails. When a process has ended, or gives no
+sign of life, all are ended.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -49,11 +49,22 @@ class Member:
     process: subprocess.Popen[bytes]
     printed: Path
     """File of what it prints, but for the messages of process 0."""
+    line: socket.socket
+    """Where it shows that it lives."""
+    heard: float
+    """When it last did [s]."""
 
     @property
     def code(self) -> int | None:
         """Return its exit code; None while it runs, and -N if signal N ended it."""
         return self.process.poll()
+
+    def is_silent(self) -> bool:
+        """Return whether it runs and has given no sign of life for long."""
+        with suppress(BlockingIOError):
+            while self.line.recv(4096):
+                self.heard = time.monotonic()
+        return self.code is None and time.monotonic() - self.heard > SILENCE
 
 
 def launch(options: Train, words: Sequence[str]) -> int:
@@ -94,7 +105,7 @@ def _report_failure(options: Train, words: Sequence[str], members: Sequence[Memb
         print(f"jaxwalk: process {failing[0]} of {len(members)} failed:\n{said}", file=sys.stderr)
         return BAD_INPUT
     next_step = again or f"resume it with: jaxwalk {' '.join(_words_to_resume(options, words))}"
-    what = f"{_what_happened(codes)}, and the training ended"
+    what = f"{_what_happened(members)}, and the training ended"
     print(f"jaxwalk: {what}; {_kept(options)}; {next_step}", file=sys.stderr)
     return LOST
 
@@ -111,6 +122,8 @@ def _wait(members: Sequence[Member], stop: Stop) -> bool:
             _tell_to_end(members)
         if until == math.inf and any(member.code not in (None, *ENDED_WELL) for member in members):
             until = time.monotonic() + GRACE
+        if any([member.is_silent() for member in members]):
+            return True
         time.sleep(EVERY)
     return any(member.code not in ENDED_WELL for member in members)
 
@@ -121,17 +134,20 @@ def _tell_to_end(members: Sequence[Member]) -> None:
         member.process.terminate()
 
 
-def _what_happened(codes: Sequence[int | None]) -> str:
-    """Return which process was lost, by the exit codes before the rest of them was ended."""
-    killed = [n for n, code in enumerate(codes) if code is not None and code < 0 and code != -signal.SIGABRT]
+def _what_happened(members: Sequence[Member]) -> str:
+    """Return which process was lost, by how all are before the rest of them is ended."""
+    codes = [member.code for member in members]
+    killed = [
+        (number, signal.Signals(-code).name) for number, code in enumerate(codes) if code is not None and code < 0
+    ]
+    killed.sort(key=lambda each: each[1] == "SIGABRT")  # so JAX ends those that have lost another one
     if killed:
-        name = signal.Signals(-(codes[killed[0]] or 0)).name
-        return f"process {killed[0]} of {len(codes)} was killed ({name})"
+        return f"process {killed[0][0]} of {len(codes)} was killed ({killed[0][1]})"
     if HUNG in codes:
         return "a process hangs, so that no update was finished for long"
-    silent = [str(number) for number, code in enumerate(codes) if code is None]
+    silent = [str(member.number) for member in members if member.is_silent()]
     if silent:
-        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s or more"
+        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s"
     return "the processes lost each other"
 
 
@@ -168,6 +184,7 @@ def _started(words: Sequence[str], count: int) -> Iterator[list[Member]]:
             members.append(_start(command, number, Path(folder) / str(number)))
             ends.enter_context(members[-1].process)
             ends.callback(members[-1].process.kill)
+            ends.enter_context(members[-1].line)
         yield members
 
 
@@ -179,16 +196,18 @@ def _command(words: Sequence[str], number: int) -> list[str]:
 def _start(command: Sequence[str], number: int, printed: Path) -> Member:
     """Start a process in a session of its own, so that Ctrl-C in a terminal reaches it only from here.
 
-    It sees by the end of its standard input that this process has ended.
+    Its standard input is one end of the line on which it shows that it lives, and sees that this process has ended.
     """
-    with printed.open("wb") as out:
+    ours, theirs = socket.socketpair()
+    ours.setblocking(False)
+    with theirs, printed.open("wb") as out:
         shown = os.dup(2 if number == 0 else out.fileno())
         process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=out, stderr=out, env=os.environ | {LAUNCHED: str(shown)},
+            command, stdin=theirs, stdout=out, stderr=out, env=os.environ | {LAUNCHED: str(shown)},
             pass_fds=(shown,), start_new_session=True,
         )  # fmt: skip
         os.close(shown)
-    return Member(number, process, printed)
+    return Member(number, process, printed, ours, time.monotonic())
 
 
 def _printed(member: Member) -> str:
