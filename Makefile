@@ -56,6 +56,7 @@ mutants: install  ## small mistakes are put into the definitions: do the tests n
 	$(BIN)/python tests/reliability/mutation.py
 
 reliability: install  ## thousands of bad files and policies, faults, millions of random steps, trainings killed 50 times, 0.1's behaviour again: an hour
+	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt -r pyproject.toml --extra cluster
 	$(BIN)/pytest -n $(JOBS) -m long
 	$(BIN)/python tests/reliability/coverage.py
 	$(BIN)/python tests/reliability/fuzz_loaders.py
