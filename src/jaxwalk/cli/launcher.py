@@ -137,12 +137,10 @@ def _tell_to_end(members: Sequence[Member]) -> None:
 def _what_happened(members: Sequence[Member]) -> str:
     """Return which process was lost, by how all are before the rest of them is ended."""
     codes = [member.code for member in members]
-    killed = [
-        (number, signal.Signals(-code).name) for number, code in enumerate(codes) if code is not None and code < 0
-    ]
-    killed.sort(key=lambda each: each[1] == "SIGABRT")  # so JAX ends those that have lost another one
-    if killed:
-        return f"process {killed[0][0]} of {len(codes)} was killed ({killed[0][1]})"
+    killed = [(code == -signal.SIGABRT, number, -code) for number, code in enumerate(codes) if code and code < 0]
+    if killed:  # an abort comes last: so JAX ends those that have lost another one
+        _, number, by = min(killed)
+        return f"process {number} of {len(codes)} was killed ({signal.Signals(by).name})"
     if HUNG in codes:
         return "a process hangs, so that no update was finished for long"
     silent = [str(member.number) for member in members if member.is_silent()]
@@ -203,7 +201,7 @@ def _start(command: Sequence[str], number: int, printed: Path) -> Member:
     with theirs, printed.open("wb") as out:
         shown = os.dup(2 if number == 0 else out.fileno())
         process = subprocess.Popen(
-            command, stdin=theirs, stdout=out, stderr=out, env=os.environ | {LAUNCHED: str(shown)},
+            command, stdin=theirs.fileno(), stdout=out, stderr=out, env=os.environ | {LAUNCHED: str(shown)},
             pass_fds=(shown,), start_new_session=True,
         )  # fmt: skip
         os.close(shown)
