@@ -128,6 +128,19 @@ def test_parts_that_come_as_files_are_kept_until_none_is_missing(parts, work, tm
     assert not (tmp_path / "kept").exists()
 
 
+def test_a_part_that_is_not_wanted_is_not_kept(parts, work, tmp_path):
+    """Else it would stop the same command from going on with the others."""
+    kept = KeptParts.of(work, tmp_path / "kept", PARTS, batch=BATCH)
+    files = {number: {path.name: path.read_bytes() for path in (parts / number).iterdir()} for number in "12"}
+    kept.keep("1/3", files["1"])
+    with pytest.raises(PartError, match="/3: isn't what this evaluation needs there: it is part 2/3"):
+        kept.keep("3/3", files["2"])
+    assert KeptParts.of(work, tmp_path / "kept", PARTS, batch=BATCH).missing() == ["2/3", "3/3"]
+    (tmp_path / "kept" / "mine").mkdir()
+    kept.remove()
+    assert [path.name for path in (tmp_path / "kept").iterdir()] == ["mine"]
+
+
 def test_kept_parts_of_another_evaluation_are_refused(copied, work):
     with pytest.raises(PartError, match=r"/1: isn't .*: its number of parts is 3, not 2; name another --out"):
         KeptParts.of(work, copied, 2, batch=BATCH)

@@ -8,6 +8,7 @@ import pytest
 
 from jaxwalk.cli import main, sweep_jobs
 from jaxwalk.cli.sweep_jobs import SweepJob, submit_jobs
+from jaxwalk.experiments.on_ray import ClusterError
 from sweeps.tiny_sweep import written
 
 WRONG = {
@@ -72,6 +73,17 @@ def test_submitted_jobs_work_on_the_trials(pretended, study, tmp_path, capsys, m
     assert [job.submission().function() for job in jobs] == [0, 0]
     assert [number for number, _, _ in pretended.trained] == ["0", "1", "2", "3"]
     assert json.loads((tmp_path / "out" / "study.json").read_text())["best"]
+
+
+def test_what_no_machine_of_a_cluster_has_is_refused():
+    """Ray would wait for it for ever."""
+    nodes = [{"Alive": True, "Resources": {"CPU": 4.0}}, {"Alive": False, "Resources": {"CPU": 64.0, "GPU": 1.0}}]
+    sweep_jobs._check_room(nodes, "--cpus", "CPU", 4)
+    sweep_jobs._check_room(nodes, "--gpus", "GPU", 0)
+    with pytest.raises(ClusterError, match=r"--cpus 8: no machine of the cluster has that many; the largest has 4"):
+        sweep_jobs._check_room(nodes, "--cpus", "CPU", 8)
+    with pytest.raises(ClusterError, match=r"--gpus 1: .* has 0"):
+        sweep_jobs._check_room(nodes, "--gpus", "GPU", 1)
 
 
 def test_a_job_that_is_ended_before_its_time_is_submitted_again(study, tmp_path):

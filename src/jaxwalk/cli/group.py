@@ -96,6 +96,7 @@ def join(group: Group) -> None:
     import jax
 
     host, _, port = group.coordinator.rpartition(":")
+    jax.config.update("jax_enable_preemption_service", False)  # it would take SIGTERM, which we act on ourselves
     first, launched = group.process * group.devices, LAUNCHED in os.environ
     jax.distributed.initialize(
         group.coordinator, group.processes, group.process,

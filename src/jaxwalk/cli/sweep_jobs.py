@@ -18,6 +18,8 @@ from typing import Any
 from jaxwalk.cli.errors import UsageError, message
 from jaxwalk.cli.jax_start import DEVICES
 from jaxwalk.cli.options import Sweep
+from jaxwalk.experiments.on_ray import AUTO, LOCAL, ClusterError, connected
+from jaxwalk.provenance import cores
 
 CLUSTER = "slurm"
 """Submitit's name of the cluster."""
@@ -52,7 +54,7 @@ class SweepJob:
         """Work on the sweep until nothing is left for this process; return the command's exit code."""
         from jaxwalk.cli.commands import run
 
-        os.environ.setdefault(DEVICES, str(self.cpus))
+        os.environ[DEVICES] = str(self.cpus)  # jobs may have the number of the machine where they were submitted
         return run(Sweep(study=self.study, out=self.out))
 
     def checkpoint(self, *_: Any) -> Any:
@@ -132,17 +134,24 @@ def _job(options: Sweep) -> SweepJob:
 def run_on_ray(options: Sweep) -> None:
     """Run the processes as tasks of Ray, and wait for them: on the cluster of RAY_ADDRESS, else on this machine.
 
-    A task whose process or machine dies is begun again, and resumes the trial. Raises SweepJobError if one fails.
+    A task whose process or machine dies is begun again, and resumes the trial. Raises SweepJobError if one fails, and
+    ClusterError if the cluster can't be used or has no machine with so many cores or GPUs.
     """
     ray: Any = import_module("ray")
-    ray.init() if "RAY_ADDRESS" in os.environ else ray.init(include_dashboard=False)
-    try:
+    with connected(AUTO if os.environ.get("RAY_ADDRESS") else LOCAL, cores()):
+        _check_room(ray.nodes(), "--cpus", "CPU", options.cpus)
+        _check_room(ray.nodes(), "--gpus", "GPU", options.gpus)
         task = ray.remote(_said_of).options(num_cpus=options.cpus, num_gpus=options.gpus, max_retries=RETRIES)
         ended = ray.get([task.remote(_job(options)) for _ in range(options.workers)])
-    finally:
-        ray.shutdown()
     for said in filter(None, ended):
         raise SweepJobError(said)
+
+
+def _check_room(nodes: list[dict[str, Any]], option: str, kind: str, asked: int) -> None:
+    """Raise ClusterError if no machine has as many of a resource as asked for: Ray would wait for one, for ever."""
+    most = max((node["Resources"].get(kind, 0) for node in nodes if node["Alive"]), default=0)
+    if asked > most:
+        raise ClusterError(f"{option} {asked:g}: no machine of the cluster has that many; the largest has {most:g}")
 
 
 def _said_of(job: SweepJob) -> str | None:

@@ -81,11 +81,18 @@ class KeptParts:
         with together():
             for file in sorted(files, key=lambda file: file == PART):  # last, as it says that the part is there
                 write_whole(place / file, files[file])
-        self._check(read_part(place))
+        try:
+            self._check(read_part(place))
+        except PartError:
+            shutil.rmtree(place)  # it would stop the same command from going on with the others
+            raise
 
     def remove(self) -> None:
-        """Remove all parts."""
-        shutil.rmtree(self.folder)
+        """Remove all parts, and their folder if nothing else is in it."""
+        for name in self.names:
+            shutil.rmtree(self._place(name), ignore_errors=True)
+        if not any(self.folder.iterdir()):
+            self.folder.rmdir()
 
     def _place(self, name: str) -> Path:
         return self.folder / name.partition("/")[0]

@@ -172,8 +172,13 @@ def _train(run: Run, street: Street, resume: bool, display: Display, routine: Ro
 
 
 def _watchdog(routine: Routine) -> AbstractContextManager[Watchdog | None]:
-    """Return what ends a training in which a process hangs; none where a function may take long between updates."""
-    return Watchdog() if several() and routine.on_update is None else nullcontext()
+    """Return what ends a training in which a process hangs; none where a function may take long between updates.
+
+    The first process alone has such a function; the others wait for it.
+    """
+    if not several() or any(ask(lambda: [routine.on_update is not None])()):
+        return nullcontext()
+    return Watchdog()
 
 
 def _log(run: Run, done: int) -> MetricsLog | NoLog:
@@ -228,7 +233,7 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
         return session.stop.requested, due, planned if shorter is None else first + shorter
 
     stops = any(ask(lambda: [session.stop.requested])())
-    while done < planned and not stops:
+    while done < planned and not stops and (several() or not session.stop.requested):  # alone, asked once more
         before, wished = learner, ask(wishes)
         learner, metrics = session.update(before, done)
         done += 1
