@@ -135,7 +135,7 @@ def run_on_ray(options: Sweep) -> None:
     """Run the processes as tasks of Ray, and wait for them: on the cluster of RAY_ADDRESS, else on this machine.
 
     A task whose process or machine dies is begun again, and resumes the trial. Raises SweepJobError if one fails, and
-    ClusterError if the cluster can't be used or has no machine with so many cores or GPUs.
+    ClusterError if the cluster can't be used or has no machine with that many cores or GPUs.
     """
     ray: Any = import_module("ray")
     with connected(AUTO if os.environ.get("RAY_ADDRESS") else LOCAL, cores()):
