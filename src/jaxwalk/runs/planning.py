@@ -48,7 +48,7 @@ def plan_by_time(session: Session, learner: Learner, limit: float) -> Learner:
     def enough() -> tuple[int, ...]:
         late = session.seconds > limit or session.stop.requested
         known = len(times) >= TRIAL_CYCLES and sum(times) >= min(TRIAL_SECONDS, 0.1 * limit)
-        return (int(is_first() and (late or known)),)
+        return (int(is_first() and bool(times) and (late or known)),)
 
     while not any(ask(enough)()):
         begun = time.monotonic()

@@ -34,7 +34,7 @@ class Bench:
     """Time to measure each row, without compiling."""
     chunk_rows: Annotated[int | None, option("the recipe's; on an accelerator a whole minibatch", "N")] = None
     """Rows whose gradient is taken at once in training."""
-    plan: Annotated[Literal["h100"] | None, option("none: this machine is measured")] = None
+    plan: Annotated[Literal["h100"] | None, option("none: this machine is measured", "{h100}")] = None
     """Compile for this GPU without having one: launches and waits a step, memory, predicted speed (minutes)."""
     seed: Annotated[int, option("0", "N")] = 0
     """Seed of scenarios, networks and actions."""
