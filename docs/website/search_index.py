@@ -6,8 +6,10 @@ import json
 import re
 from pathlib import Path
 
-LEFT_OUT = ("source/", "changelog.html", "evidence.html", "bench/", "testing.html", "results-paper.html")
-"""Beginnings of the addresses of pages that nobody searches: files, tables of numbers, and the tests."""
+LEFT_OUT = (
+    "source/", "changelog.html", "evidence.html", "bench/", "testing.html", "architecture.html", "results-paper.html",
+)  # fmt: skip
+"""Beginnings of the addresses of pages that users don't search: files, tables of numbers, and what developers read."""
 NOT_SEARCHED = re.compile(
     r"<pre.*?</pre>|</?[a-z]+[^>]*>|\[-?[\d.]+, -?[\d.]+\]|-?\b\d+\.\d+\b|\b\d{1,3}(,\d{3})+\b|\b\d+ %", re.DOTALL
 )
