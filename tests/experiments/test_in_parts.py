@@ -153,21 +153,6 @@ def test_kept_parts_of_another_evaluation_are_refused(copied, work):
         KeptParts.of(work, copied, PARTS, batch=BATCH)
 
 
-def test_parts_divide_whole_batches():
-    spans = [Part(number, 3).span(1900) for number in (1, 2, 3)]
-    assert [(span.start, span.stop) for span in spans] == [(0, 512), (512, 1024), (1024, 1900)]
-    assert Part(1, 1).span(5) == range(5)
-    with pytest.raises(PartError, match="--part 1/5: 1,900 episodes are played 512 at a time, so there are at most 4"):
-        Part(1, 5).span(1900)
-
-
-@pytest.mark.parametrize("text", ["0/3", "4/3", "1", "", "-1/3", "1/0", "a/b", "1/3/5", "1.0/2", "٣/4"])
-def test_a_part_is_a_number_of_a_number(text):
-    with pytest.raises(PartError, match="must be K/N"):
-        Part.parse(text)
-    assert Part.parse("3/16") == Part(3, 16)
-
-
 def test_a_part_that_is_there_twice_and_differs_is_refused(copied):
     shutil.copytree(copied / "2", copied / "other")
     change(copied / "other", lambda document: document["cells"][0].update(sha256="0" * 64))

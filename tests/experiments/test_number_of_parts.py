@@ -1,11 +1,11 @@
-"""Into how many parts an evaluation is divided for a cluster."""
+"""Into how many parts an evaluation is divided, and which scenarios each has."""
 
 from __future__ import annotations
 
 import pytest
 
 from jaxwalk.evaluation.document_parts import EvaluationOptions
-from jaxwalk.evaluation.parts import PartError
+from jaxwalk.evaluation.parts import Part, PartError
 from jaxwalk.experiments.evaluating import Evaluation
 from jaxwalk.experiments.kept_parts import number_of_parts
 from jaxwalk.experiments.tournament import Scenarios
@@ -40,3 +40,18 @@ def test_another_number_is_taken_within_what_can_be_played_and_sent(street):
     with pytest.raises(PartError, match="1,536 episodes are played 512 at a time, so there are at most 3 parts"):
         number_of_parts(work(street, 1536), 4)
     assert number_of_parts(work(street, 512, multipliers=300), 1) == 1  # a batch can't be divided
+
+
+def test_parts_divide_whole_batches():
+    spans = [Part(number, 3).span(1900) for number in (1, 2, 3)]
+    assert [(span.start, span.stop) for span in spans] == [(0, 512), (512, 1024), (1024, 1900)]
+    assert Part(1, 1).span(5) == range(5)
+    with pytest.raises(PartError, match="--part 1/5: 1,900 episodes are played 512 at a time, so there are at most 4"):
+        Part(1, 5).span(1900)
+
+
+@pytest.mark.parametrize("text", ["0/3", "4/3", "1", "", "-1/3", "1/0", "a/b", "1/3/5", "1.0/2", "٣/4"])
+def test_a_part_is_a_number_of_a_number(text):
+    with pytest.raises(PartError, match="must be K/N"):
+        Part.parse(text)
+    assert Part.parse("3/16") == Part(3, 16)

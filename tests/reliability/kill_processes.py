@@ -12,22 +12,18 @@ optimisers, environments, keys, policy file, metrics, TensorBoard's view. Exit c
 from __future__ import annotations
 
 import argparse
-import os
 import random
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-import jax
-
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from jaxwalk.runs.folder import METRICS, Run
-from reliability.kill_training import FORKS, HangsError, differences, finish, small, usable
+from reliability.kill_training import HangsError, differences, finish, report, small, usable
 
 PROCESSES = 2
 MINUTE = 60.0
@@ -36,7 +32,7 @@ PATIENCE = 600.0
 """A training that shows nothing for so many seconds hangs."""
 
 
-class WrongEndError(Exception):
+class WrongEndError(RuntimeError):
     """The command ended otherwise than it promises."""
 
 
@@ -156,19 +152,7 @@ def main() -> int:
     parser.add_argument("--stops", type=int, default=10)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    jax.config.update("jax_num_cpu_devices", 2)
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(folder) / "compiled"))
-        os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
-        FORKS.set_forkserver_preload(["jaxwalk.runs.training", "orbax.checkpoint"])
-        say = lambda text: print(text, flush=True)  # noqa: E731
-        try:
-            wrong = strike_often(Path(folder), options.kills, options.stops, options.seed, say)
-        except (HangsError, WrongEndError, RuntimeError, ValueError) as error:
-            wrong = [str(error)]
-    print("\n".join(wrong) or "all of them equal the training that was never touched", flush=True)
-    print("FAILED" if wrong else "passed")
-    return 1 if wrong else 0
+    return report(lambda folder, say: strike_often(folder, options.kills, options.stops, options.seed, say))
 
 
 if __name__ == "__main__":

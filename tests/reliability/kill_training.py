@@ -22,6 +22,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -230,23 +231,33 @@ def kill_often(folder: Path, kills: int, seed: int, say: Callable[[str], None] =
     return wrong
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--kills", type=int, default=50)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
+def report(check: Callable[[Path, Callable[[str], None]], list[str]]) -> int:
+    """Do a check of trainings in a temporary folder, and print what is wrong; return the exit code.
+
+    Args:
+        check: takes the folder and what prints a line; returns a line about each difference, and raises for what
+            can't be gone on with.
+    """
     jax.config.update("jax_num_cpu_devices", 2)
     with tempfile.TemporaryDirectory() as folder:
         os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(folder) / "compiled"))
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
         FORKS.set_forkserver_preload(["jaxwalk.runs.training", "orbax.checkpoint"])
         try:
-            wrong = kill_often(Path(folder), options.kills, options.seed, lambda text: print(text, flush=True))
+            wrong = check(Path(folder), partial(print, flush=True))
         except (HangsError, RuntimeError, ValueError) as error:
             wrong = [str(error)]
     print("\n".join(wrong) or "all of them equal the training that was never touched", flush=True)
     print("FAILED" if wrong else "passed")
     return 1 if wrong else 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    return report(lambda folder, say: kill_often(folder, options.kills, options.seed, say))
 
 
 if __name__ == "__main__":
