@@ -12,6 +12,7 @@ optimisers, environments, keys, policy file, metrics, TensorBoard's view. Exit c
 from __future__ import annotations
 
 import argparse
+import os
 import random
 import signal
 import subprocess
