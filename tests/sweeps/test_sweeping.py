@@ -11,6 +11,7 @@ from jaxwalk.cli import main
 from jaxwalk.runs.folder import RunError
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.session import DivergedError
+from jaxwalk.runs.street import WorldError
 from jaxwalk.sweeps import trial_work
 from jaxwalk.sweeps.journal import JOURNAL, Journal, JournalError
 from jaxwalk.sweeps.study_file import load_sweep
@@ -121,23 +122,26 @@ def test_tpe_comes_nearer_than_its_first_random_trials(pretended, study, tmp_pat
     assert sum(off[10:]) / 14 < sum(off[:10]) / 10 and results.importance == {"driver_weights.time": 1.0}
 
 
-def test_bad_trials_are_pruned_and_a_diverged_one_fails(pretended, study, tmp_path, quiet, monkeypatch):
+def test_bad_trials_are_pruned_and_those_that_cannot_be_trained_fail(pretended, study, tmp_path, quiet, monkeypatch):
     changes = {"trials = 4": "trials = 12\nprune = true", "updates = 10": "updates = 40"}
     plan, train_in = load_sweep(study(**changes)), pretended.train_in
 
     def diverging(run, **how):
         if run.path.parent.name == "7":
             raise DivergedError(f"{run.path}: numbers are not finite")
+        if run.path.parent.name == "8":
+            raise WorldError("no such street with so few people")
         return train_in(run, **how)
 
     monkeypatch.setattr(trial_work, "train_in", diverging)
     results = sweep(tmp_path / "out", plan, console=quiet)
     assert results.trials[7].state == "failed" and "not finite" in results.trials[7].why
+    assert results.trials[8].state == "failed" and "no such street" in results.trials[8].why
     pruned = [trial for trial in results.trials if trial.state == "pruned"]
     complete = sorted(trial.value for trial in results.best)
     assert pruned and all(trial.why.startswith("after update ") and trial.value is None for trial in pruned)
     assert all((trial.values["driver_weights.time"] + 0.1) ** 2 > complete[0] for trial in pruned)
-    assert results.left == 0 and "1 failed" in results.in_words()
+    assert results.left == 0 and "2 failed" in results.in_words()
 
 
 def test_a_changed_file_is_refused_but_for_more_trials(pretended, study, tmp_path, quiet):

@@ -16,7 +16,7 @@ from jaxwalk.relief import relieve
 from jaxwalk.runs.folder import CONFIG, Run
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import DivergedError
-from jaxwalk.runs.street import shared_out
+from jaxwalk.runs.street import WorldError, shared_out
 from jaxwalk.runs.study import Interrupted
 from jaxwalk.runs.training import is_finished, train_in
 from jaxwalk.sweeps.evaluated import evaluated
@@ -58,7 +58,7 @@ class TrialWork:
             experiment = self.plan.experiment(self.trial.params)
             seeds = self.plan.training_seeds(experiment)
             self._train_all([replace(experiment, seed=seed) for seed in seeds])
-        except (DivergedError, ExperimentFileError) as error:
+        except (DivergedError, ExperimentFileError, WorldError) as error:
             raise UselessTrialError(str(error)) from error
         if self._noted(PRUNED):
             return None
