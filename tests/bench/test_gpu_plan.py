@@ -7,7 +7,7 @@ import os
 
 import pytest
 
-from jaxwalk.bench import gpu_plan
+from jaxwalk.bench import gpu_plan, gpu_programs
 from jaxwalk.bench.gpu_plan import PlanError, check_compiler, predicted, write_plan
 from jaxwalk.bench.thunks import COPIES, LAUNCHES, MICROSECONDS, SYNCHRONISATIONS, ThunkError, by_part, read_work, total
 from jaxwalk.cli import main
@@ -140,6 +140,53 @@ def test_the_tables_say_that_nothing_was_measured(compiled, capsys):
     assert "Predicted, not measured" in said
     assert "65,536" in said
     assert "100.00" in said
+
+
+@pytest.fixture
+def machine(monkeypatch):
+    """A machine with a GPU, on which one program was measured; a test may take the GPU out."""
+    seen = {"platform": "gpu"}
+
+    def measured(part, settings, environment=None):
+        if part == "machine":
+            return {"hardware": seen}
+        assert environment == {"JAX_ENABLE_COMPILATION_CACHE": "false", "JAX_DISABLE_MOST_OPTIMIZATIONS": "false"}
+        provenance = {"commit": "abc", "hardware": "", "versions": {"jax": "1", "jaxlib": "1"}}
+        rows = [ROW | {"environments": n, "measured_steps_per_s": 7 * n} for n in settings.environments]
+        return {"device": "NVIDIA H100", "provenance": provenance, "programs": rows}
+
+    monkeypatch.setattr(gpu_plan, "measure_apart", measured)
+    return seen
+
+
+def test_on_a_gpu_of_this_machine_the_measured_speed_stands_beside_the_predicted_one(machine, capsys):
+    assert main(["bench", "--plan", "here", "--environments", "1000", "3000", "--seconds", "1", "--json"]) == 0
+    predictions = json.loads(capsys.readouterr().out)["predictions"]
+    assert [(x["environments"], x["measured_steps_per_s"]) for x in predictions] == [(1000, 7000), (3000, 21000)]
+    assert main(["bench", "--plan", "here", "--environments", "3000"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "measured steps/s" in said
+    assert "21,000" in said
+    assert "not measured" not in said
+
+
+def test_without_a_gpu_its_programs_are_not_measured(machine, capsys):
+    machine["platform"] = "cpu"
+    assert main(["bench", "--plan", "here"]) == 2
+    assert "JAX sees none (only: cpu); install jaxwalk[cuda]" in " ".join(capsys.readouterr().err.split())
+
+
+def test_calls_go_on_from_each_other_until_the_time_is_over(monkeypatch):
+    clock = iter(range(100))
+    monkeypatch.setattr(gpu_programs.time, "perf_counter", lambda: float(next(clock)))
+    states = []
+
+    def call(state, street):
+        states.append(state)
+        return state + street, None
+
+    assert gpu_programs.call_time(call, (3, 2), seconds=7.0) == 1.0  # a call lasts one tick of that clock
+    assert states == [3, 5, 7, 9, 11, 13, 15, 17]  # one that isn't timed, and seven
 
 
 def test_a_disk_that_is_full_leaves_nothing(tmp_path, monkeypatch):

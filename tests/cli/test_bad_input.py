@@ -187,7 +187,7 @@ BAD = {
     "bench half a row": ("bench --chunk-rows 0", "chunk_rows must lie in [1, 2^31), not 0"),
     "bench an unknown part": ("bench --only all", "all"),
     "bench seed": ("bench --seed -1", "seed must lie in [0, 2^31), not -1"),
-    "bench a plan of times": ("bench --plan h100 --seconds 1", "--seconds means nothing beside it"),
+    "bench a plan of times": ("bench --plan h100 --seconds 1", "has no use for --seconds"),
     "bench an unknown GPU": ("bench --plan abacus", "abacus"),
     "bench below a file": ("bench --out file/bench", "is a file, so nothing can be put into it"),
     "play two in a picture": ("play --driver random rule-based --out a.png", "several only on a page (--html)"),

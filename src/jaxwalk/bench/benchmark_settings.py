@@ -8,8 +8,10 @@ PARTS = ("env", "train", "compile", "pedestrians", "streets")
 """The parts: the simulator alone, training, the first minute, and the cost of a crowd and of many streets."""
 MOST = {"environments": 2**20, "training_environments": 2**20, "pedestrians": 1000, "streets": 1000}
 """Largest numbers of environments, of people in an episode, and of streets."""
-PLANNED = {"h100": {"environments": (512, 2048, 16384, 65536)}}
-"""GPUs that are described, and the values that settings for their plan have."""
+HERE = "here"
+"""The plan for this machine's own GPU, on which its programs run, too."""
+PLANNED = {"h100": {"environments": (512, 2048, 16384, 65536)}, HERE: {"environments": (512, 2048, 16384, 65536)}}
+"""GPUs for which programs are planned, and the values that settings for their plan have."""
 LONGEST = 3600
 """Longest time for which a row is measured [s]."""
 
@@ -51,7 +53,7 @@ class Settings:
     quick: bool = False
     """Few sizes and short times: shows only that everything can be measured."""
     plan: str | None = None
-    """The GPU for which programs are compiled (`PLANNED`), instead of measuring this machine."""
+    """The GPU for which programs are compiled (`PLANNED`), instead of measuring this machine's parts."""
     plan_environments: int = 16384
     """Number of environments of a rollout that is compiled for it."""
 

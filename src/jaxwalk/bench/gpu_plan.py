@@ -1,4 +1,4 @@
-"""The plan of a GPU: programs compiled for it without one (`gpu_programs`), and the speeds that follow from them.
+"""The plan of a GPU: programs compiled for it (`gpu_programs`), and the speeds that follow from them.
 
 This module imports no JAX: the programs are compiled in a process of its own, in which JAX knows no other device.
 """
@@ -15,7 +15,7 @@ from rich.box import SIMPLE
 from rich.console import Group
 from rich.table import Table
 
-from jaxwalk.bench.benchmark_settings import Settings
+from jaxwalk.bench.benchmark_settings import HERE, Settings
 from jaxwalk.bench.processes import BenchmarkError, measure_apart
 from jaxwalk.writing import write_whole
 
@@ -30,6 +30,8 @@ ALONE = {
     "JAX_DISABLE_MOST_OPTIMIZATIONS": "false",
 }
 """Environment variables of the process that compiles: a GPU in this machine stays unused."""
+UNCACHED = {name: value for name, value in ALONE.items() if name.startswith(("JAX_ENABLE", "JAX_DISABLE"))}
+"""Those of the process that measures this machine's GPU: a program from the cache has no files to read."""
 LAUNCH_US = (2.0, 3.0)
 """Time that a launch takes, on a quick and on a slow host [us]."""
 WAIT_US = 10.0
@@ -61,9 +63,10 @@ def check_compiler() -> None:
 
 
 def planned(settings: Settings) -> dict[str, Any]:
-    """Compile the programs and return the document. Raise PlanError if a package is missing."""
-    check_compiler()
-    found = measure_apart("plan", settings, ALONE)
+    """Compile the programs and return the document. Raise PlanError if a package or the GPU is missing."""
+    here = settings.plan == HERE
+    check_gpu(settings) if here else check_compiler()
+    found = measure_apart("plan", settings, UNCACHED if here else ALONE)
     rows = found.pop("programs")
     return {
         "schema": SCHEMA,
@@ -71,8 +74,22 @@ def planned(settings: Settings) -> dict[str, Any]:
         **found,
         "assumptions": list(ASSUMPTIONS),
         "programs": rows,
-        "predictions": [predicted(row, count) for row in rows for count in settings.environments],
+        "predictions": [
+            predicted(row, count)
+            for row in rows
+            for count in ((row["environments"],) if here else settings.environments)
+        ],
     }
+
+
+def check_gpu(settings: Settings) -> None:
+    """Raise PlanError unless JAX sees a GPU in this machine."""
+    platform = measure_apart("machine", settings)["hardware"]["platform"]
+    if platform != "gpu":
+        raise PlanError(
+            f"--plan {HERE} measures programs on this machine's GPU, and JAX sees none (only: {platform}); "
+            "install jaxwalk[cuda], or plan for a GPU that is elsewhere: --plan h100"
+        )
 
 
 def predicted(row: Mapping[str, Any], environments: int) -> dict[str, Any]:
@@ -85,6 +102,7 @@ def predicted(row: Mapping[str, Any], environments: int) -> dict[str, Any]:
         "recipe": row["recipe"],
         "environments": environments,
         "steps_per_s": [round(worst), round(best)],
+        "measured_steps_per_s": row.get("measured_steps_per_s"),
         "memory_bytes": round(row["memory_bytes"] * environments / row["environments"]),
     }
 
@@ -103,7 +121,8 @@ def plan_tables(document: Mapping[str, Any]) -> Group:
 def _programs(document: Mapping[str, Any]) -> Table:
     made = document["provenance"]
     versions = ", ".join(f"{name} {made['versions'][name]}" for name in ("jax", "jaxlib"))
-    origin = f"Compiled for a described {document['device']}; commit {made['commit'] or 'unknown'}; {versions}"
+    whose = "this machine's" if document["options"]["plan"] == HERE else "a described"
+    origin = f"Compiled for {whose} {document['device']}; commit {made['commit'] or 'unknown'}; {versions}"
     names = ("launches", "copies", "waits", "modelled us", "memory [MB]", "compiled [s]")
     caption = f"For each step of all environments; copies are launches too, and waits are the host's. {origin}."
     drawn = _table(("program", "recipe", "size"), names, caption)
@@ -125,11 +144,14 @@ def _parts(document: Mapping[str, Any]) -> Table:
 
 
 def _predictions(document: Mapping[str, Any]) -> Table:
-    caption = f"Predicted, not measured: {'; '.join(document['assumptions'])}."
-    drawn = _table(("program", "recipe"), ("environments", "steps/s", "memory [GB]"), caption)
+    truth = any(row["measured_steps_per_s"] for row in document["predictions"])
+    names = ("environments", "predicted steps/s", *(["measured steps/s"] if truth else []), "memory [GB]")
+    caption = f"Predicted{'' if truth else ', not measured'}: {'; '.join(document['assumptions'])}."
+    drawn = _table(("program", "recipe"), names, caption)
     for row in document["predictions"]:
         rates = " to ".join(f"{rate:,}" for rate in row["steps_per_s"])
-        cells = (f"{row['environments']:,}", rates, f"{row['memory_bytes'] / 1e9:,.2f}")
+        measured = [f"{row['measured_steps_per_s']:,}"] if truth else []
+        cells = (f"{row['environments']:,}", rates, *measured, f"{row['memory_bytes'] / 1e9:,.2f}")
         drawn.add_row(row["program"], row["recipe"], *cells)
     return drawn
 

@@ -1,14 +1,19 @@
-"""Compiles a rollout and a training update for a GPU that is only described, and counts what they would do there."""
+"""Compiles rollouts and training updates for a GPU, and counts what they do there.
+
+The GPU is only described, or it is this machine's own; then they run on it, too.
+"""
 
 from __future__ import annotations
 
+import statistics
 import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -16,7 +21,7 @@ import numpy as np
 from jax.experimental import topologies
 from jax.sharding import Mesh, SingleDeviceSharding
 
-from jaxwalk.bench.benchmark_settings import Settings
+from jaxwalk.bench.benchmark_settings import HERE, Settings
 from jaxwalk.bench.machine import describe
 from jaxwalk.bench.processes import tell
 from jaxwalk.bench.simulation import keep, random_actions
@@ -35,18 +40,32 @@ WORLDS_OF = ("fast", "town", "blind-corner")
 """Recipes with whose worlds and views programs are compiled: the paper's street first."""
 BLOCKS = 8
 """Blocks of steps in a compiled rollout; each begins with restarts."""
-OPTIONS = {"xla_gpu_collect_cost_model_stats": True, "xla_backend_optimization_level": 0}
-"""Compiler options: XLA's model of times; kernels that are never run needn't be fast, and compile sooner."""
+COSTS = {"xla_gpu_collect_cost_model_stats": True}
+"""Compiler options: XLA's model of times."""
+NEVER_RUN = {"xla_backend_optimization_level": 0}
+"""Compiler options for kernels that are never run: they needn't be fast, and compile sooner."""
+CALLS = 5
+"""Fewest calls of a program that are timed, after a first one."""
 
 
 def plan(settings: Settings) -> dict[str, Any]:
-    """Return a row for each program, and where it was compiled."""
-    device = described_device(str(settings.plan))
+    """Return a row for each program, and where it was compiled. On a GPU of this machine each is timed, too."""
+    here = settings.plan == HERE
+    target = Target(jax.devices()[0] if here else described_device(str(settings.plan)), settings.seconds if here else 0)
+    counts = settings.environments if here else (settings.plan_environments,)
     recipes = WORLDS_OF[:1] if settings.quick else WORLDS_OF
     with traced_for("gpu"):
-        rows = [rollout_row(RECIPES[recipe], settings.plan_environments, device) for recipe in recipes]
-        rows += [] if settings.quick else [update_row(RECIPES[recipe], device) for recipe in recipes]
-    return describe(settings) | {"device": device.device_kind, "programs": rows}
+        rows = [rollout_row(RECIPES[recipe], count, target) for recipe in recipes for count in counts]
+        rows += [] if settings.quick else [update_row(RECIPES[recipe], target) for recipe in recipes]
+    return describe(settings) | {"device": target.device.device_kind, "programs": rows}
+
+
+class Target(NamedTuple):
+    """The GPU for which programs are compiled."""
+
+    device: Any
+    seconds: float
+    """Time for which each is measured there [s]; 0: it isn't there."""
 
 
 def described_device(name: str) -> Any:
@@ -56,31 +75,31 @@ def described_device(name: str) -> Any:
     return device
 
 
-def rollout_row(experiment: Experiment, count: int, device: Any) -> dict[str, Any]:
+def rollout_row(experiment: Experiment, count: int, target: Target) -> dict[str, Any]:
     """Compile a rollout with a recipe's world and views and random actions; return what it does."""
     street, steps = make_street(experiment), BLOCKS * RESTART_EVERY
     act = look_and_record(street, views_of(experiment))
-    keys = jax.eval_shape(lambda: environment_keys(seed_key(0, TRAINING), 0, count))
-    stream = jax.eval_shape(start, street, keys)
+    begin = jax.jit if target.seconds else partial(partial, jax.eval_shape)
+    stream = begin(start)(street, begin(lambda: environment_keys(seed_key(0, TRAINING), 0, count))())
 
-    def play(street: Street, stream: Any) -> Any:
+    def play(stream: Any, street: Street) -> Any:
         return rollout(street, act, stream, steps, keep=keep)
 
-    compiled = compile_for(device, play, street, stream, donate=1)
+    compiled = compile_for(target, play, stream, street)
     return _row("rollout", experiment, count, steps, compiled)
 
 
-def update_row(experiment: Experiment, device: Any) -> dict[str, Any]:
+def update_row(experiment: Experiment, target: Target) -> dict[str, Any]:
     """Compile a recipe's training update, of its own size on one device; return what it does."""
     experiment = with_training(experiment, shards=1, chunk_rows=WHOLE_MINIBATCH)
     street, config = make_street(experiment), experiment.train
     learner = mappo.init(street, config, seed_key(0, TRAINING), others=fixed_policies(experiment))
-    mesh = Mesh(np.array([device]), (SHARDS,))
+    mesh = Mesh(np.array([target.device]), (SHARDS,))
 
-    def update(street: Street, learner: Any) -> Any:
-        return eqx.filter(mappo.update_on(mesh, street, config, learner), eqx.is_array)
+    def update(learner: Any, street: Street) -> Any:
+        return mappo.update_on(mesh, street, config, learner)
 
-    compiled = compile_for(device, update, street, learner)
+    compiled = compile_for(target, update, learner, street)
     return _row("update", experiment, config.environments, config.steps, compiled)
 
 
@@ -103,40 +122,63 @@ def look_and_record(street: Street, views: tuple[tuple[str, str], ...]) -> Act:
 
 @dataclass
 class Compiled:
-    """A program compiled for a described device."""
+    """A program compiled for a GPU."""
 
     work: Work
     memory_bytes: int
     """Inputs, outputs and what it holds besides, each counted once [B]."""
     compile_s: float
+    call_s: float | None
+    """Median time of a call on the GPU; None where it isn't there [s]."""
 
 
-def compile_for(device: Any, function: Callable[..., Any], *trees: Any, donate: int | None = None) -> Compiled:
-    """Compile a function of pytrees, whose arrays may be shapes alone, for a device; return what it does in a call."""
-    where = SingleDeviceSharding(device)
-    arrays, rest = eqx.partition(trees, lambda x: hasattr(x, "dtype"))
+Program = Callable[[Any, Any], tuple[Any, Any]]
+"""Goes on from a state on a street: (state, street) -> (state, result)."""
+
+
+def compile_for(target: Target, program: Program, state: Any, street: Street) -> Compiled:
+    """Compile a program, for which shapes are enough where the GPU isn't there; return what it does in a call."""
+    where = SingleDeviceSharding(target.device)
+    arrays, rest = eqx.partition((state, street), lambda x: hasattr(x, "dtype"))
     shapes = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape, x.dtype, sharding=where), arrays)
 
     def call(*arrays: Any) -> Any:
-        return function(*eqx.combine(arrays, rest))
+        return eqx.filter(program(*eqx.combine(arrays, rest)), eqx.is_array)
 
     with tempfile.TemporaryDirectory(prefix="jaxwalk-plan-") as folder:
         begun = time.perf_counter()
-        lowered = jax.jit(call, donate_argnums=() if donate is None else donate).lower(*shapes)
-        compiled = lowered.compile(OPTIONS | {"xla_dump_to": folder})
+        options = COSTS | ({} if target.seconds else NEVER_RUN) | {"xla_dump_to": folder}
+        compiled = jax.jit(call, donate_argnums=0).lower(*shapes).compile(options)
         seconds = time.perf_counter() - begun
-        used: Any = compiled.memory_analysis()
-        sizes = used.argument_size_in_bytes + used.output_size_in_bytes + used.temp_size_in_bytes
-        return Compiled(read_work(Path(folder)), sizes - used.alias_size_in_bytes, seconds)
+        work = read_work(Path(folder))
+    used: Any = compiled.memory_analysis()
+    sizes = used.argument_size_in_bytes + used.output_size_in_bytes + used.temp_size_in_bytes
+    timed = call_time(compiled, jax.device_put(arrays, where), target.seconds) if target.seconds else None
+    return Compiled(work, sizes - used.alias_size_in_bytes, seconds, timed)
+
+
+def call_time(call: Program, arrays: tuple[Any, Any], seconds: float) -> float:
+    """Return the median time of a call, each of which goes on from the one before, after a first one [s]."""
+    state, street = arrays
+    state, _ = jax.block_until_ready(call(state, street))
+    times: list[float] = []
+    while sum(times) < seconds or len(times) < CALLS:
+        begun = time.perf_counter()
+        state, _ = jax.block_until_ready(call(state, street))
+        times.append(time.perf_counter() - begun)
+    return statistics.median(times)
 
 
 def _row(program: str, experiment: Experiment, count: int, steps: int, compiled: Compiled) -> dict[str, Any]:
     """Return a row of a program; amounts are for each step of all environments together."""
     each = {name: total(compiled.work, name) / steps for name in (LAUNCHES, COPIES, SYNCHRONISATIONS, MICROSECONDS)}
+    measured = {} if compiled.call_s is None else {"measured_steps_per_s": round(count * steps / compiled.call_s)}
+    told = "".join(f", {rate:,} steps/s" for rate in measured.values())
     tell(
-        f"{program}, {experiment.recipe}: {each[LAUNCHES]:.1f} launches a step, compiled in {compiled.compile_s:.0f} s"
+        f"{program}, {experiment.recipe}, {count:,} environments: {each[LAUNCHES]:.1f} launches a step, "
+        f"compiled in {compiled.compile_s:.0f} s{told}"
     )
-    return {
+    return measured | {
         "program": program,
         "recipe": experiment.recipe,
         "environments": count,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from jaxwalk.bench.benchmark_settings import PLANNED, QUICK, Settings
+from jaxwalk.bench.benchmark_settings import HERE, PLANNED, QUICK, Settings
 from jaxwalk.bench.document import as_text, benchmark, write
 from jaxwalk.bench.gpu_plan import plan_tables, planned, write_plan
 from jaxwalk.bench.showing import table
@@ -40,9 +40,10 @@ def make_settings(options: Bench) -> Settings:
     given = {name: getattr(options, name) for name in TUNABLE if getattr(options, name) not in (None, ())}
     usual = QUICK if options.quick else {}
     if options.plan:
-        useless = [f"--{name.replace('_', '-')}" for name in given if name != "environments"]
+        useful = ("environments", "seconds") if options.plan == HERE else ("environments",)
+        useless = [f"--{name.replace('_', '-')}" for name in given if name not in useful]
         if useless:
-            raise UsageError(f"--plan measures nothing, so {useless[0]} means nothing beside it; leave one of them out")
+            raise UsageError(f"--plan {options.plan} has no use for {useless[0]}; leave one of them out")
         usual = {"quick": options.quick, "plan": options.plan, **PLANNED[options.plan]}
     with bad_values():
         return Settings(**{**usual, **given, "seed": options.seed})

@@ -34,8 +34,9 @@ class Bench:
     """Time to measure each row, without compiling."""
     chunk_rows: Annotated[int | None, option("the recipe's; on an accelerator a whole minibatch", "N")] = None
     """Rows whose gradient is taken at once in training."""
-    plan: Annotated[Literal["h100"] | None, option("none: this machine is measured", "{h100}")] = None
-    """Compile for this GPU without having one: launches and waits a step, memory, predicted speed (minutes)."""
+    plan: Annotated[Literal["h100", "here"] | None, option("none: this machine is measured", "{h100,here}")] = None
+    """Compile for this GPU without having one: launches and waits a step, memory, predicted speed (minutes).
+    With 'here' for this machine's GPU, on which the programs then run: the measured speed, too."""
     seed: Annotated[int, option("0", "N")] = 0
     """Seed of scenarios, networks and actions."""
     out: Annotated[Path | None, option("none", "DIR")] = None
