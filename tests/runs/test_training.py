@@ -3,6 +3,7 @@
 import io
 from contextlib import ExitStack
 from dataclasses import replace
+from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
@@ -11,8 +12,10 @@ import pytest
 from rich.console import Console
 
 from jaxwalk.learning import checkpoint, mappo
+from jaxwalk.learning.config import WHOLE_MINIBATCH, TrainConfig
 from jaxwalk.policies import load_policy, read_metadata
 from jaxwalk.recipes import single_agent, with_training
+from jaxwalk.runs import street
 from jaxwalk.runs.folder import Run
 from jaxwalk.runs.planning import replan
 from jaxwalk.runs.progress import Display
@@ -62,6 +65,14 @@ def test_environments_are_shared_out_among_the_cores(tiny):
         return shared_out(with_training(tiny, environments=environments)).train.shards
 
     assert [shards(128), shards(127), shards(129), shards(126), shards(512)] == [2, 1, 1, 1, 2]
+
+
+def test_a_gpu_takes_all_environments_and_whole_minibatches(tiny, monkeypatch):
+    monkeypatch.setattr(street.jax, "devices", lambda: [SimpleNamespace(platform="gpu")] * 2)
+    default = shared_out(with_training(tiny, environments=512, chunk_rows=TrainConfig.chunk_rows)).train
+    chosen = shared_out(with_training(tiny, environments=512, chunk_rows=4096)).train
+    assert (default.shards, default.chunk_rows) == (1, WHOLE_MINIBATCH)
+    assert (chosen.shards, chosen.chunk_rows) == (1, 4096)
 
 
 def test_every_update_is_told_once(whole, tiny):

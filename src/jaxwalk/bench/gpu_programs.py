@@ -9,6 +9,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
@@ -26,10 +27,10 @@ from jaxwalk.bench.machine import describe
 from jaxwalk.bench.processes import tell
 from jaxwalk.bench.simulation import keep, random_actions
 from jaxwalk.bench.thunks import COPIES, LAUNCHES, MICROSECONDS, SYNCHRONISATIONS, Work, by_part, read_work, total
-from jaxwalk.bench.training_speed import WHOLE_MINIBATCH
 from jaxwalk.learning import mappo
-from jaxwalk.learning.config import GLOBAL
+from jaxwalk.learning.config import GLOBAL, WHOLE_MINIBATCH
 from jaxwalk.platforms import traced_for
+from jaxwalk.provenance import cores
 from jaxwalk.recipes import RECIPES, Experiment, with_training
 from jaxwalk.rollout import RESTART_EVERY, TRAINING, Act, environment_keys, rollout, seed_key, start
 from jaxwalk.runs.street import fixed_policies, make_street
@@ -48,24 +49,41 @@ CALLS = 5
 """Fewest calls of a program that are timed, after a first one."""
 
 
-def plan(settings: Settings) -> dict[str, Any]:
-    """Return a row for each program, and where it was compiled. On a GPU of this machine each is timed, too."""
-    here = settings.plan == HERE
-    target = Target(jax.devices()[0] if here else described_device(str(settings.plan)), settings.seconds if here else 0)
-    counts = settings.environments if here else (settings.plan_environments,)
-    recipes = WORLDS_OF[:1] if settings.quick else WORLDS_OF
-    with traced_for("gpu"):
-        rows = [rollout_row(RECIPES[recipe], count, target) for recipe in recipes for count in counts]
-        rows += [] if settings.quick else [update_row(RECIPES[recipe], target) for recipe in recipes]
-    return describe(settings) | {"device": target.device.device_kind, "programs": rows}
-
-
 class Target(NamedTuple):
     """The GPU for which programs are compiled."""
 
     device: Any
     seconds: float
     """Time for which each is measured there [s]; 0: it isn't there."""
+
+
+class Program(NamedTuple):
+    """A program, before it is compiled."""
+
+    name: str
+    experiment: Experiment
+    environments: int
+    steps: int
+    """Steps of all environments in a call."""
+    call: Callable[[Any, Any], tuple[Any, Any]]
+    """Goes on from a state on a street: (state, street) -> (state, result)."""
+    state: Any
+    """At the beginning; shapes alone where the GPU isn't there."""
+    street: Street
+
+
+def plan(settings: Settings) -> dict[str, Any]:
+    """Return a row for each program, and where it was compiled. On a GPU of this machine each is timed, too."""
+    here = settings.plan == HERE
+    target = Target(jax.devices()[0] if here else described_device(str(settings.plan)), settings.seconds if here else 0)
+    counts = settings.environments if here else (settings.plan_environments,)
+    recipes = WORLDS_OF[:1] if settings.quick else WORLDS_OF
+    with traced_for("gpu"), ThreadPoolExecutor(cores()) as pool:
+        programs = [rollout_of(RECIPES[recipe], count, target) for recipe in recipes for count in counts]
+        programs += [] if settings.quick else [update_of(RECIPES[recipe], target) for recipe in (*recipes, "paper")]
+        compiled = list(pool.map(partial(compile_for, target), programs))  # before any is timed
+        rows = [_row(*each, target.seconds) for each in zip(programs, compiled, strict=True)]
+    return describe(settings) | {"device": target.device.device_kind, "programs": rows}
 
 
 def described_device(name: str) -> Any:
@@ -75,8 +93,8 @@ def described_device(name: str) -> Any:
     return device
 
 
-def rollout_row(experiment: Experiment, count: int, target: Target) -> dict[str, Any]:
-    """Compile a rollout with a recipe's world and views and random actions; return what it does."""
+def rollout_of(experiment: Experiment, count: int, target: Target) -> Program:
+    """Return a rollout with a recipe's world and views and random actions."""
     street, steps = make_street(experiment), BLOCKS * RESTART_EVERY
     act = look_and_record(street, views_of(experiment))
     begin = jax.jit if target.seconds else partial(partial, jax.eval_shape)
@@ -85,12 +103,11 @@ def rollout_row(experiment: Experiment, count: int, target: Target) -> dict[str,
     def play(stream: Any, street: Street) -> Any:
         return rollout(street, act, stream, steps, keep=keep)
 
-    compiled = compile_for(target, play, stream, street)
-    return _row("rollout", experiment, count, steps, compiled)
+    return Program("rollout", experiment, count, steps, play, stream, street)
 
 
-def update_row(experiment: Experiment, target: Target) -> dict[str, Any]:
-    """Compile a recipe's training update, of its own size on one device; return what it does."""
+def update_of(experiment: Experiment, target: Target) -> Program:
+    """Return a recipe's training update, of its own size on one device."""
     experiment = with_training(experiment, shards=1, chunk_rows=WHOLE_MINIBATCH)
     street, config = make_street(experiment), experiment.train
     learner = mappo.init(street, config, seed_key(0, TRAINING), others=fixed_policies(experiment))
@@ -99,8 +116,7 @@ def update_row(experiment: Experiment, target: Target) -> dict[str, Any]:
     def update(learner: Any, street: Street) -> Any:
         return mappo.update_on(mesh, street, config, learner)
 
-    compiled = compile_for(target, update, learner, street)
-    return _row("update", experiment, config.environments, config.steps, compiled)
+    return Program("update", experiment, config.environments, config.steps, update, learner, street)
 
 
 def views_of(experiment: Experiment) -> tuple[tuple[str, str], ...]:
@@ -124,26 +140,23 @@ def look_and_record(street: Street, views: tuple[tuple[str, str], ...]) -> Act:
 class Compiled:
     """A program compiled for a GPU."""
 
+    call: Any
+    arrays: Any
+    """Its state and street on the GPU; shapes alone where it isn't there."""
     work: Work
     memory_bytes: int
     """Inputs, outputs and what it holds besides, each counted once [B]."""
     compile_s: float
-    call_s: float | None
-    """Median time of a call on the GPU; None where it isn't there [s]."""
 
 
-Program = Callable[[Any, Any], tuple[Any, Any]]
-"""Goes on from a state on a street: (state, street) -> (state, result)."""
-
-
-def compile_for(target: Target, program: Program, state: Any, street: Street) -> Compiled:
-    """Compile a program, for which shapes are enough where the GPU isn't there; return what it does in a call."""
+def compile_for(target: Target, program: Program) -> Compiled:
+    """Compile a program, and read what it does in a call."""
     where = SingleDeviceSharding(target.device)
-    arrays, rest = eqx.partition((state, street), lambda x: hasattr(x, "dtype"))
+    arrays, rest = eqx.partition((program.state, program.street), lambda x: hasattr(x, "dtype"))
     shapes = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape, x.dtype, sharding=where), arrays)
 
     def call(*arrays: Any) -> Any:
-        return eqx.filter(program(*eqx.combine(arrays, rest)), eqx.is_array)
+        return eqx.filter(program.call(*eqx.combine(arrays, rest)), eqx.is_array)
 
     with tempfile.TemporaryDirectory(prefix="jaxwalk-plan-") as folder:
         begun = time.perf_counter()
@@ -151,13 +164,13 @@ def compile_for(target: Target, program: Program, state: Any, street: Street) ->
         compiled = jax.jit(call, donate_argnums=0).lower(*shapes).compile(options)
         seconds = time.perf_counter() - begun
         work = read_work(Path(folder))
+    tell(f"{program.name}, {program.experiment.recipe}, {program.environments:,} environments: compiled")
     used: Any = compiled.memory_analysis()
     sizes = used.argument_size_in_bytes + used.output_size_in_bytes + used.temp_size_in_bytes
-    timed = call_time(compiled, jax.device_put(arrays, where), target.seconds) if target.seconds else None
-    return Compiled(work, sizes - used.alias_size_in_bytes, seconds, timed)
+    return Compiled(compiled, arrays, work, sizes - used.alias_size_in_bytes, seconds)
 
 
-def call_time(call: Program, arrays: tuple[Any, Any], seconds: float) -> float:
+def call_time(call: Callable[..., Any], arrays: tuple[Any, Any], seconds: float) -> float:
     """Return the median time of a call, each of which goes on from the one before, after a first one [s]."""
     state, street = arrays
     state, _ = jax.block_until_ready(call(state, street))
@@ -169,17 +182,12 @@ def call_time(call: Program, arrays: tuple[Any, Any], seconds: float) -> float:
     return statistics.median(times)
 
 
-def _row(program: str, experiment: Experiment, count: int, steps: int, compiled: Compiled) -> dict[str, Any]:
+def _row(program: Program, compiled: Compiled, measured_s: float) -> dict[str, Any]:
     """Return a row of a program; amounts are for each step of all environments together."""
+    steps, count, experiment = program.steps, program.environments, program.experiment
     each = {name: total(compiled.work, name) / steps for name in (LAUNCHES, COPIES, SYNCHRONISATIONS, MICROSECONDS)}
-    measured = {} if compiled.call_s is None else {"measured_steps_per_s": round(count * steps / compiled.call_s)}
-    told = "".join(f", {rate:,} steps/s" for rate in measured.values())
-    tell(
-        f"{program}, {experiment.recipe}, {count:,} environments: {each[LAUNCHES]:.1f} launches a step, "
-        f"compiled in {compiled.compile_s:.0f} s{told}"
-    )
-    return measured | {
-        "program": program,
+    row = {
+        "program": program.name,
         "recipe": experiment.recipe,
         "environments": count,
         "pedestrians": experiment.sim.pedestrians,
@@ -190,3 +198,8 @@ def _row(program: str, experiment: Experiment, count: int, steps: int, compiled:
         "memory_bytes": compiled.memory_bytes,
         "compile_s": round(compiled.compile_s, 1),
     }
+    if measured_s:
+        arrays = jax.device_put(compiled.arrays, jax.devices()[0])
+        row["measured_steps_per_s"] = round(count * steps / call_time(compiled.call, arrays, measured_s))
+        tell(f"{program.name}, {experiment.recipe}, {count:,} environments: {row['measured_steps_per_s']:,} steps/s")
+    return row

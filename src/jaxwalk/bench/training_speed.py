@@ -22,9 +22,6 @@ from jaxwalk.rollout import TRAINING, seed_key
 from jaxwalk.runs.street import fixed_policies, make_street, shared_out
 from jaxwalk.shards import everywhere, mesh_of
 
-WHOLE_MINIBATCH = 2**30
-"""More rows than any minibatch has."""
-
 
 def fast(settings: Settings) -> dict[str, Any]:
     """Measure the recipe ``fast`` at its own size, with the car alone, and with other numbers of environments."""
@@ -41,8 +38,7 @@ def paper(settings: Settings) -> dict[str, Any]:
 
 def own_size(experiment: Experiment, settings: Settings) -> Experiment:
     """Return the experiment as it is measured on this machine."""
-    rows = settings.chunk_rows or (WHOLE_MINIBATCH if accelerated() else None)
-    changed = with_training(experiment, environments=settings.recipe_environments, chunk_rows=rows)
+    changed = with_training(experiment, environments=settings.recipe_environments, chunk_rows=settings.chunk_rows)
     return shared_out(replace(changed, seed=settings.seed))
 
 

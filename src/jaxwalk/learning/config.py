@@ -15,6 +15,8 @@ SNAPSHOTS = (10, 30)
 
 LARGEST = {"environments": 2**20, "steps": 2**16, "updates": 2**31 - 1, "chunk_rows": 2**31 - 1}
 """Largest values of fields of `TrainConfig`."""
+WHOLE_MINIBATCH = 2**30
+"""More rows than any minibatch has."""
 MOST_LAYERS, MOST_UNITS = 16, 2**14
 """Largest network: number of hidden layers, and units in each."""
 LAYERS = f"must be at most {MOST_LAYERS} numbers, each in [1, {MOST_UNITS}]"
@@ -152,7 +154,7 @@ class TrainConfig:
     """Units of the shared critic's hidden layers (paper, section III-B); unused with individual credit."""
     chunk_rows: int = 2048
     """Rows (one agent in one step each) whose gradient is computed at once: this affects only speed, never the result.
-    About 2,048 suits a CPU's cache; a GPU wants a whole minibatch."""
+    About 2,048 suits a CPU's cache; a training that begins on a GPU takes whole minibatches instead of this default."""
     shards: int = 1
     """Devices (accelerators, or CPU cores) that share the environments; each shard has its own stand-ins. More
     shards are faster, but another number of them changes a training as another seed does."""

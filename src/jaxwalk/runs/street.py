@@ -8,7 +8,7 @@ from pathlib import Path
 import jax
 
 from jaxwalk.interfaces import Policy, Roles
-from jaxwalk.learning.config import GLOBAL
+from jaxwalk.learning.config import GLOBAL, WHOLE_MINIBATCH, TrainConfig
 from jaxwalk.maps import MapError, MapText
 from jaxwalk.peers import several
 from jaxwalk.policies.drivers import Careless, RouteFollower
@@ -108,12 +108,16 @@ def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> No
 def shared_out(experiment: Experiment) -> Experiment:
     """Return the experiment with its environments shared out among as many processor cores as divide them evenly.
 
-    An accelerator wants all of them: nothing is changed there. Several processes have one shard for each device.
+    An accelerator wants all of them, and gradients of whole minibatches unless another number of rows is set. Several
+    processes have one shard for each device.
     """
-    if several():
-        return with_training(experiment, shards=len(jax.devices()))
     devices, count = jax.devices(), experiment.train.environments
-    most = len(devices) if devices[0].platform == "cpu" else 1
+    on_cpu = devices[0].platform == "cpu"
+    if not on_cpu and experiment.train.chunk_rows == TrainConfig.chunk_rows:
+        experiment = with_training(experiment, chunk_rows=WHOLE_MINIBATCH)
+    if several():
+        return with_training(experiment, shards=len(devices))
+    most = len(devices) if on_cpu else 1
     fitting = (n for n in range(most, 1, -1) if count % n == 0 and count >= n * LEAST_SHARE)
     return with_training(experiment, shards=next(fitting, 1))
 
