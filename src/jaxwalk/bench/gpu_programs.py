@@ -160,7 +160,7 @@ def compile_for(target: Target, program: Program) -> Compiled:
 
     with tempfile.TemporaryDirectory(prefix="jaxwalk-plan-") as folder:
         begun = time.perf_counter()
-        options = COSTS | ({} if target.seconds else NEVER_RUN) | {"xla_dump_to": folder}
+        options: dict[str, Any] = COSTS | ({} if target.seconds else NEVER_RUN) | {"xla_dump_to": folder}
         compiled = jax.jit(call, donate_argnums=0).lower(*shapes).compile(options)
         seconds = time.perf_counter() - begun
         work = read_work(Path(folder))
