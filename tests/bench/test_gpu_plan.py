@@ -8,8 +8,19 @@ import os
 import pytest
 
 from jaxwalk.bench import gpu_plan, gpu_programs
+from jaxwalk.bench.benchmark_settings import Settings
 from jaxwalk.bench.gpu_plan import PlanError, check_compiler, predicted, write_plan
-from jaxwalk.bench.thunks import COPIES, LAUNCHES, MICROSECONDS, SYNCHRONISATIONS, ThunkError, by_part, read_work, total
+from jaxwalk.bench.thunks import (
+    COPIES,
+    LAUNCHES,
+    MICROSECONDS,
+    SYNCHRONISATIONS,
+    ThunkError,
+    Work,
+    by_part,
+    read_work,
+    total,
+)
 from jaxwalk.cli import main
 
 SEQUENCE = """001: kCopy         [source       | next=002 (1)] kCopy
@@ -174,6 +185,15 @@ def test_without_a_gpu_its_programs_are_not_measured(machine, capsys):
     machine["platform"] = "cpu"
     assert main(["bench", "--plan", "here"]) == 2
     assert "JAX sees none (only: cpu); install jaxwalk[cuda]" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.long
+def test_programs_are_compiled_together_and_each_is_timed(monkeypatch):
+    monkeypatch.setattr(gpu_programs, "read_work", lambda folder: Work({(LAUNCHES, "step"): 640}))  # a CPU's has none
+    rows = gpu_programs.plan(Settings(quick=True, plan="here", environments=(4, 8), seconds=0.01))["programs"]
+    assert [row["environments"] for row in rows] == [4, 8]
+    assert [row["launches_per_step"] for row in rows] == [10, 10]
+    assert all(row["measured_steps_per_s"] > 0 for row in rows)
 
 
 def test_calls_go_on_from_each_other_until_the_time_is_over(monkeypatch):

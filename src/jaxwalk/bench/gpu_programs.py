@@ -78,11 +78,11 @@ def plan(settings: Settings) -> dict[str, Any]:
     target = Target(jax.devices()[0] if here else described_device(str(settings.plan)), settings.seconds if here else 0)
     counts = settings.environments if here else (settings.plan_environments,)
     recipes = WORLDS_OF[:1] if settings.quick else WORLDS_OF
+    jobs = [partial(rollout_of, RECIPES[recipe], count, target) for recipe in recipes for count in counts]
+    jobs += [] if settings.quick else [partial(update_of, RECIPES[recipe], target) for recipe in (*recipes, "paper")]
     with traced_for("gpu"), ThreadPoolExecutor(cores()) as pool:
-        programs = [rollout_of(RECIPES[recipe], count, target) for recipe in recipes for count in counts]
-        programs += [] if settings.quick else [update_of(RECIPES[recipe], target) for recipe in (*recipes, "paper")]
-        compiled = list(pool.map(partial(compile_for, target), programs))  # before any is timed
-        rows = [_row(*each, target.seconds) for each in zip(programs, compiled, strict=True)]
+        compiled = list(pool.map(partial(compile_for, target), jobs))  # all of them, before any is timed
+        rows = [_row(each, target.seconds) for each in compiled]
     return describe(settings) | {"device": target.device.device_kind, "programs": rows}
 
 
@@ -140,6 +140,7 @@ def look_and_record(street: Street, views: tuple[tuple[str, str], ...]) -> Act:
 class Compiled:
     """A program compiled for a GPU."""
 
+    program: Program
     call: Any
     arrays: Any
     """Its state and street on the GPU; shapes alone where it isn't there."""
@@ -149,8 +150,9 @@ class Compiled:
     compile_s: float
 
 
-def compile_for(target: Target, program: Program) -> Compiled:
+def compile_for(target: Target, make: Callable[[], Program]) -> Compiled:
     """Compile a program, and read what it does in a call."""
+    program = make()
     where = SingleDeviceSharding(target.device)
     arrays, rest = eqx.partition((program.state, program.street), lambda x: hasattr(x, "dtype"))
     shapes = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape, x.dtype, sharding=where), arrays)
@@ -167,7 +169,7 @@ def compile_for(target: Target, program: Program) -> Compiled:
     tell(f"{program.name}, {program.experiment.recipe}, {program.environments:,} environments: compiled")
     used: Any = compiled.memory_analysis()
     sizes = used.argument_size_in_bytes + used.output_size_in_bytes + used.temp_size_in_bytes
-    return Compiled(compiled, arrays, work, sizes - used.alias_size_in_bytes, seconds)
+    return Compiled(program, compiled, arrays, work, sizes - used.alias_size_in_bytes, seconds)
 
 
 def call_time(call: Callable[..., Any], arrays: tuple[Any, Any], seconds: float) -> float:
@@ -182,8 +184,9 @@ def call_time(call: Callable[..., Any], arrays: tuple[Any, Any], seconds: float)
     return statistics.median(times)
 
 
-def _row(program: Program, compiled: Compiled, measured_s: float) -> dict[str, Any]:
+def _row(compiled: Compiled, measured_s: float) -> dict[str, Any]:
     """Return a row of a program; amounts are for each step of all environments together."""
+    program = compiled.program
     steps, count, experiment = program.steps, program.environments, program.experiment
     each = {name: total(compiled.work, name) / steps for name in (LAUNCHES, COPIES, SYNCHRONISATIONS, MICROSECONDS)}
     row = {

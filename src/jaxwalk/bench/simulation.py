@@ -205,7 +205,7 @@ def random_actions(street: Street, key: jax.Array) -> dict[str, jax.Array]:
     return {"driver": action, "pedestrian": go.astype(jnp.int32)}
 
 
-def keep(step: Step) -> tuple[jax.Array, ...]:
+def keep(step: Step) -> tuple[jax.Array, Any, jax.Array, jax.Array]:
     """Return for each street the sum of rewards, the record, whether the episode ended, whether the step counts."""
     terms = [term for terms in step.outcome.rewards.values() for term in terms.values()]
     paid = sum(term.astype(jnp.float32).sum(axis=tuple(range(term.ndim - 1))) for term in terms)
