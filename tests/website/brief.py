@@ -21,7 +21,7 @@ from sweeps.tiny_sweep import written as write_sweep
 
 SMALL = {
     "--episodes": "4", "--counterfactuals": "1", "--incidents": "1", "--updates": "2", "--count": "1", "--check": "2",
-    "--people": "6",
+    "--people": "6", "--simulations": "64",
 }  # fmt: skip
 """Options that decide how long a command takes, with small values."""
 EPISODES = ("evaluate", "report", "tracks", "share")
@@ -45,11 +45,18 @@ def briefly(words: list[str]) -> list[str]:
     words = [re.sub(r"^([a-z-]+):\d+$", r"\1:1", word) for word in words]
     if words[1] == "train" and "--recipe" in words and "--map" not in words:
         words += ["--map", "training:1"]
+    if words[1] == "search" and "--simulations" not in words:
+        words += ["--simulations", "64"]
     if "splitting" in words:
         words += ["--particles", "64", "--repeats", "2"]
     if words[1] in EPISODES and not {"--episodes", "--again", "--scenarios"} & set(words):
         words += ["--episodes", "4"]
     return words
+
+
+def fewer_streets(file: str) -> str:
+    """Return the file of a training or a suite with one street in place of many: they take long to make."""
+    return re.sub(r'^(maps = \["[a-z-]+):\d+', r"\1:1", file, flags=re.MULTILINE)
 
 
 def as_a_shell_does(words: list[str]) -> list[str]:

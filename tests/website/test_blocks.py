@@ -20,7 +20,7 @@ from hostile.command_lines import nothing_is_done
 from jaxwalk.cli import main
 from jaxwalk.sim.suites import SUITES
 from website.blocks import REASONS, Block, blocks, command_lines
-from website.brief import CHECKED, ELSEWHERE, as_a_shell_does, briefly, clear, provide, written
+from website.brief import CHECKED, ELSEWHERE, as_a_shell_does, briefly, clear, fewer_streets, provide, written
 from website.repository import ROOT, sources
 
 PAGES = [page for page in ("README.md", *sources()) if page != "CHANGELOG.md"]
@@ -131,7 +131,7 @@ def test_command_lines_run_briefly(page, tmp_path, monkeypatch, trained, small_s
         if block.title:
             Path(block.title).write_text(block.text)
         elif block.language == "toml" and block.text.startswith('name = "mine"'):
-            Path("mine.toml").write_text(block.text)
+            Path("mine.toml").write_text(fewer_streets(block.text))
     for block in BLOCKS[page]:
         for words in command_lines(block.text) if block.language == "sh" and block.left_out is None else ():
             check_line([word.replace("$name", "co-trained").rstrip(";") for word in words], trained)
@@ -154,7 +154,7 @@ def check_line(words: list[str], trained: Path) -> None:
 def _jaxwalk(words: list[str], trained: Path) -> None:
     if words[1:3] == ["train", "--config"]:
         page = (ROOT / "docs" / "recipes.md").read_text(encoding="utf-8")
-        Path(words[3]).write_text(page.partition('title="mine.toml"\n')[2].partition("```")[0])
+        Path(words[3]).write_text(fewer_streets(page.partition('title="mine.toml"\n')[2].partition("```")[0]))
     provide(words, trained)
     if words[1] in CHECKED:
         with nothing_is_done():
