@@ -57,7 +57,7 @@ class Target(NamedTuple):
     """Time for which each is measured there [s]; 0: it isn't there."""
 
 
-class Program(NamedTuple):
+class Planned(NamedTuple):
     """A program, before it is compiled."""
 
     name: str
@@ -93,7 +93,7 @@ def described_device(name: str) -> Any:
     return device
 
 
-def rollout_of(experiment: Experiment, count: int, target: Target) -> Program:
+def rollout_of(experiment: Experiment, count: int, target: Target) -> Planned:
     """Return a rollout with a recipe's world and views and random actions."""
     street, steps = make_street(experiment), BLOCKS * RESTART_EVERY
     act = look_and_record(street, views_of(experiment))
@@ -103,10 +103,10 @@ def rollout_of(experiment: Experiment, count: int, target: Target) -> Program:
     def play(stream: Any, street: Street) -> Any:
         return rollout(street, act, stream, steps, keep=keep)
 
-    return Program("rollout", experiment, count, steps, play, stream, street)
+    return Planned("rollout", experiment, count, steps, play, stream, street)
 
 
-def update_of(experiment: Experiment, target: Target) -> Program:
+def update_of(experiment: Experiment, target: Target) -> Planned:
     """Return a recipe's training update, of its own size on one device."""
     experiment = with_training(experiment, shards=1, chunk_rows=WHOLE_MINIBATCH)
     street, config = make_street(experiment), experiment.train
@@ -116,7 +116,7 @@ def update_of(experiment: Experiment, target: Target) -> Program:
     def update(learner: Any, street: Street) -> Any:
         return mappo.update_on(mesh, street, config, learner)
 
-    return Program("update", experiment, config.environments, config.steps, update, learner, street)
+    return Planned("update", experiment, config.environments, config.steps, update, learner, street)
 
 
 def views_of(experiment: Experiment) -> tuple[tuple[str, str], ...]:
@@ -140,7 +140,7 @@ def look_and_record(street: Street, views: tuple[tuple[str, str], ...]) -> Act:
 class Compiled:
     """A program compiled for a GPU."""
 
-    program: Program
+    program: Planned
     call: Any
     arrays: Any
     """Its state and street on the GPU; shapes alone where it isn't there."""
@@ -150,7 +150,7 @@ class Compiled:
     compile_s: float
 
 
-def compile_for(target: Target, make: Callable[[], Program]) -> Compiled:
+def compile_for(target: Target, make: Callable[[], Planned]) -> Compiled:
     """Compile a program, and read what it does in a call."""
     program = make()
     where = SingleDeviceSharding(target.device)
