@@ -19,6 +19,7 @@ from jaxwalk.runs.folder import RunError, as_json, check_writable, is_empty
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.street import make_street
 from jaxwalk.runs.study import read_json
+from jaxwalk.sweeps.attempts import attempted
 from jaxwalk.sweeps.evaluated import check_objective
 from jaxwalk.sweeps.journal import PATIENCE, Journal, check_optuna
 from jaxwalk.sweeps.study_file import SweepPlan
@@ -87,7 +88,8 @@ def _work(journal: Journal, console: Console) -> bool:
             return False
         work = TrialWork(trial, journal.plan, journal.trial_folder(trial.number), console)
         try:
-            score = work.score()
+            with attempted(trial, work.folder):
+                score = work.score()
         except UselessTrialError as error:
             trial.set_user_attr(WHY, str(error))
             console.print(f"trial {trial.number} failed: {error}", soft_wrap=True, markup=False)
