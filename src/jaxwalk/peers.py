@@ -8,6 +8,7 @@ one that the others don't run would wait for ever. With one process they cost no
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
@@ -56,6 +57,16 @@ def _largest_on(mesh: Mesh) -> Callable[[Array], Array]:
 def wait_for_all() -> None:
     """Wait until every process has come to this place."""
     ask(lambda: [0])()
+
+
+def leave_together() -> None:
+    """Wait until every process has come to its end, and end their connection: JAX aborts those that process 0 leaves.
+
+    If one is lost meanwhile, the others just go on.
+    """
+    if several():
+        with suppress(RuntimeError):
+            jax.distributed.shutdown()
 
 
 def gathered(tree: Any) -> Any:

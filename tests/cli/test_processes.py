@@ -15,7 +15,7 @@ from jaxwalk.cli import launcher, main
 from jaxwalk.cli.group import Group, group_of
 from jaxwalk.cli.options import Train
 from jaxwalk.recipes import RECIPES, with_training
-from jaxwalk.runs.folder import Run
+from jaxwalk.runs.folder import CHECKPOINTS, METRICS, Run
 from jaxwalk.runs.watchdog import LAUNCHED
 from reliability.kill_training import board
 
@@ -29,9 +29,12 @@ def wait():
             os.write(0, b".")
         time.sleep(0.5)
 def end(*_):
+    if number == "1" and deed == "crumbles":
+        os.abort()
     os.write(int(os.environ["JAXWALK_LAUNCHED"]), b"saved\\n")
-    sys.exit(143)
-signal.signal(signal.SIGTERM, end)
+    sys.exit(3 if deed == "crumbles" else 143)
+if number == "0" or deed != "has just started":
+    signal.signal(signal.SIGTERM, end)
 os.write(int(os.environ["JAXWALK_LAUNCHED"]), b"ready\\n")
 if number == "1" and deed == "fails":
     print("a reason")
@@ -48,6 +51,19 @@ if number == "1" and deed == "dies":
 if deed == "dies":
     sys.exit(3)
 wait()
+"""
+LATE = """
+import sys, time
+open("started-" + sys.argv[-1], "w").close()
+time.sleep(sys.argv[-1] == "1")
+from jaxwalk.cli import main
+from jaxwalk.cli.signals import Signals
+ignore = Signals.ignore
+def ignore_late(self):
+    time.sleep(3.0 * (sys.argv[-1] == "1"))
+    ignore(self)
+Signals.ignore = ignore_late
+sys.exit(main())
 """
 REFUSED = {
     "no processes": ("--processes 0", "--processes must be from 1 to 4,096, not 0"),
@@ -85,6 +101,18 @@ def deed(monkeypatch, tmp_path):
 def launch(*words, capfd):
     code = main(["train", "--run", "new", "--processes", "2", *words])
     return code, capfd.readouterr().err
+
+
+def send_after(seconds, number, happened=lambda: True):
+    """Send a signal to this process some time after something has happened."""
+
+    def send():
+        while not happened():
+            time.sleep(0.05)
+        time.sleep(seconds)
+        os.kill(os.getpid(), number)
+
+    threading.Thread(target=send, daemon=True).start()
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -157,13 +185,44 @@ def test_what_another_process_says_is_shown_if_it_fails(place, deed, capfd):
 def test_a_signal_is_handed_on_and_all_end_in_order(number, place, deed, capfd):
     deed("waits")
 
-    def send():
-        time.sleep(1.5)
-        os.kill(os.getpid(), number)
+    send_after(1.5, number)
+    assert launch(capfd=capfd) == (130, "ready\nsaved\n")
 
-    threading.Thread(target=send).start()
+
+@pytest.mark.parametrize("name", ["crumbles", "has just started"])
+def test_a_signal_that_the_processes_do_not_survive_in_order_loses_none(name, place, deed, capfd):
+    """One is aborted by JAX, as the other leaves first; or the signal comes before a process listens."""
+    deed(name)
+    send_after(1.5, signal.SIGTERM)
     code, said = launch(capfd=capfd)
-    assert (code, said) == (130, "ready\nsaved\n")
+    assert (code, said) == (
+        130,
+        "ready\nsaved\njaxwalk: interrupted; there is no checkpoint yet; "
+        "resume it with: jaxwalk train --run new --processes 2\n",
+    )
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("moment", ["start", "training"])
+def test_a_training_of_two_processes_is_interrupted_in_order(moment, place, monkeypatch, capfd):
+    """Process 1 takes long to leave: JAX would abort it if process 0 left first. At the start it doesn't listen yet."""
+    script = place / "late.py"
+    script.write_text(LATE)
+    monkeypatch.setattr(
+        launcher, "_command", lambda words, number: [sys.executable, str(script), *words, "--process", str(number)]
+    )
+    metrics = place / "new" / METRICS
+    happened = {
+        "start": lambda: len(list(place.glob("started-*"))) == 2,
+        "training": lambda: metrics.is_file() and metrics.stat().st_size,
+    }[moment]
+    send_after(0.0, signal.SIGTERM, happened)
+    words = "--environments 8 --steps 8 --minibatches 2 --updates 100000"
+    code, said = launch(*words.split(), capfd=capfd)
+    assert (code, "Interrupted after" in said) == (130, moment == "training"), said
+    if moment == "training":
+        (kept,) = (place / "new" / CHECKPOINTS).iterdir()
+        assert f"Interrupted after {kept.name} update" in said
 
 
 def test_what_is_resumed_has_the_options_of_a_resumed_training(place):

@@ -35,6 +35,8 @@ EVERY = 0.1
 """Time between two looks at the processes [s]."""
 ENDED_WELL = (0, INTERRUPTED, TERMINATED)
 """Exit codes of processes that came to their end together."""
+CUT_SHORT = (*ENDED_WELL, LOST, -signal.SIGTERM, -signal.SIGABRT, None)
+"""Exit codes of processes after a signal: also of one that the signal or JAX ended, and of one that we are about to."""
 LEFT_ALONE = (*ENDED_WELL, LOST, HUNG)
 """Exit codes of processes that have no error of their own."""
 LAST_WORDS = 4000
@@ -88,6 +90,9 @@ def _train(options: Train, words: Sequence[str], stop: Stop, restarts: int) -> i
     """Train until all processes have ended, in order or together with one that was lost; return the exit code."""
     with _started(words, options.processes) as members:
         if _wait(members, stop):
+            if stop.requested and all(member.code in CUT_SHORT for member in members):
+                print(f"jaxwalk: interrupted; {_kept(options)}; {_how_to_resume(options, words)}", file=sys.stderr)
+                return INTERRUPTED
             again = "it begins again" if restarts and not stop.requested else None
             return _report_failure(options, words, members, again)
         codes = [member.code or 0 for member in members]
@@ -104,7 +109,7 @@ def _report_failure(options: Train, words: Sequence[str], members: Sequence[Memb
         said = _printed(members[failing[0]])
         print(f"jaxwalk: process {failing[0]} of {len(members)} failed:\n{said}", file=sys.stderr)
         return BAD_INPUT
-    next_step = again or f"resume it with: jaxwalk {' '.join(_words_to_resume(options, words))}"
+    next_step = again or _how_to_resume(options, words)
     what = f"{_what_happened(members)}, and the training ended"
     print(f"jaxwalk: {what}; {_kept(options)}; {next_step}", file=sys.stderr)
     return LOST
@@ -154,6 +159,11 @@ def _kept(options: Train) -> str:
     folder = _folder(options) / CHECKPOINTS
     numbers = [int(path.name) for path in folder.glob("*") if path.name.isdecimal()]
     return f"the checkpoint of update {max(numbers)} is kept" if numbers else "there is no checkpoint yet"
+
+
+def _how_to_resume(options: Train, words: Sequence[str]) -> str:
+    """Return what to do to go on."""
+    return f"resume it with: jaxwalk {' '.join(_words_to_resume(options, words))}"
 
 
 def _words_to_resume(options: Train, words: Sequence[str]) -> list[str]:
