@@ -110,8 +110,10 @@ def _report_failure(options: Train, words: Sequence[str], members: Sequence[Memb
         print(f"jaxwalk: process {failing[0]} of {len(members)} failed:\n{said}", file=sys.stderr)
         return BAD_INPUT
     next_step = again or _how_to_resume(options, words)
-    what = f"{_what_happened(members)}, and the training ended"
-    print(f"jaxwalk: {what}; {_kept(options)}; {next_step}", file=sys.stderr)
+    what, lost = _what_happened(members)
+    said = "" if lost is None else _printed(members[lost])
+    words_of_it = said and f"\nProcess {lost} said:\n{said}"
+    print(f"jaxwalk: {what}, and the training ended; {_kept(options)}; {next_step}{words_of_it}", file=sys.stderr)
     return LOST
 
 
@@ -139,19 +141,19 @@ def _tell_to_end(members: Sequence[Member]) -> None:
         member.process.terminate()
 
 
-def _what_happened(members: Sequence[Member]) -> str:
-    """Return which process was lost, by how all are before the rest of them is ended."""
+def _what_happened(members: Sequence[Member]) -> tuple[str, int | None]:
+    """Return how the processes were lost, by how all are before the rest of them is ended; and which was killed."""
     codes = [member.code for member in members]
     killed = [(code == -signal.SIGABRT, number, -code) for number, code in enumerate(codes) if code and code < 0]
     if killed:  # an abort comes last: so JAX ends those that have lost another one
         _, number, by = min(killed)
-        return f"process {number} of {len(codes)} was killed ({signal.Signals(by).name})"
+        return f"process {number} of {len(codes)} was killed ({signal.Signals(by).name})", number
     if HUNG in codes:
-        return "a process hangs, so that no update was finished for long"
+        return "a process hangs, so that no update was finished for long", None
     silent = [str(member.number) for member in members if member.is_silent()]
     if silent:
-        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s"
-    return "the processes lost each other"
+        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s", None
+    return "the processes lost each other", None
 
 
 def _kept(options: Train) -> str:
