@@ -74,6 +74,11 @@ def gathered(tree: Any) -> Any:
     if not several():
         return tree
     arrays, rest = eqx.partition(tree, eqx.is_array)
-    whole = jax.tree.map(lambda x: NamedSharding(x.sharding.mesh, PartitionSpec()), arrays)
-    copies = jax.jit(lambda x: x, out_shardings=whole)(arrays)
+    copies = _whole_on(jax.tree.leaves(arrays)[0].sharding.mesh)(arrays)
     return eqx.combine(jax.tree.map(lambda x: x.addressable_data(0), copies), rest)
+
+
+@lru_cache
+def _whole_on(mesh: Mesh) -> Callable[[Any], Any]:
+    """Return what makes arrays whole on every device of a mesh; training does so at each checkpoint."""
+    return jax.jit(lambda arrays: arrays, out_shardings=NamedSharding(mesh, PartitionSpec()))
