@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import time
 
 import pytest
 
@@ -13,7 +14,7 @@ from jaxwalk.runs.lock import held
 from jaxwalk.runs.session import DivergedError
 from jaxwalk.runs.street import WorldError
 from jaxwalk.runs.study import Interrupted
-from jaxwalk.sweeps import trial_work
+from jaxwalk.sweeps import sweeping, trial_work
 from jaxwalk.sweeps.journal import JOURNAL, Journal, JournalError
 from jaxwalk.sweeps.study_file import load_sweep
 from jaxwalk.sweeps.sweeping import as_plan, sweep
@@ -214,6 +215,22 @@ def test_a_process_that_chooses_a_trial_is_waited_for(study, tmp_path, monkeypat
     journal = Journal(tmp_path, load_sweep(study()))
     with held(tmp_path), pytest.raises(ValueError, match="another process is writing into it"), journal.claimed():
         pass
+
+
+def test_results_are_written_while_others_choose_and_not_after_each_of_many_trials(
+    pretended, study, tmp_path, quiet, monkeypatch
+):
+    plan, written = load_sweep(study(**{"trials = 4": "trials = 8"})), []
+
+    def write(folder, results):
+        with held(folder):  # raises if the lock for choosing a trial is held
+            written.append(results.counts["complete"])
+        time.sleep(0.1)
+
+    monkeypatch.setattr(sweeping, "write_results", write)
+    monkeypatch.setattr(sweeping, "BETWEEN", 1000)  # no trial takes that long here
+    sweep(tmp_path / "out", plan, console=quiet)
+    assert written == [1, 8]
 
 
 def test_the_command_says_what_is_best_and_how_to_evaluate_it(pretended, study, tmp_path, capsys):
