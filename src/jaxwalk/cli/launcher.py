@@ -89,10 +89,11 @@ def launch(options: Train, words: Sequence[str]) -> int:
 def _train(options: Train, words: Sequence[str], stop: Stop, restarts: int) -> int:
     """Train until all processes have ended, in order or together with one that was lost; return the exit code."""
     with _started(words, options.processes) as members:
-        if _wait(members, stop):
-            if stop.requested and all(member.code in CUT_SHORT for member in members):
-                print(f"jaxwalk: interrupted; {_kept(options)}; {_how_to_resume(options, words)}", file=sys.stderr)
-                return INTERRUPTED
+        failed = _wait(members, stop)
+        if failed and stop.requested and all(member.code in CUT_SHORT for member in members):
+            print(f"jaxwalk: interrupted; {_kept(options)}; {_how_to_resume(options, words)}", file=sys.stderr)
+            return INTERRUPTED
+        if failed:
             again = "it begins again" if restarts and not stop.requested else None
             return _report_failure(options, words, members, again)
         codes = [member.code or 0 for member in members]

@@ -96,8 +96,7 @@ def _work(journal: Journal, console: Console) -> bool:
             return False
         work = TrialWork(trial, journal.plan, journal.trial_folder(trial.number), console)
         try:
-            with attempted(trial, work.folder):
-                score = work.score()
+            score = _attempt(work)
         except UselessTrialError as error:
             trial.set_user_attr(WHY, str(error))
             console.print(f"trial {trial.number} failed: {error}", soft_wrap=True, markup=False)
@@ -111,6 +110,12 @@ def _work(journal: Journal, console: Console) -> bool:
             said = f"{journal.plan.objective.metric} {score:.6g}"
         console.print(f"trial {trial.number}: {said}", soft_wrap=True, markup=False)
         return True
+
+
+def _attempt(work: TrialWork) -> float | None:
+    """Return the trial's score, unless too many attempts at it have ended their process."""
+    with attempted(work.trial, work.folder):
+        return work.score()
 
 
 def _end(journal: Journal, number: int, state: str, score: float | None = None) -> None:
