@@ -107,7 +107,7 @@ wheel: install  ## build dist/*.whl
 	rm -rf dist
 	$(UV) build --quiet --wheel --out-dir dist
 
-# core and docs are held to what dev chose, so that the lists always agree. No list names a package index.
+# The others are held to what dev chose, so that the lists always agree. No list names a package index.
 COMPILE = $(UV) pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --no-emit-find-links \
 	--no-annotate --custom-compile-command 'make lock' pyproject.toml
 
@@ -115,6 +115,7 @@ lock: | $(UV)  ## choose the newest versions anew and pin them in requirements/
 	$(COMPILE) --upgrade --extra dev -o requirements/dev.txt
 	$(COMPILE) --upgrade --constraint requirements/dev.txt -o requirements/core.txt
 	$(COMPILE) --upgrade --constraint requirements/dev.txt --extra docs -o requirements/docs.txt
+	$(COMPILE) --upgrade --constraint requirements/dev.txt --extra cluster -o requirements/cluster.txt
 
 clean:  ## remove what was built and cached; .venv and runs stay
 	rm -rf build dist site .pytest_cache .ruff_cache .hypothesis htmlcov .coverage*

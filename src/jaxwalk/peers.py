@@ -8,6 +8,7 @@ one that the others don't run would wait for ever. With one process they cost no
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
@@ -58,11 +59,26 @@ def wait_for_all() -> None:
     ask(lambda: [0])()
 
 
+def leave_together() -> None:
+    """Wait until every process has come to its end, and end their connection: JAX aborts those that process 0 leaves.
+
+    If one is lost meanwhile, the others just go on.
+    """
+    if several():
+        with suppress(RuntimeError):
+            jax.distributed.shutdown()
+
+
 def gathered(tree: Any) -> Any:
     """Return the tree with each of its arrays whole, on this process's own device if there are several processes."""
     if not several():
         return tree
     arrays, rest = eqx.partition(tree, eqx.is_array)
-    whole = jax.tree.map(lambda x: NamedSharding(x.sharding.mesh, PartitionSpec()), arrays)
-    copies = jax.jit(lambda x: x, out_shardings=whole)(arrays)
+    copies = _whole_on(jax.tree.leaves(arrays)[0].sharding.mesh)(arrays)
     return eqx.combine(jax.tree.map(lambda x: x.addressable_data(0), copies), rest)
+
+
+@lru_cache
+def _whole_on(mesh: Mesh) -> Callable[[Any], Any]:
+    """Return what makes arrays whole on every device of a mesh; training does so at each checkpoint."""
+    return jax.jit(lambda arrays: arrays, out_shardings=NamedSharding(mesh, PartitionSpec()))

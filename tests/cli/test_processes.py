@@ -15,7 +15,7 @@ from jaxwalk.cli import launcher, main
 from jaxwalk.cli.group import Group, group_of
 from jaxwalk.cli.options import Train
 from jaxwalk.recipes import RECIPES, with_training
-from jaxwalk.runs.folder import Run
+from jaxwalk.runs.folder import CHECKPOINTS, METRICS, Run
 from jaxwalk.runs.watchdog import LAUNCHED
 from reliability.kill_training import board
 
@@ -29,9 +29,12 @@ def wait():
             os.write(0, b".")
         time.sleep(0.5)
 def end(*_):
+    if number == "1" and deed == "crumbles":
+        os.abort()
     os.write(int(os.environ["JAXWALK_LAUNCHED"]), b"saved\\n")
-    sys.exit(143)
-signal.signal(signal.SIGTERM, end)
+    sys.exit(3 if deed == "crumbles" else 143)
+if number == "0" or deed != "has just started":
+    signal.signal(signal.SIGTERM, end)
 os.write(int(os.environ["JAXWALK_LAUNCHED"]), b"ready\\n")
 if number == "1" and deed == "fails":
     print("a reason")
@@ -40,6 +43,7 @@ if number == "0" and deed == "refuses":
     os.write(int(os.environ["JAXWALK_LAUNCHED"]), b"jaxwalk: no\\n")
     sys.exit(2)
 if number == "0" and deed == "aborts":
+    print("a failed check", file=sys.stderr, flush=True)
     os.abort()
 if deed == "ends":
     sys.exit(0)
@@ -48,6 +52,32 @@ if number == "1" and deed == "dies":
 if deed == "dies":
     sys.exit(3)
 wait()
+"""
+LATE = """
+import sys, time
+open("started-" + sys.argv[-1], "w").close()
+time.sleep(sys.argv[-1] == "1")
+from jaxwalk.cli import main
+from jaxwalk.cli.signals import Signals
+ignore = Signals.ignore
+def ignore_late(self):
+    time.sleep(3.0 * (sys.argv[-1] == "1"))
+    ignore(self)
+Signals.ignore = ignore_late
+sys.exit(main())
+"""
+JOINS = """
+import sys
+import jax
+from jax._src.lib import _jax
+from jaxwalk.cli.group import Group, join
+make = _jax.make_gloo_tcp_collectives
+def tell(client=None, **options):
+    print("listens on", options.get("hostname"))
+    return make(client or options.pop("distributed_client"), **options)
+_jax.make_gloo_tcp_collectives = tell
+join(Group(f"127.0.0.1:{sys.argv[1]}", 0, 1, 1))
+print(len(jax.devices()), jax.process_count())
 """
 REFUSED = {
     "no processes": ("--processes 0", "--processes must be from 1 to 4,096, not 0"),
@@ -87,6 +117,18 @@ def launch(*words, capfd):
     return code, capfd.readouterr().err
 
 
+def send_after(seconds, number, happened=lambda: True):
+    """Send a signal to this process some time after something has happened."""
+
+    def send():
+        while not happened():
+            time.sleep(0.05)
+        time.sleep(seconds)
+        os.kill(os.getpid(), number)
+
+    threading.Thread(target=send, daemon=True).start()
+
+
 @pytest.mark.parametrize("name", REFUSED)
 def test_options_that_make_no_sense_are_refused(name, place, capsys):
     words, said = REFUSED[name]
@@ -108,6 +150,13 @@ def test_a_launched_process_accepts_the_words_of_its_launcher(place, monkeypatch
     assert group_of(options) == Group("127.0.0.1:7777", 0, 2, devices=1)
 
 
+def test_processes_of_one_machine_send_their_sums_on_the_loopback_address():
+    words = [sys.executable, "-c", JOINS, str(launcher.free_port())]
+    environment = os.environ | {"JAX_NUM_CPU_DEVICES": "1", "JAX_PLATFORMS": "cpu"}
+    said = subprocess.run(words, check=True, capture_output=True, text=True, env=environment).stdout
+    assert said.splitlines() == ["listens on 127.0.0.1", "1 1"]
+
+
 def test_processes_that_end_well_end_it(place, deed, capfd):
     deed("ends")
     assert launch(capfd=capfd) == (0, "ready\n")
@@ -119,7 +168,7 @@ def test_a_process_that_is_killed_ends_all_with_one_message(place, deed, capfd):
     assert code == 3
     assert said.replace("ready\n", "") == (
         "jaxwalk: process 1 of 2 was killed (SIGKILL), and the training ended; there is no checkpoint yet; "
-        "resume it with: jaxwalk train --run new --processes 2\n"
+        "resume it with: jaxwalk train --run new --processes 2\nProcess 1 said:\n"
     )
 
 
@@ -139,7 +188,9 @@ def test_one_that_gives_no_sign_of_life_ends_all(place, deed, capfd, monkeypatch
 def test_one_that_crashes_ends_all(place, deed, capfd):
     deed("aborts")
     code, said = launch(capfd=capfd)
-    assert (code, "jaxwalk: process 0 of 2 was killed (SIGABRT), and" in said) == (3, True)
+    assert code == 3
+    assert "jaxwalk: process 0 of 2 was killed (SIGABRT), and" in said
+    assert said.endswith("\nProcess 0 said:\na failed check\n")
 
 
 def test_what_process_0_refuses_is_said_once(place, deed, capfd):
@@ -157,13 +208,44 @@ def test_what_another_process_says_is_shown_if_it_fails(place, deed, capfd):
 def test_a_signal_is_handed_on_and_all_end_in_order(number, place, deed, capfd):
     deed("waits")
 
-    def send():
-        time.sleep(1.5)
-        os.kill(os.getpid(), number)
+    send_after(1.5, number)
+    assert launch(capfd=capfd) == (130, "ready\nsaved\n")
 
-    threading.Thread(target=send).start()
+
+@pytest.mark.parametrize("name", ["crumbles", "has just started"])
+def test_a_signal_that_the_processes_do_not_survive_in_order_loses_none(name, place, deed, capfd):
+    """One is aborted by JAX, as the other leaves first; or the signal comes before a process listens."""
+    deed(name)
+    send_after(1.5, signal.SIGTERM)
     code, said = launch(capfd=capfd)
-    assert (code, said) == (130, "ready\nsaved\n")
+    assert (code, said) == (
+        130,
+        "ready\nsaved\njaxwalk: interrupted; there is no checkpoint yet; "
+        "resume it with: jaxwalk train --run new --processes 2\n",
+    )
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("moment", ["start", "training"])
+def test_a_training_of_two_processes_is_interrupted_in_order(moment, place, monkeypatch, capfd):
+    """Process 1 takes long to leave: JAX would abort it if process 0 left first. At the start it doesn't listen yet."""
+    script = place / "late.py"
+    script.write_text(LATE)
+    monkeypatch.setattr(
+        launcher, "_command", lambda words, number: [sys.executable, str(script), *words, "--process", str(number)]
+    )
+    metrics = place / "new" / METRICS
+    happened = {
+        "start": lambda: len(list(place.glob("started-*"))) == 2,
+        "training": lambda: metrics.is_file() and metrics.stat().st_size,
+    }[moment]
+    send_after(0.0, signal.SIGTERM, happened)
+    words = "--environments 8 --steps 8 --minibatches 2 --updates 100000"
+    code, said = launch(*words.split(), capfd=capfd)
+    assert (code, "Interrupted after" in said) == (130, moment == "training"), said
+    if moment == "training":
+        (kept,) = (place / "new" / CHECKPOINTS).iterdir()
+        assert f"Interrupted after {kept.name} update" in said
 
 
 def test_what_is_resumed_has_the_options_of_a_resumed_training(place):

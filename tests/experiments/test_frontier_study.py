@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import pytest
 from rich.console import Console
@@ -12,8 +12,9 @@ from rich.console import Console
 from jaxwalk.evaluation import evaluate
 from jaxwalk.evaluation.reading import DocumentError
 from jaxwalk.experiments import frontier_study as module
-from jaxwalk.experiments.frontier_study import FrontierEffort, entrants, frontier_study
+from jaxwalk.experiments.frontier_study import FrontierEffort, FrontierWork, entrants, frontier_study
 from jaxwalk.policies.knobs import KNOBS
+from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import RunError
 
 PLAN = FrontierEffort(
@@ -85,3 +86,14 @@ def test_it_says_what_there_is_to_play_and_goes_on(made):
 def test_another_plan_needs_another_folder(made, quiet):
     with pytest.raises(RunError, match="was begun with another value of episodes"):
         frontier_study(made[0], replace(PLAN, episodes=9), console=quiet)
+
+
+def test_a_folder_of_an_older_version_needs_its_plan_completed(tmp_path, quiet):
+    older = {name: value for name, value in asdict(PLAN).items() if name != "own_settings"}
+    (tmp_path / "plan.json").write_text(json.dumps(older))
+    said = "another version of jaxwalk began it: plan.json has no own_settings; name another folder"
+    with pytest.raises(RunError, match=said):
+        frontier_study(tmp_path, PLAN, console=quiet)
+    (tmp_path / "plan.json").write_text(json.dumps(older | {"own_settings": False}))
+    FrontierWork(tmp_path, PLAN, quiet, RECIPES["fast"]).do([])
+    assert json.loads((tmp_path / "plan.json").read_text())["own_settings"] is False

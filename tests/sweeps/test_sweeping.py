@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import time
 
 import pytest
 
@@ -12,7 +13,8 @@ from jaxwalk.runs.folder import RunError
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.session import DivergedError
 from jaxwalk.runs.street import WorldError
-from jaxwalk.sweeps import trial_work
+from jaxwalk.runs.study import Interrupted
+from jaxwalk.sweeps import sweeping, trial_work
 from jaxwalk.sweeps.journal import JOURNAL, Journal, JournalError
 from jaxwalk.sweeps.study_file import load_sweep
 from jaxwalk.sweeps.sweeping import as_plan, sweep
@@ -59,6 +61,55 @@ def test_an_interrupted_trial_is_resumed_and_none_is_trained_twice(pretended, st
     assert values(whole) == values(results)
     before = len(pretended.trained)
     assert sweep(out, plan, console=quiet).best == results.best and len(pretended.trained) == before
+
+
+class Killed(BaseException):
+    """Ends a process without a word: it leaves the journal as it is, and the locks free."""
+
+
+def dying(pretended, monkeypatch, how, begun, checkpoints=False):
+    """Let the training of trial 1 end its process, which may have written another checkpoint before."""
+
+    def train_in(run, **words):
+        if run.path.parent.name != "1":
+            return pretended.train_in(run, **words)
+        begun.append(1)
+        if checkpoints:
+            (run.checkpoints / str(len(begun))).mkdir(parents=True)
+        raise how
+
+    monkeypatch.setattr(trial_work, "train_in", train_in)
+
+
+def test_a_trial_that_ends_its_process_three_times_fails_and_the_others_go_on(
+    pretended, study, tmp_path, quiet, monkeypatch
+):
+    plan, out, begun = load_sweep(study()), tmp_path / "out", []
+    dying(pretended, monkeypatch, Killed, begun)
+    for _ in range(3):
+        with pytest.raises(Killed):
+            sweep(out, plan, console=quiet)
+    results = sweep(out, plan, console=quiet)
+    assert [trial.state for trial in results.trials] == ["complete", "failed", "complete", "complete"]
+    assert results.trials[1].why == (
+        f"{out}/trials/1: its process ended 3 times before it came further; the memory may not suffice for it"
+    )
+    assert len(begun) == 3 and "its process ended 3 times" in (out / "study.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("how", "checkpoints"),
+    [(Killed, True), (KeyboardInterrupt, False), (Interrupted, False), (OSError("full"), False)],
+)
+def test_a_trial_may_end_often_if_it_comes_further_or_is_not_to_blame(
+    how, checkpoints, pretended, study, tmp_path, quiet, monkeypatch
+):
+    plan, out, begun = load_sweep(study()), tmp_path / "out", []
+    dying(pretended, monkeypatch, how, begun, checkpoints=checkpoints)
+    for _ in range(5):
+        with pytest.raises(type(how) if isinstance(how, OSError) else how):
+            sweep(out, plan, console=quiet)
+    assert len(begun) == 5
 
 
 def test_a_trial_that_was_killed_before_it_had_its_values_gets_the_same_ones(pretended, study, tmp_path, quiet):
@@ -164,6 +215,22 @@ def test_a_process_that_chooses_a_trial_is_waited_for(study, tmp_path, monkeypat
     journal = Journal(tmp_path, load_sweep(study()))
     with held(tmp_path), pytest.raises(ValueError, match="another process is writing into it"), journal.claimed():
         pass
+
+
+def test_results_are_written_while_others_choose_and_not_after_each_of_many_trials(
+    pretended, study, tmp_path, quiet, monkeypatch
+):
+    plan, written = load_sweep(study(**{"trials = 4": "trials = 8"})), []
+
+    def write(folder, results):
+        with held(folder):  # raises if the lock for choosing a trial is held
+            written.append(results.counts["complete"])
+        time.sleep(0.1)
+
+    monkeypatch.setattr(sweeping, "write_results", write)
+    monkeypatch.setattr(sweeping, "BETWEEN", 1000)  # no trial takes that long here
+    sweep(tmp_path / "out", plan, console=quiet)
+    assert written == [1, 8]
 
 
 def test_the_command_says_what_is_best_and_how_to_evaluate_it(pretended, study, tmp_path, capsys):

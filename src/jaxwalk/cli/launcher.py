@@ -35,6 +35,8 @@ EVERY = 0.1
 """Time between two looks at the processes [s]."""
 ENDED_WELL = (0, INTERRUPTED, TERMINATED)
 """Exit codes of processes that came to their end together."""
+CUT_SHORT = (*ENDED_WELL, LOST, -signal.SIGTERM, -signal.SIGABRT, None)
+"""Exit codes of processes after a signal: also of one that the signal or JAX ended, and of one that we are about to."""
 LEFT_ALONE = (*ENDED_WELL, LOST, HUNG)
 """Exit codes of processes that have no error of their own."""
 LAST_WORDS = 4000
@@ -87,7 +89,11 @@ def launch(options: Train, words: Sequence[str]) -> int:
 def _train(options: Train, words: Sequence[str], stop: Stop, restarts: int) -> int:
     """Train until all processes have ended, in order or together with one that was lost; return the exit code."""
     with _started(words, options.processes) as members:
-        if _wait(members, stop):
+        failed = _wait(members, stop)
+        if failed and stop.requested and all(member.code in CUT_SHORT for member in members):
+            print(f"jaxwalk: interrupted; {_kept(options)}; {_how_to_resume(options, words)}", file=sys.stderr)
+            return INTERRUPTED
+        if failed:
             again = "it begins again" if restarts and not stop.requested else None
             return _report_failure(options, words, members, again)
         codes = [member.code or 0 for member in members]
@@ -104,9 +110,11 @@ def _report_failure(options: Train, words: Sequence[str], members: Sequence[Memb
         said = _printed(members[failing[0]])
         print(f"jaxwalk: process {failing[0]} of {len(members)} failed:\n{said}", file=sys.stderr)
         return BAD_INPUT
-    next_step = again or f"resume it with: jaxwalk {' '.join(_words_to_resume(options, words))}"
-    what = f"{_what_happened(members)}, and the training ended"
-    print(f"jaxwalk: {what}; {_kept(options)}; {next_step}", file=sys.stderr)
+    next_step = again or _how_to_resume(options, words)
+    what, lost = _what_happened(members)
+    said = "" if lost is None else _printed(members[lost])
+    words_of_it = said and f"\nProcess {lost} said:\n{said}"
+    print(f"jaxwalk: {what}, and the training ended; {_kept(options)}; {next_step}{words_of_it}", file=sys.stderr)
     return LOST
 
 
@@ -134,19 +142,19 @@ def _tell_to_end(members: Sequence[Member]) -> None:
         member.process.terminate()
 
 
-def _what_happened(members: Sequence[Member]) -> str:
-    """Return which process was lost, by how all are before the rest of them is ended."""
+def _what_happened(members: Sequence[Member]) -> tuple[str, int | None]:
+    """Return how the processes were lost, by how all are before the rest of them is ended; and which was killed."""
     codes = [member.code for member in members]
     killed = [(code == -signal.SIGABRT, number, -code) for number, code in enumerate(codes) if code and code < 0]
     if killed:  # an abort comes last: so JAX ends those that have lost another one
         _, number, by = min(killed)
-        return f"process {number} of {len(codes)} was killed ({signal.Signals(by).name})"
+        return f"process {number} of {len(codes)} was killed ({signal.Signals(by).name})", number
     if HUNG in codes:
-        return "a process hangs, so that no update was finished for long"
+        return "a process hangs, so that no update was finished for long", None
     silent = [str(member.number) for member in members if member.is_silent()]
     if silent:
-        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s"
-    return "the processes lost each other"
+        return f"process {' and '.join(silent)} of {len(codes)} gave no sign of life for {SILENCE} s", None
+    return "the processes lost each other", None
 
 
 def _kept(options: Train) -> str:
@@ -154,6 +162,11 @@ def _kept(options: Train) -> str:
     folder = _folder(options) / CHECKPOINTS
     numbers = [int(path.name) for path in folder.glob("*") if path.name.isdecimal()]
     return f"the checkpoint of update {max(numbers)} is kept" if numbers else "there is no checkpoint yet"
+
+
+def _how_to_resume(options: Train, words: Sequence[str]) -> str:
+    """Return what to do to go on."""
+    return f"resume it with: jaxwalk {' '.join(_words_to_resume(options, words))}"
 
 
 def _words_to_resume(options: Train, words: Sequence[str]) -> list[str]:

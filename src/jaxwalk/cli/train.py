@@ -12,6 +12,7 @@ from rich.console import Console
 
 from jaxwalk.cli.errors import INTERRUPTED, LOST, UsageError, bad_values
 from jaxwalk.cli.options import Train
+from jaxwalk.peers import leave_together
 from jaxwalk.recipes import LONGEST, RECIPES, Experiment, load_experiment, single_agent, with_training
 from jaxwalk.runs.entry import Upkeep, resume, train
 from jaxwalk.runs.folder import check_new
@@ -36,7 +37,9 @@ GOES_WITH_RESUME = (
 def run(options: Train) -> int:
     """Train or resume; return 130 if Ctrl-C ended it, 3 if another process of the training was lost."""
     try:
-        return _follow(options) if options.process else _lead(options)
+        code = _follow(options) if options.process else _lead(options)
+        leave_together()
+        return code
     except PeerLostError as error:
         if LAUNCHED not in os.environ:  # else the launcher knows more about it
             print(f"jaxwalk: {error}", file=sys.stderr)

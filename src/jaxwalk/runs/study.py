@@ -123,7 +123,10 @@ class Work(Generic[P]):
         if there is None and folder.is_dir() and not is_empty(folder):
             raise RunError(f"{folder}: the folder is not empty and no `jaxwalk {self.command}` made it; {other}")
         if there is not None and there != asked:
-            name = next((n for n in asked if not isinstance(there, dict) or there.get(n) != asked[n]), "plan")
+            there = there if isinstance(there, dict) else {}
+            name = next((n for n in asked if n not in there or there[n] != asked[n]), "plan")
+            if there and name in asked and name not in there:
+                raise RunError(f"{folder}: another version of jaxwalk began it: plan.json has no {name}; {other}")
             raise RunError(f"{folder}: was begun with another value of {name}; ask for the same again, or {other}")
         check_writable(folder)
 

@@ -9,6 +9,7 @@ study.json, trials.csv, study.html    what came of it (`jaxwalk.sweeps.sweep_res
 from __future__ import annotations
 
 import json
+import time
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,8 +20,9 @@ from jaxwalk.runs.folder import RunError, as_json, check_writable, is_empty
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.street import make_street
 from jaxwalk.runs.study import read_json
+from jaxwalk.sweeps.attempts import attempted
 from jaxwalk.sweeps.evaluated import check_objective
-from jaxwalk.sweeps.journal import PATIENCE, Journal, check_optuna
+from jaxwalk.sweeps.journal import PATIENCE, TRIALS, Journal, check_optuna
 from jaxwalk.sweeps.study_file import SweepPlan
 from jaxwalk.sweeps.sweep_results import SweepResults, read_results, write_results
 from jaxwalk.sweeps.trial_work import WHY, TrialWork, UselessTrialError
@@ -31,6 +33,9 @@ PLAN = "plan.json"
 """File of what was asked for."""
 MAY_GROW = "trials"
 """The one field that may have another value when a sweep goes on: a larger one."""
+
+BETWEEN = 20
+"""The results are written again after this many times as long as writing them took, and at the end."""
 
 
 def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> SweepResults:
@@ -52,8 +57,12 @@ def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> S
     journal = Journal(folder, plan)
     with held(folder, seconds=PATIENCE):
         journal.trials()  # makes the journal, while no other process does
+    due = 0.0
     while _work(journal, console):
-        _write(journal)
+        if time.monotonic() >= due:
+            begun = time.monotonic()
+            _write(journal)
+            due = time.monotonic() + BETWEEN * (time.monotonic() - begun)
     return _write(journal)
 
 
@@ -87,7 +96,7 @@ def _work(journal: Journal, console: Console) -> bool:
             return False
         work = TrialWork(trial, journal.plan, journal.trial_folder(trial.number), console)
         try:
-            score = work.score()
+            score = _attempt(work)
         except UselessTrialError as error:
             trial.set_user_attr(WHY, str(error))
             console.print(f"trial {trial.number} failed: {error}", soft_wrap=True, markup=False)
@@ -103,6 +112,12 @@ def _work(journal: Journal, console: Console) -> bool:
         return True
 
 
+def _attempt(work: TrialWork) -> float | None:
+    """Return the trial's score, unless too many attempts at it have ended their process."""
+    with attempted(work.trial, work.folder):
+        return work.score()
+
+
 def _end(journal: Journal, number: int, state: str, score: float | None = None) -> None:
     """Note in the journal how a trial ended."""
     from optuna.trial import TrialState
@@ -111,8 +126,11 @@ def _end(journal: Journal, number: int, state: str, score: float | None = None) 
 
 
 def _write(journal: Journal) -> SweepResults:
-    """Write the results, while no other process does."""
-    with held(journal.folder, seconds=PATIENCE):
+    """Write the results, while no other process does: not an older state over a newer one.
+
+    The lock is one of its own, as other processes choose trials meanwhile.
+    """
+    with held(journal.folder / TRIALS, seconds=PATIENCE):
         results = read_results(journal)
         write_results(journal.folder, results)
     return results
