@@ -66,19 +66,6 @@ def ignore_late(self):
 Signals.ignore = ignore_late
 sys.exit(main())
 """
-JOINS = """
-import sys
-import jax
-from jax._src.lib import _jax
-from jaxwalk.cli.group import Group, join
-make = _jax.make_gloo_tcp_collectives
-def tell(client=None, **options):
-    print("listens on", options.get("hostname"))
-    return make(client or options.pop("distributed_client"), **options)
-_jax.make_gloo_tcp_collectives = tell
-join(Group(f"127.0.0.1:{sys.argv[1]}", 0, 1, 1))
-print(len(jax.devices()), jax.process_count())
-"""
 REFUSED = {
     "no processes": ("--processes 0", "--processes must be from 1 to 4,096, not 0"),
     "far too many": ("--processes 5000", "--processes must be from 1 to 4,096, not 5000"),
@@ -148,13 +135,6 @@ def test_a_launched_process_accepts_the_words_of_its_launcher(place, monkeypatch
     monkeypatch.setenv(LAUNCHED, "2")
     options = Train(resume=place / "run", processes=2, coordinator="127.0.0.1:7777", process=0, restarts=3)
     assert group_of(options) == Group("127.0.0.1:7777", 0, 2, devices=1)
-
-
-def test_processes_of_one_machine_send_their_sums_on_the_loopback_address():
-    words = [sys.executable, "-c", JOINS, str(launcher.free_port())]
-    environment = os.environ | {"JAX_NUM_CPU_DEVICES": "1", "JAX_PLATFORMS": "cpu"}
-    said = subprocess.run(words, check=True, capture_output=True, text=True, env=environment).stdout
-    assert said.splitlines() == ["listens on 127.0.0.1", "1 1"]
 
 
 def test_processes_that_end_well_end_it(place, deed, capfd):

@@ -8,8 +8,6 @@ import sys
 import threading
 from contextlib import suppress
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Any
 
 from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.options import Train
@@ -108,25 +106,6 @@ def join(group: Group) -> None:
         heartbeat_timeout_seconds=4 * SILENCE if launched else SILENCE,  # the launcher is quicker, and has better words
         shutdown_timeout_seconds=FAREWELL,
     )  # fmt: skip
-    if host in LOOPBACK:
-        _keep_sums_here()
-
-
-def _keep_sums_here() -> None:
-    """Let the processes send their sums on the loopback address; else Gloo listens where the machine's name leads.
-
-    JAX has no option for it, so its factory of processor devices is replaced by one that hands Gloo the address.
-    """
-    from jax._src import config, distributed, xla_bridge
-
-    jaxlib: Any = import_module("jaxlib._jax")
-
-    def make_client() -> object:
-        gloo = jaxlib.make_gloo_tcp_collectives(distributed.global_state.client, hostname=LOOPBACK[0])
-        return xla_bridge.make_cpu_client(gloo)
-
-    if config.cpu_collectives_implementation.value == "gloo":
-        xla_bridge.register_backend_factory("cpu", make_client, priority=0, fail_quietly=False)
 
 
 def keep_in_touch() -> None:
