@@ -28,9 +28,14 @@ def relieve() -> None:
         jax.clear_caches()
         gc.collect()
     if resident() > MOST_RESIDENT:
-        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # only glibc has it
-        if trim is not None:
-            trim(0)
+        give_back()
+
+
+def give_back() -> None:
+    """Give freed memory back to the system, where the C library keeps it."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # only glibc has it
+    if trim is not None:
+        trim(0)
 
 
 def mappings() -> int:

@@ -42,9 +42,11 @@ class PlayPart:
         start_jax(prepare_machine())
         from jaxwalk.evaluation.parts import Part
         from jaxwalk.experiments.in_parts import evaluate_part
+        from jaxwalk.relief import give_back
 
         with TemporaryDirectory(prefix="jaxwalk-", dir=self.scratch) as folder:
             evaluate_part(_loaded(self.options), Part.parse(part), Path(folder), _tell_nobody)
+            give_back()  # else a worker grows from part to part
             return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
 
 
