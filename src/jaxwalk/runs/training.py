@@ -243,7 +243,7 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
     """Make update after update; fetch the metrics of each one while the next one runs."""
     waiting: tuple[Any, int, Learner] | None = None
     done = int(learner.updates)
-    begun, first, planned = time.monotonic(), done, int(learner.planned)
+    begun, first, planned, end = time.monotonic(), done, int(learner.planned), session.routine.end
 
     def wishes() -> tuple[int, int, int]:
         if not is_first():
@@ -254,7 +254,7 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
         return session.stop.requested, due, planned if shorter is None else first + shorter
 
     stops = any(ask(lambda: [session.stop.requested])())
-    while done < session.routine.end(planned) and not stops and (several() or not session.stop.requested):  # alone, asked once more
+    while done < end(planned) and not stops and (several() or not session.stop.requested):  # alone, asked once more
         before, wished = learner, ask(wishes)
         learner, metrics = session.update(before, done)
         done += 1
