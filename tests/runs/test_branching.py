@@ -59,7 +59,7 @@ def test_a_branch_has_its_own_numbers_and_leaves_its_parent_alone(half, whole, t
 
 def test_a_checkpoint_that_is_not_there_or_of_another_street_is_refused(half, tiny, tmp_path, quiet):
     branch = Run.create(tmp_path / "branch", half.experiment)
-    with pytest.raises(checkpoint.DamagedError, match="checkpoint 2 can't be read"):
+    with pytest.raises(checkpoint.DamagedError, match="checkpoint 2 is missing or can't be read"):
         begin_at(branch, half, 2)
     assert checkpoint.latest(branch.checkpoints) is None
     shutil.rmtree(branch.path)

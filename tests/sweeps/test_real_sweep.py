@@ -101,7 +101,7 @@ def test_a_population_of_two_processes_killed_four_times_equals_an_untouched_one
                 time.sleep(0.01)
             time.sleep(chance.uniform(0.0, 1.0))
             processes[kill % 2].send_signal(signal.SIGKILL)
-            assert processes[kill % 2].wait() == -signal.SIGKILL, "it was over before it could be killed"
+            assert processes[kill % 2].wait() == -signal.SIGKILL, processes[kill % 2].stderr.read()
             processes[kill % 2].stderr.close()
             processes[kill % 2] = begin()
         for process in processes:

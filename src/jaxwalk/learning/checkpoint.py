@@ -68,7 +68,10 @@ def copy(path: str | Path, to: str | Path, *, updates: int, about: Mapping[str, 
         try:
             arrays = jax.device_get(manager.restore(updates, args=StandardRestore()))
         except Exception as error:  # orbax raises many kinds
-            raise DamagedError(f"{path}: checkpoint {updates} can't be read ({type(error).__name__})") from error
+            raise DamagedError(
+                f"{path}: checkpoint {updates} is missing or can't be read ({type(error).__name__}), and another "
+                "training was to begin there; restore it from a copy, or start again in another folder"
+            ) from error
     _write(to, arrays, updates, about)
 
 
