@@ -1,4 +1,4 @@
-"""Pictures of a population: who went on from whose checkpoint, and how the fields moved over the generations."""
+"""Pictures of a population: whose checkpoint each member went on from, and how fields moved over the generations."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def place_of(results: SweepResults, trial: TrialResult) -> str:
 
 
 def drawn_lineage(results: SweepResults) -> DrawnLineage | None:
-    """Return the picture of who went on from whom; None without a population."""
+    """Return the picture of whose checkpoint each member went on from; None without a population."""
     plan = results.plan.pbt
     if plan is None:
         return None
@@ -94,21 +94,21 @@ def drawn_lineage(results: SweepResults) -> DrawnLineage | None:
 
 def drawn_moves(results: SweepResults) -> list[DrawnMoves]:
     """Return a picture for each field; [] without a population."""
-    if results.plan.pbt is None:
-        return []
-    best, found = set(ancestry(results)), []
-    for name, varied in results.plan.fields.items():
-        lines, dots = [], []
-        for trial in (trial for trial in results.trials if name in trial.values):
-            x, y = _across(results, trial.number), height_of(share_of(varied, trial.values[name]))
-            dots.append(DrawnDot(x, y, _kind(trial, best), said_of(trial)))
-            if trial.parent is not None:
-                before = height_of(share_of(varied, results.trials[trial.parent].values[name]))
-                kind = "best" if trial.number in best else "other"
-                lines.append(DrawnLine(f"{_across(results, trial.parent)},{before} {x},{y}", kind, said_of(trial)))
-        lines.sort(key=lambda line: line.kind == "best")
-        found.append(DrawnMoves(axis_of(name, varied, LEFT), tuple(lines), tuple(dots)))
-    return found
+    return [_moves(results, name) for name in results.plan.fields] if results.plan.pbt else []
+
+
+def _moves(results: SweepResults, name: str) -> DrawnMoves:
+    """Return the picture of a field."""
+    varied, best, lines, dots = results.plan.fields[name], set(ancestry(results)), [], []
+    for trial in (trial for trial in results.trials if name in trial.values):
+        x, y = _across(results, trial.number), height_of(share_of(varied, trial.values[name]))
+        dots.append(DrawnDot(x, y, _kind(trial, best), said_of(trial)))
+        if trial.parent is not None:
+            before = height_of(share_of(varied, results.trials[trial.parent].values[name]))
+            kind = "best" if trial.number in best else "other"
+            lines.append(DrawnLine(f"{_across(results, trial.parent)},{before} {x},{y}", kind, said_of(trial)))
+    lines.sort(key=lambda line: line.kind == "best")
+    return DrawnMoves(axis_of(name, varied, LEFT), tuple(lines), tuple(dots))
 
 
 def _across(results: SweepResults, number: int) -> float:
