@@ -14,7 +14,13 @@ import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.policies import load_policy
+from jaxwalk.runs.branching import begin_at
 from jaxwalk.runs.folder import Run
+from jaxwalk.runs.progress import Display
+from jaxwalk.runs.training import train_in
+from jaxwalk.sweeps import trial_work
+from jaxwalk.sweeps.study_file import load_sweep
+from jaxwalk.sweeps.sweeping import sweep
 from sweeps.tiny_sweep import written
 
 
@@ -38,6 +44,82 @@ def test_a_number_that_no_evaluation_has_is_refused(place, capsys):
     assert main(["sweep", str(study), "--out", "out"]) == 2
     assert "an evaluation has no 'outcomes.gaol'; it has outcomes.goal" in capsys.readouterr().err
     assert not (place / "out").exists()
+
+
+def population(place, members, generations, updates):
+    """Write a study of a population; return its path."""
+    more = f"[pbt]\nmembers = {members}\ngenerations = {generations}"
+    return written(place, sampler="pbt", more=more, updates=updates)
+
+
+def test_a_population_that_is_killed_goes_on_and_a_member_that_is_never_replaced_is_an_ordinary_training(
+    place, quiet, monkeypatch
+):
+    plan = load_sweep(population(place, members=2, generations=2, updates=2))
+
+    def killed(run, parent, updates):
+        begin_at(run, parent, updates)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(trial_work, "begin_at", killed)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(place / "out", plan, console=quiet)
+    monkeypatch.setattr(trial_work, "begin_at", begin_at)
+    first, second, *later = sweep(place / "out", plan, console=quiet).trials
+    better, worse = (first, second) if first.value > second.value else (second, first)
+    kept, copied = later[better.number], later[worse.number]
+    assert (kept.parent, copied.parent) == (better.number, better.number)
+    assert kept.values == better.values != copied.values
+    ends = [Run.open(place / "out" / "trials" / str(trial.number) / "seed-0") for trial in (kept, copied)]
+    assert [[line["update"] for line in run.metrics()] for run in ends] == [[2], [2]]
+    assert ends[0].metrics()[0]["reward/driver/progress"] == ends[1].metrics()[0]["reward/driver/progress"]
+    assert ends[1].experiment.driver_weights["time"] == copied.values["driver_weights.time"]
+    whole = Run.create(place / "whole", ends[0].experiment)
+    train_in(whole, display=Display(quiet))
+    assert whole.policy.read_bytes() == ends[0].policy.read_bytes() != ends[1].policy.read_bytes()
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are killed")
+def test_a_population_of_two_processes_killed_four_times_equals_an_untouched_one(place, quiet):
+    """Each kill (SIGKILL) hits one of them, a random moment after another trial has begun."""
+    study, out, chance = population(place, members=4, generations=4, updates=24), place / "out", random.Random(0)
+    command = [sys.executable, "-m", "jaxwalk", "sweep", str(study), "--out", str(out)]
+    environment = {**os.environ, "JAX_NUM_CPU_DEVICES": "1", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
+
+    def begin():
+        return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def begun() -> int:
+        return len(list(out.glob("trials/*/seed-0/config.json")))
+
+    processes = [begin(), begin()]
+    try:
+        for kill in range(4):
+            wanted = begun() + 2
+            while begun() < wanted and any(process.poll() is None for process in processes):
+                time.sleep(0.01)
+            time.sleep(chance.uniform(0.0, 1.0))
+            processes[kill % 2].send_signal(signal.SIGKILL)
+            assert processes[kill % 2].wait() == -signal.SIGKILL, processes[kill % 2].stderr.read()
+            processes[kill % 2].stderr.close()
+            processes[kill % 2] = begin()
+        for process in processes:
+            _, said = process.communicate(timeout=900)
+            assert process.returncode == 0, said
+    finally:
+        for process in processes:
+            process.kill()
+    assert subprocess.run(command, env=environment, check=False, capture_output=True).returncode == 0
+    alone = [sys.executable, "-m", "jaxwalk", "sweep", str(study), "--out", str(place / "alone")]
+    assert subprocess.run(alone, env=environment, check=False, capture_output=True).returncode == 0
+    found, untouched = (json.loads((folder / "study.json").read_text()) for folder in (out, place / "alone"))
+    assert found["trials"] == untouched["trials"] and len(found["trials"]) == 16
+    for trial in range(16):
+        one, other = (
+            folder / "trials" / str(trial) / "seed-0" / "policy.safetensors" for folder in (out, place / "alone")
+        )
+        assert one.read_bytes() == other.read_bytes()
 
 
 @pytest.mark.long

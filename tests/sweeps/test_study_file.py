@@ -12,7 +12,7 @@ from jaxwalk.sweeps.study_file import load_sweep
 from jaxwalk.sweeps.varied import ListedValues, ValueRange, changes_of, grid_of
 
 WRONG = {
-    "sampler": ("random", "bohb", "sampler: must be 'tpe', 'random' or 'grid', not 'bohb'"),
+    "sampler": ("random", "bohb", "sampler: must be 'tpe', 'random', 'grid' or 'pbt', not 'bohb'"),
     "no trials": ("trials = 4", "", "trials is needed with random"),
     "trials of a grid": ('"random"', '"grid"', "trials is decided by the grid; leave it out"),
     "unknown": ("trials = 4", "trials = 4\nsees = 2", "sees: there is no such field; perhaps seeds is meant"),
@@ -42,6 +42,57 @@ WRONG = {
         "vary.train: minibatches must divide steps (8), not 3",
     ),
 }
+
+POPULATION = 'sampler = "pbt"\n[pbt]\nmembers = 4\ngenerations = 5\n'
+"""In the place of the sampler and the number of trials."""
+WRONG_POPULATION = {
+    "no table": ("[pbt]\nmembers = 4\ngenerations = 5\n", "", "pbt is needed with the sampler pbt: a table that says"),
+    "no members": ("members = 4\n", "", "pbt.members is missing"),
+    "members": ("members = 4", "members = 1", "pbt: members must lie in [2, 1,000], not 1"),
+    "generations": ("generations = 5", "generations = 3", "pbt.generations must divide training.train.updates (10)"),
+    "unknown": (
+        "members = 4",
+        "members = 4\ntruncate = 0.5",
+        "pbt.truncate: there is no such field; perhaps truncation",
+    ),
+    "truncation": ("members = 4", "members = 4\ntruncation = 0.6", "pbt: truncation must be above 0 and at most 0.5"),
+    "factors": ("members = 4", "members = 4\nfactors = [1, 1.2]", "pbt: factors must be finite numbers above 0 other"),
+    "resample": ("members = 4", "members = 4\nresample = 2.0", "pbt: resample must lie in [0, 1], not 2"),
+    "trials": ("[pbt]", "trials = 4\n[pbt]", "trials is decided by the population; leave it out"),
+    "pruned": ("[pbt]", "prune = true\n[pbt]", "prune doesn't go with pbt"),
+    "another sampler": ('"pbt"', '"grid"', "pbt goes with sampler = \"pbt\", not 'grid'; leave it out"),
+    "a network": (
+        "[vary.driver_weights]",
+        "[vary.train.roles.driver]\nactor_hidden = [[8], [16]]\n[vary.driver_weights]",
+        "vary.train.roles.driver.actor_hidden can't change in the middle of a training",
+    ),
+    "a world": (
+        "[vary.driver_weights]",
+        "[vary.sim]\npedestrians = [4, 8]\n[vary.driver_weights]",
+        "vary.sim.pedestrians can't change in the middle of a training",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_POPULATION)
+def test_a_mistake_about_a_population_is_one_message_too(name, study, tmp_path, capsys):
+    path = study(**{'sampler = "random"\ntrials = 4\n': POPULATION})
+    old, new, said = WRONG_POPULATION[name]
+    assert path.read_text().count(old) == 1
+    path.write_text(path.read_text().replace(old, new))
+    assert main(["sweep", str(path), "--out", str(tmp_path / "out")]) == 2
+    err = capsys.readouterr().err
+    assert said in err and err.startswith(f"jaxwalk: {path}: ") and err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_changes_no_checkpoint_may_change_in_a_population(study):
+    fields = "[vary.train]\nlearning_rate = { low = 1e-4, high = 1e-2, log = true }\nminibatches = [1, 2]\n"
+    roles = "[vary.train.roles.pedestrian]\nentropy = [0.0, 0.1]\n"
+    plan = load_sweep(
+        study(**{'sampler = "random"\ntrials = 4\n': POPULATION, "[vary.driver": fields + roles + "[vary.driver"})
+    )
+    assert plan.count == 20 and len(plan.fields) == 4 and plan.pbt.factors == (0.8, 1.2)
 
 
 @pytest.mark.parametrize("name", WRONG)

@@ -84,3 +84,51 @@ def test_a_curve_is_the_mean_over_seeds_and_updates(results):
     assert curve.updates == tuple(range(2, 121, 2))
     assert curve.values[:2] == (51.5, 53.5)
     assert curve_of([[]], objective) is None
+
+
+@pytest.fixture
+def of_population(study):
+    """Two generations of four members: the first one, the worst, is replaced by a copy of the fourth, now the best."""
+    changes = {
+        'sampler = "random"\ntrials = 4\n': 'sampler = "pbt"\n[pbt]\nmembers = 4\ngenerations = 2\n',
+        "minimise": "maximise",
+    }
+    rows = [(1.0, None, -0.25), (2.0, None, -0.2), (3.0, None, -0.15), (4.0, None, -0.135)]
+    rows += [(6.0, 3, -0.108), (2.5, 1, -0.2), (None, 2, -0.15)]
+    trials = tuple(
+        TrialResult(
+            number, "failed" if value is None else "complete", value, {"seed-0": value or 0.0},
+            {"driver_weights.time": time}, None, parent,
+        )
+        for number, (value, parent, time) in enumerate(rows)
+    )  # fmt: skip
+    curves = {3: TrialCurve((4, 5), (3.0, 4.0)), 4: TrialCurve((9, 10), (5.0, 6.0))}
+    return SweepResults(load_sweep(study(**changes)), trials, {}, curves)
+
+
+def test_the_page_of_a_population_shows_who_went_on_from_whom(of_population):
+    """Members are 24 px apart, from 28; generations are at 242.5 and 587.5 px."""
+    page = sweep_page(Path("runs/x"), of_population)
+    assert "The best of 2 members in generation 1 is trial 4</b> with 6" in page
+    assert "Which field mattered" not in page and "one of 4 members in one of 2 generations, 5 updates long" in page
+    assert ("242.5,100.0 587.5,28.0", "trial 4: copied from trial 3") in lines(page, "best")
+    assert ("242.5,52.0 587.5,52.0", "trial 5: its own, trial 1") in lines(page, "other")
+    assert "<td>4</td><td>1</td><td>0</td><td>copied from trial 3</td><td>complete</td>" in page
+    assert re.findall(r'<circle class="early" [^>]*><title>(trial \d+)', page) == ["trial 6", "trial 6"]
+
+
+def test_the_page_of_a_population_shows_how_fields_moved(of_population):
+    """-0.135 is at the middle of its axis, 143 px from the top, and -0.108 at 113.2: 254 px x 0.027 / 0.23 higher."""
+    page = sweep_page(Path("runs/x"), of_population)
+    assert "242.5,143.0 587.5,113.2" in [points for points, _ in lines(page, "best")]
+
+
+def test_a_members_curve_begins_where_it_went_on_from(of_population):
+    """The curves' axis goes from 3 to 6, updates from 0 to 10 over 690 px."""
+    page = sweep_page(Path("runs/x"), of_population)
+    assert "415.0,185.3 691.0,100.7 760.0,16.0" in [points for points, _ in lines(page, "best")]
+
+
+def test_before_any_member_is_complete_there_is_a_page_too(of_population):
+    page = sweep_page(Path("runs/x"), replace(of_population, trials=(), curves={}))
+    assert "0 of 8 trials ended" in page and "<circle" not in page

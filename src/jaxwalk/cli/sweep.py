@@ -9,8 +9,8 @@ from jaxwalk.cli.errors import UsageError
 from jaxwalk.cli.interruption import until_interrupted
 from jaxwalk.cli.options import Sweep
 from jaxwalk.cli.sweep_jobs import LOGS, check_place, run_on_ray, submit_jobs
+from jaxwalk.sweeps.drawn_trials import shown_value
 from jaxwalk.sweeps.study_file import load_sweep
-from jaxwalk.sweeps.sweep_page import shown_value
 from jaxwalk.sweeps.sweep_results import SweepResults
 from jaxwalk.sweeps.sweeping import begin_sweep, sweep
 

@@ -51,21 +51,49 @@ def save(path: str | Path, learner: Any, *, updates: int, about: Mapping[str, An
     ``about`` is JSON to keep with them, which `kept_with` returns. Raise OSError if that fails, for instance on a full
     disk; earlier checkpoints remain.
     """
-    from orbax.checkpoint.args import StandardSave
-
     # NumPy arrays: orbax would split arrays that several devices hold, by a program for each shape, and doesn't let one
     # of several processes write JAX's.
-    arrays = jax.device_get({name: _data(x) for name, x in _named_arrays(learner).items()})
+    _write(path, jax.device_get({name: _data(x) for name, x in _named_arrays(learner).items()}), updates, about)
+
+
+def copy(path: str | Path, to: str | Path, *, updates: int, about: Mapping[str, Any]) -> None:
+    """Copy a checkpoint of folder ``path`` into folder ``to``, with other JSON kept with it.
+
+    The copy appears whole or not at all. Raise DamagedError if the checkpoint is missing or can't be read, and OSError
+    if the copy can't be written.
+    """
+    from orbax.checkpoint.args import StandardRestore
+
+    with _manager(path) as manager:
+        try:
+            arrays = jax.device_get(manager.restore(updates, args=StandardRestore()))
+        except Exception as error:  # orbax raises many kinds
+            raise DamagedError(
+                f"{path}: checkpoint {updates} is missing or can't be read ({type(error).__name__}), and another "
+                "training was to begin there; restore it from a copy, or start again in another folder"
+            ) from error
+    _write(to, arrays, updates, about)
+
+
+def _write(path: str | Path, arrays: dict[str, Any], updates: int, about: Mapping[str, Any] | None) -> None:
+    """Do the work of `save` and `copy`."""
     _check_room(Path(path), sum(x.nbytes for x in arrays.values()))
     try:
-        with _manager(path, writes=True) as manager:  # this also removes what a killed process left incomplete
-            if not manager.save(updates, args=StandardSave(arrays), custom_metadata=dict(about or {})):
-                raise OSError(errno.EEXIST, "a newer checkpoint is in the way", str(path))
-            manager.wait_until_finished()
+        _put(path, arrays, updates, dict(about or {}))
     except Exception as error:  # orbax raises many kinds
         for unfinished in Path(path).glob(UNFINISHED):
             shutil.rmtree(unfinished, ignore_errors=True)
         raise _as_os_error(error, Path(path) / str(updates)) from error
+
+
+def _put(path: str | Path, arrays: dict[str, Any], updates: int, about: dict[str, Any]) -> None:
+    """Let orbax write a checkpoint."""
+    from orbax.checkpoint.args import StandardSave
+
+    with _manager(path, writes=True) as manager:  # this also removes what a killed process left incomplete
+        if not manager.save(updates, args=StandardSave(arrays), custom_metadata=about):
+            raise OSError(errno.EEXIST, "a newer checkpoint is in the way", str(path))
+        manager.wait_until_finished()
 
 
 def _check_room(path: Path, size: int) -> None:

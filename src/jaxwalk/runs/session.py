@@ -55,6 +55,12 @@ class Routine:
     checkpoint_seconds: float = 120.0
     """Time between checkpoints [s]."""
     on_update: OnUpdate | None = None
+    until: int | None = None
+    """Number of updates after which the session ends, though more may be planned. None: all that are planned."""
+
+    def end(self, planned: int) -> int:
+        """Return the number of updates after which the session ends."""
+        return planned if self.until is None else min(self.until, planned)
 
 
 @dataclass

@@ -64,12 +64,15 @@ class PeerLostError(RunError):
     """Another process of the training ended, or can't be reached any more."""
 
 
-def is_finished(run: Run) -> bool:
-    """Return whether all planned updates are made and the saved policy is the last one's, of this configuration."""
+def is_finished(run: Run, updates: int | None = None) -> bool:
+    """Return whether all planned updates are made and the saved policy is the last one's, of this configuration.
+
+    With a number of updates: whether that many are made.
+    """
     if run.experiment.minutes is not None or not run.policy.is_file():
         return False
-    made = read_metadata(run.policy)
-    return made.get("updates", 0) >= run.experiment.train.updates and made.get("config_hash", run.hash) == run.hash
+    made, wanted = read_metadata(run.policy), updates or run.experiment.train.updates
+    return made.get("updates", 0) >= wanted and made.get("config_hash", run.hash) == run.hash
 
 
 def train_in(
@@ -107,11 +110,29 @@ def train_in(
     if not is_first():
         with _losing_no_peer():
             return _train(run, street, resume, Display(Console(quiet=True)), Routine(60 * checkpoint_minutes))
-    with held(run.path), _saying_what_is_kept(run), _losing_no_peer():
+    with _alone(run, street), _losing_no_peer():
+        return _train(run, street, resume, shown, Routine(60 * checkpoint_minutes, on_update))
+
+
+def train_until(run: Run, updates: int, *, resume: bool = False, display: Display | None = None) -> TrainingEnd:
+    """Train as `train_in` does, in one process, but end once that many updates are made.
+
+    The plan stays that of the run, and with it how the learning rate falls: `train_in` would make the other updates.
+    """
+    shown = display or Display()
+    street = make_street(run.experiment, run.maps(shown.say), run.archives)
+    with _alone(run, street):
+        return _train(run, street, resume, shown, Routine(60 * CHECKPOINT_MINUTES, until=updates))
+
+
+@contextmanager
+def _alone(run: Run, street: Street) -> Iterator[None]:
+    """Let no other process write into the folder while the block runs, and put it in order."""
+    with held(run.path), _saying_what_is_kept(run):
         remove_unfinished(run.path)
         if not (run.path / MAPS).is_file():  # a folder of an older version, or killed while it was made
             keep_maps(run.path, street.maps)
-        return _train(run, street, resume, shown, Routine(60 * checkpoint_minutes, on_update))
+        yield
 
 
 @contextmanager
@@ -148,7 +169,7 @@ def _train(run: Run, street: Street, resume: bool, display: Display, routine: Ro
     begun, minutes, train = time.monotonic(), run.experiment.minutes, run.experiment.train
     learner = begin(run, street, resume=resume, tell=display.say)
     done, per_update = int(learner.updates), run.experiment.steps_per_update
-    pace = Pace(done, int(learner.planned), per_update)
+    pace = Pace(done, routine.end(int(learner.planned)), per_update)
     progress, stop = TrainingProgress(display, pace), Stop()
     if train.shards > 1:
         processes = f" of {jax.process_count()} processes" if several() else ""
@@ -166,7 +187,7 @@ def _train(run: Run, street: Street, resume: bool, display: Display, routine: Ro
         learner = _loop(session, learner, 60 * minutes if minutes else math.inf)
         wait_for_all()
     updates = int(learner.updates)
-    ended_early = updates < int(learner.planned)
+    ended_early = updates < routine.end(int(learner.planned))
     stopped = ended_early and session.told_to_stop
     return TrainingEnd(updates, updates * per_update, session.seconds, ended_early and not stopped, stopped)
 
@@ -222,7 +243,7 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
     """Make update after update; fetch the metrics of each one while the next one runs."""
     waiting: tuple[Any, int, Learner] | None = None
     done = int(learner.updates)
-    begun, first, planned = time.monotonic(), done, int(learner.planned)
+    begun, first, planned, end = time.monotonic(), done, int(learner.planned), session.routine.end
 
     def wishes() -> tuple[int, int, int]:
         if not is_first():
@@ -233,7 +254,7 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
         return session.stop.requested, due, planned if shorter is None else first + shorter
 
     stops = any(ask(lambda: [session.stop.requested])())
-    while done < planned and not stops and (several() or not session.stop.requested):  # alone, asked once more
+    while done < end(planned) and not stops and (several() or not session.stop.requested):  # alone, asked once more
         before, wished = learner, ask(wishes)
         learner, metrics = session.update(before, done)
         done += 1

@@ -19,6 +19,7 @@ import numpy as np
 from filelock import FileLock
 
 from jaxwalk.runs.lock import InUseError, held
+from jaxwalk.sweeps.population import EndedMember, ExtinctError, Population
 from jaxwalk.sweeps.study_file import SweepPlan
 from jaxwalk.sweeps.varied import ListedValues
 
@@ -32,6 +33,8 @@ JOURNAL, TRIALS, NAME = "journal.log", "trials", "sweep"
 """The journal's file, the folder of the trials, and the study's name in the journal."""
 PATIENCE = 600.0
 """Longest wait for another process that chooses a trial [s]; that takes well below a second."""
+WHY, PARENT = "why", "parent"
+"""Notes in the journal: why a trial failed, and the trial from whose end a member of a population goes on."""
 STARTED = 10
 """Trials that TPE draws at random before it has something to go by (Optuna's default)."""
 PRUNING_STARTS, PRUNING_WARMS = 5, 5
@@ -100,7 +103,7 @@ class Journal:
     def claimed(self) -> Iterator[Trial | None]:
         """Yield a trial to work on: an interrupted one, else a new one, which no other process has meanwhile.
 
-        None if all trials are ended, or other processes work on them.
+        None if all trials are ended, or other processes work on them, or on those that decide what comes next.
         """
         with ExitStack() as mine:
             with held(self.folder, seconds=PATIENCE):
@@ -135,10 +138,33 @@ class Journal:
             return None
         if not waiting and self.plan.sampler == "grid":
             self.study.enqueue_trial(self.plan.grid[number])
+        if not waiting and self.plan.population and not self._enqueued(self.plan.population, number):
+            return None
         mine.enter_context(held(self.trial_folder(number)))
         self.study.sampler = self._sampler(number)
         self.study.ask()
         return self._with_values(number)
+
+    def waits(self) -> bool:
+        """Return whether trials will come that other processes' present ones decide: the next generation."""
+        return self.plan.pbt is not None and len(self.trials()) < self.plan.count
+
+    def _enqueued(self, population: Population, number: int) -> bool:
+        """Note what a member begins with; return False if the generation before hasn't ended.
+
+        Raises ExtinctError if all trainings of that failed.
+        """
+        first = (population.plan.generation(number) - 1) * population.plan.members
+        before = self.trials()[first : first + population.plan.members] if first >= 0 else []
+        if not all(each.state.is_finished() for each in before):
+            return False
+        ended = [EndedMember(each.number, each.params, each.value) for each in before]
+        try:
+            next_one = population.begun(number, ended)
+        except ExtinctError as error:
+            raise ExtinctError(f"{self.folder}: {error} ({before[0].user_attrs.get(WHY)})") from None
+        self.study.enqueue_trial(dict(next_one.labels), {} if next_one.parent is None else {PARENT: next_one.parent})
+        return True
 
     def _with_values(self, number: int) -> Trial:
         """Return a trial with all its values: those of the journal, and new ones if it was killed before it had all."""

@@ -19,6 +19,7 @@ from jaxwalk.recipes import RECIPES, Experiment, ExperimentFileError
 from jaxwalk.recipes.experiment_file import described_experiment, explained_fault, merged_tables, read_table
 from jaxwalk.runs.effort import MOST_EPISODES, MOST_SEEDS
 from jaxwalk.sim.suites import SUITES
+from jaxwalk.sweeps.population import Population, PopulationPlan, check_changeable
 from jaxwalk.sweeps.varied import Varied, VariedError, changes_of, grid_of, single_changes, varied_fields
 
 MOST_TRIALS = 100_000
@@ -27,6 +28,8 @@ CHECKED = 200
 """Number of random combinations of ends that are tried before anything is trained."""
 PERCENT = ("goal_rate", "collision_rate", "timeout_rate")
 """Numbers of ``metrics.jsonl`` that say how episodes ended, as shares."""
+COUNTED = {"grid": "grid", "pbt": "population"}
+"""What decides the number of trials, by samplers that aren't told it."""
 FIXED = {
     "seed": "each trial is trained with the same seeds; say how many with seeds",
     "minutes": "trials are compared after equally many updates; set train.updates",
@@ -90,10 +93,12 @@ class SweepPlan:
     """What varies, in tables as a training's file has them."""
     training: dict[str, Any] = field(default_factory=dict)
     """What all trials have in common: the content of a training's file."""
-    sampler: Literal["tpe", "random", "grid"] = "tpe"
+    sampler: Literal["tpe", "random", "grid", "pbt"] = "tpe"
     """How a trial's values are chosen."""
+    pbt: PopulationPlan | None = None
+    """The members of a population and how they change; needed with ``pbt``, and only there."""
     trials: int | None = None
-    """Number of trials. None: all of a grid."""
+    """Number of trials. None: all of a grid, or of a population."""
     seeds: int = 1
     """Trainings of each trial, with the training's seed, the next one, and so on."""
     sampler_seed: int = 0
@@ -107,15 +112,22 @@ class SweepPlan:
         """Raise ValueError for an impossible field, naming it."""
         if self.trials is not None and not 1 <= self.trials <= MOST_TRIALS:
             raise ValueError(f"trials must lie in [1, {MOST_TRIALS:,}], not {self.trials}")
-        if (self.trials is None) != (self.sampler == "grid"):
-            asked = "is decided by the grid; leave it out" if self.trials else f"is needed with {self.sampler}"
-            raise ValueError(f"trials {asked}")
+        if self.trials is None and self.sampler not in COUNTED:
+            raise ValueError(f"trials is needed with {self.sampler}")
+        if self.trials is not None and self.sampler in COUNTED:
+            raise ValueError(f"trials is decided by the {COUNTED[self.sampler]}; leave it out")
+        if self.pbt is None and self.sampler == "pbt":
+            raise ValueError("pbt is needed with the sampler pbt: a table that says members and generations")
+        if self.pbt is not None and self.sampler != "pbt":
+            raise ValueError(f'pbt goes with sampler = "pbt", not {self.sampler!r}; leave it out')
         if not 1 <= self.seeds <= MOST_SEEDS:
             raise ValueError(f"seeds must lie in [1, {MOST_SEEDS:,}], not {self.seeds}")
         if not 0 <= self.sampler_seed < 2**31:
             raise ValueError(f"sampler_seed must lie in [0, 2^31), not {self.sampler_seed}")
         if self.prune and self.objective.of != "training":
             raise ValueError("prune needs an objective of the training, which is known on the way")
+        if self.prune and self.pbt:
+            raise ValueError("prune doesn't go with pbt, which replaces the worst members itself; leave it out")
         if not self.vary:
             raise ValueError("vary must name at least one field")
 
@@ -129,9 +141,16 @@ class SweepPlan:
         """Return the labels of each trial of a grid. Raise VariedError if there is no grid."""
         return grid_of(self.fields)
 
+    @cached_property
+    def population(self) -> Population | None:
+        """Return the population; None with another sampler."""
+        return self.pbt and Population(self.pbt, self.fields, self.objective.maximised, self.sampler_seed)
+
     @property
     def count(self) -> int:
         """Return the number of trials."""
+        if self.pbt:
+            return self.pbt.count
         return len(self.grid) if self.trials is None else self.trials
 
     @property
@@ -184,7 +203,10 @@ def _explained(fault: dict[str, Any]) -> str:
     """Return one pydantic fault in words."""
     if fault["type"] == "missing":
         return f"{'.'.join(map(str, fault['loc']))} is missing"
-    parts = {"objective": dict.fromkeys(SweepObjective.__dataclass_fields__)}
+    parts = {
+        "objective": dict.fromkeys(SweepObjective.__dataclass_fields__),
+        "pbt": dict.fromkeys(PopulationPlan.__dataclass_fields__),
+    }
     return explained_fault(fault, dict.fromkeys(SweepPlan.__dataclass_fields__) | parts)
 
 
@@ -205,6 +227,8 @@ def _check_vary(plan: SweepPlan) -> None:
     if plan.sampler == "grid":
         grid_of(plan.fields)
         return
+    if plan.pbt:
+        check_changeable(plan.fields)
     for name, varied in plan.fields.items():
         if getattr(varied, "points", None) is not None:
             raise VariedError(f"{name}: points belongs to a grid; leave it out")
@@ -215,6 +239,11 @@ def _check_values(plan: SweepPlan) -> None:
     base = plan.base
     if base.minutes is not None:
         raise SweepFileError(f"{plan.path}: training.minutes: {FIXED['minutes']}; correct the file")
+    if plan.pbt and base.train.updates % plan.pbt.generations:
+        raise SweepFileError(
+            f"{plan.path}: pbt.generations must divide training.train.updates ({base.train.updates:,}), not "
+            f"{plan.pbt.generations}; correct the file"
+        )
     if base.seed + plan.seeds > 2**32:
         raise SweepFileError(f"{plan.path}: seeds: training.seed + seeds must be at most 2^32; correct the file")
     terms = set(_reward_names(base))

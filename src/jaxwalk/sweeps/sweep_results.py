@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from jaxwalk.provenance import provenance
 from jaxwalk.runs.folder import Run, RunError
-from jaxwalk.sweeps.journal import Journal
+from jaxwalk.sweeps.journal import PARENT, WHY, Journal
 from jaxwalk.sweeps.study_file import SweepPlan
 from jaxwalk.sweeps.sweep_page import sweep_page
 from jaxwalk.sweeps.trial_curves import TrialCurve, curve_of
-from jaxwalk.sweeps.trial_work import PRUNED, WHY
+from jaxwalk.sweeps.trial_work import PRUNED
 from jaxwalk.wording import counted
 from jaxwalk.writing import together, write_whole
 
@@ -49,6 +49,8 @@ class TrialResult:
     """The value of each field that varies."""
     why: str | None
     """Why it failed or was pruned."""
+    parent: int | None = None
+    """With a population: the trial of the generation before from whose end it went on; None in the first one."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +67,15 @@ class SweepResults:
 
     @property
     def best(self) -> list[TrialResult]:
-        """Return the complete trials, the best first; of equal ones the earlier."""
+        """Return the complete trials, the best first; of equal ones the earlier.
+
+        With a population: those of the newest generation that has any, as earlier ones are parts of their trainings.
+        """
         sign = -1 if self.plan.objective.maximised else 1
         complete = [trial for trial in self.trials if trial.value is not None]
+        if self.plan.pbt and complete:
+            newest = self.plan.pbt.generation(complete[-1].number)
+            complete = [trial for trial in complete if self.plan.pbt.generation(trial.number) == newest]
         return sorted(complete, key=lambda trial: sign * (trial.value or 0.0))
 
     @property
@@ -92,7 +100,10 @@ def read_results(journal: Journal) -> SweepResults:
     trials = tuple(_result(each, journal.plan) for each in journal.trials() if each.state.name in STATES)
     curves = {trial.number: _curve(journal, trial) for trial in trials}
     return SweepResults(
-        journal.plan, trials, _importance(journal.study), {number: curve for number, curve in curves.items() if curve}
+        journal.plan,
+        trials,
+        {} if journal.plan.pbt else _importance(journal.study),  # members' values depend on each other
+        {number: curve for number, curve in curves.items() if curve},
     )
 
 
@@ -105,6 +116,7 @@ def _result(trial: FrozenTrial, plan: SweepPlan) -> TrialResult:
         seeds={name: value for name, value in notes.items() if name.startswith("seed-")},
         values={name: plan.fields[name].value(label) for name, label in trial.params.items() if name in plan.fields},
         why=notes.get(WHY, notes.get(PRUNED)),
+        parent=notes.get(PARENT),
     )
 
 
@@ -160,10 +172,12 @@ def _table(results: SweepResults) -> str:
     fields, seeds = list(results.plan.fields), sorted({name for trial in results.trials for name in trial.seeds})
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["trial", "state", results.plan.objective.metric, *seeds, *fields, "why"])
+    plan, place = results.plan.pbt, ["generation", "member", "parent"] if results.plan.pbt else []
+    rows.writerow(["trial", *place, "state", results.plan.objective.metric, *seeds, *fields, "why"])
     for trial in results.trials:
+        at = [plan.generation(trial.number), plan.member(trial.number), trial.parent] if plan else []
         own = [trial.seeds.get(name) for name in seeds] + [_cell(trial.values.get(name)) for name in fields]
-        rows.writerow([trial.number, trial.state, trial.value, *own, trial.why])
+        rows.writerow([trial.number, *at, trial.state, trial.value, *own, trial.why])
     return text.getvalue()
 
 

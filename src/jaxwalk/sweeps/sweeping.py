@@ -22,15 +22,17 @@ from jaxwalk.runs.street import make_street
 from jaxwalk.runs.study import read_json
 from jaxwalk.sweeps.attempts import attempted
 from jaxwalk.sweeps.evaluated import check_objective
-from jaxwalk.sweeps.journal import PATIENCE, TRIALS, Journal, check_optuna
+from jaxwalk.sweeps.journal import PATIENCE, TRIALS, WHY, Journal, check_optuna
 from jaxwalk.sweeps.study_file import SweepPlan
 from jaxwalk.sweeps.sweep_results import SweepResults, read_results, write_results
-from jaxwalk.sweeps.trial_work import WHY, TrialWork, UselessTrialError
+from jaxwalk.sweeps.trial_work import TrialWork, UselessTrialError
 from jaxwalk.sweeps.varied import single_changes
 from jaxwalk.writing import remove_unfinished, write_whole
 
 PLAN = "plan.json"
 """File of what was asked for."""
+LOOKS = 1.0
+"""Time between looks at whether the generation that others work on has ended [s]."""
 MAY_GROW = "trials"
 """The one field that may have another value when a sweep goes on: a larger one."""
 
@@ -51,19 +53,40 @@ def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> S
         RunError: the folder was begun with another plan, or isn't a sweep's.
         OptunaError, JournalError, SweepFileError, ContestantError: Optuna is missing, the journal is damaged, or the
             objective doesn't exist.
+        ExtinctError: all trainings of a generation failed.
     """
     begin_sweep(folder, plan)
     console = console or Console(stderr=True)
     journal = Journal(folder, plan)
     with held(folder, seconds=PATIENCE):
         journal.trials()  # makes the journal, while no other process does
-    due = 0.0
-    while _work(journal, console):
-        if time.monotonic() >= due:
-            begun = time.monotonic()
-            _write(journal)
-            due = time.monotonic() + BETWEEN * (time.monotonic() - begun)
+    _work_on_all(journal, console)
     return _write(journal)
+
+
+def _work_on_all(journal: Journal, console: Console) -> None:
+    """Work on trials until there is none for this process, now or later."""
+    told, due = False, 0.0
+    while True:
+        if _work(journal, console):
+            due = _written(journal, due)
+            told = False
+            continue
+        if not journal.waits():
+            return
+        if not told:
+            console.print("waiting for other processes: their trials decide the next generation", soft_wrap=True)
+            told = True
+        time.sleep(LOOKS)
+
+
+def _written(journal: Journal, due: float) -> float:
+    """Write the results if they are due; return when they are next: that grows with the trials."""
+    begun = time.monotonic()
+    if begun < due:
+        return due
+    _write(journal)
+    return time.monotonic() + BETWEEN * (time.monotonic() - begun)
 
 
 def begin_sweep(folder: Path, plan: SweepPlan) -> None:

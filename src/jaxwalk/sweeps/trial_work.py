@@ -11,15 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from jaxwalk.recipes import Experiment, ExperimentFileError
+from jaxwalk.recipes import Experiment, ExperimentFileError, with_training
 from jaxwalk.relief import relieve
+from jaxwalk.runs.branching import begin_at
 from jaxwalk.runs.folder import CONFIG, Run
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import DivergedError
 from jaxwalk.runs.street import WorldError, shared_out
 from jaxwalk.runs.study import Interrupted
-from jaxwalk.runs.training import is_finished, train_in
+from jaxwalk.runs.training import TrainingEnd, is_finished, train_in, train_until
 from jaxwalk.sweeps.evaluated import evaluated
+from jaxwalk.sweeps.journal import PARENT
 from jaxwalk.sweeps.study_file import PERCENT, SweepObjective, SweepPlan
 
 if TYPE_CHECKING:
@@ -29,8 +31,8 @@ REPORTS = 20
 """Numbers that a training reports on its way, for pruning."""
 LAST = 10
 """The number of a training is the mean over its last tenth of updates."""
-WHY, PRUNED = "why", "pruned"
-"""Notes in the journal: why a trial failed, and that it was pruned."""
+PRUNED = "pruned"
+"""Note in the journal that a trial was pruned."""
 
 
 class UselessTrialError(ValueError):
@@ -76,16 +78,31 @@ class TrialWork:
 
     def _train(self, experiment: Experiment, index: int) -> None:
         """Train with a seed, or resume that, and note its number."""
-        said = f"trial {self.trial.number}, seed {experiment.seed}"
-        run, begun = _begun(self.folder / _name(experiment.seed), experiment)
-        tell = self._pruner(run, index) if self.plan.prune else None
-        if not is_finished(run):
-            relieve()
-            ended = train_in(run, resume=begun, display=Display(self.console, said), on_update=tell)
-            if ended.interrupted:
-                raise Interrupted
+        run, begun = _begun(self.folder / _name(experiment.seed), experiment, self._parent(experiment.seed))
+        updates = run.experiment.train.updates
+        end = self.plan.pbt.end(self.trial.number, updates) if self.plan.pbt else updates
+        if not is_finished(run, end) and self._trained(run, begun, index, end).interrupted:
+            raise Interrupted
         if self._noted(PRUNED) is None:
             self.trial.set_user_attr(_name(experiment.seed), score_of(run, self.plan.objective))
+
+    def _trained(self, run: Run, begun: bool, index: int, end: int) -> TrainingEnd:
+        """Train up to an update, and return how that ended."""
+        relieve()
+        display = Display(self.console, f"trial {self.trial.number}, seed {run.experiment.seed}")
+        if not self.plan.pbt:
+            tell = self._pruner(run, index) if self.plan.prune else None
+            return train_in(run, resume=begun, display=display, on_update=tell)
+        parent = self._parent(run.experiment.seed)
+        if parent is None:
+            return train_until(run, end, resume=begun, display=display)
+        begin_at(run, parent, self.plan.pbt.end(self._noted(PARENT), run.experiment.train.updates))
+        return train_until(run, end, resume=True, display=display)
+
+    def _parent(self, seed: int) -> Run | None:
+        """Return the run from whose end the training with a seed goes on; None if it begins anew."""
+        number = self._noted(PARENT)
+        return None if number is None else Run.open(self.folder.parent / str(number) / _name(seed))
 
     def _pruner(self, run: Run, index: int) -> Callable[[Mapping[str, Any]], bool]:
         """Return what is told each update: it reports the number so far, and says whether to end the trial."""
@@ -114,12 +131,16 @@ def _name(seed: int) -> str:
     return f"seed-{seed}"
 
 
-def _begun(folder: Path, experiment: Experiment) -> tuple[Run, bool]:
-    """Return the run in a folder, and whether it was there."""
+def _begun(folder: Path, experiment: Experiment, parent: Run | None) -> tuple[Run, bool]:
+    """Return the run in a folder, and whether it was there. One with a parent has the same maps and devices."""
     if (folder / CONFIG).is_file():
         return Run.open(folder), True
     if folder.is_dir():  # a process was killed before it had written what a run begins with
         shutil.rmtree(folder)
+    if parent is not None:
+        train = parent.experiment.train
+        experiment = with_training(experiment, shards=train.shards, chunk_rows=train.chunk_rows)
+        return Run.create(folder, experiment, parent.maps()), False
     return Run.create(folder, experiment if experiment.train.shards > 1 else shared_out(experiment)), False
 
 
