@@ -60,12 +60,9 @@ def wait_for_all() -> None:
 
 
 def leave_together() -> None:
-    """Wait until every process has come to its end, and end their connection: JAX aborts those that process 0 leaves.
-
-    If one is lost meanwhile, the others just go on.
-    """
+    """Wait until every process has come to its end and end their connection: JAX aborts those that process 0 leaves."""
     if several():
-        with suppress(RuntimeError):
+        with suppress(RuntimeError):  # the work is done
             jax.distributed.shutdown()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import gc
 import mmap
+import sys
 from pathlib import Path
 
 import jax
@@ -33,6 +34,8 @@ def relieve() -> None:
 
 def give_back() -> None:
     """Give freed memory back to the system, where the C library keeps it."""
+    if sys.platform != "linux":
+        return
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # only glibc has it
     if trim is not None:
         trim(0)

@@ -205,6 +205,14 @@ def test_a_signal_that_the_processes_do_not_survive_in_order_loses_none(name, pl
     )
 
 
+def test_what_failed_before_a_signal_is_not_told_as_interrupted(place, deed, capfd, monkeypatch):
+    deed("aborts")
+    monkeypatch.setattr(launcher, "GRACE", 20.0)
+    send_after(3.0, signal.SIGTERM)
+    code, said = launch(capfd=capfd)
+    assert code == 3 and "process 0 of 2 was killed (SIGABRT)" in said and "a failed check" in said, said
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("moment", ["start", "training"])
 def test_a_training_of_two_processes_is_interrupted_in_order(moment, place, monkeypatch, capfd):

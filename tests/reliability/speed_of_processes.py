@@ -20,6 +20,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -51,7 +52,7 @@ def work(recipe: str, process: int, processes: int, port: int) -> None:
     assert config.shards == SHARDS, config.shards
     learner = mappo.init(street, config, seed_key(0, TRAINING), others=fixed_policies(experiment))
     street = everywhere(street, mesh_of(config.shards))
-    for line in ("1", *iter(sys.stdin.readline, "")):
+    for line in chain(("1",), iter(sys.stdin.readline, "")):
         begun = time.perf_counter()
         for _ in range(int(line)):
             learner, _metrics = jax.block_until_ready(mappo.update(street, config, learner))
@@ -72,13 +73,14 @@ def training(recipe: str, processes: int) -> Iterator[Turn]:
     ]  # fmt: skip
 
     def said() -> tuple[float, int]:
-        """The seconds of the slowest process, and the steps of an update."""
+        """Return the seconds of the slowest process, and the steps of an update."""
         lines = [process.stdout.readline().split() for process in started if process.stdout]
         if not all(lines):
             raise SystemExit(f"a process of {recipe} ended; see above")
         return max(float(seconds) for seconds, _ in lines), int(lines[0][1])
 
     def made(updates: int) -> float:
+        """Let all make so many updates, and return the steps per second."""
         for process in started:
             assert process.stdin
             process.stdin.write(f"{updates}\n")

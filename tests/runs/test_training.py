@@ -20,7 +20,7 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.planning import replan
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import DivergedError, Session
-from jaxwalk.runs.street import make_street, shared_out
+from jaxwalk.runs.street import make_street, shared_out, whole_minibatches
 from jaxwalk.runs.training import UnwrittenError, begin, is_finished, train_in
 from limits import files_at_most
 from reliability.kill_training import board
@@ -73,6 +73,8 @@ def test_a_gpu_takes_all_environments_and_whole_minibatches(tiny, monkeypatch):
     chosen = shared_out(with_training(tiny, environments=512, chunk_rows=4096)).train
     assert (default.shards, default.chunk_rows) == (1, WHOLE_MINIBATCH)
     assert (chosen.shards, chosen.chunk_rows) == (1, 4096)
+    several = whole_minibatches(with_training(tiny, shards=2, chunk_rows=TrainConfig.chunk_rows)).train
+    assert (several.shards, several.chunk_rows) == (2, WHOLE_MINIBATCH)
 
 
 def test_every_update_is_told_once(whole, tiny):

@@ -14,6 +14,7 @@ from jaxwalk.runs.lock import held
 from jaxwalk.runs.session import DivergedError
 from jaxwalk.runs.street import WorldError
 from jaxwalk.runs.study import Interrupted
+from jaxwalk.shards import ShardsError
 from jaxwalk.sweeps import sweeping, trial_work
 from jaxwalk.sweeps.journal import JOURNAL, Journal, JournalError
 from jaxwalk.sweeps.study_file import load_sweep
@@ -99,7 +100,13 @@ def test_a_trial_that_ends_its_process_three_times_fails_and_the_others_go_on(
 
 @pytest.mark.parametrize(
     ("how", "checkpoints"),
-    [(Killed, True), (KeyboardInterrupt, False), (Interrupted, False), (OSError("full"), False)],
+    [
+        (Killed, True),
+        (KeyboardInterrupt, False),
+        (Interrupted, False),
+        (OSError("full"), False),
+        (ShardsError("8"), False),
+    ],
 )
 def test_a_trial_may_end_often_if_it_comes_further_or_is_not_to_blame(
     how, checkpoints, pretended, study, tmp_path, quiet, monkeypatch
@@ -107,7 +114,7 @@ def test_a_trial_may_end_often_if_it_comes_further_or_is_not_to_blame(
     plan, out, begun = load_sweep(study()), tmp_path / "out", []
     dying(pretended, monkeypatch, how, begun, checkpoints=checkpoints)
     for _ in range(5):
-        with pytest.raises(type(how) if isinstance(how, OSError) else how):
+        with pytest.raises(type(how) if isinstance(how, Exception) else how):
             sweep(out, plan, console=quiet)
     assert len(begun) == 5
 

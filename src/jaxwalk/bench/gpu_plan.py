@@ -1,6 +1,7 @@
 """The plan of a GPU: programs compiled for it (`gpu_programs`), and the speeds that follow from them.
 
-This module imports no JAX: the programs are compiled in a process of its own, in which JAX knows no other device.
+This module imports no JAX: the programs are compiled in a process of their own, in which JAX knows no other device than
+a GPU of this machine or, for one that is only described, a processor core.
 """
 
 from __future__ import annotations
@@ -124,7 +125,8 @@ def _programs(document: Mapping[str, Any]) -> Table:
     whose = "this machine's" if document["options"]["plan"] == HERE else "a described"
     origin = f"Compiled for {whose} {document['device']}; commit {made['commit'] or 'unknown'}; {versions}"
     names = ("launches", "copies", "waits", "modelled us", "memory [MB]", "compiled [s]")
-    caption = f"For each step of all environments; copies are launches too, and waits are the host's. {origin}."
+    each = "For each step of all environments; copies are launches too, and waits are the host's"
+    caption = f"{each}; programs compiled side by side. {origin}."
     drawn = _table(("program", "recipe", "size"), names, caption)
     for row in document["programs"]:
         amounts = (row[f"{x}_per_step"] for x in ("launches", "copies", "synchronisations", "microseconds"))

@@ -53,8 +53,10 @@ class Target(NamedTuple):
     """The GPU for which programs are compiled."""
 
     device: Any
+    here: bool
+    """Whether it is in this machine, and not only described."""
     seconds: float
-    """Time for which each is measured there [s]; 0: it isn't there."""
+    """Time for which each is measured there [s]."""
 
 
 class Planned(NamedTuple):
@@ -75,14 +77,15 @@ class Planned(NamedTuple):
 def plan(settings: Settings) -> dict[str, Any]:
     """Return a row for each program, and where it was compiled. On a GPU of this machine each is timed, too."""
     here = settings.plan == HERE
-    target = Target(jax.devices()[0] if here else described_device(str(settings.plan)), settings.seconds if here else 0)
+    device = jax.devices()[0] if here else described_device(str(settings.plan))
+    target = Target(device, here, settings.seconds)
     counts = settings.environments if here else (settings.plan_environments,)
     recipes = WORLDS_OF[:1] if settings.quick else WORLDS_OF
     jobs = [partial(rollout_of, RECIPES[recipe], count, target) for recipe in recipes for count in counts]
     jobs += [] if settings.quick else [partial(update_of, RECIPES[recipe], target) for recipe in (*recipes, "paper")]
     with traced_for("gpu"), ThreadPoolExecutor(cores()) as pool:
         compiled = list(pool.map(partial(compile_for, target), jobs))  # all of them, before any is timed
-        rows = [_row(each, target.seconds) for each in compiled]
+        rows = [_row(each, target) for each in compiled]
     return describe(settings) | {"device": target.device.device_kind, "programs": rows}
 
 
@@ -97,7 +100,7 @@ def rollout_of(experiment: Experiment, count: int, target: Target) -> Planned:
     """Return a rollout with a recipe's world and views and random actions."""
     street, steps = make_street(experiment), BLOCKS * RESTART_EVERY
     act = look_and_record(street, views_of(experiment))
-    begin = jax.jit if target.seconds else partial(partial, jax.eval_shape)
+    begin = jax.jit if target.here else partial(partial, jax.eval_shape)
     stream = begin(start)(street, begin(lambda: environment_keys(seed_key(0, TRAINING), 0, count))())
 
     def play(stream: Any, street: Street) -> Any:
@@ -162,7 +165,7 @@ def compile_for(target: Target, make: Callable[[], Planned]) -> Compiled:
 
     with tempfile.TemporaryDirectory(prefix="jaxwalk-plan-") as folder:
         begun = time.perf_counter()
-        options: dict[str, Any] = COSTS | ({} if target.seconds else NEVER_RUN) | {"xla_dump_to": folder}
+        options: dict[str, Any] = COSTS | ({} if target.here else NEVER_RUN) | {"xla_dump_to": folder}
         compiled = jax.jit(call, donate_argnums=0).lower(*shapes).compile(options)
         seconds = time.perf_counter() - begun
         work = read_work(Path(folder))
@@ -184,7 +187,7 @@ def call_time(call: Callable[..., Any], arrays: tuple[Any, Any], seconds: float)
     return statistics.median(times)
 
 
-def _row(compiled: Compiled, measured_s: float) -> dict[str, Any]:
+def _row(compiled: Compiled, target: Target) -> dict[str, Any]:
     """Return a row of a program; amounts are for each step of all environments together."""
     program = compiled.program
     steps, count, experiment = program.steps, program.environments, program.experiment
@@ -201,8 +204,8 @@ def _row(compiled: Compiled, measured_s: float) -> dict[str, Any]:
         "memory_bytes": compiled.memory_bytes,
         "compile_s": round(compiled.compile_s, 1),
     }
-    if measured_s:
-        arrays = jax.device_put(compiled.arrays, jax.devices()[0])
-        row["measured_steps_per_s"] = round(count * steps / call_time(compiled.call, arrays, measured_s))
+    if target.here:
+        arrays = jax.device_put(compiled.arrays, target.device)
+        row["measured_steps_per_s"] = round(count * steps / call_time(compiled.call, arrays, target.seconds))
         tell(f"{program.name}, {experiment.recipe}, {count:,} environments: {row['measured_steps_per_s']:,} steps/s")
     return row

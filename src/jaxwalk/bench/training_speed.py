@@ -38,8 +38,8 @@ def paper(settings: Settings) -> dict[str, Any]:
 
 def own_size(experiment: Experiment, settings: Settings) -> Experiment:
     """Return the experiment as it is measured on this machine."""
-    changed = with_training(experiment, environments=settings.recipe_environments, chunk_rows=settings.chunk_rows)
-    return shared_out(replace(changed, seed=settings.seed))
+    changed = with_training(experiment, environments=settings.recipe_environments)
+    return with_training(shared_out(replace(changed, seed=settings.seed)), chunk_rows=settings.chunk_rows)
 
 
 def _with_other_sizes(own: Experiment, settings: Settings) -> list[Experiment]:

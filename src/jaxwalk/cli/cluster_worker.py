@@ -46,8 +46,9 @@ class PlayPart:
 
         with TemporaryDirectory(prefix="jaxwalk-", dir=self.scratch) as folder:
             evaluate_part(_loaded(self.options), Part.parse(part), Path(folder), _tell_nobody)
-            give_back()  # else a worker grows from part to part
-            return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
+            files = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
+        give_back()  # else a worker grows from part to part
+        return files
 
 
 @lru_cache(1)

@@ -37,6 +37,8 @@ ENDED_WELL = (0, INTERRUPTED, TERMINATED)
 """Exit codes of processes that came to their end together."""
 CUT_SHORT = (*ENDED_WELL, LOST, -signal.SIGTERM, -signal.SIGABRT, None)
 """Exit codes of processes after a signal: also of one that the signal or JAX ended, and of one that we are about to."""
+WELL, CUT, FAILED = "in order", "cut short by a signal", "failed"
+"""How processes end together."""
 LEFT_ALONE = (*ENDED_WELL, LOST, HUNG)
 """Exit codes of processes that have no error of their own."""
 LAST_WORDS = 4000
@@ -89,11 +91,11 @@ def launch(options: Train, words: Sequence[str]) -> int:
 def _train(options: Train, words: Sequence[str], stop: Stop, restarts: int) -> int:
     """Train until all processes have ended, in order or together with one that was lost; return the exit code."""
     with _started(words, options.processes) as members:
-        failed = _wait(members, stop)
-        if failed and stop.requested and all(member.code in CUT_SHORT for member in members):
+        end = _wait(members, stop)
+        if end == CUT:
             print(f"jaxwalk: interrupted; {_kept(options)}; {_how_to_resume(options, words)}", file=sys.stderr)
             return INTERRUPTED
-        if failed:
+        if end == FAILED:
             again = "it begins again" if restarts and not stop.requested else None
             return _report_failure(options, words, members, again)
         codes = [member.code or 0 for member in members]
@@ -118,22 +120,24 @@ def _report_failure(options: Train, words: Sequence[str], members: Sequence[Memb
     return LOST
 
 
-def _wait(members: Sequence[Member], stop: Stop) -> bool:
-    """Wait until all processes have ended, or some time after one has failed; return whether one has.
+def _wait(members: Sequence[Member], stop: Stop) -> str:
+    """Wait until all processes have ended, or some time after one has failed; return how: WELL, CUT or FAILED.
 
-    A signal to this process is handed on to all of them, once.
+    A signal to this process is handed on to all of them, once. What fails before it wasn't cut short by it.
     """
-    told, until = False, math.inf
+    told, cut, until = False, False, math.inf
     while any(member.code is None for member in members) and time.monotonic() < until:
-        if stop.requested and not told:
-            told = True
-            _tell_to_end(members)
         if until == math.inf and any(member.code not in (None, *ENDED_WELL) for member in members):
             until = time.monotonic() + GRACE
+        if stop.requested and not told:
+            told, cut = True, until == math.inf
+            _tell_to_end(members)
         if any([member.is_silent() for member in members]):
-            return True
+            return FAILED
         time.sleep(EVERY)
-    return any(member.code not in ENDED_WELL for member in members)
+    if all(member.code in ENDED_WELL for member in members):
+        return WELL
+    return CUT if cut and all(member.code in CUT_SHORT for member in members) else FAILED
 
 
 def _tell_to_end(members: Sequence[Member]) -> None:

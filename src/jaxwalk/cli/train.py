@@ -17,7 +17,7 @@ from jaxwalk.recipes import LONGEST, RECIPES, Experiment, load_experiment, singl
 from jaxwalk.runs.entry import Upkeep, resume, train
 from jaxwalk.runs.folder import check_new
 from jaxwalk.runs.progress import Display
-from jaxwalk.runs.street import shared_out
+from jaxwalk.runs.street import shared_out, whole_minibatches
 from jaxwalk.runs.training import PeerLostError
 from jaxwalk.runs.watchdog import LAUNCHED
 from jaxwalk.sim.sim_config import rules_of
@@ -64,7 +64,8 @@ def _lead(options: Train) -> int:
     else:
         experiment = make_experiment(options)
         undecided = options.shards is None and experiment.train.shards == 1
-        trained = train(shared_out(experiment) if undecided else experiment, options.run_folder, upkeep=upkeep)
+        fitted = shared_out(experiment) if undecided else whole_minibatches(experiment)
+        trained = train(fitted, options.run_folder, upkeep=upkeep)
     say = Display(console).say
     done = f"{counted(trained.updates, 'update')}, {counted(trained.steps, 'step')}"
     made = f"{done} in {trained.seconds / 60:.1f} minutes"

@@ -23,7 +23,7 @@ from jaxwalk.recipes import RECIPES, Experiment, ExperimentFileError, load_exper
 from jaxwalk.runs.folder import Run, RunError, check_writable
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import OnUpdate
-from jaxwalk.runs.street import make_street, shared_out
+from jaxwalk.runs.street import make_street, shared_out, whole_minibatches
 from jaxwalk.runs.training import CHECKPOINT_MINUTES, TrainingEnd, train_in
 from jaxwalk.shards import mesh_of
 
@@ -158,7 +158,7 @@ def _named(recipe: str | Path | Experiment) -> Experiment:
     if not Path(recipe).exists():
         raise ExperimentFileError(f"{recipe}: no recipe of that name ({', '.join(RECIPES)}) and no file; check it")
     found = load_experiment(recipe, RECIPES)
-    return found if found.train.shards > 1 else shared_out(found)
+    return whole_minibatches(found) if found.train.shards > 1 else shared_out(found)
 
 
 @contextmanager

@@ -90,10 +90,16 @@ class Run:
         """Whether the configuration is as jaxwalk wrote it; None if that isn't known, in folders of older versions."""
 
     @classmethod
-    def create(cls, path: str | Path, experiment: Experiment, maps: Sequence[MapText] | None = None) -> Run:
-        """Create a run folder, which must be empty if it exists. ``maps``: those of the experiment, if already read.
+    def create(
+        cls,
+        path: str | Path,
+        experiment: Experiment,
+        maps: Sequence[MapText] | None = None,
+        archives: Sequence[bytes] | None = None,
+    ) -> Run:
+        """Create a run folder, which must be empty if it exists. The configuration names each generated street.
 
-        The configuration names each generated street.
+        ``maps`` and ``archives`` are those of the experiment, if they are read already.
         """
         from jaxwalk.maps import each_map, read_map
         from jaxwalk.scenarios.archive_file import archive_bytes
@@ -101,7 +107,7 @@ class Run:
         check_new(Path(path))
         experiment = replace(experiment, maps=each_map(experiment.maps))
         maps = [read_map(name) for name in experiment.maps] if maps is None else maps
-        archives = [archive_bytes(name) for name in experiment.archives]
+        archives = [archive_bytes(name) for name in experiment.archives] if archives is None else archives
         run = cls(path, experiment)
         with held(run.path):
             check_new(run.path)  # check again: another process may have been quicker

@@ -105,19 +105,23 @@ def _check_named(field: str, names: Iterable[str], known: Collection[str]) -> No
             raise WorldError(f"{field} must be one of {', '.join(known) or 'none'}, not {name!r}")
 
 
+def whole_minibatches(experiment: Experiment) -> Experiment:
+    """Return the experiment with gradients of whole minibatches on an accelerator, if its chunks are the default."""
+    default = experiment.train.chunk_rows == TrainConfig.chunk_rows
+    if jax.devices()[0].platform == "cpu" or not default:
+        return experiment
+    return with_training(experiment, chunk_rows=WHOLE_MINIBATCH)
+
+
 def shared_out(experiment: Experiment) -> Experiment:
     """Return the experiment with its environments shared out among as many processor cores as divide them evenly.
 
-    An accelerator wants all of them, and gradients of whole minibatches unless another number of rows is set. Several
-    processes have one shard for each device.
+    An accelerator wants all of them. Several processes have one shard for each device. Chunks: see `whole_minibatches`.
     """
-    devices, count = jax.devices(), experiment.train.environments
-    on_cpu = devices[0].platform == "cpu"
-    if not on_cpu and experiment.train.chunk_rows == TrainConfig.chunk_rows:
-        experiment = with_training(experiment, chunk_rows=WHOLE_MINIBATCH)
+    experiment, devices = whole_minibatches(experiment), jax.devices()
     if several():
         return with_training(experiment, shards=len(devices))
-    most = len(devices) if on_cpu else 1
+    count, most = experiment.train.environments, len(devices) if devices[0].platform == "cpu" else 1
     fitting = (n for n in range(most, 1, -1) if count % n == 0 and count >= n * LEAST_SHARE)
     return with_training(experiment, shards=next(fitting, 1))
 

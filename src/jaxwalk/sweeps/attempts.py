@@ -6,11 +6,11 @@ The journal counts them before they begin, as such an end leaves nothing else.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jaxwalk.runs.folder import CHECKPOINTS, RunError
+from jaxwalk.runs.folder import CHECKPOINTS
 from jaxwalk.runs.study import Interrupted
 from jaxwalk.sweeps.trial_work import UselessTrialError
 
@@ -25,7 +25,7 @@ ATTEMPTS = "attempts"
 
 @contextmanager
 def attempted(trial: Trial, folder: Path) -> Iterator[None]:
-    """Count the block as an attempt, unless somebody interrupts it or its folder or disk is in the way.
+    """Count the block as an attempt, unless somebody interrupts it or it ends with a message.
 
     Raises UselessTrialError instead if `MOST` attempts before it came no further.
     """
@@ -39,8 +39,9 @@ def attempted(trial: Trial, folder: Path) -> Iterator[None]:
     trial.set_user_attr(ATTEMPTS, [come, count + 1])
     try:
         yield
-    except (KeyboardInterrupt, Interrupted, OSError, RunError):  # nothing that the trial's values have caused
-        trial.set_user_attr(ATTEMPTS, [come, count])
+    except (KeyboardInterrupt, Interrupted, OSError, ValueError):  # said to the user, who can mend it
+        with suppress(OSError):  # the disk may be full
+            trial.set_user_attr(ATTEMPTS, [come, count])
         raise
 
 

@@ -160,9 +160,10 @@ class Journal:
             return False
         ended = [EndedMember(each.number, each.params, each.value) for each in before]
         try:
-            next_one = population.begun(number, ended)
+            next_one = population.next_member(number, ended)
         except ExtinctError as error:
-            raise ExtinctError(f"{self.folder}: {error} ({before[0].user_attrs.get(WHY)})") from None
+            advice = "narrow the ranges, and begin in another folder"
+            raise ExtinctError(f"{self.folder}: {error} ({before[0].user_attrs.get(WHY)}); {advice}") from None
         self.study.enqueue_trial(dict(next_one.labels), {} if next_one.parent is None else {PARENT: next_one.parent})
         return True
 

@@ -113,7 +113,7 @@ class Population:
     maximised: bool
     seed: int
 
-    def begun(self, number: int, before: Sequence[EndedMember]) -> NextMember:
+    def next_member(self, number: int, before: Sequence[EndedMember]) -> NextMember:
         """Return what a trial begins with.
 
         A member among the worst, or one that failed, goes on from the end of one of the best, drawn at random, with

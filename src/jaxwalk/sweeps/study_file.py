@@ -118,6 +118,8 @@ class SweepPlan:
             raise ValueError(f"trials is decided by the {COUNTED[self.sampler]}; leave it out")
         if self.pbt is None and self.sampler == "pbt":
             raise ValueError("pbt is needed with the sampler pbt: a table that says members and generations")
+        if self.pbt is not None and self.pbt.count > MOST_TRIALS:
+            raise ValueError(f"pbt has {self.pbt.count:,} trials, members x generations; at most {MOST_TRIALS:,}")
         if self.pbt is not None and self.sampler != "pbt":
             raise ValueError(f'pbt goes with sampler = "pbt", not {self.sampler!r}; leave it out')
         if not 1 <= self.seeds <= MOST_SEEDS:

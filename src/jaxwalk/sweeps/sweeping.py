@@ -60,8 +60,11 @@ def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> S
     journal = Journal(folder, plan)
     with held(folder, seconds=PATIENCE):
         journal.trials()  # makes the journal, while no other process does
-    _work_on_all(journal, console)
-    return _write(journal)
+    try:
+        _work_on_all(journal, console)
+    finally:
+        results = _write(journal)
+    return results
 
 
 def _work_on_all(journal: Journal, console: Console) -> None:

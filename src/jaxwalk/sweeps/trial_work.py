@@ -15,9 +15,10 @@ from jaxwalk.recipes import Experiment, ExperimentFileError, with_training
 from jaxwalk.relief import relieve
 from jaxwalk.runs.branching import begin_at
 from jaxwalk.runs.folder import CONFIG, Run
+from jaxwalk.runs.kept_maps import MAPS
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import DivergedError
-from jaxwalk.runs.street import WorldError, shared_out
+from jaxwalk.runs.street import WorldError, shared_out, whole_minibatches
 from jaxwalk.runs.study import Interrupted
 from jaxwalk.runs.training import TrainingEnd, is_finished, train_in, train_until
 from jaxwalk.sweeps.evaluated import evaluated
@@ -132,16 +133,18 @@ def _name(seed: int) -> str:
 
 
 def _begun(folder: Path, experiment: Experiment, parent: Run | None) -> tuple[Run, bool]:
-    """Return the run in a folder, and whether it was there. One with a parent has the same maps and devices."""
-    if (folder / CONFIG).is_file():
+    """Return the run in a folder, and whether it was there. One with a parent has its maps, archives and devices."""
+    if (folder / CONFIG).is_file() and (parent is None or (folder / MAPS).is_file()):
         return Run.open(folder), True
     if folder.is_dir():  # a process was killed before it had written what a run begins with
         shutil.rmtree(folder)
     if parent is not None:
         train = parent.experiment.train
         experiment = with_training(experiment, shards=train.shards, chunk_rows=train.chunk_rows)
-        return Run.create(folder, experiment, parent.maps()), False
-    return Run.create(folder, experiment if experiment.train.shards > 1 else shared_out(experiment)), False
+        archives = [path.read_bytes() for path in parent.archives]
+        return Run.create(folder, experiment, parent.maps(), archives), False
+    several = experiment.train.shards > 1
+    return Run.create(folder, whole_minibatches(experiment) if several else shared_out(experiment)), False
 
 
 def score_of(run: Run, objective: SweepObjective) -> float:
