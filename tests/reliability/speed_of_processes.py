@@ -29,6 +29,8 @@ from reliability.speed_against import Turn, lower_bound, take_turns
 SHARDS = 2
 WARM = 3
 """Updates before the first turn."""
+MADE = "made"
+"""Begins the lines of a process; libraries print others."""
 SECONDS = 1.0
 """Shortest turn."""
 
@@ -56,7 +58,7 @@ def work(recipe: str, process: int, processes: int, port: int) -> None:
         begun = time.perf_counter()
         for _ in range(int(line)):
             learner, _metrics = jax.block_until_ready(mappo.update(street, config, learner))
-        print(time.perf_counter() - begun, experiment.steps_per_update, flush=True)
+        print(MADE, time.perf_counter() - begun, experiment.steps_per_update, flush=True)
 
 
 @contextmanager
@@ -74,10 +76,13 @@ def training(recipe: str, processes: int) -> Iterator[Turn]:
 
     def said() -> tuple[float, int]:
         """Return the seconds of the slowest process, and the steps of an update."""
-        lines = [process.stdout.readline().split() for process in started if process.stdout]
-        if not all(lines):
+        found = [
+            next((line.split() for line in process.stdout or () if line.startswith(MADE)), None) for process in started
+        ]
+        lines = [words for words in found if words]
+        if len(lines) < len(started):
             raise SystemExit(f"a process of {recipe} ended; see above")
-        return max(float(seconds) for seconds, _ in lines), int(lines[0][1])
+        return max(float(seconds) for _, seconds, _ in lines), int(lines[0][2])
 
     def made(updates: int) -> float:
         """Let all make so many updates, and return the steps per second."""
