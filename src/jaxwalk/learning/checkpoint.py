@@ -56,23 +56,31 @@ def save(path: str | Path, learner: Any, *, updates: int, about: Mapping[str, An
     _write(path, jax.device_get({name: _data(x) for name, x in _named_arrays(learner).items()}), updates, about)
 
 
-def copy(path: str | Path, to: str | Path, *, updates: int, about: Mapping[str, Any]) -> None:
-    """Copy a checkpoint of folder ``path`` into folder ``to``, with other JSON kept with it.
+def copy(path: str | Path, to: str | Path, *, updates: int, changes: Mapping[str, Any]) -> None:
+    """Copy a checkpoint of folder ``path`` into folder ``to``, with changes of the JSON that is kept with it.
 
     The copy appears whole or not at all. Raise DamagedError if the checkpoint is missing or can't be read, and OSError
     if the copy can't be written.
     """
     from orbax.checkpoint.args import StandardRestore
 
+    kept = kept_with(path, updates)
+    if not kept:
+        raise _no_beginning(path, updates, "nothing is kept with it")
     with _manager(path) as manager:
         try:
             arrays = jax.device_get(manager.restore(updates, args=StandardRestore()))
         except Exception as error:  # orbax raises many kinds
-            raise DamagedError(
-                f"{path}: checkpoint {updates} is missing or can't be read ({type(error).__name__}), and another "
-                "training was to begin there; restore it from a copy, or start again in another folder"
-            ) from error
-    _write(to, arrays, updates, about)
+            raise _no_beginning(path, updates, type(error).__name__) from error
+    _write(to, arrays, updates, kept | dict(changes))
+
+
+def _no_beginning(path: str | Path, updates: int, why: str) -> DamagedError:
+    """Return the error of a training that was to begin at a checkpoint of another one."""
+    return DamagedError(
+        f"{path}: checkpoint {updates} is missing or can't be read ({why}), and another training was to begin there; "
+        "restore it from a copy, or start again in another folder"
+    )
 
 
 def _write(path: str | Path, arrays: dict[str, Any], updates: int, about: Mapping[str, Any] | None) -> None:

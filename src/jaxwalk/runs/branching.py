@@ -18,8 +18,5 @@ def begin_at(run: Run, parent: Run, updates: int) -> None:
     """
     if checkpoint.latest(run.checkpoints) is not None:
         return
-    about = checkpoint.kept_with(parent.checkpoints, updates)
-    if not about:
-        raise checkpoint.DamagedError(f"{parent.checkpoints}: what is kept with checkpoint {updates} can't be read")
-    about |= {"configuration": as_json(run.experiment)}
-    checkpoint.copy(parent.checkpoints, run.checkpoints, updates=updates, about=about)
+    changes = {"configuration": as_json(run.experiment)}
+    checkpoint.copy(parent.checkpoints, run.checkpoints, updates=updates, changes=changes)

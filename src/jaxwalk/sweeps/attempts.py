@@ -39,7 +39,7 @@ def attempted(trial: Trial, folder: Path) -> Iterator[None]:
     trial.set_user_attr(ATTEMPTS, [come, count + 1])
     try:
         yield
-    except (KeyboardInterrupt, Interrupted, OSError, ValueError):  # said to the user, who can mend it
+    except (KeyboardInterrupt, Interrupted, OSError, ValueError):  # said to the user, who can do something about it
         with suppress(OSError):  # the disk may be full
             trial.set_user_attr(ATTEMPTS, [come, count])
         raise
