@@ -21,7 +21,7 @@ from sweeps.tiny_sweep import written as write_sweep
 
 SMALL = {
     "--episodes": "4", "--counterfactuals": "1", "--incidents": "1", "--updates": "2", "--count": "1", "--check": "2",
-    "--people": "6", "--simulations": "64",
+    "--people": "6", "--simulations": "4096",
 }  # fmt: skip
 """Options that decide how long a command takes, with small values."""
 EPISODES = ("evaluate", "report", "tracks", "share")
@@ -46,7 +46,7 @@ def briefly(words: list[str]) -> list[str]:
     if words[1] == "train" and "--recipe" in words and "--map" not in words:
         words += ["--map", "training:1"]
     if words[1] == "search" and "--simulations" not in words:
-        words += ["--simulations", "64"]
+        words += ["--simulations", "4096"]
     if "splitting" in words:
         words += ["--particles", "64", "--repeats", "2"]
     if words[1] in EPISODES and not {"--episodes", "--again", "--scenarios"} & set(words):
