@@ -45,8 +45,6 @@ def briefly(words: list[str]) -> list[str]:
     words = [re.sub(r"^([a-z-]+):\d+$", r"\1:1", word) for word in words]
     if words[1] == "train" and "--recipe" in words and "--map" not in words:
         words += ["--map", "training:1"]
-    if words[1] == "search" and "--simulations" not in words:
-        words += ["--simulations", "4096"]
     if "splitting" in words:
         words += ["--particles", "64", "--repeats", "2"]
     if words[1] in EPISODES and not {"--episodes", "--again", "--scenarios"} & set(words):
