@@ -10,15 +10,15 @@ import pytest
 
 from jaxwalk.cli import main
 from jaxwalk.runs.folder import RunError
-from jaxwalk.runs.lock import held
+from jaxwalk.runs.lock import InUseError, held
 from jaxwalk.runs.session import DivergedError
 from jaxwalk.runs.street import WorldError
 from jaxwalk.runs.study import Interrupted
 from jaxwalk.shards import ShardsError
 from jaxwalk.sweeps import sweeping, trial_work
-from jaxwalk.sweeps.journal import JOURNAL, Journal, JournalError
+from jaxwalk.sweeps.journal import JOURNAL, TRIALS, Journal, JournalError
 from jaxwalk.sweeps.study_file import load_sweep
-from jaxwalk.sweeps.sweeping import as_plan, sweep
+from jaxwalk.sweeps.sweeping import as_plan, begin_sweep, sweep
 from jaxwalk.sweeps.trial_work import mean_of_last
 
 
@@ -222,6 +222,19 @@ def test_a_process_that_chooses_a_trial_is_waited_for(study, tmp_path, monkeypat
     journal = Journal(tmp_path, load_sweep(study()))
     with held(tmp_path), pytest.raises(ValueError, match="another process is writing into it"), journal.claimed():
         pass
+
+
+def test_who_joins_leaves_the_files_alone_that_another_process_is_writing(study, tmp_path, monkeypatch):
+    plan, out = load_sweep(study()), tmp_path / "out"
+    begin_sweep(out, plan)
+    unfinished = out / ".study.json.123.part"
+    unfinished.write_text("half")
+    monkeypatch.setattr(sweeping, "PATIENCE", 0.0)
+    with held(out / TRIALS), pytest.raises(InUseError):
+        begin_sweep(out, plan)
+    assert unfinished.exists()
+    begin_sweep(out, plan)
+    assert not unfinished.exists()
 
 
 def test_results_are_written_while_others_choose_and_not_after_each_of_many_trials(

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -103,7 +105,8 @@ def begin_sweep(folder: Path, plan: SweepPlan) -> None:
     _check_streets(plan)
     with held(folder, seconds=PATIENCE):
         check_folder(folder, plan)  # check again: another process may have been quicker
-        remove_unfinished(folder)
+        with _nobody_writes_results(folder):
+            remove_unfinished(folder)
         write_whole(folder / PLAN, json.dumps(as_plan(plan), indent=2, allow_nan=False) + "\n")
 
 
@@ -151,12 +154,16 @@ def _end(journal: Journal, number: int, state: str, score: float | None = None) 
     journal.study.tell(number, score, TrialState[state])
 
 
-def _write(journal: Journal) -> SweepResults:
-    """Write the results, while no other process does: not an older state over a newer one.
+@contextmanager
+def _nobody_writes_results(folder: Path) -> Iterator[None]:
+    """Hold the lock of who writes the results. It is one of its own, as other processes choose trials meanwhile."""
+    with held(folder / TRIALS, seconds=PATIENCE) if (folder / TRIALS).is_dir() else nullcontext():
+        yield
 
-    The lock is one of its own, as other processes choose trials meanwhile.
-    """
-    with held(journal.folder / TRIALS, seconds=PATIENCE):
+
+def _write(journal: Journal) -> SweepResults:
+    """Write the results, while no other process does: not an older state over a newer one."""
+    with _nobody_writes_results(journal.folder):
         results = read_results(journal)
         write_results(journal.folder, results)
     return results
