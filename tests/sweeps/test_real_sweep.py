@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -79,81 +80,66 @@ def test_a_population_that_is_killed_goes_on_and_a_member_that_is_never_replaced
     assert whole.policy.read_bytes() == ends[0].policy.read_bytes() != ends[1].policy.read_bytes()
 
 
-@pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="processes are killed")
-def test_a_population_of_two_processes_killed_four_times_equals_an_untouched_one(place, quiet):
-    """Each kill (SIGKILL) hits one of them, a random moment after another trial has begun."""
-    study, out, chance = population(place, members=4, generations=4, updates=24), place / "out", random.Random(0)
+def started(study, out):
+    """Start a process of a sweep."""
     command = [sys.executable, "-m", "jaxwalk", "sweep", str(study), "--out", str(out)]
     environment = {**os.environ, "JAX_NUM_CPU_DEVICES": "1", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
+    return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
-    def begin():
-        return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+def check_end(process):
+    """Wait until a process has ended, and check that it ended well."""
+    _, said = process.communicate(timeout=900)
+    assert process.returncode == 0, said
+
+
+def run_struck(study, out, kills, begins):
+    """Run a sweep to its end by two processes. Each kill (SIGKILL) hits one of them, which is then started again.
+
+    It comes at a random moment after two more trials have begun: the file ``begins`` is in their folders.
+    """
+    chance, processes = random.Random(0), [started(study, out), started(study, out)]
 
     def begun() -> int:
-        return len(list(out.glob("trials/*/seed-0/config.json")))
+        return len(list(out.glob(f"trials/*/seed-0/{begins}")))
 
-    processes = [begin(), begin()]
     try:
-        for kill in range(4):
-            wanted = begun() + 2
+        for kill in range(kills):
+            struck, wanted = processes[kill % 2], begun() + 2
             while begun() < wanted and any(process.poll() is None for process in processes):
                 time.sleep(0.01)
             time.sleep(chance.uniform(0.0, 1.0))
-            processes[kill % 2].send_signal(signal.SIGKILL)
-            assert processes[kill % 2].wait() == -signal.SIGKILL, processes[kill % 2].stderr.read()
-            processes[kill % 2].stderr.close()
-            processes[kill % 2] = begin()
+            struck.send_signal(signal.SIGKILL)
+            _, said = struck.communicate()
+            assert struck.returncode == -signal.SIGKILL, f"it was over before it could be killed: {said}"
+            processes[kill % 2] = started(study, out)
         for process in processes:
-            _, said = process.communicate(timeout=900)
-            assert process.returncode == 0, said
+            check_end(process)
     finally:
         for process in processes:
             process.kill()
-    assert subprocess.run(command, env=environment, check=False, capture_output=True).returncode == 0
-    alone = [sys.executable, "-m", "jaxwalk", "sweep", str(study), "--out", str(place / "alone")]
-    assert subprocess.run(alone, env=environment, check=False, capture_output=True).returncode == 0
-    found, untouched = (json.loads((folder / "study.json").read_text()) for folder in (out, place / "alone"))
+    check_end(started(study, out))
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are killed")
+def test_a_population_of_two_processes_killed_four_times_equals_an_untouched_one(place):
+    study, out, alone = population(place, members=4, generations=4, updates=24), place / "out", place / "alone"
+    run_struck(study, out, kills=4, begins="config.json")
+    check_end(started(study, alone))
+    found, untouched = (json.loads((folder / "study.json").read_text()) for folder in (out, alone))
     assert found["trials"] == untouched["trials"] and len(found["trials"]) == 16
     for trial in range(16):
-        one, other = (
-            folder / "trials" / str(trial) / "seed-0" / "policy.safetensors" for folder in (out, place / "alone")
-        )
+        policy = Path("trials") / str(trial) / "seed-0" / "policy.safetensors"
+        one, other = out / policy, alone / policy
         assert one.read_bytes() == other.read_bytes()
 
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are killed")
 def test_a_sweep_of_twenty_trials_killed_five_times_is_complete(place):
-    """Two processes share it; each kill (SIGKILL) hits one of them, a random moment after more trials have begun."""
-    study, out, chance = written(place, trials=20, updates=12), place / "out", random.Random(0)
-    command = [sys.executable, "-m", "jaxwalk", "sweep", str(study), "--out", str(out)]
-    environment = {**os.environ, "JAX_NUM_CPU_DEVICES": "1", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
-
-    def begin():
-        return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-
-    def begun() -> int:
-        return len(list(out.glob("trials/*/seed-0/metrics.jsonl")))
-
-    processes = [begin(), begin()]
-    try:
-        for kill in range(5):
-            wanted = begun() + 2
-            while begun() < wanted and any(process.poll() is None for process in processes):
-                time.sleep(0.01)
-            time.sleep(chance.uniform(0.0, 1.0))
-            processes[kill % 2].send_signal(signal.SIGKILL)
-            assert processes[kill % 2].wait() == -signal.SIGKILL, "it was over before it could be killed"
-            processes[kill % 2].stderr.close()
-            processes[kill % 2] = begin()
-        for process in processes:
-            _, said = process.communicate(timeout=900)
-            assert process.returncode == 0, said
-    finally:
-        for process in processes:
-            process.kill()
-    assert subprocess.run(command, env=environment, check=False, capture_output=True).returncode == 0
+    study, out = written(place, trials=20, updates=12), place / "out"
+    run_struck(study, out, kills=5, begins="metrics.jsonl")
     document = json.loads((out / "study.json").read_text())
     assert [(trial["number"], trial["state"]) for trial in document["trials"]] == [(n, "complete") for n in range(20)]
     assert len({trial["values"]["driver_weights.time"] for trial in document["trials"]}) == 20
