@@ -100,8 +100,14 @@ def rollout_of(experiment: Experiment, count: int, target: Target) -> Planned:
     """Return a rollout with a recipe's world and views and random actions."""
     street, steps = make_street(experiment), BLOCKS * RESTART_EVERY
     act = look_and_record(street, views_of(experiment))
-    begin = jax.jit if target.here else partial(partial, jax.eval_shape)
-    stream = begin(start)(street, begin(lambda: environment_keys(seed_key(0, TRAINING), 0, count))())
+
+    def keys() -> jax.Array:
+        return environment_keys(seed_key(0, TRAINING), 0, count)
+
+    if target.here:
+        stream = jax.jit(start)(street, jax.jit(keys)())
+    else:
+        stream = jax.eval_shape(start, street, jax.eval_shape(keys))
 
     def play(stream: Any, street: Street) -> Any:
         return rollout(street, act, stream, steps, keep=keep)

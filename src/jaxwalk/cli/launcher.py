@@ -114,9 +114,10 @@ def _report_failure(options: Train, words: Sequence[str], members: Sequence[Memb
         return BAD_INPUT
     next_step = again or _how_to_resume(options, words)
     what, lost = _what_happened(members)
+    print(f"jaxwalk: {what}, and the training ended; {_kept(options)}; {next_step}", file=sys.stderr)
     said = "" if lost is None else _printed(members[lost])
-    words_of_it = said and f"\nProcess {lost} said:\n{said}"
-    print(f"jaxwalk: {what}, and the training ended; {_kept(options)}; {next_step}{words_of_it}", file=sys.stderr)
+    if said:
+        print(f"Process {lost} said:\n{said}", file=sys.stderr)
     return LOST
 
 
