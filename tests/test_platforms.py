@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxwalk.learning.actor import run_where
+from jaxwalk.columns import apply_where
 from jaxwalk.learning.networks import make_mlp
 from jaxwalk.platforms import few_launches, traced_for
 from jaxwalk.rollout import TRAINING, draw_batch, environment_keys, rollout, seed_key, start
@@ -75,13 +75,13 @@ def test_cars_are_pushed_back_to_the_same_place():
     np.testing.assert_array_equal(one[2], other[2])
 
 
-def test_a_network_runs_where_it_is_asked_to():
+def test_a_function_is_computed_where_it_is_asked_for():
     network = make_mlp(jax.random.key(0), (3, 4, 2), final_scale=1.0)
     columns, which = jax.random.normal(jax.random.key(1), (3, 5, 40)), jnp.arange(200).reshape(5, 40) % 7 == 0
     found = []
     for platform in ("cpu", "gpu"):
         with traced_for(platform):
-            found.append(run_where(network, columns, which))
+            found.append(apply_where(network, columns, which, 16))
     np.testing.assert_allclose(*found, rtol=1e-5, atol=1e-6)
     assert (found[0][:, ~which] == 0).all()
     assert (found[0][:, which] != 0).any()

@@ -8,7 +8,6 @@ import pytest
 
 from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning import actor as actors
-from jaxwalk.learning.actor import CHOSEN_PART, run_where
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.rollout import environment_keys
 
@@ -28,15 +27,6 @@ def observations(deciding):
     seen[0] = 0
     seen[0, random.choice(AGENTS * BATCH, deciding, replace=False)] = 1
     return jnp.asarray(seen.reshape(5, AGENTS, BATCH))
-
-
-@pytest.mark.parametrize("deciding", [0, 1, AGENTS * BATCH // CHOSEN_PART, AGENTS * BATCH // CHOSEN_PART + 1, 100, 192])
-def test_a_glance_sees_everybody_who_counts_and_nobody_else(deciding):
-    seen, network = observations(deciding), gated().network
-    where = np.asarray(seen[0] > 0)
-    quick, full = (np.asarray(x) for x in (jax.jit(run_where)(network, seen, jnp.asarray(where)), network(seen)))
-    np.testing.assert_allclose(quick[:, where], full[:, where], atol=1e-7)
-    assert not quick[:, ~where].any()
 
 
 def test_a_gated_choice_is_as_likely_as_the_network_says_and_go_elsewhere():

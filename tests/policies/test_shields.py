@@ -15,10 +15,11 @@ from jaxwalk.policies.shield_names import SHIELD_NAMES, unshielded, with_shield
 from jaxwalk.policies.shielding import SHIELDS, Shielded
 from jaxwalk.policies.shields.cbf_shield import CbfShield
 from jaxwalk.policies.shields.predictive_shield import PredictiveShield
-from jaxwalk.policies.shields.rss_shield import RssShield
+from jaxwalk.policies.shields.rss_shield import RssShield, _meets, response_of
 from jaxwalk.runs.contestant_names import ContestantError, check_name, run_folders
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
+from jaxwalk.safety.rss import PERSON, braking_way, forward_way
 from jaxwalk.sim.prediction import AWAY
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import check_driver
@@ -144,6 +145,23 @@ def test_rss_brakes_for_who_comes_and_not_for_who_walks_beside():
     assert alone(12.0, 3.0, 0, 1.4, speed=5.0, shield=rss).safe  # goes away
     assert alone(12.0, 2.0, 0, 0, speed=5.0, shield=rss).safe  # stands: 2 - 0.5 > 1.42
     assert not alone(12.0, 1.8, 0, 0, speed=5.0, shield=rss).safe
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rss_looks_at_everybody_who_could_come_in_the_way(seed):
+    """It passes over who is too far away, and looks the second time only at whom the car must not meet."""
+    action, scene = crowds(seed)
+    rules, car, pace = scene.world.rules, scene.car, jnp.hypot(scene.people.ahead_speed, scene.people.left_speed)
+    response = response_of(rules)
+
+    def meet(way, reach):
+        pairs = (jnp.broadcast_to(x, pace.shape) for x in (rules.max_steering * action[1], way(car.speed, response)))
+        return _meets(rules, scene.people, *pairs, reach(pace, PERSON))
+
+    dangerous = (meet(braking_way, forward_way) & meet(forward_way, braking_way)).any(axis=0)
+    pedal = -response.braking / rules.max_braking
+    np.testing.assert_array_equal(judge(RssShield(), action, scene).safe, ~dangerous | (action[0] <= pedal))
+    assert 0.1 < dangerous.mean() < 0.9
 
 
 def test_rss_lets_a_braking_car_brake():

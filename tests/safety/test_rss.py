@@ -10,8 +10,8 @@ from jaxwalk.safety.rss import (
     PERSON,
     Response,
     braking_way,
-    distance_to_sector,
     forward_way,
+    near_sector,
     sped_up,
     turn_until_response,
 )
@@ -78,5 +78,22 @@ def test_how_far_somebody_on_foot_can_turn():
     ],
 )
 def test_how_far_a_point_is_from_a_sector(point, half_angle, away):
-    found = distance_to_sector(*jnp.array(point, float), jnp.array(half_angle), jnp.array(2.0))
-    assert found == pytest.approx(away, abs=1e-6)
+    def is_near(within):
+        return bool(near_sector(tuple(jnp.array(point, float)), jnp.array(half_angle), jnp.array(2.0), within))
+
+    assert is_near(away + 1e-5)
+    assert away == 0 or not is_near(away - 1e-5)
+
+
+def test_a_point_is_as_far_as_the_nearest_of_many_points_of_the_sector():
+    random = np.random.default_rng(1)
+    half, radius = random.uniform(0, np.pi, 300), random.uniform(0.1, 4, 300)
+    point, within = random.uniform(-6, 6, (2, 300)), random.uniform(0.05, 3, 300)
+    angle = np.linspace(-half, half, 400)[:, None] + np.zeros((1, 60, 1))
+    away = np.linspace(0, radius, 60)[None]
+    nearest = np.hypot(away * np.cos(angle) - point[0], away * np.sin(angle) - point[1]).min(axis=(0, 1))
+    found = np.asarray(near_sector(tuple(jnp.asarray(point)), *map(jnp.asarray, (half, radius, within))))
+    clear = np.abs(nearest - within) > 0.05  # the points of the sector are that close together
+    assert clear.sum() > 250
+    assert 50 < found.sum() < 250
+    np.testing.assert_array_equal(found[clear], (nearest < within)[clear])

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jaxwalk.sim.everybody import for_everybody, index_of, with_index
+from jaxwalk.sim.everybody import for_everybody, for_nearest, index_of, with_index
 from jaxwalk.sim.lookup import look_up_row
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 
@@ -51,3 +51,13 @@ def test_everybody_is_met_once_in_order(people):
 
     total, last = for_everybody((values, jnp.arange(people)), body, (jnp.zeros(1), jnp.full(1, -1)))
     assert (total.item(), last.item()) == (people * (people + 1) / 2, people - 1)
+
+
+def test_the_nearest_are_met_first_until_nobody_is_near_in_any_episode():
+    away = jnp.array([[5.0, 9.0], [1.0, 8.0], [3.0, 7.0], [9.0, 9.0]])
+
+    def body(person, found):
+        return jnp.roll(found, 1, axis=0).at[0].set(person[0])
+
+    found = for_nearest(away, away, 6.0, body, jnp.zeros((4, 2)))
+    np.testing.assert_array_equal(found, [[5, 9], [3, 8], [1, 7], [0, 0]])  # three are near in the first episode

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Key
 
+from jaxwalk.columns import apply_where
 from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.learning.distributions import Categorical, ClippedGaussian, Distribution, TanhGaussian
 from jaxwalk.learning.networks import MLP, make_mlp
-from jaxwalk.platforms import few_launches
 
 DISCRETE, GATED = "discrete", "gated"
 """The kinds of policy with discrete actions: one decides everywhere, the other only where the observation's first
@@ -23,7 +22,7 @@ OTHERWISE = 1
 NO_CHOICE = -1
 """A choice that is in no space, in place of one from logits that aren't finite. A continuous action is NaN instead."""
 CHOSEN_PART = 16
-"""`run_where` runs a network on one part in 16 of the columns at once: slightly more than a step usually selects."""
+"""A gated network runs on one part in 16 of the columns at once: slightly more than a step usually selects."""
 
 
 class Actor(eqx.Module):
@@ -97,7 +96,7 @@ def decide(
         return Choice(check(choice.action(raw), outputs, raw), raw, choice.log_prob(raw), None), None
     may = observation[0] > 0
     now = may & (memory.steps_left == 0)
-    logits = run_where(actor.network, observation, now)
+    logits = apply_where(actor.network, observation, now, CHOSEN_PART)
     choice = Categorical(logits)
     raw = choice.sample(key) if sample else choice.mode()
     new = check(raw, logits, raw)
@@ -115,32 +114,6 @@ def _if_finite(action: Array, outputs: Float[Array, "out *rest"], raw: Array) ->
 
 def _unchecked(action: Array, outputs: Float[Array, "out *rest"], raw: Array) -> Array:
     return action
-
-
-def run_where(
-    network: MLP, columns: Float[Array, "feature *rest"], which: Bool[Array, "*rest"]
-) -> Float[Array, "out *rest"]:
-    """Run the network on the columns selected by ``which``; elsewhere the outputs are 0. Not differentiable.
-
-    Few columns are selected, so the network runs only on those, one part of them at a time. A GPU, whose host would
-    have to wait for the answer whether there is another part, runs it on all of them.
-    """
-    if few_launches():
-        return jnp.where(which, network(columns), 0)
-    flat = columns.reshape(columns.shape[0], -1)
-    count = flat.shape[1]
-    places = -(-count // CHOSEN_PART)
-
-    def some(progress: tuple[Array, Array]) -> tuple[Array, Array]:
-        waiting, found = progress
-        (chosen,) = jnp.nonzero(waiting, size=places, fill_value=count)  # an index beyond the last one is nobody
-        seen = network(flat.at[:, chosen].get(mode="fill", fill_value=0))
-        return waiting.at[chosen].set(False, mode="drop"), found.at[:, chosen].set(seen, mode="drop")
-
-    outputs = network.sizes[-1]
-    begin = (which.reshape(-1), jnp.zeros((outputs, count), columns.dtype))
-    _, found = jax.lax.while_loop(lambda progress: progress[0].any(), some, begin)
-    return found.reshape(outputs, *columns.shape[1:])
 
 
 def make_actor(key: Key[Array, ""], observation_size: int, action: Box | Discrete, config: RoleConfig) -> Actor:

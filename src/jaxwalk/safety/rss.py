@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 
 @dataclass(frozen=True)
@@ -67,21 +67,26 @@ def turn_until_response(
     return jnp.where(speed < STANDING, jnp.pi, jnp.minimum(way / radius, jnp.pi))
 
 
-def distance_to_sector(
-    ahead: Float[Array, "..."], left: Float[Array, "..."], half_angle: Float[Array, "..."],
-    radius: Float[Array, "..."],
-) -> Float[Array, "..."]:  # fmt: skip
-    """Return how far a point is from a sector of a circle [m]; 0 inside it.
+def near_sector(
+    point: tuple[Float[Array, "..."], Float[Array, "..."]], half_angle: Float[Array, "..."],
+    radius: Float[Array, "..."], within: Float[Array, "..."] | float,
+) -> Bool[Array, "..."]:  # fmt: skip
+    """Return whether a point is closer to a sector of a circle than a distance; it is if it is inside.
+
+    It is asked for many points at once, and needs no root and no arctangent for it.
 
     Args:
-        ahead: how far the point is from the sector's apex along its middle [m].
-        left: how far it is to the side [m].
+        point: how far it is from the sector's apex along its middle, and how far to the side [m].
         half_angle: the sector reaches as far to either side [rad].
         radius: the sector's radius [m].
+        within: the distance, above 0 [m].
     """
-    aside, away = jnp.abs(left), jnp.sqrt(ahead * ahead + left * left)
+    ahead, aside = point[0], jnp.abs(point[1])
     cos, sin = jnp.cos(half_angle), jnp.sin(half_angle)
-    inside = jnp.arctan2(aside, ahead) <= half_angle
-    along = jnp.clip(ahead * cos + aside * sin, 0, radius)
-    to_edge = jnp.hypot(ahead - along * cos, aside - along * sin)
-    return jnp.where(inside, jnp.maximum(away - radius, 0), to_edge)
+    along, beside = ahead * cos + aside * sin, aside * cos - ahead * sin  # in the axes of the edge on that side
+    to_apex, reach = ahead * ahead + aside * aside, radius + within
+    past = jnp.maximum(along - radius, 0)
+    to_edge = jnp.where(along < 0, to_apex, past * past + beside * beside)
+    between = (beside <= 0) & ((along >= 0) | (half_angle > jnp.pi / 2))
+    inside = between | (half_angle >= jnp.pi)
+    return jnp.where(inside, to_apex < reach * reach, to_edge < within * within)

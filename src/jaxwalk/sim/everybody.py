@@ -8,7 +8,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
 from jaxwalk.platforms import few_launches
 
@@ -36,6 +36,26 @@ def for_everybody(people: Any, body: Callable[[Any, Any], Any], begin: Any) -> A
     (count,) = {len(of_all) for of_all in jax.tree.leaves(people)}
     unroll = min(count, AT_ONCE) if few_launches() else 3
     return jax.lax.fori_loop(0, count, turn, begin, unroll=max(unroll, 1))
+
+
+def for_nearest(
+    people: Any, away: Float[Array, "ped *batch"], within: float, body: Callable[[Any, Any], Any], begin: Any
+) -> Any:
+    """Do the same, the nearest person of each episode first, and end when nobody within a distance is left in any.
+
+    ``body`` must pass over who is further ``away`` than ``within`` [m], and its result must not depend on the order. A
+    GPU, whose host would have to wait for the answer whether somebody is left, calls it for everybody.
+    """
+    if few_launches():
+        return for_everybody(people, body, begin)
+    order = away.argsort(axis=0)
+    nearest = jax.tree.map(lambda x: jnp.take_along_axis(x, order, axis=0), people)
+    return jax.lax.fori_loop(
+        0,
+        (away <= within).sum(axis=0).max(),
+        lambda index, found: body(jax.tree.map(lambda x: x[index][None], nearest), found),
+        begin,
+    )
 
 
 def with_index(squared: Array, index: Array, people: int) -> Array:

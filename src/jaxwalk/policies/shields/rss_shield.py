@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from jaxwalk.columns import apply_where
 from jaxwalk.interfaces import View
 from jaxwalk.policies.shields.shield_scene import Around, ShieldScene, Verdict
 from jaxwalk.safety.bicycle import held_turn
@@ -16,8 +15,8 @@ from jaxwalk.safety.rss import (
     PERSON,
     Response,
     braking_way,
-    distance_to_sector,
     forward_way,
+    near_sector,
     turn_until_response,
 )
 from jaxwalk.sim.events import distance
@@ -27,18 +26,10 @@ from jaxwalk.sim.world import Rules
 
 PLACES = 16
 """The car is looked at in this many places along a way."""
+PART = 16
+"""Pairs of a car and a person that could meet are looked at one part in 16 of all pairs at once."""
 DISCS = (-1 / 3, 0, 1 / 3)
 """Three discs cover the car: their centres lie so far ahead of its own, as shares of its length."""
-
-
-@dataclass(frozen=True)
-class Way:
-    """Where discs that cover the car come along its way; arrays ``(place, disc, 1, *batch)``, for everybody at once."""
-
-    ahead: Float[Array, "place disc 1 *batch"]
-    left: Float[Array, "place disc 1 *batch"]
-    radius: Float[Array, ""]
-    """Radius of each disc, with a body beside it [m]."""
 
 
 class RssShield(eqx.Module):
@@ -56,10 +47,15 @@ class RssShield(eqx.Module):
         rules, car = scene.world.rules, scene.car
         response = response_of(rules)
         steering = rules.max_steering * jnp.clip(action[1], -1, 1)
-        brakes, goes_on = (_way(rules, how(car.speed, response), steering) for how in (braking_way, forward_way))
         speed = distance(scene.people.ahead_speed, scene.people.left_speed)
-        car_must = _meets(brakes, scene.people, forward_way(speed, PERSON))
-        both_must = car_must & _meets(goes_on, scene.people, braking_way(speed, PERSON))
+        everybody = (scene.people, jnp.broadcast_to(steering, speed.shape))
+
+        def who_meets(way: Array, reach: Array, among: Array) -> Array:
+            pairs = (*everybody, jnp.broadcast_to(way, speed.shape), reach)
+            return apply_where(lambda pair: _meets(rules, *pair), pairs, among & _could_meet(rules, *pairs), PART)
+
+        car_must = who_meets(braking_way(car.speed, response), forward_way(speed, PERSON), jnp.bool_(True))
+        both_must = who_meets(forward_way(car.speed, response), braking_way(speed, PERSON), car_must)
         pedal = -response.braking / rules.max_braking
         safe = ~both_must.any(axis=0) | (action[0] <= pedal)
         return Verdict(safe, jnp.stack([jnp.full_like(action[1], pedal), action[1]]), jnp.zeros_like(safe))
@@ -75,23 +71,44 @@ def response_of(rules: Rules) -> Response:
     )
 
 
-def _way(rules: Rules, length: Float[Array, "*batch"], steering: Float[Array, "*batch"]) -> Way:
-    """Return the car's way of a length [m] with a held steering angle [rad]."""
-    share = jnp.linspace(0, 1, PLACES).reshape(-1, 1, 1, *(1,) * length.ndim)
-    beyond = rules.car_length * jnp.array(DISCS).reshape(-1, 1, *(1,) * length.ndim)
-    ahead, left, turn = held_turn(share * length, steering, rules.wheelbase)
-    radius = distance(rules.car_length / (2 * len(DISCS)), rules.car_width / 2) + rules.body_radius
+def _discs(rules: Rules) -> tuple[Float[Array, "disc"], Float[Array, ""]]:
+    """Return how far ahead of its centre the discs are that cover the car, and their radius with a body beside [m]."""
+    beyond = rules.car_length * jnp.array(DISCS)
     if rules.contact == "disc":
-        beyond, radius = 0 * beyond, rules.collision_distance
-    return Way(ahead + beyond * jnp.cos(turn), left + beyond * jnp.sin(turn), radius)
+        return 0 * beyond, rules.collision_distance
+    return beyond, distance(rules.car_length / (2 * len(DISCS)), rules.car_width / 2) + rules.body_radius
 
 
-def _meets(way: Way, people: Motion, reach: Float[Array, "ped *batch"]) -> Bool[Array, "ped *batch"]:
-    """Return whose sector of that radius [m] the car's way meets."""
-    speed = distance(people.ahead_speed, people.left_speed)
+def _could_meet(
+    rules: Rules, people: Motion, steering: Float[Array, "*pair"], way: Float[Array, "*pair"],
+    reach: Float[Array, "*pair"],
+) -> Bool[Array, "*pair"]:  # fmt: skip
+    """Return whose sector the car's way could meet if both went straight at each other; arguments as of `_meets`."""
+    beyond, radius = _discs(rules)
+    return distance(people.ahead, people.left) <= way + reach + beyond.max() + radius
+
+
+def _meets(
+    rules: Rules, person: Motion, steering: Float[Array, "*pair"], way: Float[Array, "*pair"],
+    reach: Float[Array, "*pair"],
+) -> Bool[Array, "*pair"]:  # fmt: skip
+    """Return whose sector the car's way meets.
+
+    Args:
+        rules: the car's size.
+        person: one for each pair of a car and a person.
+        steering: the car's held steering angle [rad].
+        way: length of its way [m].
+        reach: radius of the person's sector [m].
+    """
+    share = jnp.linspace(0, 1, PLACES).reshape(-1, 1, *(1,) * way.ndim)
+    beyond, radius = _discs(rules)
+    beyond = beyond.reshape(-1, *(1,) * way.ndim)
+    ahead, left, turn = held_turn(share * way, steering, rules.wheelbase)
+    there = ahead + beyond * jnp.cos(turn) - person.ahead, left + beyond * jnp.sin(turn) - person.left
+    speed = distance(person.ahead_speed, person.left_speed)
     norm = 1 / jnp.maximum(speed, 1e-6)
-    there = way.ahead - people.ahead, way.left - people.left
-    along, aside = to_frame(*there, people.ahead_speed * norm, people.left_speed * norm)
+    along, aside = to_frame(*there, person.ahead_speed * norm, person.left_speed * norm)
     standing = speed < 1e-6  # it has no direction, and needs none
-    along, aside = jnp.where(standing, there[0], along), jnp.where(standing, there[1], aside)
-    return (distance_to_sector(along, aside, turn_until_response(speed), reach) < way.radius).any(axis=(0, 1))
+    point = jnp.where(standing, there[0], along), jnp.where(standing, there[1], aside)
+    return near_sector(point, turn_until_response(speed), reach, radius).any(axis=(0, 1))
