@@ -22,7 +22,7 @@ from jaxwalk.sim.world import Rules
 PEDALS, STEERINGS = 41, 21
 """The grid of actions: accelerations and steerings, evenly spread over [-1, 1]."""
 PART = 32
-"""The grid is searched for cars that need it, one part in 16 of all cars at once."""
+"""The grid is searched for cars that need it, one part in 32 of all cars at once."""
 WIDER = 1.05
 """The circle to keep out of is this much wider than the one in which bodies can touch."""
 FEASIBLE = -1e-5
