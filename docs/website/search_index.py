@@ -14,13 +14,23 @@ NOT_SEARCHED = re.compile(
     r"<pre.*?</pre>|</?[a-z]+[^>]*>|\[-?[\d.]+, -?[\d.]+\]|-?\b\d+\.\d+\b|\b\d{1,3}(,\d{3})+\b|\b\d+ %", re.DOTALL
 )
 """Code blocks, tags, intervals, decimal numbers, thousands and percentages."""
+LABELS = re.compile(r"\s*<small>.*?</small>")
+"""What the reference writes after a name, such as `instance-attribute`."""
+TABLES = re.compile(r"\b(Parameters|Returns|Raises|Yields): (Name )?Type .*")
+"""The tables at the end of a docstring: their words stand in the text before them, or on other pages."""
 
 
 def shrink(site: Path) -> None:
     """Write the index anew without what nobody searches, and once more as a script: a page from disk reads no JSON."""
     index = json.loads((site / "search.json").read_text(encoding="utf-8"))
     items = [item for item in index["items"] if not item["location"].startswith(LEFT_OUT)]
-    index["items"] = [{**item, "text": " ".join(NOT_SEARCHED.sub(" ", item["text"]).split())} for item in items]
+    index["items"] = [
+        {**item, "title": LABELS.sub("", item["title"]), "text": TABLES.sub("", _words(item["text"]))} for item in items
+    ]
     text = json.dumps(index, ensure_ascii=False, separators=(",", ":"))
     (site / "search.json").write_text(text, encoding="utf-8")
     (site / "search.js").write_text(f"var __index = {text}", encoding="utf-8")
+
+
+def _words(text: str) -> str:
+    return " ".join(NOT_SEARCHED.sub(" ", text).split())
