@@ -26,6 +26,7 @@ from jaxwalk.learning.fit import (
     pack_weighted,
     plan_chunks,
 )
+from jaxwalk.learning.hyperparameters import hyperparameters
 from jaxwalk.learning.losses import Actions, actor_loss
 from learning.games import ROLES
 
@@ -113,8 +114,8 @@ def test_every_epoch_sees_every_step_once_in_its_own_order():
     times = jnp.broadcast_to(jnp.arange(STEPS, dtype=jnp.float32)[:, None], (STEPS, ENVS))
     network = jnp.ones(())
     out = compiled_fit(
-        Fit(config, jnp.float32(0.1), epochs=2, agents=1, environments=ENVS), loss, network,
-        optimiser(config).init(network), times, jax.random.key(0),
+        Fit(config, hyperparameters(config), jnp.float32(0.1), epochs=2, agents=1, environments=ENVS), loss, network,
+        optimiser(hyperparameters(config)).init(network), times, jax.random.key(0),
     )  # fmt: skip
     jax.block_until_ready(out)
     jax.effects_barrier()
@@ -133,8 +134,8 @@ def test_every_parameter_goes_against_its_own_gradient():
         return slope * chunk.size, {"weight": jnp.float32(chunk.size)}
 
     moved, memory, report = compiled_fit(
-        Fit(config, jnp.float32(0.1), epochs=1, agents=1, environments=ENVS), loss, network,
-        optimiser(config).init(network), jnp.zeros((STEPS, ENVS)), jax.random.key(0),
+        Fit(config, hyperparameters(config), jnp.float32(0.1), epochs=1, agents=1, environments=ENVS), loss, network,
+        optimiser(hyperparameters(config)).init(network), jnp.zeros((STEPS, ENVS)), jax.random.key(0),
     )  # fmt: skip
     assert {x.shape for x in jax.tree.leaves(memory)} == {(), (8,)}
     assert float(report["gradient_norm"]) == pytest.approx(8**0.5)
@@ -142,14 +143,19 @@ def test_every_parameter_goes_against_its_own_gradient():
 
 
 def test_annealing():
-    config = TrainConfig(ROLES, updates=10, learning_rate=0.5, anneal=True)
-    assert [float(learning_rate(config, jnp.int32(n))) for n in (0, 5, 10, 11)] == [0.5, 0.25, 0, 0]
-    assert float(learning_rate(TrainConfig(ROLES, learning_rate=0.5), jnp.int32(9999))) == 0.5
+    begin, planned = jnp.float32(0.5), jnp.int32(10)
+    assert [float(learning_rate(begin, jnp.int32(n), planned, anneal=True)) for n in (0, 5, 10, 11)] == [
+        0.5,
+        0.25,
+        0,
+        0,
+    ]
+    assert float(learning_rate(begin, jnp.int32(9999), planned, anneal=False)) == 0.5
 
 
 def test_adams_first_step_has_the_size_of_the_rate_and_ignores_the_gradients_size():
     config = TrainConfig(ROLES, adam_epsilon=1e-12)
     parameters, gradient = jnp.array([1.0, 2.0, 3.0]), jnp.array([1e6, -1e6, 1e6])
-    memory = optimiser(config).init(parameters)
-    moved, _ = descend(parameters, memory, gradient, rate=jnp.float32(0.1), config=config)
+    memory = optimiser(hyperparameters(config)).init(parameters)
+    moved, _ = descend(parameters, memory, gradient, rate=jnp.float32(0.1), numbers=hyperparameters(config))
     np.testing.assert_allclose(moved, [0.9, 2.1, 2.9], rtol=1e-5)

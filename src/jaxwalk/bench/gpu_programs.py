@@ -29,6 +29,7 @@ from jaxwalk.bench.simulation import keep, random_actions
 from jaxwalk.bench.thunks import COPIES, LAUNCHES, MICROSECONDS, SYNCHRONISATIONS, Work, by_part, read_work, total
 from jaxwalk.learning import mappo
 from jaxwalk.learning.config import GLOBAL, WHOLE_MINIBATCH
+from jaxwalk.learning.hyperparameters import hyperparameters
 from jaxwalk.platforms import traced_for
 from jaxwalk.provenance import cores
 from jaxwalk.recipes import RECIPES, Experiment, with_training
@@ -122,10 +123,13 @@ def update_of(experiment: Experiment, target: Target) -> Planned:
     learner = mappo.init(street, config, seed_key(0, TRAINING), others=fixed_policies(experiment))
     mesh = Mesh(np.array([target.device]), (SHARDS,))
 
-    def update(learner: Any, street: Street) -> Any:
-        return mappo.update_on(mesh, street, config, learner)
+    def update(state: Any, street: Street) -> Any:
+        learner, numbers = state
+        learner, metrics = mappo.update_on(mesh, street, config, numbers, learner)
+        return (learner, numbers), metrics
 
-    return Planned("update", experiment, config.environments, config.steps, update, learner, street)
+    state = (learner, hyperparameters(config))
+    return Planned("update", experiment, config.environments, config.steps, update, state, street)
 
 
 def views_of(experiment: Experiment) -> tuple[tuple[str, str], ...]:

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from jaxwalk.learning.hyperparameters import Number
 from jaxwalk.shards import Axis
 
 
@@ -35,7 +36,7 @@ class Advantages(NamedTuple):
 
 
 def generalised_advantage(
-    steps: Transitions, value: Float[Array, "after ..."], *, discount: float, gae_lambda: float
+    steps: Transitions, value: Float[Array, "after ..."], *, discount: Number, gae_lambda: Number
 ) -> Advantages:
     """Estimate advantages by generalised advantage estimation (Schulman 2016, eq. 16).
 

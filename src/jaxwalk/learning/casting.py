@@ -14,6 +14,7 @@ from jaxwalk.acting import Cast, Player
 from jaxwalk.interfaces import Discrete, Environment, Policy, Roles
 from jaxwalk.learning.actor import Actor, Choice, decide
 from jaxwalk.learning.config import SNAPSHOTS, TrainConfig
+from jaxwalk.learning.hyperparameters import Hyperparameters, hyperparameters
 
 
 @dataclass(frozen=True)
@@ -36,16 +37,19 @@ class Shard:
     """The configuration of the training, with the shard's number of environments."""
     columns: Roles[Columns]
     """The columns of each role."""
+    numbers: Hyperparameters
+    """The numbers of the training's configuration; those of ``config`` may be others."""
 
 
-def shard_of(config: TrainConfig) -> Shard:
-    """Return each device's shard; all shards are alike."""
-    return whole(replace(config, environments=config.environments // config.shards, shards=1))
+def shard_of(config: TrainConfig, numbers: Hyperparameters | None = None) -> Shard:
+    """Return each device's shard; all shards are alike. The ``numbers`` are the configuration's, or these."""
+    return whole(replace(config, environments=config.environments // config.shards, shards=1), numbers)
 
 
-def whole(config: TrainConfig) -> Shard:
+def whole(config: TrainConfig, numbers: Hyperparameters | None = None) -> Shard:
     """Return all environments as if they were one shard."""
-    return Shard(config, {role: _columns(config, role) for role in config.roles})
+    columns = {role: _columns(config, role) for role in config.roles}
+    return Shard(config, columns, hyperparameters(config) if numbers is None else numbers)
 
 
 def _columns(config: TrainConfig, role: str) -> Columns:

@@ -114,7 +114,7 @@ def estimate_advantages(
         values = _sparse_values(critic, views, decided, final_shown[:, own])
     valid = by_agent(played.valid[:, own], values)
     if critic.cost is None:
-        reward = _reward(config, critic.role, played, own)
+        reward = shard.numbers.reward_scale * _reward(config, critic.role, played, own)
     else:
         cost = played.outcome.costs[critic.role][critic.cost][..., own]
         reward = charge(config.limits[name][1], multipliers[name], cost)
@@ -123,8 +123,8 @@ def estimate_advantages(
     found = generalised_advantage(
         Transitions(reward, terminated, truncated, valid, decided),
         jnp.concatenate([values, critic(final)[None]]),
-        discount=config.discount,
-        gae_lambda=config.gae_lambda,
+        discount=shard.numbers.discount,
+        gae_lambda=shard.numbers.gae_lambda,
     )
     learns = valid if decided is None else valid & decided.at[0].set(True)
     return Estimates(values, found.advantage, found.target, learns.astype(jnp.float32))
@@ -170,6 +170,6 @@ def blended_reward(rewards: dict[str, Float[Array, "time ..."]]) -> Float[Array,
 
 
 def _reward(config: TrainConfig, name: str, played: Step, own: slice) -> Float[Array, "time ..."]:
-    """Return the reward whose sum the critic predicts. A role that does not learn has no part in a shared reward."""
+    """Return the unscaled reward whose sum the critic predicts. Roles that don't learn have no part in a shared one."""
     rewards = {role: sum(played.outcome.rewards[role].values(), start=jnp.zeros(())) for role in config.learning_roles}
-    return config.reward_scale * (blended_reward(rewards) if name == SHARED else rewards[name])[..., own]
+    return (blended_reward(rewards) if name == SHARED else rewards[name])[..., own]

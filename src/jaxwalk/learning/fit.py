@@ -18,6 +18,7 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, Int, Key
 
 from jaxwalk.learning.config import TrainConfig
+from jaxwalk.learning.hyperparameters import Hyperparameters
 from jaxwalk.learning.losses import Actions, Targets
 from jaxwalk.shards import Axis
 
@@ -139,34 +140,29 @@ def mean_gradient(
     return vector / weight, {name: total / weight for name, total in sums.items()}
 
 
-def optimiser(config: TrainConfig) -> optax.GradientTransformation:
+def optimiser(numbers: Hyperparameters) -> optax.GradientTransformation:
     """Return Adam with gradients of bounded norm; `descend` sets the learning rate.
 
     ``init`` takes a network, ``update`` the gradient as one vector. The optimiser's state consists of vectors too, in
     the order of `ravel_pytree`. The numbers are the same, but a few large kernels compile faster than many small ones.
     """
-    bounded = optax.clip_by_global_norm(config.max_grad_norm)
-    return optax.flatten(optax.chain(bounded, optax.scale_by_adam(eps=config.adam_epsilon)))
+    bounded = optax.clip_by_global_norm(numbers.max_grad_norm)
+    return optax.flatten(optax.chain(bounded, optax.scale_by_adam(eps=numbers.adam_epsilon)))
 
 
 def learning_rate(
-    config: TrainConfig, updates: Int[Array, ""], planned: Int[Array, ""] | None = None
+    begin: Float[Array, ""], updates: Int[Array, ""], planned: Int[Array, ""], *, anneal: bool
 ) -> Float[Array, ""]:
-    """Return the rate of the next update: constant, or falling linearly to 0 after the ``planned`` number of updates.
-
-    The number is an array, or ``config.updates``: a change of the array compiles nothing again.
-    """
-    end = config.updates if planned is None else planned
-    share = jnp.clip(1.0 - updates / end, 0.0, 1.0) if config.anneal else jnp.ones(())
-    return config.learning_rate * share
+    """Return the rate of the next update: that of the beginning, or falling linearly to 0 after ``planned`` updates."""
+    return begin * jnp.clip(1.0 - updates / planned, 0.0, 1.0) if anneal else begin
 
 
 def descend(
     parameters: Float[Array, " parameter"], memory: optax.OptState, gradient: Float[Array, " parameter"], *,
-    rate: Array, config: TrainConfig,
+    rate: Array, numbers: Hyperparameters,
 ) -> tuple[Float[Array, " parameter"], optax.OptState]:  # fmt: skip
     """Take one gradient step; return the parameters and the optimiser's state."""
-    direction, memory = optimiser(config).update(gradient, memory)
+    direction, memory = optimiser(numbers).update(gradient, memory)
     return optax.tree.add_scale(parameters, -rate, direction), memory
 
 
@@ -174,6 +170,7 @@ class Fit(NamedTuple):
     """How to fit a network to a rollout."""
 
     config: TrainConfig
+    numbers: Hyperparameters
     rate: Float[Array, ""]
     """The learning rate."""
     epochs: int | float
@@ -209,7 +206,7 @@ def fit(
         parameters, memory = carry
         gradient, report = mean_gradient(loss, shaped(parameters), data, times, chunks=chunks, axis=settings.axis)
         report["gradient_norm"] = jnp.linalg.norm(gradient)
-        return descend(parameters, memory, gradient, rate=settings.rate, config=config), report
+        return descend(parameters, memory, gradient, rate=settings.rate, numbers=settings.numbers), report
 
     (end, memory), reports = jax.lax.scan(minibatch, (begin, memory), batches)
     return shaped(end), memory, {name: jnp.mean(x) for name, x in reports.items() if name != "weight"}

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxwalk.learning.actor import Actor
+from jaxwalk.learning.hyperparameters import Number
 from jaxwalk.shards import Axis
 
 LOG_RATIO_BOUND = 20.0
@@ -47,7 +48,7 @@ class Targets(eqx.Module):
     """1 for entries that count; 0 where the environment idles or a gated role has nothing to learn."""
 
 
-def actor_loss(actor: Actor, actions: Actions, *, clip: float, entropy: float) -> tuple[Array, dict[str, Array]]:
+def actor_loss(actor: Actor, actions: Actions, *, clip: Number, entropy: Number) -> tuple[Array, dict[str, Array]]:
     """Return an actor's summed loss: minus the clipped surrogate and the entropy bonus (Schulman 2017, eq. 9)."""
     choice = actor(actions.observation)
     ratio = log_ratio(choice.log_prob(actions.raw), actions.log_prob)
@@ -64,7 +65,7 @@ def actor_loss(actor: Actor, actions: Actions, *, clip: float, entropy: float) -
 
 
 def critic_loss(
-    critic: Callable[[Any], Array], targets: Targets, *, coefficient: float
+    critic: Callable[[Any], Array], targets: Targets, *, coefficient: Number
 ) -> tuple[Array, dict[str, Array]]:
     """Return a critic's summed loss: its squared error (Schulman 2017, eq. 9)."""
     value = critic(targets.views)
@@ -79,7 +80,7 @@ def log_ratio(log_prob: Float[Array, "..."], old_log_prob: Float[Array, "..."]) 
 
 
 def clipped_surrogate(
-    log_ratio: Float[Array, "..."], advantage: Float[Array, "..."], *, clip: float
+    log_ratio: Float[Array, "..."], advantage: Float[Array, "..."], *, clip: Number
 ) -> Float[Array, "..."]:
     """Return min(ratio A, clip(ratio, 1 - clip, 1 + clip) A), to be maximised (Schulman 2017, eq. 7)."""
     ratio = jnp.exp(log_ratio)
@@ -96,7 +97,7 @@ def approximate_kl(log_ratio: Float[Array, "..."]) -> Float[Array, "..."]:
     return jnp.expm1(log_ratio) - log_ratio
 
 
-def beyond_clip(log_ratio: Float[Array, "..."], *, clip: float) -> Float[Array, "..."]:
+def beyond_clip(log_ratio: Float[Array, "..."], *, clip: Number) -> Float[Array, "..."]:
     """Return 1 where the ratio is outside [1 - clip, 1 + clip], else 0."""
     return (jnp.abs(jnp.expm1(log_ratio)) > clip).astype(jnp.float32)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import equinox as eqx
@@ -19,9 +19,9 @@ import jax
 import jax.numpy as jnp
 import optax
 from jax.sharding import Mesh, PartitionSpec
-from jaxtyping import Array, Int, Key
+from jaxtyping import Array, Float, Int, Key
 
-from jaxwalk.acting import ALL, fresh_memory, part_of
+from jaxwalk.acting import fresh_memory
 from jaxwalk.interfaces import Environment, Policy, Roles
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
@@ -30,11 +30,12 @@ from jaxwalk.learning.config import SHARED, TrainConfig
 from jaxwalk.learning.critics import Critic, Estimates, estimate_advantages, make_critics
 from jaxwalk.learning.experience import gather_views, recording_act
 from jaxwalk.learning.fit import Entries, Fit, fit, gated_part, learning_rate, optimiser, pack_weighted
+from jaxwalk.learning.hyperparameters import Hyperparameters, hyperparameters, without_hyperparameters
 from jaxwalk.learning.losses import Actions, Targets, actor_loss, critic_loss, explained_variance
-from jaxwalk.learning.monitor import all_finite, all_true, by_agent, episode_metrics, reward_metrics
+from jaxwalk.learning.monitor import all_finite, by_agent, rollout_metrics, sound_metrics
 from jaxwalk.learning.risk import Multiplier, check_costs, constrained, fresh_multipliers, next_multipliers
 from jaxwalk.rollout import Step, Stream, environment_keys, rollout, waiting
-from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, mesh_of, place
+from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, everywhere, mesh_of, place
 
 ONCE = {"xla_backend_optimization_level": 0}
 """Options for code that runs once: full optimisation would take longer than running the unoptimised code."""
@@ -87,7 +88,8 @@ def init(
     check_roles(environment, config, {**given, **others})
     check_costs(environment, config)
     mesh = mesh_of(config.shards)
-    learner = _untrained(environment, config, key, others)
+    learner = _untrained(environment, without_hyperparameters(config), key, others)
+    learner = replace(learner, planned=jnp.asarray(config.updates, jnp.int32))
     return place(learner, _partition_specs(learner), mesh)
 
 
@@ -98,7 +100,7 @@ def _untrained(
     """Do the work of `init`, all of it on one device."""
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
     stream = waiting(environment, environment_keys(stream_key, 0, config.environments))
-    everything = whole(config)
+    everything, adam = whole(config), optimiser(hyperparameters(config))
     views = gather_views(environment, everything, stream.scenario, stream.state)
     actors = {}
     for role, k in zip(config.learning_roles, jax.random.split(actor_key, len(config.learning_roles)), strict=True):
@@ -112,8 +114,8 @@ def _untrained(
         actors=actors,
         critics=critics,
         early=early,
-        actor_memories={name: optimiser(config).init(actor) for name, actor in actors.items()},  # pyright: ignore
-        critic_memories={name: optimiser(config).init(critic) for name, critic in critics.items()},  # pyright: ignore
+        actor_memories={name: adam.init(actor) for name, actor in actors.items()},  # pyright: ignore
+        critic_memories={name: adam.init(critic) for name, critic in critics.items()},  # pyright: ignore
         others=others,
         stream=eqx.tree_at(lambda s: s.memory, stream, memory, is_leaf=lambda x: x is None),
         key=shuffle_key,
@@ -124,35 +126,48 @@ def _untrained(
     return jax.tree.map(_strongly_typed, learner)
 
 
-@eqx.filter_jit
 def update(environment: Environment, config: TrainConfig, learner: Learner) -> tuple[Learner, dict[str, Array]]:
     """Play a rollout and learn from it; return the learner and scalars to log.
 
     Some scalars are 1 or 0. ``finite``: all others, every network and the optimisers' states are finite, and every
     action was in its space. ``fixed/ROLE``: every action of that role's fixed policy was. Nothing is donated: the input
-    stays usable, and it is small compared with the rollout.
+    stays usable, and it is small compared with the rollout. `Hyperparameters` and the plan compile nothing anew.
     """
-    return update_on(mesh_of(config.shards), environment, config, learner)
+    compiled, numbers = _compiled_for(config)
+    return _update_compiled(environment, compiled, numbers, learner)
+
+
+@lru_cache(maxsize=16)
+def _compiled_for(config: TrainConfig) -> tuple[TrainConfig, Hyperparameters]:
+    """Return the configuration for which `update` is compiled, and the numbers that it takes, on every device."""
+    return without_hyperparameters(config), everywhere(hyperparameters(config), mesh_of(config.shards))
+
+
+@eqx.filter_jit
+def _update_compiled(
+    environment: Environment, config: TrainConfig, numbers: Hyperparameters, learner: Learner
+) -> tuple[Learner, dict[str, Array]]:
+    return update_on(mesh_of(config.shards), environment, config, numbers, learner)
 
 
 def update_on(
-    mesh: Mesh, environment: Environment, config: TrainConfig, learner: Learner
+    mesh: Mesh, environment: Environment, config: TrainConfig, numbers: Hyperparameters, learner: Learner
 ) -> tuple[Learner, dict[str, Array]]:
     """Do the work of `update` on the devices of a mesh, which may be devices that are only described."""
-    arrays, rest = eqx.partition((environment, learner), eqx.is_array)
+    arrays, rest = eqx.partition((environment, numbers, learner), eqx.is_array)
 
-    def work(arrays: tuple[Environment, Learner]) -> tuple[Learner, dict[str, Array]]:
-        environment, learner = eqx.combine(arrays, rest)
-        learner, metrics = _update(environment, shard_of(config), learner)
+    def work(arrays: tuple[Environment, Hyperparameters, Learner]) -> tuple[Learner, dict[str, Array]]:
+        environment, numbers, learner = eqx.combine(arrays, rest)
+        learner, metrics = _update(environment, shard_of(config, numbers), learner)
         return eqx.filter(learner, eqx.is_array), metrics
 
     specs = _partition_specs(learner)
     shared = jax.shard_map(
-        work, mesh=mesh, in_specs=((EVERYWHERE, specs),), out_specs=(specs, EVERYWHERE), check_vma=False
+        work, mesh=mesh, in_specs=((EVERYWHERE, EVERYWHERE, specs),), out_specs=(specs, EVERYWHERE), check_vma=False
     )
     updated, metrics = shared(arrays)
     metrics["steps"] = updated.updates.astype(jnp.float32) * (config.steps * config.environments)
-    return eqx.combine(updated, rest[1]), metrics
+    return eqx.combine(updated, rest[-1]), metrics
 
 
 def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[Learner, dict[str, Array]]:
@@ -170,13 +185,13 @@ def _update(environment: Environment, shard: Shard, learner: Learner) -> tuple[L
         for name, critic in learner.critics.items()
     }
     actors, actor_memories, actor_metrics = _improve_actors(environment, shard, learner, played, estimates)
-    critics, critic_memories, critic_metrics = _improve_critics(config, learner, played, estimates)
+    critics, critic_memories, critic_metrics = _improve_critics(shard, learner, played, estimates)
     metrics = actor_metrics | critic_metrics | limit_metrics
-    metrics |= _rollout_metrics(shard, played)
-    metrics["learning_rate"] = learning_rate(config, learner.updates, learner.planned)
+    metrics |= rollout_metrics(shard, played)
+    metrics["learning_rate"] = _rate(shard, learner)
     updates = learner.updates + 1
     finite = all_finite((metrics, actors, critics, actor_memories, critic_memories))
-    metrics |= _sound_metrics(shard, played, learner.others)
+    metrics |= sound_metrics(shard, played, learner.others)
     metrics["finite"] = finite * metrics.pop("sound")
     early = {role: remember(learner.early[role], actor, updates) for role, actor in actors.items()}
     learner = Learner(
@@ -195,28 +210,6 @@ def _partition_specs(learner: Learner) -> Any:
     return eqx.tree_at(
         lambda x: x.stream, specs, by_environment(learner.stream), is_leaf=lambda x: isinstance(x, PartitionSpec)
     )
-
-
-def _rollout_metrics(shard: Shard, played: Step) -> dict[str, Array]:
-    """Return each role's rewards where its learner plays, and the endings where the first learning role plays."""
-    metrics = {}
-    for role, columns in shard.columns.items():
-        own = columns.own if shard.config.roles[role].learns else ALL
-        valid = played.valid[:, own].astype(jnp.float32)
-        metrics |= reward_metrics(role, part_of(played.outcome.rewards[role], own), valid, SHARDS)
-    own = shard.columns[shard.config.learning_roles[0]].own
-    return metrics | episode_metrics(part_of(played.outcome, own), played.valid[:, own].astype(jnp.float32), SHARDS)
-
-
-def _sound_metrics(shard: Shard, played: Step, others: Roles[Policy | None]) -> dict[str, Array]:
-    """Return whether every action was in its space: in all environments, and in those of each fixed policy."""
-    metrics = {"sound": jnp.ones(())}
-    for role, sound in played.record.sound.items():
-        metrics["sound"] *= all_true(sound | ~played.valid, SHARDS)
-        if others[role] is not None:
-            own = shard.columns[role].fixed
-            metrics[f"fixed/{role}"] = all_true((sound | ~played.valid)[:, own], SHARDS)
-    return metrics
 
 
 def _strongly_typed(x: Any) -> Any:
@@ -251,8 +244,8 @@ def _improve_actors(
             advantage=normalised(advantage, counts, SHARDS, of_reward if limits else None),
             weight=counts,
         )
-        loss = partial(actor_loss, clip=config.clip, entropy=config.roles[role].entropy)
-        settings = _fit_settings(config, learner, config.roles[role].epochs, environment.roles[role].agents, data)
+        loss = partial(actor_loss, clip=shard.numbers.clip, entropy=shard.numbers.entropy[role])
+        settings = _fit_settings(shard, learner, config.roles[role].epochs, environment.roles[role].agents, data)
         if actor.kind == GATED:
             data, settings = _only_decisions(data, settings)
         actors[role], memories[role], report = fit(settings, loss, actor, learner.actor_memories[role], data, key)
@@ -263,18 +256,19 @@ def _improve_actors(
 
 
 def _improve_critics(
-    config: TrainConfig, learner: Learner, played: Step, estimates: dict[str, Estimates]
+    shard: Shard, learner: Learner, played: Step, estimates: dict[str, Estimates]
 ) -> tuple[dict[str, Critic], dict[str, optax.OptState], dict[str, Array]]:
     """Fit every critic to the rollout; a shared one for as many epochs as the role with the most."""
+    config = shard.config
     critics, memories, metrics = {}, {}, {}
     for (name, critic), key in zip(
         learner.critics.items(), _shuffle_keys(learner, 1, len(learner.critics)), strict=True
     ):
         found = estimates[name]
         roles = config.learning_roles if name == SHARED else (critic.role,)
-        loss = partial(critic_loss, coefficient=config.value_coefficient)
+        loss = partial(critic_loss, coefficient=shard.numbers.value_coefficient)
         data = Targets(critic.select(played.record.views), found.target, found.weight)
-        settings = _fit_settings(config, learner, max(config.roles[role].epochs for role in roles), critic.agents, data)
+        settings = _fit_settings(shard, learner, max(config.roles[role].epochs for role in roles), critic.agents, data)
         if name != SHARED and config.roles[critic.role].gated:
             data, settings = _only_decisions(data, settings)
         critics[name], memories[name], report = fit(settings, loss, critic, learner.critic_memories[name], data, key)
@@ -283,12 +277,19 @@ def _improve_critics(
     return critics, memories, metrics
 
 
+def _rate(shard: Shard, learner: Learner) -> Float[Array, ""]:
+    """Return the learning rate of the learner's next update."""
+    begin = shard.numbers.learning_rate
+    return learning_rate(begin, learner.updates, learner.planned, anneal=shard.config.anneal)
+
+
 def _fit_settings(
-    config: TrainConfig, learner: Learner, epochs: int | float, agents: tuple[int, ...], data: Actions | Targets
+    shard: Shard, learner: Learner, epochs: int | float, agents: tuple[int, ...], data: Actions | Targets
 ) -> Fit:
     """Return how this update fits a network to data with these agent axes."""
-    rate = learning_rate(config, learner.updates, learner.planned)
-    return Fit(config, rate, epochs, math.prod(agents), data.weight.shape[-1], SHARDS)
+    return Fit(
+        shard.config, shard.numbers, _rate(shard, learner), epochs, math.prod(agents), data.weight.shape[-1], SHARDS
+    )
 
 
 def _only_decisions(data: Entries, settings: Fit) -> tuple[Entries, Fit]:

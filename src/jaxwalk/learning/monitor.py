@@ -13,9 +13,12 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Float
 
-from jaxwalk.interfaces import Outcome
+from jaxwalk.acting import ALL, part_of
+from jaxwalk.interfaces import Outcome, Policy, Roles
+from jaxwalk.learning.casting import Shard
 from jaxwalk.learning.losses import weighted_mean
-from jaxwalk.shards import Axis
+from jaxwalk.rollout import Step
+from jaxwalk.shards import SHARDS, Axis
 
 ENDINGS = ("goal", "collision", "timeout")
 """Events that are counted over the episodes that ended, if the environment's ``events`` has them."""
@@ -64,3 +67,25 @@ def all_true(each: Bool[Array, "..."], axis: Axis = ()) -> Float[Array, ""]:
 def _event(events: Any, name: str) -> Array | None:
     found = events.get(name) if isinstance(events, dict) else getattr(events, name, None)
     return found if hasattr(found, "dtype") else None
+
+
+def rollout_metrics(shard: Shard, played: Step) -> dict[str, Array]:
+    """Return each role's rewards where its learner plays, and the endings where the first learning role plays."""
+    metrics = {}
+    for role, columns in shard.columns.items():
+        own = columns.own if shard.config.roles[role].learns else ALL
+        valid = played.valid[:, own].astype(jnp.float32)
+        metrics |= reward_metrics(role, part_of(played.outcome.rewards[role], own), valid, SHARDS)
+    own = shard.columns[shard.config.learning_roles[0]].own
+    return metrics | episode_metrics(part_of(played.outcome, own), played.valid[:, own].astype(jnp.float32), SHARDS)
+
+
+def sound_metrics(shard: Shard, played: Step, others: Roles[Policy | None]) -> dict[str, Array]:
+    """Return whether every action was in its space: in all environments, and in those of each fixed policy."""
+    metrics = {"sound": jnp.ones(())}
+    for role, sound in played.record.sound.items():
+        metrics["sound"] *= all_true(sound | ~played.valid, SHARDS)
+        if others[role] is not None:
+            own = shard.columns[role].fixed
+            metrics[f"fixed/{role}"] = all_true((sound | ~played.valid)[:, own], SHARDS)
+    return metrics

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from textwrap import shorten
 from typing import Any
 
@@ -12,7 +12,6 @@ import jax
 import numpy as np
 
 from jaxwalk.learning import checkpoint
-from jaxwalk.learning.config import TrainConfig
 from jaxwalk.learning.mappo import Learner
 from jaxwalk.learning.turns import update_in_turns
 from jaxwalk.peers import gathered, is_first
@@ -38,14 +37,6 @@ class CallbackError(TypeError):
 
 class DivergedError(RunError):
     """Training produced a number that is not finite."""
-
-
-def unplanned(config: TrainConfig) -> TrainConfig:
-    """Return the configuration with ``updates`` set to 1, whatever the plan.
-
-    The learner holds the plan (`Learner.planned`). Compiled with this configuration, an update serves every plan.
-    """
-    return replace(config, updates=1)
 
 
 @dataclass(frozen=True)
@@ -88,7 +79,7 @@ class Session:
     """When the last checkpoint was written [s]."""
 
     def __post_init__(self) -> None:
-        self._config = unplanned(self.run.experiment.train)
+        self._config = self.run.experiment.train
         self.turns = on_devices(self.street, self.run.experiment)
 
     @property

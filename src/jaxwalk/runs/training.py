@@ -26,7 +26,7 @@ from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.planning import plan_by_time, replan, shortened, with_plan
 from jaxwalk.runs.progress import Display, Pace, TrainingProgress
-from jaxwalk.runs.session import OnUpdate, Routine, Session, unplanned
+from jaxwalk.runs.session import OnUpdate, Routine, Session
 from jaxwalk.runs.stop import Stop
 from jaxwalk.runs.street import crowded, fixed_policies, make_street
 from jaxwalk.runs.watch import WatchPage, there_is_one
@@ -226,7 +226,7 @@ def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None]
     key, others = seed_key(experiment.seed, TRAINING), fixed_policies(experiment)
     if resume and is_first():
         check_bound(run, street.maps, tell, archive_hashes(street))
-    learner = init_in_turns(crowded(street, experiment), unplanned(experiment.train), key, others=others)
+    learner = init_in_turns(crowded(street, experiment), experiment.train, key, others=others)
     return with_plan(_restored(run, learner, tell, resume=resume), experiment.train.updates)
 
 
