@@ -16,8 +16,8 @@ NOT_SEARCHED = re.compile(
 """Code blocks, tags, intervals, decimal numbers, thousands and percentages."""
 LABELS = re.compile(r"\s*<small>.*?</small>")
 """What the reference writes after a name, such as `instance-attribute`."""
-TABLES = re.compile(r"\b(Parameters|Returns|Raises|Yields): (Name )?Type .*")
-"""The tables at the end of a docstring: their words stand in the text before them, or on other pages."""
+TABLES = re.compile(r"\b(Parameters|Returns|Yields): (Name )?Type .*?(?=\bRaises: Type |$)")
+"""A docstring's tables of parameters and results. Names of errors stay: they are what somebody looks for."""
 
 
 def shrink(site: Path) -> None:

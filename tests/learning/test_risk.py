@@ -15,6 +15,7 @@ from jaxwalk.learning.advantages import normalised
 from jaxwalk.learning.casting import shard_of
 from jaxwalk.learning.checkpoint import restore, save
 from jaxwalk.learning.config import CostLimit, RoleConfig, TrainConfig
+from jaxwalk.learning.hyperparameters import hyperparameters
 from jaxwalk.learning.mappo import init, update
 from jaxwalk.learning.risk import charge, constrained, controlled, fresh_multipliers, measured, tracked
 from jaxwalk.learning.turns import init_in_turns, update_in_turns
@@ -271,4 +272,4 @@ def test_what_cannot_be_limited_is_refused():
 def test_a_limit_of_a_role_that_does_not_learn_is_no_limit():
     config = games.with_roles(CONFIG, pedestrian=dataclasses.replace(ROLE, fixed=1.0, limits=(LIMIT,)))
     assert config.limits == {}
-    assert shard_of(config).config.limits == {}
+    assert shard_of(config, hyperparameters(config)).config.limits == {}

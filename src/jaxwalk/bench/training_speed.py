@@ -62,7 +62,7 @@ def _measure_all(own: Experiment, others: list[Experiment], settings: Settings) 
 
 def measure(experiment: Experiment, seconds: float) -> dict[str, Any]:
     """Measure one row: the median update, the resulting rate, and the networks' operations by formula."""
-    street, config = make_street(experiment), replace(experiment.train, updates=1)  # as `jaxwalk train` compiles it
+    street, config = make_street(experiment), experiment.train
     first, times = time_updates(experiment, street, config, seconds)
     update_s = statistics.median(times)
     agents = sizes_of(street, config).agents

@@ -38,16 +38,16 @@ class Shard:
     columns: Roles[Columns]
     """The columns of each role."""
     numbers: Hyperparameters
-    """The numbers of the training's configuration; those of ``config`` may be others."""
+    """The training's numbers. In ``config`` there may be a 1 in their place, so they are read from here."""
 
 
-def shard_of(config: TrainConfig, numbers: Hyperparameters | None = None) -> Shard:
-    """Return each device's shard; all shards are alike. The ``numbers`` are the configuration's, or these."""
+def shard_of(config: TrainConfig, numbers: Hyperparameters) -> Shard:
+    """Return each device's shard; all shards are alike."""
     return whole(replace(config, environments=config.environments // config.shards, shards=1), numbers)
 
 
 def whole(config: TrainConfig, numbers: Hyperparameters | None = None) -> Shard:
-    """Return all environments as if they were one shard."""
+    """Return all environments as if they were one shard; without ``numbers``, with those of the configuration."""
     columns = {role: _columns(config, role) for role in config.roles}
     return Shard(config, columns, hyperparameters(config) if numbers is None else numbers)
 

@@ -23,7 +23,7 @@ Number = float | Float[Array, ""]
 
 
 class Hyperparameters(eqx.Module):
-    """The numbers of a `TrainConfig` that can change without compiling anew. Its fields say what they mean."""
+    """The numbers of a `TrainConfig` that can change without compiling anew. Its docstrings say what each means."""
 
     learning_rate: Float[Array, ""]
     adam_epsilon: Float[Array, ""]

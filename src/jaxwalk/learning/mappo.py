@@ -100,7 +100,8 @@ def _untrained(
     """Do the work of `init`, all of it on one device."""
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
     stream = waiting(environment, environment_keys(stream_key, 0, config.environments))
-    everything, adam = whole(config), optimiser(hyperparameters(config))
+    everything = whole(config)
+    adam = optimiser(everything.numbers)
     views = gather_views(environment, everything, stream.scenario, stream.state)
     actors = {}
     for role, k in zip(config.learning_roles, jax.random.split(actor_key, len(config.learning_roles)), strict=True):
@@ -108,7 +109,7 @@ def _untrained(
         actors[role] = make_actor(k, size, environment.roles[role].action, config.roles[role])
     critics = make_critics(environment, config, views, critic_key)
     early = snapshots(config, actors)
-    cast = learning_cast(environment, shard_of(config), actors, early, others)
+    cast = learning_cast(environment, shard_of(config, everything.numbers), actors, early, others)
     memory = fresh_memory(environment, cast, (config.environments,))
     learner = Learner(
         actors=actors,
@@ -131,7 +132,8 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
 
     Some scalars are 1 or 0. ``finite``: all others, every network and the optimisers' states are finite, and every
     action was in its space. ``fixed/ROLE``: every action of that role's fixed policy was. Nothing is donated: the input
-    stays usable, and it is small compared with the rollout. `Hyperparameters` and the plan compile nothing anew.
+    stays usable, and it is small compared with the rollout. Other `Hyperparameters` compile nothing anew, nor does
+    another plan.
     """
     compiled, numbers = _compiled_for(config)
     return _update_compiled(environment, compiled, numbers, learner)
@@ -140,7 +142,8 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
 @lru_cache(maxsize=16)
 def _compiled_for(config: TrainConfig) -> tuple[TrainConfig, Hyperparameters]:
     """Return the configuration for which `update` is compiled, and the numbers that it takes, on every device."""
-    return without_hyperparameters(config), everywhere(hyperparameters(config), mesh_of(config.shards))
+    with jax.ensure_compile_time_eval():  # `update` may be traced
+        return without_hyperparameters(config), everywhere(hyperparameters(config), mesh_of(config.shards))
 
 
 @eqx.filter_jit
