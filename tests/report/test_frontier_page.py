@@ -8,6 +8,7 @@ from evaluation.test_frontier_scores import driver
 from jaxwalk.evaluation.document_parts import PolicyOrigin
 from jaxwalk.evaluation.frontier_scores import Contender, FrontierScores, FrontierSuite
 from jaxwalk.provenance import Provenance
+from jaxwalk.report.figures.frontier import SIGNS
 from jaxwalk.report.figures.frontier_plot import draw_frontiers
 from jaxwalk.report.frontier_page import frontier_page
 
@@ -64,3 +65,7 @@ def test_the_plots_are_drawn_and_the_same_each_time(tmp_path):
     assert svg == (tmp_path / "b" / "frontier-town.svg").read_text()
     for text in ("clearance", "oracle", "mean delay [s]", "town, among always-go"):
         assert text in svg
+
+
+def test_no_two_of_24_drivers_have_the_same_sign():
+    assert len(set(SIGNS)) == len(SIGNS) == 24

@@ -13,8 +13,8 @@ from jaxwalk.report.style import BLUE, GREEN, GRID, INK, ORANGE, PURPLE, RED, SK
 
 LEAST = 0.01
 """Smallest collision rate drawn [%]; smaller ones are drawn here, since the axis is logarithmic."""
-SIGNS = tuple(zip("sv^<DoxP*hpd", cycle((GRID, PURPLE, SKY, GREEN, ORANGE, RED, BLUE, INK)), strict=False))
-"""A marker and a colour for each driver, in order; no two are alike."""
+SIGNS = tuple(zip("sv^<DoxP*hpd" * 2, cycle((GRID, PURPLE, SKY, GREEN, ORANGE, RED, BLUE, INK)), strict=False))
+"""A marker and a colour for each of 24 drivers, in order; no two are alike."""
 
 
 def frontier(material: Material) -> Figure:
