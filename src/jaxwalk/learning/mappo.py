@@ -100,8 +100,7 @@ def _untrained(
     """Do the work of `init`, all of it on one device."""
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
     stream = waiting(environment, environment_keys(stream_key, 0, config.environments))
-    everything = whole(config)
-    adam = optimiser(everything.numbers)
+    everything, adam = whole(config), optimiser(hyperparameters(config))
     views = gather_views(environment, everything, stream.scenario, stream.state)
     actors = {}
     for role, k in zip(config.learning_roles, jax.random.split(actor_key, len(config.learning_roles)), strict=True):
@@ -132,8 +131,7 @@ def update(environment: Environment, config: TrainConfig, learner: Learner) -> t
 
     Some scalars are 1 or 0. ``finite``: all others, every network and the optimisers' states are finite, and every
     action was in its space. ``fixed/ROLE``: every action of that role's fixed policy was. Nothing is donated: the input
-    stays usable, and it is small compared with the rollout. Other `Hyperparameters` compile nothing anew, nor does
-    another plan.
+    stays usable. Other `Hyperparameters`, or another plan, compile nothing anew.
     """
     compiled, numbers = _compiled_for(config)
     return _update_compiled(environment, compiled, numbers, learner)
