@@ -9,7 +9,7 @@ from website.search_index import shrink
 KEPT = {
     "location": "reference/maps.html#jaxwalk.maps.load_map",
     "title": "load_map  <small><code>function</code></small>",
-    "text": "Return a map.  It takes 3.25 s, in 99 % of <em>cases</em>. Parameters: Name Type file Raises: Type MapError",
+    "text": "Return a map.  It takes 3.25 s, in 99 % of <em>cases</em>. Parameters: Name Type x Raises: Type MapError",
 }
 LEFT_OUT = {"location": "changelog.html#new", "title": "New", "text": "A door."}
 
