@@ -120,7 +120,7 @@ def _untrained(
         stream=eqx.tree_at(lambda s: s.memory, stream, memory, is_leaf=lambda x: x is None),
         key=shuffle_key,
         updates=jnp.zeros((), jnp.int32),
-        planned=jnp.asarray(config.updates, jnp.int32),
+        planned=jnp.zeros((), jnp.int32),  # `init` sets it
         multipliers=fresh_multipliers(config),
     )
     return jax.tree.map(_strongly_typed, learner)
