@@ -7,6 +7,7 @@ from dataclasses import replace
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from jaxwalk.columns import apply_where
 from jaxwalk.learning.networks import make_mlp
@@ -43,6 +44,7 @@ def _played(street):
     return stream.scenario, replace(stream.state, pedestrian=people), stream.episode, steps
 
 
+@pytest.mark.long
 def test_episodes_are_the_same():
     street, found = Street.create(config=replace(WORLDS["paper-footprint"], pedestrians=PEOPLE, horizon=10)), []
     for platform in ("cpu", "gpu"):

@@ -221,6 +221,7 @@ class Statues:
         return 0 * observation[0].astype(int), memory
 
 
+@pytest.mark.long
 def test_a_population_may_be_any_object_that_is_a_policy():
     envs = make_many(pedestrians=Statues(), observation="paper", reward={"time": 1.0})
     first, _ = envs.reset(seed=0)

@@ -45,7 +45,7 @@ def shell(line, **environment):
         ("XLA_FLAGS", "--nonsense", "Unknown flag in XLA_FLAGS: --nonsense"),
     ],
 )
-@pytest.mark.parametrize("command", ["observations", "bench --quick"])
+@pytest.mark.parametrize("command", ["observations", pytest.param("bench --quick", marks=pytest.mark.long)])
 def test_a_wrong_variable_is_said_by_name(variable, value, said, command, place):
     done = shell(f"J {command}", **{variable: value})
     assert done.returncode == 2
@@ -79,9 +79,9 @@ def test_a_user_without_a_home_is_served(place, monkeypatch, capsys):
         ("J observations | head -1", 0, "paper: 34 features\n", ""),
         ("J --help | head -0", 0, "", ""),
         ("J observations >&-", 0, "", ""),
-        ("J observations 2>&- | head -1", 0, "paper: 34 features\n", ""),
+        pytest.param("J observations 2>&- | head -1", 0, "paper: 34 features\n", "", marks=pytest.mark.long),
         ("J observations <&- >&- 2>&-", 0, "", ""),
-        ("J observations --role nobody 2>&-", 2, "", ""),
+        pytest.param("J observations --role nobody 2>&-", 2, "", "", marks=pytest.mark.long),
         ("J observations --role nobody 2>/dev/full", 2, "", ""),
         ("J --version >/dev/full", 2, "", "jaxwalk: No space left on device; make room on the disk"),
         ("J --help >/dev/full", 2, "", "jaxwalk: No space left on device; make room on the disk"),

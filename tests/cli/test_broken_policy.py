@@ -42,7 +42,11 @@ def broken(place):
     save_file(arrays, place / "broken.safetensors", header)
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+LONG = ("export", "report")
+"""What plays the most."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(x, marks=[pytest.mark.long] * (x in LONG)) for x in COMMANDS])
 def test_it_is_said_who_and_where(broken, place, name, capsys):
     if name == "tracks":
         pytest.importorskip("pyarrow")
@@ -67,6 +71,7 @@ def test_it_is_said_who_and_where(broken, place, name, capsys):
 NOTHING_MADE = "its action is [nan nan], not 2 numbers in [-1, 1] (scenario 0, step 0); the policy is broken"
 
 
+@pytest.mark.long
 def test_what_is_shared_is_played_first(broken, place, capsys):
     run = Run.create(place / "run", RECIPES["fast"])
     shutil.copy(place / "broken.safetensors", run.policy)
@@ -81,6 +86,7 @@ STUDIES = {"reproduce": "single-agent", "hidden-intent": "blind", "co-training":
 """Every study, and the training that it plays first."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("command", "first"), STUDIES.items())
 def test_a_study_names_which_of_its_trainings_broke(broken, place, command, first, monkeypatch, capsys):
     def train(run, **_):

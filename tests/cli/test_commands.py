@@ -129,6 +129,7 @@ def test_the_table_shows_intervals_and_the_hash(capsys):
     assert "[" in out
 
 
+@pytest.mark.long
 def test_a_world_says_how_often_people_jaywalk_and_the_option_wins(capsys):
     command = "evaluate --driver route-follower --world blind-corner --episodes 2 --seed 7 --json"
     for option, expected in (("", [1.0]), (" --jaywalk-multiplier 0 0.5", [0.0, 0.5])):
@@ -168,6 +169,7 @@ def test_a_driver_of_ones_own_is_evaluated_and_its_cost_shown(place, capsys):
     assert f"mine:Mine: {cell['driver_ms_per_step']:.3g} ms for a step of 16 episodes" in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_what_was_evaluated_before_a_driver_failed_is_kept(place, capsys):
     (place / "mine.py").write_text(OWN)
     assert main(["evaluate", "--driver", "mine.py:Mine", "--episodes", "20", "--seed", "7", "--out", "kept"]) == 2

@@ -44,6 +44,7 @@ def mine(place):
     return place
 
 
+@pytest.mark.long
 def test_a_driver_is_tested(mine, capsys):
     """The careful human is late at 60 km/h; what is required decides the exit code."""
     words = ["crashtest", "careful-human", "--suite", "mine.toml", "--beside", "none", "--out", "there"]

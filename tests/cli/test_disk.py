@@ -39,7 +39,11 @@ COMMANDS = {
 FAULTS = {errno.ENOSPC: "No space left on device; make room", errno.EROFS: "Read-only file system; name another place"}
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+LONG = ("a part", "rate", "search")
+"""What plays the most."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(x, marks=[pytest.mark.long] * (x in LONG)) for x in COMMANDS])
 def test_no_room_is_one_message_and_nothing_is_half_written(name, place, capsys, monkeypatch):
     fault = list(FAULTS)[list(COMMANDS).index(name) % len(FAULTS)]
 

@@ -84,6 +84,7 @@ def test_what_cannot_be_is_one_message(place, answers, words, message, capsys):
     assert not (place / "runs").exists() and not (place / "elsewhere").exists()
 
 
+@pytest.mark.long
 def test_too_few_scenarios_are_said(place, capsys):
     assert main(["rate", "clearance", "careful-human", "--episodes", "3", "--pairs", "3", "--out", "there"]) == 2
     assert "take more --episodes" in " ".join(capsys.readouterr().err.split())

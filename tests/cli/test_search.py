@@ -31,6 +31,7 @@ def little(monkeypatch):
 SEARCH = "search route-follower --people 4 --minimise 1 --out there --simulations"
 
 
+@pytest.mark.long
 def test_a_driver_is_searched_and_its_failures_are_played_again(little, place, capsys):
     """Two generations, then interrupted in the third; it goes on, and every failure recurs in an evaluation."""
     assert main(f"{SEARCH} 32".split()) == 0
@@ -79,6 +80,7 @@ def test_a_driver_is_searched_and_its_failures_are_played_again(little, place, c
     assert "was begun with another value of seed" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_how_rare_failures_are(little, place, capsys, monkeypatch):
     monkeypatch.setattr("jaxwalk.search.driving.BATCH", SMALL)
     monkeypatch.setattr("jaxwalk.cli.search.SplittingPlan", partial(SplittingPlan, moves=1))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from jaxwalk.cli import main
 
 
@@ -20,6 +22,7 @@ def test_drivers_are_shielded_by_an_option_or_by_their_names(place, capsys):
     assert main(["evaluate", "--again", "kept/results.json"]) == 0
 
 
+@pytest.mark.long
 def test_a_driver_beside_itself_behind_a_shield_says_what_the_shield_changes(place, capsys):
     assert (
         main(["evaluate", "--driver", "random", "random+rss", "--episodes", "3", "--seed", "7", "--out", "kept"]) == 0

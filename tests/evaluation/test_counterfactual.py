@@ -197,6 +197,7 @@ def test_one_crossing_is_made_on_the_crosswalk(often, batch):
         )
 
 
+@pytest.mark.long
 def test_every_collision_comes_back(table, hits):
     episodes = hits[OUTCOMES]
     assert table.collisions == len(table.scenario) == episodes.collision.sum() > 10
@@ -206,6 +207,7 @@ def test_every_collision_comes_back(table, hits):
     assert ((table.notice >= 0) & (table.notice * 10 <= episodes.steps[episodes.collision] + 1e-6)).all()
 
 
+@pytest.mark.long
 def test_nearly_all_could_be_avoided(table):
     assert table.planner_from_start.all()
     assert table.wait[table.wait_applies].mean() > 0.7  # the blind car may hit the next one
@@ -215,6 +217,7 @@ def test_nearly_all_could_be_avoided(table):
     assert not table.brake[table.notice < 0.5].any()
 
 
+@pytest.mark.long
 def test_a_careful_human_takes_over_when_somebody_is_seen(table, hits):
     """Who is seen in frame 0 is seen from the start: then both replays are the same one."""
     steps = hits[OUTCOMES].steps[hits[OUTCOMES].collision]
@@ -262,11 +265,13 @@ def test_the_order_of_the_scenarios_changes_no_row(often, hits, table):
     assert_same_rows(table, found, np.argsort(found.scenario))
 
 
+@pytest.mark.long
 def test_another_evaluation_is_refused(often, hits):
     with pytest.raises(ReplayError, match="a replay without any change is at step"):
         counterfactuals(often, BLIND_ONE, Drawn(often, 8), find_hits(hits), batch=BATCH)
 
 
+@pytest.mark.long
 def test_a_driver_that_breaks_only_after_the_avoided_collision_is_said(often, hits, table):
     """The unchanged replay ends before; at the first changed one the collision doesn't end the episode."""
     one = find_hits(hits).some(np.flatnonzero(table.crosswalk)[:1])

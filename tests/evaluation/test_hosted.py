@@ -74,6 +74,7 @@ def test_every_batch_is_its_own_although_two_are_under_way(street, rows, undecid
     assert mine.steps_made == len(steps)
 
 
+@pytest.mark.long
 def test_its_cost_is_in_its_cell_and_in_no_other(street, driver, undecided):
     results, _ = evaluate_grid(
         street, {"mine": hosted(), "jax": driver}, {"undecided": undecided}, Drawn(street, 7, BATCH), batch=BATCH

@@ -91,6 +91,7 @@ def test_files_of_an_episode(town, played, network, tmp_path):
     assert {one["properties"]["kind"] for one in areas["features"]} == {area.kind for area in network.areas}
 
 
+@pytest.mark.long
 def test_a_page_has_the_maps_of_its_episodes_only(town, network):
     two = Street.create([town.maps[0], "paper"], town.config)
     maps = np.asarray(Drawn(two, 0).take(np.arange(8))[0].map)

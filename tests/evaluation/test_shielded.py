@@ -58,6 +58,7 @@ def kept_the_assumption(street, driver, first=0):
     return [bool(changes[max(f - 35, 0) : f, e, p].max(initial=0) < 0.1) for f, e, p in where]
 
 
+@pytest.mark.long
 def test_the_steady_shield_touches_only_who_breaks_its_assumption(footprint):
     """People here turn at once, which it assumes they don't: whom it touches has just done so, or set out."""
     assert sum(kept_the_assumption(footprint, RouteFollower())) > 20
@@ -77,6 +78,7 @@ def test_so_it_does_in_ten_thousand_scenarios(footprint):
     assert not any(map(any, found))
 
 
+@pytest.mark.long
 def test_so_it_does_where_contacts_are_of_discs(street):
     contact = street.config.contact
     assert contact == "disc"
@@ -85,6 +87,7 @@ def test_so_it_does_where_contacts_are_of_discs(street):
     assert not touched_while_moving(behind, contact).any()
 
 
+@pytest.mark.long
 def test_people_faster_than_it_assumes_break_the_predictive_shield(footprint):
     """Everybody walks at 1 m/s or more."""
     slow = shielded(RouteFollower(), PredictiveShield(reach_speed=0.3))
@@ -94,6 +97,7 @@ def test_people_faster_than_it_assumes_break_the_predictive_shield(footprint):
     assert not touched_while_moving(played(footprint, shielded(RouteFollower(), "predictive"), episodes=64)[1]).any()
 
 
+@pytest.mark.long
 def test_a_host_driver_is_shielded_as_the_same_driver_in_jax_is(street):
     trajectory, _ = played(street, shielded(RouteFollower(), "rss"), episodes=16)
     asked, _ = played(street, shielded(hosted(), "rss"), episodes=16)

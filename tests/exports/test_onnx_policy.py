@@ -19,7 +19,10 @@ def briefly(monkeypatch):
     monkeypatch.setattr(exporting, "STEPS", 160)
 
 
-@pytest.mark.parametrize(("role", "name", "rows"), [("driver", "co-trained", 640), ("pedestrian", "learned", 640 * 12)])
+@pytest.mark.parametrize(
+    ("role", "name", "rows"),
+    [("driver", "co-trained", 640), pytest.param("pedestrian", "learned", 640 * 12, marks=pytest.mark.long)],
+)
 def test_a_shipped_policy_is_written_and_knows_where_it_comes_from(tmp_path, role, name, rows):
     out = tmp_path / "there" / "policy.onnx"
     parity = exporting.export(name, out, role=role)

@@ -15,6 +15,7 @@ from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.suites import Where
 
 
+@pytest.mark.long
 def test_file_and_card_tell_what_an_evaluation_finds(whole, tmp_path):
     out = tmp_path / "new" / "mine.safetensors"
     card = share(whole.path, out, Judging(("always-go", str(whole.path)), 6, 3, Where(people=5)))

@@ -64,6 +64,7 @@ def test_each_plays_its_environments_and_only_the_learners_are_recorded():
         assert played.record.views[role]["paper"].shape[-1] == 8
 
 
+@pytest.mark.long
 def test_learning_goes_on_beside_stand_ins():
     game = games.game("bandit", length=3)
     learner = init(game, CONFIG, jax.random.key(0), others=OTHERS)

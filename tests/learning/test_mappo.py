@@ -21,6 +21,7 @@ from jaxwalk.learning.mappo import init, update
 from jaxwalk.shards import ShardsError
 from learning import games
 
+SHARED = pytest.param("shared", marks=pytest.mark.long)
 ROLE = RoleConfig(actor_hidden=(16,), critic_hidden=(16,), entropy=0.003)
 CONFIG = TrainConfig(
     roles={"driver": ROLE, "pedestrian": dataclasses.replace(ROLE, epochs=2)}, environments=32, steps=16, minibatches=4,
@@ -64,7 +65,7 @@ class AlwaysGo(eqx.Module):
         return jnp.broadcast_to(self.choice, observation.shape[1:]), memory + 1
 
 
-@pytest.mark.parametrize("credit", ["individual", "shared"])
+@pytest.mark.parametrize("credit", ["individual", SHARED])
 def test_bandit(credit):
     config = dataclasses.replace(CONFIG, credit=credit)
     learner, metrics = play(games.game("bandit"), config)
@@ -100,7 +101,7 @@ def test_credit_reaches_back_over_two_steps():
     assert metrics["goal_rate"] > 0.95
 
 
-@pytest.mark.parametrize("noise", ["clipped", "tanh"])
+@pytest.mark.parametrize("noise", [pytest.param("clipped", marks=pytest.mark.long), "tanh"])
 def test_continuous_tracking(noise):
     _, metrics = play(games.game("tracking", driver=Box(1)), both(CONFIG, noise=noise, initial_std=0.4))
     assert metrics["reward/driver"] > -0.05
@@ -125,7 +126,7 @@ def test_the_driver_learns_to_match_what_people_do():
     assert metrics["reward/pedestrian"] > 0.95
 
 
-@pytest.mark.parametrize("credit", ["individual", "shared"])
+@pytest.mark.parametrize("credit", ["individual", SHARED])
 def test_a_role_that_does_not_learn_has_no_networks_and_pays_nobody(credit):
     config = games.with_roles(
         dataclasses.replace(CONFIG, credit=credit), pedestrian=dataclasses.replace(ROLE, fixed=1.0)
@@ -164,7 +165,7 @@ def test_blended_reward_by_hand():
     assert blended_reward(rewards).tolist() == [[3.0]]
 
 
-@pytest.mark.parametrize("shards", [1, 2])
+@pytest.mark.parametrize("shards", [pytest.param(1, marks=pytest.mark.long), 2])
 def test_one_program_and_equal_seeds_equal_results(shards, monkeypatch, tmp_path, caplog):
     """Another game, another seed and a resumed training trace and compile nothing anew."""
     traces = []
@@ -197,7 +198,7 @@ def test_chunks_change_nothing():
         assert metrics[name] == pytest.approx(whole[name], rel=1e-3, abs=1e-4), name
 
 
-@pytest.mark.parametrize("credit", ["individual", "shared"])
+@pytest.mark.parametrize("credit", ["individual", SHARED])
 def test_shared_out_environments_learn_the_same(credit):
     config = dataclasses.replace(CONFIG, credit=credit)
     learner, metrics = play(games.game("holding"), config, updates=3)
@@ -209,6 +210,7 @@ def test_shared_out_environments_learn_the_same(credit):
         np.testing.assert_allclose(one, other, rtol=1e-3, atol=1e-4)
 
 
+@pytest.mark.long
 def test_every_shard_has_its_stand_ins():
     role = dataclasses.replace(CONFIG.roles["pedestrian"], fixed=0.5)
     config = games.with_roles(dataclasses.replace(CONFIG, shards=2), pedestrian=role)

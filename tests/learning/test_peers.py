@@ -49,6 +49,7 @@ def same(one, other):
         np.testing.assert_array_equal(x, other[name], err_msg=name)
 
 
+@pytest.mark.long
 def test_two_processes_equal_two_shards_to_the_bit(tmp_path):
     first, last = played(tmp_path / "two", 2, 2)
     alone = play(2, tmp_path / "alone")

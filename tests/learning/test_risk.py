@@ -185,6 +185,7 @@ def test_without_an_episode_s_end_nothing_changes():
     assert eqx.tree_equal(learner.multipliers, fresh_multipliers(AT_TIMES))
 
 
+@pytest.mark.long
 def test_a_limited_tail_asks_for_more_care_than_a_limited_mean():
     """The worst tenth of the costs (1 + a)^2 u are those above 0.9 (1 + a)^2, on average 0.95 (1 + a)^2; the mean is
     half of (1 + a)^2. So a limit of 0.95 allows a = 0 for the tail, a = 0.378 for the mean, and no limit a = 1 (less
@@ -201,7 +202,7 @@ def test_a_limited_tail_asks_for_more_care_than_a_limited_mean():
     assert tail["threshold/driver/fine"] == pytest.approx(0.9, abs=0.1)
 
 
-@pytest.mark.parametrize("shards", [1, 2])
+@pytest.mark.parametrize("shards", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_resumed_training_equals_uninterrupted_training(shards, tmp_path):
     game, config = HASTE, dataclasses.replace(TAILED, shards=shards)
     learner = init(game, config, jax.random.key(0), others=OTHERS)
@@ -221,6 +222,7 @@ def test_shared_out_environments_count_the_same_costs():
         assert two[name] == pytest.approx(one[name], rel=1e-3, abs=1e-4), name
 
 
+@pytest.mark.long
 def test_a_gated_role_with_several_agents_has_a_limit_of_each():
     """Two pedestrians, who are fined 1 for going where they decide; costs are counted for each of them."""
 
@@ -243,6 +245,7 @@ def test_a_gated_role_with_several_agents_has_a_limit_of_each():
     assert np.mean(costs[100:]) == pytest.approx(0.6, abs=0.08)
 
 
+@pytest.mark.long
 def test_turns_share_the_multipliers():
     crowds = [dataclasses.replace(HASTE, people=people) for people in (2, 3)]
     config = limited(CostLimit("fine", limit=0.1, **QUICK))

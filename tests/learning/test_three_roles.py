@@ -74,7 +74,7 @@ class Crossing(eqx.Module):
         return state + 1, Outcome({role: {"pay": x} for role, x in pay.items()}, ends, none, over, {"goal": over})
 
 
-@pytest.mark.parametrize("credit", ["individual", "shared"])
+@pytest.mark.parametrize("credit", ["individual", pytest.param("shared", marks=pytest.mark.long)])
 def test_three_roles_learn(credit):
     game, config = Crossing(), replace(CONFIG, credit=credit)
     learner = init(game, config, jax.random.key(0))

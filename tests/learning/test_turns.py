@@ -43,6 +43,7 @@ def turns(monkeypatch):
     return environments, traces, make
 
 
+@pytest.mark.long
 def test_each_crowd_is_traced_once_and_all_are_learned(turns):
     environments, traces, make = turns
     learner, _ = make(init_in_turns(environments, CONFIG, jax.random.key(0)), 0, 2)

@@ -20,7 +20,7 @@ def test_intervals_of_counts_cover(name):
         "share of moments at the kerb, 10 of some 2000",
         "rate over training seeds, 5 seeds, 10 in each",
         "its test: no difference found, 5 seeds, 10 in each, scenarios differ",
-        "contacts extrapolated from near misses, 10 of 2000, shape 0",
+        pytest.param("contacts extrapolated from near misses, 10 of 2000, shape 0", marks=pytest.mark.long),
         "speed in the worst contacts, 20 contacts of 2000",
     ],
 )

@@ -187,6 +187,7 @@ def test_a_hidden_kerb_slows_a_car_that_expects_somebody_there():
     assert replace(PLAIN, belief=wary, contact_cost=100.0).best_pedal(seen).item() < 0
 
 
+@pytest.mark.long
 def test_it_keeps_the_contract_in_a_world_where_people_hide():
     street = Street.create(config=replace(WORLDS["blind-corner"], pedestrians=4, max_braking=6.0))
     driver = with_limits(BeliefPlanner(PeopleBelief(futures=2, hazard=0.1, emergence=0.1)), street.config)

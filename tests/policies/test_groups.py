@@ -53,6 +53,7 @@ def test_groups_keep_the_contract(grouped, people):
     assert Groups(people).sample == getattr(people, "sample", False)
 
 
+@pytest.mark.long
 def test_where_nobody_walks_in_groups_everybody_decides(street):
     check_pedestrians(Groups(GapAccepting()), street)
     scenarios, keys = Drawn(street, 77, 8).take(np.arange(8))

@@ -117,7 +117,9 @@ def test_it_slows_down_only_for_whom_it_would_meet():
 IN_TOWN = with_limits(Oracle(), WORLDS["town"])
 
 
-@pytest.mark.parametrize("limit", [13.9, 8.33, 5.56])
+@pytest.mark.parametrize(
+    "limit", [13.9, pytest.param(8.33, marks=pytest.mark.long), pytest.param(5.56, marks=pytest.mark.long)]
+)
 def test_in_town_it_is_as_fast_as_the_limit_allows(limit):
     """Nobody is on the road; 13.33 m/s is the fastest that it plans, and levels are 1.67 m/s apart."""
     along, speed, _ = drive(IN_TOWN, lambda time: (jnp.full(CASES, -60.0), 0 * time), limit)
@@ -146,6 +148,7 @@ def beside(time):
     return 20 + 0.5 * jnp.arange(CASES) + 0 * time, jnp.full(CASES, 1.6)
 
 
+@pytest.mark.long
 def test_by_footprint_it_passes_where_the_disc_would_not():
     along, _, away = drive(IN_TOWN, beside, 8.33)
     assert (along[-1] > LENGTH - 3).all()
@@ -167,6 +170,7 @@ def played(street):
     return evaluate(street, {"driver": Oracle(), "pedestrian": AlwaysGo()}, Drawn(street, 3, 32), batch=16)[OUTCOMES]
 
 
+@pytest.mark.long
 def test_among_always_go_it_always_arrives(street, played):
     blind = evaluate(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, Drawn(street, 3, 32), batch=16)[
         OUTCOMES

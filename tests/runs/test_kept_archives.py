@@ -92,6 +92,7 @@ def mixed(tiny, tmp_path_factory):
     return whole, cut
 
 
+@pytest.mark.long
 def test_an_interrupted_training_goes_on_with_the_copy_that_its_folder_keeps(mixed, quiet):
     whole, cut = mixed
     assert train_in(cut, display=Display(quiet), on_update=lambda line: line["update"] == 2).stopped
@@ -99,6 +100,7 @@ def test_an_interrupted_training_goes_on_with_the_copy_that_its_folder_keeps(mix
     assert cut.policy.read_bytes() == whole.policy.read_bytes()
 
 
+@pytest.mark.long
 def test_another_copy_is_refused(mixed, tiny, tmp_path, quiet):
     run = Run.open(shutil.copytree(mixed[0].path, tmp_path / "run"))
     kept = write_small_archive(tmp_path / "found.safetensors", make_street(tiny))
@@ -163,6 +165,7 @@ def test_a_file_names_archives_beside_it(mixing, tmp_path):
         load_experiment(file, RECIPES)
 
 
+@pytest.mark.long
 def test_a_command_mixes_an_archive_in_and_its_policy_says_so(tiny, mixing, tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(RECIPES, "fast", tiny)  # so that nothing is compiled that another test hasn't
     run = tmp_path / "run"

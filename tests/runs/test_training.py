@@ -229,6 +229,7 @@ def test_numbers_that_are_not_finite_stop_training(whole, tiny, tmp_path, quiet,
     assert [line["update"] for line in run.metrics()] == [1, 2, 3]
 
 
+@pytest.mark.long
 def test_the_car_alone_trains_among_always_go(tiny, tmp_path, quiet):
     run = Run.create(tmp_path / "alone", single_agent(with_training(tiny, updates=1)))
     train_in(run, display=Display(quiet))

@@ -107,6 +107,7 @@ def test_a_search_with_impossible_visits_is_refused(game, reached, message, tmp_
         kept_hunt(path, begun(game, method), PLAN)
 
 
+@pytest.mark.long
 def test_failures_are_judged_and_explained(game, tried):
     """Somebody who looks would have avoided most; one person is enough for a contact with a blind car."""
     candidates, played = tried

@@ -27,7 +27,7 @@ class Plane:
 SMALL = SplittingPlan(particles=100, repeats=10)
 
 
-@pytest.mark.parametrize("steps", [0.0, 0.7], ids=["smooth", "in jumps"])
+@pytest.mark.parametrize("steps", [pytest.param(0.0, marks=pytest.mark.long), 0.7], ids=["smooth", "in jumps"])
 def test_one_in_a_thousand_agrees_with_plain_simulation(steps):
     """In 20 repetitions, both intervals hold the true rate, and nine in ten at least overlap it."""
     rate, plain = 1e-3, 50_000

@@ -97,6 +97,7 @@ def test_a_batch_is_its_episodes(paid_street, batched):
         assert_same(stepped(single), columns(stepped(result), env), **CLOSE)
 
 
+@pytest.mark.long
 def test_two_batch_axes_are_one(paid_street, batched):
     inputs, result = batched
 

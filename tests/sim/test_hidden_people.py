@@ -95,7 +95,8 @@ def sight_of(watched):
     return np.concatenate([np.asarray(first.in_sight)[None], np.asarray(knows.in_sight)])
 
 
-@pytest.mark.parametrize("dials", [pytest.param(PERFECT, marks=pytest.mark.long), DIALS], ids=["perfect", "dials"])
+@pytest.mark.long
+@pytest.mark.parametrize("dials", [PERFECT, DIALS], ids=["perfect", "dials"])
 def test_whatever_hidden_people_do_no_driver_notices(dials):
     """Whoever is out of sight is elsewhere, still out of sight, in every step: what cars know, see and do is the same.
 

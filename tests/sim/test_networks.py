@@ -189,6 +189,7 @@ def test_a_scenario_plays_on_the_street_that_it_names(sets):
         assert signed_distance(network.surface("sidewalk"), people).min() > 0.4
 
 
+@pytest.mark.long
 def test_people_wait_on_an_island_off_the_roadway():
     """A crossing over an island is one crossing, decided once, with two ways over a roadway."""
     street = Street.create([text(island())])

@@ -87,6 +87,7 @@ def test_told_tendencies_are_of_perceived_people_only(hiding, scenarios, played)
     np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.long
 def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios):
     """Without occluders and with a long range, all views are those of a world without perception."""
     far = replace(hiding.world.rules, sight=jnp.float32(1000))

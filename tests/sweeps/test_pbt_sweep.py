@@ -126,7 +126,9 @@ def test_the_best_member_is_copied_and_the_skill_goes_with_its_checkpoint(untouc
     assert [line["update"] for line in run.metrics()] == [5, 6] and run.experiment.train.updates == 6
 
 
-@pytest.mark.parametrize("chance", [random.Random(0), random.Random(1)], ids=["once", "again"])
+@pytest.mark.parametrize(
+    "chance", [random.Random(0), pytest.param(random.Random(1), marks=pytest.mark.long)], ids=["once", "again"]
+)
 def test_a_sweep_that_is_killed_again_and_again_ends_as_if_nothing_had_happened(
     chance, untouched, learning, study, tmp_path, quiet
 ):

@@ -25,6 +25,7 @@ from jaxwalk.sweeps.sweeping import sweep
 from sweeps.tiny_sweep import written
 
 
+@pytest.mark.long
 def test_a_sweep_trains_and_evaluates_run_folders(place, capsys):
     """The objective is of an evaluation."""
     study = written(place, metric="outcomes.kilometres", more='of = "evaluation"\nepisodes = 4\nseed = 7')
@@ -53,6 +54,7 @@ def population(place, members, generations, updates):
     return written(place, sampler="pbt", more=more, updates=updates)
 
 
+@pytest.mark.long
 def test_a_population_that_is_killed_goes_on_and_a_member_that_is_never_replaced_is_an_ordinary_training(
     place, quiet, monkeypatch
 ):

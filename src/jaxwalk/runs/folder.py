@@ -20,6 +20,7 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
@@ -263,6 +264,7 @@ def _without_hash(text: bytes) -> tuple[bytes, str | None, bool | None]:
         return text, None, None  # validation reports what is wrong
 
 
+@cache
 def _experiments() -> Any:
     """Return a TypeAdapter[Experiment]."""
     return TypeAdapter(Experiment)
