@@ -77,6 +77,21 @@ def test_cars_are_pushed_back_to_the_same_place():
     np.testing.assert_array_equal(one[2], other[2])
 
 
+def test_where_a_car_is_pushed_depends_on_no_other_car():
+    street, count = Street.create(), 256
+    scenarios = draw_batch(street, environment_keys(seed_key(1, TRAINING), 0, count))
+    car = street.reset(scenarios).vehicle
+    push = jax.jit(lambda x, y: onto_road(street.world, scenarios, car, x, y))
+    ahead, aside = np.random.default_rng(1).uniform([[0], [-6]], [[60], [6]], (2, count))
+    x, y = car.x + ahead * car.cos - aside * car.sin, car.y + ahead * car.sin + aside * car.cos
+    beside = push(x, y)
+    off = np.flatnonzero(beside[2])
+    assert 20 < len(off) < count
+    for one in off:
+        alone = push(car.x.at[one].set(x[one]), car.y.at[one].set(y[one]))
+        np.testing.assert_array_equal([at[one] for at in alone], [at[one] for at in beside])
+
+
 def test_a_function_is_computed_where_it_is_asked_for():
     network = make_mlp(jax.random.key(0), (3, 4, 2), final_scale=1.0)
     columns, which = jax.random.normal(jax.random.key(1), (3, 5, 40)), jnp.arange(200).reshape(5, 40) % 7 == 0

@@ -7,14 +7,16 @@ round differently.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 
+from jaxwalk.evaluation.continuous import Batch, Played, played
 from jaxwalk.evaluation.ghosts import walk_ghosts
-from jaxwalk.evaluation.playing import play
+from jaxwalk.evaluation.playing import host_driver, play
 from jaxwalk.evaluation.unhindered import unhindered_times, with_delay
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.maps import map_labels
@@ -22,13 +24,12 @@ from jaxwalk.metrics import Rows, measure
 from jaxwalk.relief import relieve
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.scenario import Scenario
-from jaxwalk.sim.trajectory import Ghosts, Trajectory, part_of
+from jaxwalk.sim.trajectory import Trajectory, part_of
 
 BATCH = 512
 """Default number of episodes played at once."""
 AT_ONCE = 2
-"""Number of batches in progress at once: on a CPU, much of a batch keeps only one core busy."""
+"""Number of lanes, which play a batch each at once: on a CPU, much of a batch keeps only one core busy."""
 
 Progress = Callable[[int, int], None]
 """Called with the number done so far, and the total."""
@@ -72,30 +73,36 @@ def evaluate_batches(
     maps = np.array(map_labels(street.maps), object)
     times = unhindered_times(street)
 
-    def recorded(first: int) -> tuple[Scenario, Trajectory, Ghosts]:
+    def planned(first: int) -> Batch:
         numbers = (first + np.arange(batch)) % episodes
-        scenarios, keys = source.take(numbers)
-        trajectory = play(street, policies, scenarios, keys, numbers=numbers)
-        return scenarios, trajectory, walk_ghosts(street, scenarios, keys, frames=len(trajectory.car_x))
+        return Batch(numbers, *source.take(numbers), min(batch, span.stop - first))
 
-    def rows(first: int) -> Rows:
-        scenarios, trajectory, ghosts = begun.pop(first) if first in begun else recorded(first)
-        frames, asked = len(trajectory.car_x), slice(min(batch, span.stop - first))
-        measured = measure(
-            part_of(trajectory, frames=frames, episodes=asked),
-            part_of(ghosts, frames=frames, episodes=asked),
-            config=config,
-        )
-        known = with_delay(measured, times, scenarios)
-        return replace(known, maps=maps[np.asarray(scenarios.map)[asked]])
+    def rows(done: Batch, trajectory: Trajectory) -> Rows:
+        frames, asked = len(trajectory.car_x), slice(done.count)
+        ghosts = walk_ghosts(street, done.scenarios, done.keys, frames=frames)
+        measured = measure(trajectory, part_of(ghosts, frames=frames, episodes=asked), config=config)
+        known = with_delay(measured, times, done.scenarios)
+        return replace(known, maps=maps[np.asarray(done.scenarios.map)[asked]])
 
-    begun = {span.start: recorded(span.start)}  # alone, so that its programs are compiled only once
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        for number, part in enumerate(pool.map(rows, range(span.start, span.stop, batch)), 1):
-            if progress is not None:
-                progress(min(number * batch, len(span)), len(span))
-            yield part
+    starts = range(span.start, span.stop, batch)
+    count = min(len(starts), 1 if host_driver(policies) else AT_ONCE)  # a host driver plays one batch at a time anyway
+    lanes = [played(street, policies, map(planned, starts[first::count])) for first in range(count)]
+    for number, done in enumerate(_in_turn(lanes), 1):
+        if progress is not None:
+            progress(min(number * batch, len(span)), len(span))
+        yield rows(*done)
     relieve()
+
+
+def _in_turn(lanes: Sequence[Iterator[Played]]) -> Iterator[Played]:
+    """Yield one batch of each lane after the other; meanwhile all lanes play on."""
+    with ThreadPoolExecutor(len(lanes)) as pool:
+        coming = deque((lane, pool.submit(next, lane, None)) for lane in lanes)
+        while coming:
+            lane, part = coming.popleft()
+            if (done := part.result()) is not None:
+                coming.append((lane, pool.submit(next, lane, None)))
+                yield done
 
 
 def replay(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import count
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -57,6 +57,21 @@ class Underway(eqx.Module):
     """What the driver's shield did in the last step; None without one."""
 
 
+class Endings(NamedTuple):
+    """How episodes ended, or how they are so far."""
+
+    length: Int[np.ndarray, "episode"]
+    """Steps played."""
+    goal: Bool[np.ndarray, "episode"]
+    collision: Bool[np.ndarray, "episode"]
+    touched: Bool[np.ndarray, "ped episode"]
+
+    @staticmethod
+    def of(game: Underway) -> Endings:
+        """Return those of a batch."""
+        return Endings(*map(np.asarray, (game.state.step, game.goal, game.collision, game.touched)))
+
+
 def play(
     street: Street,
     policies: Roles[Policy],
@@ -98,7 +113,7 @@ def play(
         game = after
         blocks.append({name: np.asarray(x) for name, x in frames.items()})
     check_actions(street, game, numbers)
-    return _trajectory(street, scenarios, game, blocks, numbers)
+    return recording(street, scenarios, numbers, Endings.of(game), blocks)
 
 
 def begin(
@@ -162,11 +177,19 @@ def _ask_and_play(
 
 def check_actions(street: Street, game: Underway, numbers: Int[np.ndarray, "episode"]) -> None:
     """Raise ActionError for the first episode that an action outside its space has ended."""
+    for _, error in unsound_actions(street, game, numbers):
+        raise error
+
+
+def unsound_actions(
+    street: Street, game: Underway, numbers: Int[np.ndarray, "episode"]
+) -> Iterator[tuple[int, ActionError]]:
+    """Yield the place of each episode that an action outside its space has ended, and the error that says so."""
     for role, spec in street.roles.items():
         actions = np.asarray(game.actions[role])
-        for episode in np.flatnonzero(~spec.contains(actions))[:1]:
+        for episode in np.flatnonzero(~spec.contains(actions)):
             scenario, step = int(numbers[episode]), int(game.state.step[episode]) - 1
-            raise ActionError.of(role, spec, actions[..., episode], scenario=scenario, step=step)
+            yield int(episode), ActionError.of(role, spec, actions[..., episode], scenario=scenario, step=step)
 
 
 _goal = eqx.filter_jit(vehicle.goal)
@@ -213,28 +236,31 @@ def _step(setup: Setup, game: Underway) -> Underway:
     return eqx.tree_at(lambda game: game.memory, kept, acted.memory, is_leaf=lambda x: x is None)
 
 
-def _trajectory(
+def recording(
     street: Street,
     scenarios: Scenario,
-    game: Underway,
-    blocks: list[dict[str, np.ndarray]],
     numbers: Int[np.ndarray, "episode"],
+    endings: Endings,
+    blocks: list[dict[str, np.ndarray]],
 ) -> Trajectory:
-    """Return the recording in the order frame, episode, pedestrian."""
-    length = np.asarray(game.state.step)
-    frames = int(length.max()) + 1
+    """Return the recording of the first episodes, as many as have ``endings``, in the order frame, episode, pedestrian.
+
+    The ``blocks`` follow each other: frames ``(frame, episode)`` or ``(frame, ped, episode)``.
+    """
+    some, frames = slice(len(endings.length)), int(endings.length.max()) + 1
     columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in blocks[0]}
     goal_x, goal_y = _goal(street.world, scenarios)
+    parked = parked_boxes(street.world, scenarios)
     return Trajectory(
         dt=street.world.rules.dt,
-        scenario=numbers,
-        length=length,
-        goal=np.asarray(game.goal),
-        collision=np.asarray(game.collision),
-        touched=np.asarray(game.touched).T,
-        goal_x=np.asarray(goal_x),
-        goal_y=np.asarray(goal_y),
-        jaywalking_tendency=np.asarray(scenarios.jaywalking_tendency(street.world)).T,
-        parked=parked_boxes(street.world, scenarios),
+        scenario=numbers[some],
+        length=endings.length,
+        goal=endings.goal,
+        collision=endings.collision,
+        touched=endings.touched.T,
+        goal_x=np.asarray(goal_x)[some],
+        goal_y=np.asarray(goal_y)[some],
+        jaywalking_tendency=np.asarray(scenarios.jaywalking_tendency(street.world)).T[some],
+        parked=None if parked is None else parked[some],
         **in_order(columns),
     )

@@ -92,11 +92,12 @@ def onto_road(
     off = first[0] <= 0
 
     def missing(inside: Array) -> Array:
-        return jnp.where(off, jnp.maximum(world.rules.offroad_margin - inside, 0), 0)
+        short = world.rules.offroad_margin - inside
+        return jnp.where(off & (short > CLOSE), short, 0)
 
     def goes_on(pushed: tuple) -> Array:
         count, _, _, (inside, _, _) = pushed
-        return (count < PUSHES) & (missing(inside) > CLOSE).any()
+        return (count < PUSHES) & (missing(inside) > 0).any()
 
     def push(pushed: tuple) -> tuple:
         count, x, y, (inside, east, north) = pushed
