@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import count, pairwise
+from itertools import count
 from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Int, Key
+from jaxtyping import Array, Int, Key, Shaped
 
 from jaxwalk.evaluation.broken import ActionError
 from jaxwalk.evaluation.playing import BLOCK, Endings, begin, host_driver, play, play_block, recording, unsound_actions
@@ -62,6 +62,10 @@ def _played_alone(street: Street, policies: Roles[Policy], batch: Batch) -> Play
     return batch, part_of(trajectory, frames=len(trajectory.car_x), episodes=slice(batch.count))
 
 
+Piece = tuple[int, Int[np.ndarray, "episode"], dict[str, np.ndarray]]
+"""The number of a block, which episodes have played it, and their frames ``(frame, ..., episode)``."""
+
+
 class _Begun:
     """A batch of which episodes have begun, and what is recorded of them."""
 
@@ -69,8 +73,9 @@ class _Begun:
         """Make the start of every episode."""
         self.batch = batch
         self.setup, self.game, first = begin(street, policies, batch.scenarios, batch.keys)
-        self.blocks = [{name: np.asarray(x)[None, ..., : batch.count] for name, x in first.items()}]
-        """Frame 0, then block after block of each episode: arrays ``(frame, ..., episode)``."""
+        self.first = {name: np.asarray(x)[..., : batch.count] for name, x in first.items()}
+        """Frame 0."""
+        self.pieces: list[Piece] = []
         self.endings = Endings(*(np.array(x[..., : batch.count]) for x in Endings.of(self.game)))
         self.ended_in = np.zeros(batch.count, int)
         """The block in which each episode has ended; 0 if it hasn't."""
@@ -91,13 +96,9 @@ class _Begun:
         self.seated += columns.size
         return columns, episodes
 
-    def record(self, number: int, frames: Mapping[str, np.ndarray], columns: np.ndarray, episodes: np.ndarray) -> None:
-        """Keep the block of this number of some episodes, which have been played in these columns."""
-        if number == len(self.blocks):
-            shapes = {name: (*x.shape[:-1], self.batch.count) for name, x in frames.items()}
-            self.blocks.append({name: np.empty(shapes[name], x.dtype) for name, x in frames.items()})
-        for name, x in frames.items():
-            self.blocks[number][name][..., episodes] = x[..., columns]
+    def record(self, block: int, frames: Mapping[str, np.ndarray], columns: np.ndarray, episodes: np.ndarray) -> None:
+        """Keep the block of this number, from 1 on, of some episodes, which have been played in these columns."""
+        self.pieces.append((block, episodes, {name: x[..., columns] for name, x in frames.items()}))
 
     def end(self, episodes: np.ndarray, now: Endings, columns: np.ndarray, blocks: np.ndarray) -> None:
         """Note how some episodes have ended, in which columns, and in which of their blocks."""
@@ -109,11 +110,27 @@ class _Begun:
         """Return the recording, once all episodes have ended. Raise the first episode's error if there is one."""
         if self.errors:
             raise self.errors[min(self.errors)]
-        for number, (before, block) in enumerate(pairwise(self.blocks), 1):
-            over = np.flatnonzero(self.ended_in < number)
-            for name, x in block.items():
-                x[..., over] = before[name][-1:, ..., over]
-        return recording(street, self.batch.scenarios, self.batch.numbers, self.endings, self.blocks)
+        columns = {name: self._whole(name) for name in self.first}
+        return recording(street, self.batch.scenarios, self.batch.numbers, self.endings, columns)
+
+    def _whole(self, name: str) -> Shaped[np.ndarray, "frame ..."]:
+        """Return all frames of a column; after its end, an episode repeats its last one."""
+        first = self.first[name]
+        whole = np.empty((self.endings.length.max() + 1, *first.shape), first.dtype)
+        whole[0] = first
+        for block, episodes, frames in self.pieces:
+            part = whole[_frames_of(block)]
+            part[..., episodes] = frames[name][: len(part)]
+        for block in range(2, self.ended_in.max() + 1):
+            part, before = whole[_frames_of(block)], whole[_frames_of(block - 1)]
+            over = np.flatnonzero(self.ended_in < block)
+            part[..., over] = before[-1:, ..., over]
+        return whole
+
+
+def _frames_of(block: int) -> slice:
+    """Return which frames a block of an episode has, after frame 0."""
+    return slice(1 + (block - 1) * BLOCK, 1 + block * BLOCK)
 
 
 class _Columns:

@@ -113,7 +113,10 @@ def play(
         game = after
         blocks.append({name: np.asarray(x) for name, x in frames.items()})
     check_actions(street, game, numbers)
-    return recording(street, scenarios, numbers, Endings.of(game), blocks)
+    endings = Endings.of(game)
+    frames = int(endings.length.max()) + 1
+    columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in first}
+    return recording(street, scenarios, numbers, endings, columns)
 
 
 def begin(
@@ -241,14 +244,13 @@ def recording(
     scenarios: Scenario,
     numbers: Int[np.ndarray, "episode"],
     endings: Endings,
-    blocks: list[dict[str, np.ndarray]],
+    columns: dict[str, np.ndarray],
 ) -> Trajectory:
     """Return the recording of the first episodes, as many as have ``endings``, in the order frame, episode, pedestrian.
 
-    The ``blocks`` follow each other: frames ``(frame, episode)`` or ``(frame, ped, episode)``.
+    The ``columns`` are frames ``(frame, episode)`` or ``(frame, ped, episode)``.
     """
-    some, frames = slice(len(endings.length)), int(endings.length.max()) + 1
-    columns = {name: np.concatenate([block[name] for block in blocks])[:frames] for name in blocks[0]}
+    some = slice(len(endings.length))
     goal_x, goal_y = _goal(street.world, scenarios)
     parked = parked_boxes(street.world, scenarios)
     return Trajectory(
