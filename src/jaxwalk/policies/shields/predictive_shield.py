@@ -9,16 +9,20 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from jaxwalk.columns import apply_where
 from jaxwalk.interfaces import View
 from jaxwalk.policies.shields.shield_scene import Around, ShieldScene, Verdict
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.events import distance, to_rectangle
 from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import SimConfig
-from jaxwalk.sim.state import VehicleState
+from jaxwalk.sim.state import Motion, VehicleState
 
 ROUNDING = 0.01
 """Single precision rounds: distances are kept larger by this [m]."""
+PART = 8
+"""What must be known of the cars that may touch somebody is computed for one part in 8 of all cars at once."""
 
 
 class PredictiveShield(eqx.Module):
@@ -42,12 +46,28 @@ class PredictiveShield(eqx.Module):
         """Return whether braking after the action stays clear, and full braking as now steered."""
         held = scene.car.steering / scene.world.rules.max_steering
         braking = jnp.stack([-jnp.ones_like(held), held])
-        safe = self._clear(action, scene)
-        caught = jax.lax.cond(safe.all(), jnp.zeros_like, lambda _: ~self._clear(braking, scene), safe)
-        return Verdict(safe, braking, caught & ~safe)
+        safe = self._clear(action, scene, math.inf)
+        if math.isfinite(self.acceleration):
+            safe |= self._clear_where(~safe, action, scene)
+        return Verdict(safe, braking, ~safe & ~self._clear_where(~safe, braking, scene))
 
-    def _clear(self, action: Float[Array, "2 *batch"], scene: ShieldScene) -> Bool[Array, "*batch"]:
-        """Return whether the car stays clear if it does this, and then brakes until it stands."""
+    def _clear_where(
+        self, which: Bool[Array, "*batch"], action: Float[Array, "2 *batch"], scene: ShieldScene
+    ) -> Bool[Array, "*batch"]:
+        """Return whether cars stay clear, for those that it must be known of, and False for the others."""
+
+        def clear(asked: tuple[Array, Scenario, VehicleState, Motion]) -> Array:
+            return self._clear(asked[0], ShieldScene(scene.shared, *asked[1:]), self.acceleration)
+
+        return apply_where(clear, (action, scene.scenario, scene.car, scene.people), which, PART)
+
+    def _clear(
+        self, action: Float[Array, "2 *batch"], scene: ShieldScene, acceleration: float
+    ) -> Bool[Array, "*batch"]:
+        """Return whether the car stays clear if it does this, and then brakes until it stands.
+
+        Nobody changes their velocity faster than by the ``acceleration`` [m/s2].
+        """
         braking = jnp.stack([-jnp.ones_like(action[0]), action[1]])
         steps = jnp.ones((), jnp.int32)
 
@@ -58,17 +78,17 @@ class PredictiveShield(eqx.Module):
         def brake(reached: tuple[Array, VehicleState, Array]) -> tuple[Array, VehicleState, Array]:
             steps, car, clear = reached
             car = vehicle.drive(scene.world, scene.scenario, car, braking)
-            return steps + 1, car, clear & self._apart(steps + 1, car, scene)
+            return steps + 1, car, clear & self._apart(steps + 1, car, scene, acceleration)
 
         car = vehicle.drive(scene.world, scene.scenario, scene.car, action)
-        return jax.lax.while_loop(rolls_on, brake, (steps, car, self._apart(steps, car, scene)))[2]
+        return jax.lax.while_loop(rolls_on, brake, (steps, car, self._apart(steps, car, scene, acceleration)))[2]
 
-    def _apart(self, steps: Array, car: VehicleState, scene: ShieldScene) -> Bool[Array, "*batch"]:
+    def _apart(self, steps: Array, car: VehicleState, scene: ShieldScene, acceleration: float) -> Bool[Array, "*batch"]:
         """Return whether nobody can touch the car where it is after some steps, or it stands there."""
         time = scene.world.rules.dt * steps
         clear = _room(scene, car, (scene.people.ahead, scene.people.left)) >= self.reach_speed * time + ROUNDING
-        if math.isfinite(self.acceleration):
-            gained = self.acceleration * time * (time + scene.world.rules.dt) / 2  # velocities change once a step
+        if math.isfinite(acceleration):
+            gained = acceleration * time * (time + scene.world.rules.dt) / 2  # velocities change once a step
             clear |= _room(scene, car, scene.people.at(time)) >= gained + ROUNDING
         return clear.all(axis=0) | (car.speed <= 0)
 
