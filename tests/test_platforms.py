@@ -15,7 +15,7 @@ from jaxwalk.platforms import few_launches, traced_for
 from jaxwalk.rollout import TRAINING, draw_batch, environment_keys, rollout, seed_key, start
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import WORLDS
-from jaxwalk.sim.vehicle import CLOSE, PUSHES, onto_road
+from jaxwalk.sim.vehicle import CLOSE, onto_road
 
 PEOPLE = 4
 
@@ -73,7 +73,7 @@ def test_cars_are_pushed_back_to_the_same_place():
             found.append(jax.jit(push)(x, y))
     one, other = found
     assert 0 < one[2].sum() < 64
-    assert np.hypot(one[0] - other[0], one[1] - other[1]).max() <= PUSHES * CLOSE
+    assert np.hypot(one[0] - other[0], one[1] - other[1]).max() <= CLOSE
     np.testing.assert_array_equal(one[2], other[2])
 
 

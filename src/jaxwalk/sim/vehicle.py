@@ -23,7 +23,7 @@ from jaxwalk.sim.world import World
 
 PUSHES, CLOSE = 3, 1e-4
 """A car off the road is pushed away from the nearest kerb at most this often, since where kerbs meet another one may be
-too near; no more if everybody is within `CLOSE` metres of the place that they are pushed to."""
+too near; no more if it is within `CLOSE` metres of the place that it is pushed to."""
 
 
 def place(world: World, scenario: Scenario) -> VehicleState:
@@ -85,7 +85,7 @@ def onto_road(
 ) -> tuple[Array, Array, Array]:
     """Move a position off the road to the nearest place well inside it; also return whether it was off.
 
-    Far off the road, or in a corner too narrow for it, the car stays where it was. On a GPU, whose host would have to
+    Far off the road, or in a corner too narrow for it, the car stays where it was. No car depends on another. On a GPU, whose host would have to
     wait for the answer whether a car must be pushed again, all pushes are made.
     """
     first = room(world, scenario, x, y)
