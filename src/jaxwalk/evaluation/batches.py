@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from itertools import cycle, islice
 
 import numpy as np
 
@@ -87,22 +88,21 @@ def evaluate_batches(
     starts = range(span.start, span.stop, batch)
     count = min(len(starts), 1 if host_driver(policies) else AT_ONCE)  # a host driver plays one batch at a time anyway
     lanes = [played(street, policies, map(planned, starts[first::count])) for first in range(count)]
-    for number, done in enumerate(_in_turn(lanes), 1):
+    for number, done in enumerate(_in_turn(lanes, len(starts)), 1):
         if progress is not None:
             progress(min(number * batch, len(span)), len(span))
         yield rows(*done)
     relieve()
 
 
-def _in_turn(lanes: Sequence[Iterator[Played]]) -> Iterator[Played]:
-    """Yield one batch of each lane after the other; meanwhile all lanes play on."""
+def _in_turn(lanes: Sequence[Iterator[Played]], batches: int) -> Iterator[Played]:
+    """Yield that many batches, one of each lane after the other; meanwhile all lanes play on."""
     with ThreadPoolExecutor(len(lanes)) as pool:
-        coming = deque((lane, pool.submit(next, lane, None)) for lane in lanes)
-        while coming:
-            lane, part = coming.popleft()
-            if (done := part.result()) is not None:
-                coming.append((lane, pool.submit(next, lane, None)))
-                yield done
+        coming = deque(pool.submit(next, lane, None) for lane in lanes)
+        for lane in islice(cycle(lanes), batches):
+            done = coming.popleft().result()
+            coming.append(pool.submit(next, lane, None))
+            yield done
 
 
 def replay(

@@ -1,7 +1,7 @@
 """Play batch after batch of scenarios in the same columns: where an episode has ended, the next one begins.
 
 A batch takes as long as its longest episode, two to four times as long as the mean one, and all of its columns are
-computed until then. So many scenarios are played sooner if no column waits for the others.
+computed until then. An evaluation of several batches ends sooner if no column waits for the others.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ Piece = tuple[int, Int[np.ndarray, "episode"], dict[str, np.ndarray]]
 """The number of a block, which episodes have played it, and their frames ``(frame, ..., episode)``."""
 
 
-class _Begun:
+class _Started:
     """A batch of which episodes have begun, and what is recorded of them."""
 
     def __init__(self, street: Street, policies: Roles[Policy], batch: Batch) -> None:
@@ -139,7 +139,7 @@ class _Columns:
     def __init__(self, street: Street, policies: Roles[Policy], batches: Iterator[Batch]) -> None:
         """Begin the first batch, and play its first block."""
         self.street, self.policies, self.coming = street, policies, batches
-        begun = _Begun(street, policies, next(batches))
+        begun = _Started(street, policies, next(batches))
         self.numbered = count(1)
         self.open = {0: begun}
         """Batches that have begun and aren't given out yet, by their number, oldest first."""
@@ -205,7 +205,7 @@ class _Columns:
             if begun.seated < begun.batch.count:
                 return number
         for number, batch in zip(self.numbered, self.coming, strict=False):
-            self.open[number] = _Begun(self.street, self.policies, batch)
+            self.open[number] = _Started(self.street, self.policies, batch)
             return number
         return None
 

@@ -85,8 +85,8 @@ def onto_road(
 ) -> tuple[Array, Array, Array]:
     """Move a position off the road to the nearest place well inside it; also return whether it was off.
 
-    Far off the road, or in a corner too narrow for it, the car stays where it was. No car depends on another. On a GPU, whose host would have to
-    wait for the answer whether a car must be pushed again, all pushes are made.
+    Far off the road, or in a corner too narrow for it, the car stays where it was. No car depends on another. On a
+    GPU, whose host would have to wait for the answer whether a car must be pushed again, all pushes are made.
     """
     first = room(world, scenario, x, y)
     off = first[0] <= 0
