@@ -98,10 +98,10 @@ def evaluate_batches(
 def _in_turn(lanes: Sequence[Iterator[Played]], batches: int) -> Iterator[Played]:
     """Yield that many batches, one of each lane after the other; meanwhile all lanes play on."""
     with ThreadPoolExecutor(len(lanes)) as pool:
-        coming = deque(pool.submit(next, lane, None) for lane in lanes)
+        coming = deque(pool.submit(next, lane) for lane in lanes)
         for lane in islice(cycle(lanes), batches):
             done = coming.popleft().result()
-            coming.append(pool.submit(next, lane, None))
+            coming.append(pool.submit(next, lane))
             yield done
 
 
