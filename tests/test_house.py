@@ -25,7 +25,7 @@ LONG_FUNCTIONS: set[str] = set()
 MANY_PARAMETERS: set[str] = set()
 DEEP_FUNCTIONS: set[str] = {
     "jaxwalk.bench.quantities._shares", "jaxwalk.bench.starting.watch",
-    "jaxwalk.evaluation.reading._check_sizes",
+    "jaxwalk.evaluation.reading._check_sizes", "jaxwalk.evaluation.results.evaluate_grid",
     "jaxwalk.report.figures.surrogates.surrogates",
     "jaxwalk.report.paper_tables.ablation", "jaxwalk.report.paper_tables.approach",
     "jaxwalk.report.paper_tables.baselines", "jaxwalk.runs.study._do", "jaxwalk.sim.reward.check_weights",
