@@ -30,7 +30,7 @@ from jaxwalk.sim.trajectory import Trajectory, part_of
 BATCH = 512
 """Default number of episodes played at once."""
 AT_ONCE = 2
-"""Number of lanes, which play a batch each at once: on a CPU, much of a batch keeps only one core busy."""
+"""Number of lanes, which play as many episodes at once as a batch has: on a CPU, a single one leaves cores idle."""
 
 Progress = Callable[[int, int], None]
 """Called with the number done so far, and the total."""
@@ -96,7 +96,10 @@ def evaluate_batches(
 
 
 def _in_turn(lanes: Sequence[Iterator[Played]], batches: int) -> Iterator[Played]:
-    """Yield that many batches, one of each lane after the other; meanwhile all lanes play on."""
+    """Yield that many batches, one of each lane after the other; meanwhile all lanes play on.
+
+    Each lane is asked once more than it has batches; nobody reads the StopIteration.
+    """
     with ThreadPoolExecutor(len(lanes)) as pool:
         coming = deque(pool.submit(next, lane) for lane in lanes)
         for lane in islice(cycle(lanes), batches):

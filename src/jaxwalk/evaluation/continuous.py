@@ -89,8 +89,8 @@ class _Started:
         """Whether all episodes have ended."""
         return bool(self.ended_in.all())
 
-    def next_in(self, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return which of the free columns the next episodes take, and which episodes these are."""
+    def seat(self, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Give free columns to the next episodes; return these columns, and which episodes have them."""
         columns = free[: self.batch.count - self.seated]
         episodes = self.seated + np.arange(columns.size)
         self.seated += columns.size
@@ -100,7 +100,7 @@ class _Started:
         """Keep the block of this number, from 1 on, of some episodes, which have been played in these columns."""
         self.pieces.append((block, episodes, {name: x[..., columns] for name, x in frames.items()}))
 
-    def end(self, episodes: np.ndarray, now: Endings, columns: np.ndarray, blocks: np.ndarray) -> None:
+    def note_endings(self, episodes: np.ndarray, now: Endings, columns: np.ndarray, blocks: np.ndarray) -> None:
         """Note how some episodes have ended, in which columns, and in which of their blocks."""
         for mine, theirs in zip(self.endings, now, strict=True):
             mine[..., episodes] = theirs[..., columns]
@@ -175,7 +175,7 @@ class _Columns:
                 columns = np.flatnonzero(mine & (self.blocks == block))
                 begun.record(block, frames, columns, self.episode[columns])
             columns = np.flatnonzero(mine & over)
-            begun.end(self.episode[columns], now, columns, self.blocks[columns])
+            begun.note_endings(self.episode[columns], now, columns, self.blocks[columns])
         self._note_errors()
         self.owner[over] = NOBODY
 
@@ -189,7 +189,7 @@ class _Columns:
         """Begin the next episodes wherever none is played."""
         while (free := np.flatnonzero(self.owner == NOBODY)).size and (number := self._waiting()) is not None:
             begun = self.open[number]
-            columns, episodes = begun.next_in(free)
+            columns, episodes = begun.seat(free)
             self.owner[columns], self.episode[columns], self.blocks[columns] = number, episodes, 0
             self.scenario[columns] = begun.batch.numbers[episodes]
             which = np.full(self.owner.size, NOBODY)

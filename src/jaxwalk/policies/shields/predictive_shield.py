@@ -22,7 +22,7 @@ from jaxwalk.sim.state import Motion, VehicleState
 ROUNDING = 0.01
 """Single precision rounds: distances are kept larger by this [m]."""
 PART = 8
-"""What must be known of the cars that may touch somebody is computed for one part in 8 of all cars at once."""
+"""Cars that may touch somebody are looked at again, one part in 8 of all cars at a time."""
 
 
 class PredictiveShield(eqx.Module):
@@ -54,7 +54,7 @@ class PredictiveShield(eqx.Module):
     def _clear_where(
         self, which: Bool[Array, "*batch"], action: Float[Array, "2 *batch"], scene: ShieldScene
     ) -> Bool[Array, "*batch"]:
-        """Return whether cars stay clear, for those that it must be known of, and False for the others."""
+        """Return whether the cars asked about stay clear by the shield's own assumptions; False for all others."""
 
         def clear(asked: tuple[Array, Scenario, VehicleState, Motion]) -> Array:
             return self._clear(asked[0], ShieldScene(scene.shared, *asked[1:]), self.acceleration)
@@ -84,7 +84,7 @@ class PredictiveShield(eqx.Module):
         return jax.lax.while_loop(rolls_on, brake, (steps, car, self._apart(steps, car, scene, acceleration)))[2]
 
     def _apart(self, steps: Array, car: VehicleState, scene: ShieldScene, acceleration: float) -> Bool[Array, "*batch"]:
-        """Return whether nobody can touch the car where it is after some steps, or it stands there."""
+        """Return whether nobody can touch the car where it is after some steps, or it stands there; as for `_clear`."""
         time = scene.world.rules.dt * steps
         clear = _room(scene, car, (scene.people.ahead, scene.people.left)) >= self.reach_speed * time + ROUNDING
         if math.isfinite(acceleration):
