@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation.shield_effects import shield_effect, shield_effects
+from jaxwalk.evaluation.shield_effects import expected_injuries, shield_effect, shield_effects
 from jaxwalk.metrics import OUTCOMES, SHIELD_INTERVENTIONS, Rows, Summary, measure, summarise
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.metrics.footprint import FRONT, SIDE
 from jaxwalk.sim.crossing_kind import JAYWALK
 from metrics.scenes import Scene, Walk, trajectory
 
@@ -79,6 +81,42 @@ def test_contacts_are_avoided_and_caused_in_pairs_of_scenarios():
     assert found.time_added.count == 2
     assert found.metres_lost.value == pytest.approx((0 + 12 - 30) / 3)
     assert found.in_words.startswith("mine+rss among always-go: 1 contact of the moving car avoided and 1 caused in 3 ")
+
+
+def _at(rows: Rows, speed: float, part: int) -> Rows:
+    """The same rows, but every contact is at this speed of the car [m/s] and with this part of it."""
+    table = rows[MEASURED_CONTACTS]
+    speeds, parts = np.full(len(table.rule), speed, np.float32), np.full(len(table.rule), part, np.int8)
+    return rows.having(MEASURED_CONTACTS, replace(table, car_speed=speeds, part=parts))
+
+
+def test_more_contacts_may_be_less_harm():
+    """One of four cars hits somebody with its front at 12 m/s; shielded, three are run into at their sides at 1.5 m/s.
+
+    The risk is 1 / (1 + exp(0.460 - 0.091 f - 0.039 h - 0.002 f h)): f = 3.6 x 12 - 42.79 = 0.41 and
+    h = 75 - 85.25 = -10.25 make 0.3035, and f = 5.4 - 42.79 = -37.39 makes 0.0294.
+    """
+    never = {"steps": [100] * 4, "goal": [True] * 4, "driven": [60] * 4}
+    bare = _at(_rows([True, False, False, False], **never), 12.0, FRONT)
+    behind = _at(_rows([False, True, True, True], **never), 1.5, SIDE)
+    found = shield_effect(("mine", "predictive", "always-go"), 0.25, bare, behind, "footprint")
+    assert (found.avoided, found.caused) == (1, 3)
+    assert (found.bare.contacts, found.bare.front, found.bare.car_speed.value) == (1, 1, 12)
+    assert (found.shielded.contacts, found.shielded.front, found.shielded.car_speed.value) == (3, 0, 1.5)
+    assert found.bare.injuries == pytest.approx(303.5 / 4, abs=0.1)
+    assert found.shielded.injuries == pytest.approx(3 * 29.4 / 4, abs=0.1)
+    assert found.injuries_added.value == pytest.approx(found.shielded.injuries - found.bare.injuries)
+    assert "1 of 1 contact with its front and 75.9 serious injuries" in found.in_words
+    assert "0 of 3 contacts with its front and 22.1 serious injuries" in found.in_words
+
+
+def test_a_car_that_stands_injures_nobody():
+    rows = _rows([True, False], steps=[80, 100], goal=[False, True], driven=[60, 60])
+    table = rows[MEASURED_CONTACTS]
+    standing = rows.having(MEASURED_CONTACTS, replace(table, moving=np.zeros(len(table.moving), bool)))
+    first, second = expected_injuries(rows, "footprint")
+    assert first > 0 == second
+    assert not expected_injuries(standing, "footprint").any()
 
 
 def test_only_drivers_that_were_evaluated_bare_too_are_compared():

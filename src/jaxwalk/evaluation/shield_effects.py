@@ -1,20 +1,47 @@
-"""Compare a driver with itself behind a shield in the same scenarios: contacts avoided and caused, time and way."""
+"""Compare a driver with itself behind a shield in the same scenarios: contacts, how bad they are, time and way."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from jaxwalk.evaluation.comparison import check_same_scenarios
 from jaxwalk.metrics import OUTCOMES, Estimate, Rows, mcnemar
-from jaxwalk.metrics.contacts import touched_while_moving
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS, RULES, touched_while_moving
+from jaxwalk.metrics.footprint import FRONT
+from jaxwalk.metrics.injury import monfort_mueller_mais3
 from jaxwalk.metrics.interventions_by_shield import SHIELD_INTERVENTIONS
 from jaxwalk.metrics.statistics import mean_of
 from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.wording import counted
+
+SCENARIOS = 1000
+"""Injuries are counted in this many scenarios."""
+
+
+@dataclass(frozen=True)
+class MovingContacts:
+    """The contacts of the moving car in all scenarios, by the world's rule."""
+
+    contacts: int
+    front: int
+    """Those with the car's front; the others are with its sides and its rear."""
+    car_speed: Estimate
+    """Mean speed of the car [m/s]; the count is of contacts."""
+    injuries: float
+    """Serious injuries to be expected in 1,000 scenarios (`expected_injuries`)."""
+
+    def in_words(self) -> str:
+        """Return how many there are, and how bad they may be."""
+        return (
+            f"{self.front:,} of {counted(self.contacts, 'contact')} with its front and {self.injuries:.1f} serious "
+            f"injuries to be expected in {SCENARIOS:,} scenarios"
+        )
 
 
 @dataclass(frozen=True)
@@ -35,6 +62,10 @@ class ShieldEffect:
     """Scenarios with a contact of the shielded driver only."""
     p: float
     """Exact McNemar p-value of the two, two-sided."""
+    bare: MovingContacts
+    shielded: MovingContacts
+    injuries_added: Estimate
+    """Mean of how many more serious injuries are to be expected in 1,000 scenarios with the shield; negative: fewer."""
     time_added: Estimate
     """Mean of how much later the shielded driver arrives, of scenarios in which both do [s]; the count is of those."""
     metres_lost: Estimate
@@ -67,9 +98,12 @@ def shield_effect(
     work = behind[SHIELD_INTERVENTIONS]
     each = work.interventions.sum() / max(new.driven.sum() / 1000, 1e-9)
     later = "" if time_added.value is None else f", and {time_added.value:+.1f} s where both arrive"
+    old_contacts, new_contacts = (_moving_contacts(rows, contact) for rows in (bare, behind))
+    added = mean_of(SCENARIOS * (expected_injuries(behind, contact) - expected_injuries(bare, contact)))
     words = (
         f"{driver}+{shield} among {people}: {counted(avoided, 'contact')} of the moving car avoided and {caused:,} "
-        f"caused in {counted(bare.episodes, 'scenario')}; {each:.1f} interventions per km{later}."
+        f"caused in {counted(bare.episodes, 'scenario')}; {old_contacts.in_words()} bare, {new_contacts.in_words()} "
+        f"shielded{_difference(added)}; {each:.1f} interventions per km{later}."
     )
     return ShieldEffect(
         driver=driver,
@@ -81,10 +115,46 @@ def shield_effect(
         avoided=avoided,
         caused=caused,
         p=mcnemar(before, after),
+        bare=old_contacts,
+        shielded=new_contacts,
+        injuries_added=added,
         time_added=time_added,
         metres_lost=mean_of(old.driven.astype(np.float64) - new.driven),
         in_words=words,
     )
+
+
+def _difference(added: Estimate) -> str:
+    """Return a difference of injuries with its interval, if it has one."""
+    return "" if added.low is None else f" ({added.value:+.1f} [{added.low:.1f}, {added.high:.1f}])"
+
+
+def expected_injuries(rows: Rows, contact: ContactRule) -> Float[np.ndarray, "episode"]:
+    """Return the serious injuries (MAIS 3+) to be expected in each episode: the risks of its contacts, added up.
+
+    The risk is that of a contact with the front of a car at this speed (`monfort_mueller_mais3`). Contacts with the
+    sides and the rear of the moving car count as if they were with its front.
+    """
+    table, mine = rows[MEASURED_CONTACTS], _while_moving(rows, contact)
+    found = np.zeros(rows.episodes)
+    np.add.at(found, table.episode[mine], monfort_mueller_mais3(table.car_speed[mine]))
+    return found
+
+
+def _moving_contacts(rows: Rows, contact: ContactRule) -> MovingContacts:
+    table, mine = rows[MEASURED_CONTACTS], _while_moving(rows, contact)
+    return MovingContacts(
+        contacts=int(mine.sum()),
+        front=int((table.part[mine] == FRONT).sum()),
+        car_speed=mean_of(table.car_speed[mine], within=(0.0, math.inf)),
+        injuries=SCENARIOS * float(expected_injuries(rows, contact).mean()),
+    )
+
+
+def _while_moving(rows: Rows, contact: ContactRule) -> Bool[np.ndarray, "contact"]:
+    """Return which rows of contacts are of the moving car, by this rule."""
+    table = rows[MEASURED_CONTACTS]
+    return table.moving & (table.rule == RULES.index(contact))
 
 
 def shield_effects(
