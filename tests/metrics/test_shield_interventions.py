@@ -106,8 +106,8 @@ def test_more_contacts_may_be_less_harm():
     assert found.bare.injuries == pytest.approx(303.5 / 4, abs=0.1)
     assert found.shielded.injuries == pytest.approx(3 * 29.4 / 4, abs=0.1)
     assert found.injuries_added.value == pytest.approx(found.shielded.injuries - found.bare.injuries)
-    assert "1 of 1 contact with its front and 75.9 serious injuries" in found.in_words
-    assert "0 of 3 contacts with its front and 22.1 serious injuries" in found.in_words
+    assert "; bare 1 of 1 with its front, shielded 0 of 3; serious injuries" in found.in_words
+    assert "1,000 scenarios: 75.9 bare, 22.1 shielded (-53.8 [" in found.in_words
 
 
 def test_a_car_that_stands_injures_nobody():

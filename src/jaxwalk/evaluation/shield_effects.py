@@ -36,13 +36,6 @@ class MovingContacts:
     injuries: float
     """Serious injuries to be expected in 1,000 scenarios (`expected_injuries`)."""
 
-    def in_words(self) -> str:
-        """Return how many there are, and how bad they may be."""
-        return (
-            f"{self.front:,} of {counted(self.contacts, 'contact')} with its front and {self.injuries:.1f} serious "
-            f"injuries to be expected in {SCENARIOS:,} scenarios"
-        )
-
 
 @dataclass(frozen=True)
 class ShieldEffect:
@@ -98,12 +91,12 @@ def shield_effect(
     work = behind[SHIELD_INTERVENTIONS]
     each = work.interventions.sum() / max(new.driven.sum() / 1000, 1e-9)
     later = "" if time_added.value is None else f", and {time_added.value:+.1f} s where both arrive"
-    old_contacts, new_contacts = (_moving_contacts(rows, contact) for rows in (bare, behind))
+    first, second = (_moving_contacts(rows, contact) for rows in (bare, behind))
     added = mean_of(SCENARIOS * (expected_injuries(behind, contact) - expected_injuries(bare, contact)))
     words = (
         f"{driver}+{shield} among {people}: {counted(avoided, 'contact')} of the moving car avoided and {caused:,} "
-        f"caused in {counted(bare.episodes, 'scenario')}; {old_contacts.in_words()} bare, {new_contacts.in_words()} "
-        f"shielded{_difference(added)}; {each:.1f} interventions per km{later}."
+        f"caused in {counted(bare.episodes, 'scenario')}; {_harm(first, second, added)}; "
+        f"{each:.1f} interventions per km{later}."
     )
     return ShieldEffect(
         driver=driver,
@@ -115,8 +108,8 @@ def shield_effect(
         avoided=avoided,
         caused=caused,
         p=mcnemar(before, after),
-        bare=old_contacts,
-        shielded=new_contacts,
+        bare=first,
+        shielded=second,
         injuries_added=added,
         time_added=time_added,
         metres_lost=mean_of(old.driven.astype(np.float64) - new.driven),
@@ -124,9 +117,14 @@ def shield_effect(
     )
 
 
-def _difference(added: Estimate) -> str:
-    """Return a difference of injuries with its interval, if it has one."""
-    return "" if added.low is None else f" ({added.value:+.1f} [{added.low:.1f}, {added.high:.1f}])"
+def _harm(bare: MovingContacts, shielded: MovingContacts, added: Estimate) -> str:
+    """Return in words how bad the contacts are; the difference of injuries has its interval, if there is one."""
+    difference = "" if added.low is None else f" ({added.value:+.1f} [{added.low:.1f}, {added.high:.1f}])"
+    return (
+        f"bare {bare.front:,} of {bare.contacts:,} with its front, shielded {shielded.front:,} of "
+        f"{shielded.contacts:,}; serious injuries to be expected in {SCENARIOS:,} scenarios: {bare.injuries:.1f} bare, "
+        f"{shielded.injuries:.1f} shielded{difference}"
+    )
 
 
 def expected_injuries(rows: Rows, contact: ContactRule) -> Float[np.ndarray, "episode"]:
