@@ -54,7 +54,7 @@ STEPS_PER_SECOND = 28_000.0
 class RiskEffort(Effort):
     """The size of the study."""
 
-    updates: int = 300
+    updates: int = 200
     episodes: int = 4000
     seed: int = 90
     seeds: int = 5

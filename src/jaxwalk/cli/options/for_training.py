@@ -192,7 +192,7 @@ class RiskAware:
     """Folder for everything; read risk-aware.md in it."""
     seeds: Annotated[int, option("5", "N")] = 5
     """Number of training seeds: seed, seed + 1, and so on; fewer than 5 judge nothing."""
-    updates: Annotated[int, option("300", "N")] = 300
+    updates: Annotated[int, option("200", "N")] = 200
     """Updates of each training."""
     episodes: Annotated[int, option("4000", "N")] = 4000
     """Scenarios for each driver; a hundredth of them are the worst ones."""
