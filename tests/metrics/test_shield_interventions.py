@@ -96,15 +96,17 @@ def test_more_contacts_may_be_less_harm():
     The risk is 1 / (1 + exp(0.460 - 0.091 f - 0.039 h - 0.002 f h)): f = 3.6 x 12 - 42.79 = 0.41 and
     h = 75 - 85.25 = -10.25 make 0.3035, and f = 5.4 - 42.79 = -37.39 makes 0.0294.
     """
-    never = {"steps": [100] * 4, "goal": [True] * 4, "driven": [60] * 4}
-    bare = _at(_rows([True, False, False, False], **never), 12.0, FRONT)
-    behind = _at(_rows([False, True, True, True], **never), 1.5, SIDE)
-    found = shield_effect(("mine", "predictive", "always-go"), 0.25, bare, behind, "footprint")
+    arrives = {"steps": [100] * 4, "goal": [True] * 4, "driven": [60] * 4}
+    bare = _at(_rows([True, False, False, False], **arrives), 12.0, FRONT)
+    after = _at(_rows([False, True, True, True], **arrives), 1.5, SIDE)
+    found = shield_effect(("mine", "predictive", "always-go"), 0.25, bare, after, "footprint")
     assert (found.avoided, found.caused) == (1, 3)
     assert (found.bare.contacts, found.bare.front, found.bare.car_speed.value) == (1, 1, 12)
     assert (found.shielded.contacts, found.shielded.front, found.shielded.car_speed.value) == (3, 0, 1.5)
     assert found.bare.injuries == pytest.approx(303.5 / 4, abs=0.1)
     assert found.shielded.injuries == pytest.approx(3 * 29.4 / 4, abs=0.1)
+    assert (found.bare.front_injuries, found.shielded.front_injuries) == (found.bare.injuries, 0)
+    assert found.front_injuries_added.value == pytest.approx(-found.bare.injuries)
     assert found.injuries_added.value == pytest.approx(found.shielded.injuries - found.bare.injuries)
     assert "; bare 1 of 1 with its front, shielded 0 of 3; serious injuries" in found.in_words
     assert "1,000 scenarios: 75.9 bare, 22.1 shielded (-53.8 [" in found.in_words
@@ -115,8 +117,15 @@ def test_a_car_that_stands_injures_nobody():
     table = rows[MEASURED_CONTACTS]
     standing = rows.having(MEASURED_CONTACTS, replace(table, moving=np.zeros(len(table.moving), bool)))
     first, second = expected_injuries(rows, "footprint")
-    assert first > 0 == second
+    assert first > 0
+    assert second == 0
     assert not expected_injuries(standing, "footprint").any()
+
+
+def test_risks_of_several_people_in_an_episode_add_up():
+    people = [Walk(6.0, 0), Walk(6.5, 0)]
+    rows = _at(measure(trajectory(Scene(STEPS, people, speed=8.0))), 12.0, FRONT)
+    assert expected_injuries(rows, "footprint") == pytest.approx([2 * 0.3035], abs=1e-3)
 
 
 def test_only_drivers_that_were_evaluated_bare_too_are_compared():

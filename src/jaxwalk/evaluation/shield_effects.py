@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from jaxwalk.evaluation.comparison import check_same_scenarios
 from jaxwalk.metrics import OUTCOMES, Estimate, Rows, mcnemar
-from jaxwalk.metrics.contacts import MEASURED_CONTACTS, RULES, touched_while_moving
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS, touched_while_moving, while_moving
 from jaxwalk.metrics.footprint import FRONT
 from jaxwalk.metrics.injury import monfort_mueller_mais3
 from jaxwalk.metrics.interventions_by_shield import SHIELD_INTERVENTIONS
@@ -20,8 +20,8 @@ from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.wording import counted
 
-SCENARIOS = 1000
-"""Injuries are counted in this many scenarios."""
+PER = 1000
+"""Injuries are given for this many scenarios."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,9 @@ class MovingContacts:
     car_speed: Estimate
     """Mean speed of the car [m/s]; the count is of contacts."""
     injuries: float
-    """Serious injuries to be expected in 1,000 scenarios (`expected_injuries`)."""
+    """Serious injuries or deaths to be expected in 1,000 scenarios (`expected_injuries`)."""
+    front_injuries: float
+    """Those of contacts with the front alone."""
 
 
 @dataclass(frozen=True)
@@ -56,9 +58,13 @@ class ShieldEffect:
     p: float
     """Exact McNemar p-value of the two, two-sided."""
     bare: MovingContacts
+    """Contacts without the shield."""
     shielded: MovingContacts
+    """Contacts with it."""
     injuries_added: Estimate
     """Mean of how many more serious injuries are to be expected in 1,000 scenarios with the shield; negative: fewer."""
+    front_injuries_added: Estimate
+    """The same for contacts with the front alone."""
     time_added: Estimate
     """Mean of how much later the shielded driver arrives, of scenarios in which both do [s]; the count is of those."""
     metres_lost: Estimate
@@ -91,11 +97,11 @@ def shield_effect(
     work = behind[SHIELD_INTERVENTIONS]
     each = work.interventions.sum() / max(new.driven.sum() / 1000, 1e-9)
     later = "" if time_added.value is None else f", and {time_added.value:+.1f} s where both arrive"
-    first, second = (_moving_contacts(rows, contact) for rows in (bare, behind))
-    added = mean_of(SCENARIOS * (expected_injuries(behind, contact) - expected_injuries(bare, contact)))
+    bare_contacts, shielded_contacts = (_moving_contacts(rows, contact) for rows in (bare, behind))
+    added, front_added = (_injuries_added(bare, behind, contact, front) for front in (False, True))
     words = (
         f"{driver}+{shield} among {people}: {counted(avoided, 'contact')} of the moving car avoided and {caused:,} "
-        f"caused in {counted(bare.episodes, 'scenario')}; {_harm(first, second, added)}; "
+        f"caused in {counted(bare.episodes, 'scenario')}; {_harm(bare_contacts, shielded_contacts, added)}; "
         f"{each:.1f} interventions per km{later}."
     )
     return ShieldEffect(
@@ -108,9 +114,10 @@ def shield_effect(
         avoided=avoided,
         caused=caused,
         p=mcnemar(before, after),
-        bare=first,
-        shielded=second,
+        bare=bare_contacts,
+        shielded=shielded_contacts,
         injuries_added=added,
+        front_injuries_added=front_added,
         time_added=time_added,
         metres_lost=mean_of(old.driven.astype(np.float64) - new.driven),
         in_words=words,
@@ -122,37 +129,39 @@ def _harm(bare: MovingContacts, shielded: MovingContacts, added: Estimate) -> st
     difference = "" if added.low is None else f" ({added.value:+.1f} [{added.low:.1f}, {added.high:.1f}])"
     return (
         f"bare {bare.front:,} of {bare.contacts:,} with its front, shielded {shielded.front:,} of "
-        f"{shielded.contacts:,}; serious injuries to be expected in {SCENARIOS:,} scenarios: {bare.injuries:.1f} bare, "
+        f"{shielded.contacts:,}; serious injuries to be expected in {PER:,} scenarios: {bare.injuries:.1f} bare, "
         f"{shielded.injuries:.1f} shielded{difference}"
     )
 
 
-def expected_injuries(rows: Rows, contact: ContactRule) -> Float[np.ndarray, "episode"]:
-    """Return the serious injuries (MAIS 3+) to be expected in each episode: the risks of its contacts, added up.
+def expected_injuries(rows: Rows, contact: ContactRule, *, front_only: bool = False) -> Float[np.ndarray, "episode"]:
+    """Return the serious injuries or deaths (MAIS 3+) to be expected in each episode: its contacts' risks, added up.
 
     The risk is that of a contact with the front of a car at this speed (`monfort_mueller_mais3`). Contacts with the
-    sides and the rear of the moving car count as if they were with its front.
+    sides and the rear of the moving car count as if they were with its front, or with ``front_only`` not at all.
     """
-    table, mine = rows[MEASURED_CONTACTS], _while_moving(rows, contact)
+    table, mine = rows[MEASURED_CONTACTS], while_moving(rows, contact)
+    if front_only:
+        mine = mine & (table.part == FRONT)
     found = np.zeros(rows.episodes)
     np.add.at(found, table.episode[mine], monfort_mueller_mais3(table.car_speed[mine]))
     return found
 
 
+def _injuries_added(bare: Rows, behind: Rows, contact: ContactRule, front_only: bool) -> Estimate:
+    before, after = (expected_injuries(rows, contact, front_only=front_only) for rows in (bare, behind))
+    return mean_of(PER * (after - before))
+
+
 def _moving_contacts(rows: Rows, contact: ContactRule) -> MovingContacts:
-    table, mine = rows[MEASURED_CONTACTS], _while_moving(rows, contact)
+    table, mine = rows[MEASURED_CONTACTS], while_moving(rows, contact)
     return MovingContacts(
         contacts=int(mine.sum()),
         front=int((table.part[mine] == FRONT).sum()),
         car_speed=mean_of(table.car_speed[mine], within=(0.0, math.inf)),
-        injuries=SCENARIOS * float(expected_injuries(rows, contact).mean()),
+        injuries=PER * float(expected_injuries(rows, contact).mean()),
+        front_injuries=PER * float(expected_injuries(rows, contact, front_only=True).mean()),
     )
-
-
-def _while_moving(rows: Rows, contact: ContactRule) -> Bool[np.ndarray, "contact"]:
-    """Return which rows of contacts are of the moving car, by this rule."""
-    table = rows[MEASURED_CONTACTS]
-    return table.moving & (table.rule == RULES.index(contact))
 
 
 def shield_effects(

@@ -94,11 +94,16 @@ def _part(trajectory, frame, episode, ped, config: SimConfig) -> tuple[np.ndarra
     return touched_part(*after, ahead, left, config)
 
 
+def while_moving(rows: Rows, rule: ContactRule = "footprint") -> Bool[np.ndarray, "contact"]:
+    """Return which rows of `Contacts` are of the moving car, by this rule."""
+    table = rows[MEASURED_CONTACTS]
+    return table.moving & (table.rule == RULES.index(rule))
+
+
 def touched_while_moving(rows: Rows, rule: ContactRule = "footprint") -> Bool[np.ndarray, "episode"]:
     """Return in which episodes the moving car touched somebody, by this rule."""
-    table = rows[MEASURED_CONTACTS]
     found = np.zeros(rows.episodes, bool)
-    found[table.episode[table.moving & (table.rule == RULES.index(rule))]] = True
+    found[rows[MEASURED_CONTACTS].episode[while_moving(rows, rule)]] = True
     return found
 
 
