@@ -46,8 +46,9 @@ COMPARED: tuple[Ending, ...] = ("moving contact", "goal")
 RESULT, PAGE = "risk-aware.json", "risk-aware.md"
 LAST = 50
 """Updates at the end of a training over which the costs that it reached are averaged."""
-STEPS_PER_SECOND = 28_000.0
-"""What two cores manage of `blind-corner` (AMD EPYC, median of 124 updates), for the time that is said in advance."""
+STEPS_PER_SECOND = 21_000.0
+"""What two cores manage (AMD EPYC, all trainings of the published study, with what is compiled), for the time that is
+said in advance."""
 
 
 @dataclass(frozen=True)
