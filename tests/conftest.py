@@ -139,7 +139,7 @@ def interruptible():
 AT_ONCE, REPLAYED = 16, 4
 """Episodes that evaluations of tests play at once, and collisions that they replay: many more than most of them ask
 for, badly compiled, take long."""
-READERS = ("evaluation.batches", "evaluation.counterfactual", "exports.track_table", "exports.replays", "cli.evaluate")
+READERS = ("evaluation.batches", "cli.evaluate")
 """Modules that know how many episodes are played at once."""
 
 

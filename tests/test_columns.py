@@ -36,3 +36,11 @@ def test_it_is_computed_where_it_is_asked_for_and_nowhere_else(asked):
 def test_a_single_column_needs_no_axis():
     found = [apply_where(jnp.exp, jnp.float32(1), jnp.bool_(which), PART) for which in (True, False)]
     np.testing.assert_allclose(found, [np.e, 0], rtol=1e-6)
+
+
+def test_no_other_column_is_computed_beside_the_chosen_ones():
+    """A loop of the function that runs until all of its columns are done waits for nobody else."""
+    values = -jnp.arange(1, COLUMNS + 1, dtype=jnp.float32)
+    which = jnp.arange(COLUMNS) == 7
+    found = apply_where(lambda column: jnp.full_like(column, column.max()), values, which, PART)
+    assert found[7] == values[7]

@@ -33,7 +33,8 @@ def apply_where(function: Callable[[Any], Any], arguments: Any, which: Bool[Arra
     def some(progress: tuple[Array, Any]) -> tuple[Array, Any]:
         waiting, found = progress
         (chosen,) = jnp.nonzero(waiting, size=places, fill_value=count)  # an index beyond the last one is nobody
-        new = function(jax.tree.map(lambda x: x.at[..., chosen].get(mode="fill", fill_value=0), flat))
+        real = jnp.where(chosen < count, chosen, chosen[0])  # so that no loop of the function runs longer for nobody
+        new = function(jax.tree.map(lambda x: x[..., real], flat))
         waiting = waiting.at[chosen].set(False, mode="drop")
         return waiting, jax.tree.map(lambda x, y: x.at[..., chosen].set(y, mode="drop"), found, new)
 

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from jaxwalk.evaluation import play, with_jaywalk_multiplier
+from jaxwalk.evaluation.playing import begin, play_block
 from jaxwalk.metrics import WAITING, measure, summarise
 from jaxwalk.policies import AlwaysGo, ConstantSpeed
+from jaxwalk.policies.shields.shield_scene import Around
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import pedestrian, prediction
 from jaxwalk.sim.environment import Street
@@ -165,3 +167,26 @@ def test_a_batch_that_does_not_fit_is_refused(short, driver, undecided, batch):
     scenarios, keys = batch
     with pytest.raises(ValueError, match="one key for each"):
         play(short, {"driver": driver, "pedestrian": undecided}, scenarios, keys[:3])
+
+
+class Watches(eqx.Module):
+    """Drives full throttle, and remembers how far ahead the nearest person was last."""
+
+    view: Around = eqx.field(static=True, default=Around())
+
+    def init(self, agents, batch):
+        return jnp.zeros(batch)
+
+    def act(self, key, memory, scene):
+        return jnp.stack([jnp.ones_like(memory), jnp.zeros_like(memory)]), jnp.abs(scene.people.ahead).min(axis=0)
+
+
+def test_nobody_is_there_any_more_once_an_episode_has_ended(short, undecided, batch):
+    """A shield would search for a way around them in vain, step after step, until the longest episode has ended."""
+    setup, game, _ = begin(short, {"driver": Watches(), "pedestrian": undecided}, *batch)
+    game, _ = play_block(setup, game, 25)
+    assert not game.ended.all()
+    assert (game.memory["driver"][0] < 100).all()
+    game, _ = play_block(setup, game, HORIZON)
+    assert game.ended.all()
+    assert (game.memory["driver"][0] == prediction.AWAY).all()

@@ -6,10 +6,14 @@ import jax
 import numpy as np
 import pytest
 
+from evaluation.test_hosted import hosted
 from jaxwalk import rollout
-from jaxwalk.evaluation import evaluate, replay, with_jaywalk_multiplier
+from jaxwalk.evaluation import episodes_at_once, evaluate, replay, with_jaywalk_multiplier
 from jaxwalk.metrics import OUTCOMES
+from jaxwalk.platforms import traced_for
 from jaxwalk.scenarios import Drawn
+from jaxwalk.sim.environment import Street
+from jaxwalk.sim.sim_config import SimConfig
 
 
 def test_how_many_are_asked_for_changes_no_row(street, driver, undecided, rows):
@@ -26,6 +30,23 @@ def test_the_batch_size_changes_roundings_at_most(street, driver, undecided, row
     for field in dataclasses.fields(rows[OUTCOMES]):
         a, b = getattr(other[OUTCOMES], field.name), getattr(rows[OUTCOMES], field.name)
         np.testing.assert_allclose(a, b, rtol=1e-5, err_msg=field.name)
+
+
+@pytest.mark.parametrize(
+    ("people", "episodes"), [(1, 512), (12, 512), (13, 256), (24, 256), (48, 128), (72, 64), (400, 64)]
+)
+def test_fewer_episodes_are_played_at_once_where_there_are_many_people(people, episodes, driver, monkeypatch):
+    monkeypatch.setattr("jaxwalk.evaluation.batches.BATCH", 512)
+    street = Street.create(config=SimConfig(pedestrians=people))
+    assert episodes_at_once(street, {"driver": driver}) == episodes
+
+
+def test_a_gpu_and_a_driver_that_is_asked_batch_by_batch_play_as_many_as_ever(driver, monkeypatch):
+    monkeypatch.setattr("jaxwalk.evaluation.batches.BATCH", 512)
+    street = Street.create(config=SimConfig(pedestrians=72))
+    assert episodes_at_once(street, {"driver": hosted()}) == 512
+    with traced_for("gpu"):
+        assert episodes_at_once(street, {"driver": driver}) == 512
 
 
 def test_an_evaluation_can_be_replayed(street, driver, undecided, rows):

@@ -1,7 +1,7 @@
 """Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them."""
 
 from jaxwalk.evaluation.avoidable import CounterfactualSummary, summarise_counterfactuals
-from jaxwalk.evaluation.batches import BATCH, evaluate, replay
+from jaxwalk.evaluation.batches import BATCH, episodes_at_once, evaluate, replay
 from jaxwalk.evaluation.broken import ActionError, named
 from jaxwalk.evaluation.comparison import EndingCounts, PairedEndings, compare_endings, paired
 from jaxwalk.evaluation.counterfactual import Counterfactuals, ReplayError, counterfactuals
@@ -37,6 +37,7 @@ __all__ = [
     "compare_endings",
     "counterfactuals",
     "describe",
+    "episodes_at_once",
     "evaluate",
     "evaluate_grid",
     "every_two",

@@ -2,7 +2,7 @@
 
 The course of a scenario depends only on the scenario and its key. All batches have the same size on the device (the
 last one repeats scenarios), so row i is the same to the last bit for any number of scenarios. Another batch size may
-round differently.
+round differently: the usual one depends only on the world (`episodes_at_once`).
 """
 
 from __future__ import annotations
@@ -22,13 +22,16 @@ from jaxwalk.evaluation.unhindered import unhindered_times, with_delay
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.maps import map_labels
 from jaxwalk.metrics import Rows, measure
+from jaxwalk.platforms import few_launches
 from jaxwalk.relief import relieve
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.trajectory import Trajectory, part_of
 
 BATCH = 512
-"""Default number of episodes played at once."""
+"""Most episodes in a batch, unless another number is asked for."""
+FEWEST, PEOPLE = 64, 12 * BATCH
+"""Where people are many, a batch has fewer episodes: of so many people in all, but at least so many episodes."""
 AT_ONCE = 2
 """Number of lanes, which play as many episodes at once as a batch has: on a CPU, a single one leaves cores idle."""
 
@@ -46,8 +49,8 @@ def evaluate(
         street: the world.
         policies: the policy of each role.
         source: the scenarios.
-        batch: episodes in a batch (default: `BATCH`), of which `AT_ONCE` are in progress at a time; memory grows with
-            it, about 0.4 MB per episode.
+        batch: episodes in a batch (default: `episodes_at_once`), of which `AT_ONCE` are in progress at a time; memory
+            grows with it, about 0.4 MB per episode of 12 people.
         progress: called after every batch with the number of episodes played so far, and the total.
 
     Raises:
@@ -66,7 +69,7 @@ def evaluate_batches(
 
     With a ``span``, which begins at a multiple of ``batch``: only the rows of its scenarios, equal to the last bit.
     """
-    batch = _size(batch)
+    batch = _size(batch, street, policies)
     episodes, config = len(source), street.config
     span = range(episodes) if span is None else span
     if span.start % batch or not 0 <= span.start < span.stop <= episodes:
@@ -117,7 +120,7 @@ def replay(
         ValueError: there are no ``numbers`` or more than ``batch``, the source lacks one of them, or ``batch`` is
             below 1.
     """
-    batch = _size(batch)
+    batch = _size(batch, street, policies)
     chosen = np.asarray(numbers, np.int64)
     if not 0 < len(chosen) <= batch:
         raise ValueError(f"replay takes 1 to {batch} scenarios at once, not {len(chosen)}")
@@ -128,8 +131,20 @@ def replay(
     return part_of(trajectory, frames=int(trajectory.length[:count].max()) + 1, episodes=slice(count))
 
 
-def _size(batch: int | None) -> int:
+def episodes_at_once(street: Street, policies: Roles[Policy]) -> int:
+    """Return the usual size of a batch: a power of two, the smaller the more people there are.
+
+    A CPU computes larger arrays more slowly, as they leave its cache: ``docs/evaluation.md`` has what that costs. A
+    `HostDriver`, which is called once for a whole batch, and a GPU get `BATCH`.
+    """
+    if few_launches() or host_driver(policies):
+        return BATCH
+    fits = max(PEOPLE // max(street.world.rules.pedestrians, 1), FEWEST)
+    return min(BATCH, 1 << fits.bit_length() - 1)
+
+
+def _size(batch: int | None, street: Street, policies: Roles[Policy]) -> int:
     """Return the number of episodes played at once. Raise ValueError if it is below 1."""
     if batch is not None and batch < 1:
         raise ValueError(f"batch must be at least 1, not {batch}")
-    return BATCH if batch is None else batch
+    return episodes_at_once(street, policies) if batch is None else batch

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
-from jaxwalk.evaluation.batches import BATCH, Progress
+from jaxwalk.evaluation.batches import Progress, episodes_at_once
 from jaxwalk.evaluation.hits import Hits
 from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
 from jaxwalk.evaluation.playing import play
@@ -123,7 +123,7 @@ def counterfactuals(
         source: the scenarios.
         hits: the collisions, from `find_hits`.
         batch: episodes played at once. By default `SMALL_BATCH`, which is quicker for few collisions; if rounding
-            makes those replays differ, `BATCH`, which `evaluate` uses.
+            makes those replays differ, as many as `evaluate` plays.
         progress: called after every batch with the number of collisions replayed so far, and the total.
 
     Raises:
@@ -138,7 +138,7 @@ def counterfactuals(
     except ReplayError:
         if batch is not None:
             raise
-        found = replayed(BATCH)
+        found = replayed(episodes_at_once(street, policies))
     relieve()
     return Counterfactuals(
         collisions=hits.collisions,

@@ -21,6 +21,7 @@ from jaxwalk.policies.host import HostDriver
 from jaxwalk.policies.shielding import Intervention, Shielded
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
+from jaxwalk.sim.prediction import AWAY
 from jaxwalk.sim.recording import Frame, frame, parked_boxes
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import State
@@ -228,7 +229,7 @@ def _step(setup: Setup, game: Underway) -> Underway:
     """Make one step in every episode that has not ended."""
     street, cast = setup.street, cast_of(setup.policies)
     key = step_key(setup.keys, game.state.step)
-    acted = act(street, cast, key, setup.scenarios, game.state, game.memory)
+    acted = act(street, cast, key, setup.scenarios, _alone_where(game.ended, game.state), game.memory)
     state, outcome = street.step(setup.scenarios, game.state, acted.actions)
     sound = [spec.contains(acted.actions[role]) for role, spec in street.roles.items()]
     events, ended = outcome.events, outcome.ended | (state.step >= setup.until) | ~jnp.stack(sound).all(axis=0)
@@ -237,6 +238,13 @@ def _step(setup: Setup, game: Underway) -> Underway:
     after = Underway(state, acted.memory, ended, events.goal, events.collision, events.touched, actions, did)
     kept = jax.tree.map(lambda new, old: jnp.where(game.ended, old, new), after, game)
     return eqx.tree_at(lambda game: game.memory, kept, acted.memory, is_leaf=lambda x: x is None)
+
+
+def _alone_where(ended: Bool[Array, "episode"], state: State) -> State:
+    """Return the states in which the cars of episodes that have ended perceive nobody: no shield searches for them."""
+    people = state.foresight.people
+    ahead = jnp.where(ended, AWAY, people.ahead)
+    return replace(state, foresight=replace(state.foresight, people=replace(people, ahead=ahead)))
 
 
 def recording(

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxwalk.evaluation import BATCH, Cell, Results, acts_by, jaywalk_multiplier, named
+from jaxwalk.evaluation import BATCH, Cell, Results, acts_by, episodes_at_once, jaywalk_multiplier, named
 from jaxwalk.evaluation.batches import evaluate_batches
 from jaxwalk.evaluation.document_parts import ScenarioSet, StreetOrigin
 from jaxwalk.evaluation.map_rates import rates_by_map
@@ -120,9 +120,8 @@ def _played_cell(work: Evaluation, planned: PartDocument, number: int, writer: R
     def progress(done: int, total: int) -> None:
         tell(f"{driver} among {population}", number * total + done, len(planned.cells) * total)
 
-    batches = evaluate_batches(
-        street, policies, source, batch=planned.batch, progress=progress, span=planned.span
-    )  # fmt: skip
+    batch = min(planned.batch, episodes_at_once(street, policies))  # as an evaluation of all plays
+    batches = evaluate_batches(street, policies, source, batch=batch, progress=progress, span=planned.span)
     with named({"driver": driver, "pedestrian": population}):
         for rows in batches:
             writer.write(number, rows)

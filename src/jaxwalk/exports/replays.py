@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from jaxwalk.evaluation import BATCH, jaywalk_multiplier, named, replay
+from jaxwalk.evaluation import episodes_at_once, jaywalk_multiplier, named, replay
 from jaxwalk.interfaces import Policy
 from jaxwalk.maps import as_network
 from jaxwalk.maps.routes import ROUTE_SPACING
@@ -34,11 +34,12 @@ def recording(
 
     ``say`` is called with a line of progress.
     """
+    batch = episodes_at_once(street, {})  # no driver has a smaller one
     found = [
         entry
         for people, policy in populations.items()
-        for first in range(0, len(numbers[people]), BATCH)
-        for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + BATCH], source, say)
+        for first in range(0, len(numbers[people]), batch)
+        for entry in _entries(street, drivers, (people, policy), numbers[people][first : first + batch], source, say)
     ]
     return page_document(street, found)
 
@@ -58,7 +59,7 @@ def _entries(
     source: Source,
     say: Callable[[str], None],
 ) -> list[dict[str, Any]]:
-    """Return the page's entries of up to `BATCH` scenarios under every driver."""
+    """Return the page's entries of scenarios, a batch at most, under every driver."""
     scenarios, _ = source.take(np.asarray(numbers))
     plans, found = _plans(street, scenarios), []
     for driver, policy in drivers.items():

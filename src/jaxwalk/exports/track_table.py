@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jaxwalk.evaluation import BATCH, play
+from jaxwalk.evaluation import episodes_at_once, play
 from jaxwalk.evaluation.batches import Progress
 from jaxwalk.formats.areas import areas_of
 from jaxwalk.formats.layouts import RULES
@@ -52,12 +52,12 @@ def record_tracks(
 
 def _recorded(street: Street, policies: Roles[Policy], source: Source, progress: Progress | None) -> Iterator[Tracks]:
     """Yield the episodes, one after the other; they are played a batch at a time."""
-    episodes = len(source)
-    for first in range(0, episodes, BATCH):
-        numbers = (first + np.arange(BATCH)) % episodes
+    episodes, batch = len(source), episodes_at_once(street, policies)
+    for first in range(0, episodes, batch):
+        numbers = (first + np.arange(batch)) % episodes
         scenarios, keys = source.take(numbers)
         trajectory = play(street, policies, scenarios, keys, numbers=numbers)
-        asked = min(BATCH, episodes - first)
+        asked = min(batch, episodes - first)
         yield from islice(tracks_of(trajectory), asked)
         if progress is not None:
             progress(first + asked, episodes)

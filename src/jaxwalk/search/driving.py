@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from jaxwalk.evaluation.batches import AT_ONCE, BATCH
+from jaxwalk.evaluation.batches import AT_ONCE, BATCH, episodes_at_once
 from jaxwalk.evaluation.playing import play
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.scenarios.archived import keys_of, scenarios_at
@@ -37,11 +37,14 @@ class Driving:
     """A driver among people on a street, as something that can be searched."""
 
     def __init__(self, street: Street, policies: Roles[Policy], seed: int, *, batch: int = BATCH) -> None:
-        """Play with these policies, and with keys of this seed, ``batch`` candidates at once.
+        """Play with these policies, and with keys of this seed; a generation of a search has ``batch`` candidates.
 
-        By default as many as an evaluation plays at once, so that it plays the same, to the last bit.
+        As many are played at once as in an evaluation, so that it plays the same, to the last bit; but not more than
+        a generation has.
         """
         self.street, self.policies, self.seed, self.batch = street, policies, seed, batch
+        self.at_once = min(batch, episodes_at_once(street, policies))
+        """How many candidates are played at once."""
         self.dimensions = dimensions(street.world)
         """How many numbers a point has."""
         self._compiled: set[bool] = set()
@@ -53,7 +56,7 @@ class Driving:
             DriverError: a driver that is not JAX failed.
             ActionError: an action of another policy isn't in its space.
         """
-        firsts = list(range(0, len(candidates), self.batch))
+        firsts = list(range(0, len(candidates), self.at_once))
         parts = []
         if (present is None) not in self._compiled:  # alone, so that its programs are compiled only once
             self._compiled.add(present is None)
@@ -70,14 +73,14 @@ class Driving:
 
     def _part(self, candidates: Candidates, present: np.ndarray | None, first: int) -> Played:
         """Return what happened to a batch; the last one is filled up, so that nothing is compiled again."""
-        rows = np.arange(first, min(first + self.batch, len(candidates)))
-        full = np.resize(rows, self.batch)
+        rows = np.arange(first, min(first + self.at_once, len(candidates)))
+        full = np.resize(rows, self.at_once)
         absent = None if present is None else ~present[full].T
         scenarios = scenarios_at(self.street, candidates.points[full], absent)
         trajectory = play(self.street, self.policies, scenarios, keys_of(self.seed, candidates.keys[full]))
         asked = slice(len(rows))
         moments = critical_moments(self.street, trajectory).some(asked)
-        decisions = trajectory.decisions[trajectory.length, np.arange(self.batch)]
+        decisions = trajectory.decisions[trajectory.length, np.arange(self.at_once)]
         percentiles, failed = np.full(len(rows), np.nan), np.flatnonzero(moments.failed)
         used = draws_used(self.street, scenarios, decisions, failed.tolist()) if len(failed) else []
         percentiles[failed] = [percentile(one) for one in used]

@@ -9,7 +9,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Int, Shaped
 
-from jaxwalk.evaluation.batches import BATCH
 from jaxwalk.evaluation.counterfactual import WATCHED, ReplayError, judgements
 from jaxwalk.evaluation.interventions import Brake, TakeOver
 from jaxwalk.evaluation.playing import play
@@ -59,9 +58,9 @@ def judge(
             rows = np.arange(first, min(first + batch, len(failures)))
             parts.append(_judge(game, failures, moments, rows, batch))
     except ReplayError:
-        if batch >= BATCH:
+        if batch >= game.at_once:
             raise
-        return judge(game, failures, moments, batch=BATCH, tell=tell)
+        return judge(game, failures, moments, batch=game.at_once, tell=tell)
     return Avoidability(
         *(np.concatenate([getattr(one, name) for one in parts]) for name in ("when_seen", "from_start"))
     )

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -14,7 +18,7 @@ from jaxwalk.safety.bicycle import slip
 from jaxwalk.safety.cbf import collision_cone, least_allowed
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.events import distance
-from jaxwalk.sim.everybody import for_nearest
+from jaxwalk.sim.everybody import for_everybody, for_nearest
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import Motion, VehicleState
 from jaxwalk.sim.world import Rules
@@ -48,7 +52,7 @@ class CbfShield(eqx.Module):
 
     def judge(self, action: Float[Array, "2 *batch"], scene: ShieldScene) -> Verdict:
         """Return whether the action leaves enough of h, and the nearest action of the grid that does."""
-        beyond = self._least(action, scene)[1]
+        beyond = self._least(action, scene, for_everybody)[1]
         safe = beyond >= FEASIBLE
         asked = (action, scene.scenario, scene.car, scene.people)
 
@@ -63,15 +67,21 @@ class CbfShield(eqx.Module):
         axes = (1,) * (action.ndim - 1)
         grid = jnp.stack(jnp.meshgrid(jnp.linspace(-1, 1, PEDALS), jnp.linspace(-1, 1, STEERINGS), indexing="ij"))
         grid = grid.reshape(2, -1, *axes)
-        least, beyond = self._least(jnp.broadcast_to(grid, (*grid.shape[:2], *action.shape[1:])), scene)
+        away = distance(scene.people.ahead, scene.people.left)
+        nearest_first = partial(for_nearest, away=away, within=self.within)
+        actions = jnp.broadcast_to(grid, (*grid.shape[:2], *action.shape[1:]))
+        least, beyond = self._least(actions, scene, nearest_first)
         change = ((grid - action[:, None]) ** 2).sum(axis=0)
         feasible = beyond >= FEASIBLE
         nearest = jnp.where(feasible, change, jnp.inf).argmin(axis=0)
         best = jnp.where(feasible.any(axis=0), nearest, least.argmax(axis=0))
         return grid.reshape(2, -1)[:, best], feasible.any(axis=0)
 
-    def _least(self, actions: Float[Array, "2 ..."], scene: ShieldScene) -> Found:
-        """Return the smallest h of anybody after an action, ``(*batch)``, or after many, ``(action, *batch)``."""
+    def _least(self, actions: Float[Array, "2 ..."], scene: ShieldScene, loop: Callable[..., Any]) -> Found:
+        """Return the smallest h of anybody after an action, ``(*batch)``, or after many, ``(action, *batch)``.
+
+        The ``loop`` over people is `for_everybody`, or `for_nearest` where it saves more than sorting people costs.
+        """
         rules = scene.world.rules
         (vx, vy), (x, y), (after_vx, after_vy) = _moved(actions, scene)
         radius = WIDER * touching_radius(rules)
@@ -89,8 +99,7 @@ class CbfShield(eqx.Module):
             after, beyond = (jnp.where(near, h, jnp.inf) for h in (after, beyond))
             return jnp.minimum(found[0], after), jnp.minimum(found[1], beyond)
 
-        away = distance(scene.people.ahead, scene.people.left)
-        return for_nearest(scene.people, away, self.within, compare, (begin, begin))
+        return loop(scene.people, body=compare, begin=(begin, begin))
 
 
 def _moved(actions: Float[Array, "2 ..."], scene: ShieldScene) -> tuple[tuple[Array, Array], ...]:
