@@ -18,7 +18,7 @@ REFUSED = {
     "--part 1/2": "--part: a cluster plays all parts; leave it out, or leave out --cluster",
     "--counterfactuals 3": "--counterfactuals: collisions aren't replayed in parts; leave it out, or",
     "--parts 0": "--parts must lie in [1, ",
-    "--parts 5": "--parts 5: 2,048 episodes are played 512 at a time, so there are at most 4 parts; take a smaller N",
+    "--parts 5": "--parts 5: 2,048 episodes are 4 blocks of 512, so there are at most 4 parts; take a smaller N",
 }
 
 

@@ -14,7 +14,6 @@ from jaxwalk.evaluation.parts import PART, Part, PartError, complete, read_part
 from jaxwalk.evaluation.reading import DocumentError
 from jaxwalk.evaluation.settings import with_jaywalk_multiplier
 from jaxwalk.evaluation.stored_rows import StoredRowsError, StoredTable, no_rows
-from jaxwalk.experiments import evaluating
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.experiments.in_parts import evaluate_part, merge_parts
 from jaxwalk.experiments.kept_parts import KeptParts
@@ -26,8 +25,9 @@ from jaxwalk.scenarios import Archived
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import dimensions
 
-BATCH, CHUNK, EPISODES, PARTS = 8, 16, 36, 3
-"""36 episodes are five batches, of which the last one is half full; parts have one, two and two of them."""
+AT_ONCE, BATCH, CHUNK, EPISODES, PARTS = 4, 8, 16, 36, 3
+"""36 episodes are five blocks, of which the last one is half full; parts have one, two and two of them. Each is played
+in two batches, as where people are many."""
 FILES = ("results.json", "suite.md", "episodes-x0.25.csv", "episodes-x1.csv")
 
 
@@ -44,8 +44,7 @@ def patch():
 @pytest.fixture(scope="module")
 def work(patch):
     """An evaluation with two cells, by one compiled program."""
-    whole = evaluating.evaluate_grid
-    patch.setattr(evaluating, "evaluate_grid", lambda *given, **more: whole(*given, **more, batch=BATCH))
+    patch.setattr("jaxwalk.evaluation.batches.BATCH", AT_ONCE)
     for module in ("metrics.statistics", "experiments.in_parts"):
         patch.setattr(f"jaxwalk.{module}.CHUNK", CHUNK)
     multipliers, alike = (0.25, 1.0), ("constant-speed", "constant-speed")

@@ -37,7 +37,7 @@ def test_another_number_is_taken_within_what_can_be_played_and_sent(street):
     assert number_of_parts(work(street, 1_000_000), 16) == 16
     with pytest.raises(PartError, match="a part plays at most 131,072 episodes in all its cells; take at least 8"):
         number_of_parts(work(street, 1_000_000), 7)
-    with pytest.raises(PartError, match="1,536 episodes are played 512 at a time, so there are at most 3 parts"):
+    with pytest.raises(PartError, match="1,536 episodes are 3 blocks of 512, so there are at most 3 parts"):
         number_of_parts(work(street, 1536), 4)
     assert number_of_parts(work(street, 512, multipliers=300), 1) == 1  # a batch can't be divided
 
@@ -46,7 +46,7 @@ def test_parts_divide_whole_batches():
     spans = [Part(number, 3).span(1900) for number in (1, 2, 3)]
     assert [(span.start, span.stop) for span in spans] == [(0, 512), (512, 1024), (1024, 1900)]
     assert Part(1, 1).span(5) == range(5)
-    with pytest.raises(PartError, match="--part 1/5: 1,900 episodes are played 512 at a time, so there are at most 4"):
+    with pytest.raises(PartError, match="--part 1/5: 1,900 episodes are 4 blocks of 512, so there are at most 4"):
         Part(1, 5).span(1900)
 
 

@@ -2,7 +2,7 @@
 
 The course of a scenario depends only on the scenario and its key. All batches have the same size on the device (the
 last one repeats scenarios), so row i is the same to the last bit for any number of scenarios. Another batch size may
-round differently: the usual one depends only on the world (`episodes_at_once`).
+round differently: the usual one depends on how many people there are (`episodes_at_once`).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from jaxwalk.sim.trajectory import Trajectory, part_of
 BATCH = 512
 """Most episodes in a batch, unless another number is asked for."""
 FEWEST, PEOPLE = 64, 12 * BATCH
-"""Where people are many, a batch has fewer episodes: of so many people in all, but at least so many episodes."""
+"""Among many people a batch has fewer episodes: about `PEOPLE` people in all, but at least `FEWEST` episodes."""
 AT_ONCE = 2
 """Number of lanes, which play as many episodes at once as a batch has: on a CPU, a single one leaves cores idle."""
 

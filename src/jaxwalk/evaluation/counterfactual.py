@@ -136,9 +136,10 @@ def counterfactuals(
     try:
         found = replayed(batch or SMALL_BATCH)
     except ReplayError:
-        if batch is not None:
+        usual = episodes_at_once(street, policies)
+        if batch is not None or usual == SMALL_BATCH:
             raise
-        found = replayed(episodes_at_once(street, policies))
+        found = replayed(usual)
     relieve()
     return Counterfactuals(
         collisions=hits.collisions,

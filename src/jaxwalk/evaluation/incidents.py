@@ -49,6 +49,10 @@ class Incidents:
     last: Int[np.ndarray, "incident"]
     """Last frame of a near miss; the frame of a collision."""
 
+    def some(self, which: slice) -> Incidents:
+        """Return some of the incidents."""
+        return Incidents(**{name: column[which] for name, column in vars(self).items()})
+
 
 def find_incidents(rows: Rows, *, most: int) -> Incidents:
     """Find the ``most`` worst collisions, and as many of the nearest misses (with critical time to collision).

@@ -51,13 +51,13 @@ class Part:
     def span(self, episodes: int, batch: int = BATCH) -> range:
         """Return the numbers of the part's scenarios.
 
-        Parts have whole batches, so that each batch is the one of an evaluation of all. Raise PartError if there are
-        fewer batches than parts.
+        Parts have whole blocks of ``batch``, so that each batch is the one of an evaluation of all. Raise PartError if
+        there are fewer blocks than parts.
         """
         batches = -(-episodes // batch)
         if self.of > batches:
-            played = f"{counted(episodes, 'episode')} are played {batch} at a time"
-            raise PartError(f"--part {self.name}: {played}, so there are at most {batches:,} parts; take a smaller N")
+            blocks = f"{counted(episodes, 'episode')} are {counted(batches, 'block')} of {batch}"
+            raise PartError(f"--part {self.name}: {blocks}, so there are at most {batches:,} parts; take a smaller N")
         first, stop = (batches * number // self.of * batch for number in (self.number - 1, self.number))
         return range(first, min(stop, episodes))
 
@@ -106,7 +106,7 @@ class PartDocument:
     episodes: int
     """Number of scenarios of all parts together."""
     batch: int
-    """Episodes played at once."""
+    """Episodes in a block: a part has whole ones, and its rows are kept block by block."""
     dt: float
     """Duration of a step [s]."""
     street: StreetOrigin

@@ -241,7 +241,7 @@ def _step(setup: Setup, game: Underway) -> Underway:
 
 
 def _alone_where(ended: Bool[Array, "episode"], state: State) -> State:
-    """Return the states in which the cars of episodes that have ended perceive nobody: no shield searches for them."""
+    """Return the states in which, once an episode has ended, nobody is near its car: no shield searches for a way."""
     people = state.foresight.people
     ahead = jnp.where(ended, AWAY, people.ahead)
     return replace(state, foresight=replace(state.foresight, people=replace(people, ahead=ahead)))

@@ -40,8 +40,8 @@ ADVICE = "merge with the same jaxwalk as that of the parts, or evaluate them aga
 def evaluate_part(work: Evaluation, part: Part, out: Path, tell: Tell, *, batch: int = BATCH) -> PartDocument:
     """Evaluate one part of drawn scenarios, and write it into a folder; return what it says about itself.
 
-    Memory doesn't grow with the number of episodes: a batch is written as soon as it is played. The files appear
-    together at the end, or none.
+    Memory doesn't grow with the number of episodes: a block of ``batch`` is written as soon as it is played. The files
+    appear together at the end, or none.
 
     Raises:
         PartError: there are fewer batches than parts, or the scenarios aren't drawn ones.
@@ -121,9 +121,10 @@ def _played_cell(work: Evaluation, planned: PartDocument, number: int, writer: R
         tell(f"{driver} among {population}", number * total + done, len(planned.cells) * total)
 
     batch = min(planned.batch, episodes_at_once(street, policies))  # as an evaluation of all plays
-    batches = evaluate_batches(street, policies, source, batch=batch, progress=progress, span=planned.span)
+    played = evaluate_batches(street, policies, source, batch=batch, progress=progress, span=planned.span)
     with named({"driver": driver, "pedestrian": population}):
-        for rows in batches:
+        while some := list(islice(played, planned.batch // batch)):
+            rows = Rows.join(some)
             writer.write(number, rows)
             digest.update(rows)
     seconds, steps = (driver_cost(car) - before).tolist()

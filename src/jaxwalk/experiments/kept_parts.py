@@ -10,6 +10,7 @@ from jaxwalk.evaluation import BATCH
 from jaxwalk.evaluation.parts import PART, Part, PartDocument, PartError, StoredPart, difference, read_part
 from jaxwalk.experiments.evaluating import Evaluation
 from jaxwalk.experiments.in_parts import planned_part
+from jaxwalk.wording import counted
 from jaxwalk.writing import remove_unfinished, together, write_whole
 
 FEWEST, USUAL, MOST = 16, 8_192, 131_072
@@ -28,8 +29,8 @@ def number_of_parts(work: Evaluation, asked: int | None, *, batch: int = BATCH) 
     if asked is None:
         return min(batches, max(FEWEST, -(-work.episodes * cells // USUAL)))
     if asked > batches:
-        played = f"{work.episodes:,} episodes are played {batch} at a time"
-        raise PartError(f"--parts {asked}: {played}, so there are at most {batches:,} parts; take a smaller N")
+        blocks = f"{work.episodes:,} episodes are {counted(batches, 'block')} of {batch}"
+        raise PartError(f"--parts {asked}: {blocks}, so there are at most {batches:,} parts; take a smaller N")
     least = min(batches, -(-work.episodes * cells // MOST))
     if asked < least:
         most = f"a part plays at most {MOST:,} episodes in all its cells"

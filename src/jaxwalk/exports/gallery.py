@@ -7,11 +7,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import chain
 
+import numpy as np
+
 from jaxwalk.evaluation import (
     Incidents,
     ReplayError,
     counterfactuals,
     describe,
+    episodes_at_once,
     find_hits,
     find_incidents,
     named,
@@ -19,6 +22,7 @@ from jaxwalk.evaluation import (
 )
 from jaxwalk.evaluation.batches import AT_ONCE
 from jaxwalk.evaluation.episode_file import CONTACT_NAMES
+from jaxwalk.evaluation.incidents import Situations
 from jaxwalk.exports.replays import recording
 from jaxwalk.interfaces import Policy
 from jaxwalk.metrics import OUTCOMES, Rows
@@ -110,10 +114,7 @@ def _incidents(
     with named({"driver": pair[0], "pedestrian": pair[1]}):
         replayed = counterfactuals(street, policies, source, find_hits(rows).among(hits), progress=tell)
     labels = dict(zip(replayed.scenario.tolist(), replayed.label.tolist(), strict=True))
-    trajectory = replay(street, policies, source, some.scenario.tolist())
-    if (trajectory.length != rows[OUTCOMES].steps[some.scenario]).any():
-        raise ReplayError(f"{pair[0]} among {pair[1]} does not do the same again in the same scenario")
-    how = describe(some, trajectory, moving_speed=street.config.moving_speed)
+    how = situations(cast, pair, some, rows)
     return [
         WatchedIncident(
             episode=places[*pair, int(some.scenario[i])],
@@ -132,6 +133,19 @@ def _incidents(
         )
         for i in range(len(some.scenario))
     ]
+
+
+def situations(cast: Cast, pair: tuple[str, str], some: Incidents, rows: Rows) -> Situations:
+    """Replay incidents of a driver among a population, and describe them. Raise ReplayError if ``rows`` differ."""
+    street, policies = cast.street, {"driver": cast.drivers[pair[0]], "pedestrian": cast.populations[pair[1]]}
+    batch, found = episodes_at_once(street, policies), []
+    for first in range(0, len(some.scenario), batch):
+        part = some.some(slice(first, first + batch))
+        trajectory = replay(street, policies, Drawn(street, cast.seed), part.scenario.tolist())
+        if (trajectory.length != rows[OUTCOMES].steps[part.scenario]).any():
+            raise ReplayError(f"{pair[0]} among {pair[1]} does not do the same again in the same scenario")
+        found.append(vars(describe(part, trajectory, moving_speed=street.config.moving_speed)))
+    return Situations(**{name: np.concatenate([one[name] for one in found]) for name in found[0]})
 
 
 def _number(value: float) -> float | None:

@@ -58,7 +58,7 @@ def judge(
             rows = np.arange(first, min(first + batch, len(failures)))
             parts.append(_judge(game, failures, moments, rows, batch))
     except ReplayError:
-        if batch >= game.at_once:
+        if batch == game.at_once:
             raise
         return judge(game, failures, moments, batch=game.at_once, tell=tell)
     return Avoidability(
