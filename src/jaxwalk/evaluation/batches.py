@@ -134,7 +134,7 @@ def replay(
 def episodes_at_once(street: Street, policies: Roles[Policy]) -> int:
     """Return the usual size of a batch: a power of two, the smaller the more people there are.
 
-    A CPU computes larger arrays more slowly, as they leave its cache: ``docs/evaluation.md`` has what that costs. A
+    A CPU computes larger arrays more slowly, presumably as they leave its cache: ``docs/evaluation.md`` has numbers. A
     `HostDriver`, which is called once for a whole batch, and a GPU get `BATCH`.
     """
     if few_launches() or host_driver(policies):
