@@ -54,11 +54,11 @@ class Part:
         Parts have whole blocks of ``batch``, so that each batch is the one of an evaluation of all. Raise PartError if
         there are fewer blocks than parts.
         """
-        batches = -(-episodes // batch)
-        if self.of > batches:
-            blocks = f"{counted(episodes, 'episode')} are {counted(batches, 'block')} of {batch}"
-            raise PartError(f"--part {self.name}: {blocks}, so there are at most {batches:,} parts; take a smaller N")
-        first, stop = (batches * number // self.of * batch for number in (self.number - 1, self.number))
+        blocks = -(-episodes // batch)
+        if self.of > blocks:
+            divided = f"{counted(episodes, 'episode')} are {counted(blocks, 'block')} of {batch}"
+            raise PartError(f"--part {self.name}: {divided}, so there are at most {blocks:,} parts; take a smaller N")
+        first, stop = (blocks * number // self.of * batch for number in (self.number - 1, self.number))
         return range(first, min(stop, episodes))
 
     @property
@@ -135,8 +135,8 @@ class StoredPart:
 
     def cell(self, number: int) -> StoredCell:
         """Return where the rows of a cell are."""
-        batches = -(-len(self.document.span) // self.document.batch)
-        return StoredCell(self.folder, number, batches, self.document.dt)
+        blocks = -(-len(self.document.span) // self.document.batch)
+        return StoredCell(self.folder, number, blocks, self.document.dt)
 
 
 def read_part(folder: Path) -> StoredPart:

@@ -44,7 +44,7 @@ def evaluate_part(work: Evaluation, part: Part, out: Path, tell: Tell, *, batch:
     appear together at the end, or none.
 
     Raises:
-        PartError: there are fewer batches than parts, or the scenarios aren't drawn ones.
+        PartError: there are fewer blocks than parts, or the scenarios aren't drawn ones.
         ValueError: ``batch`` doesn't divide `CHUNK`.
         DriverError: a driver that is not JAX failed.
         ActionError: an action of another policy isn't in its space.
@@ -228,13 +228,13 @@ def _cell(parts: Sequence[StoredPart], number: int, rows: Rows) -> Cell:
 
 def _chunks(parts: Sequence[StoredPart], number: int) -> Iterator[Rows]:
     """Yield the rows of a cell, `CHUNK` episodes at a time. Raise StoredRowsError for rows that were changed."""
-    batches = chain.from_iterable(_checked(part, number) for part in parts)
-    while chunk := list(islice(batches, CHUNK // parts[0].document.batch)):
+    blocks = chain.from_iterable(_checked(part, number) for part in parts)
+    while chunk := list(islice(blocks, CHUNK // parts[0].document.batch)):
         yield Rows.join(chunk)
 
 
 def _checked(part: StoredPart, number: int) -> Iterator[Rows]:
-    """Yield the batches of a part's cell. Raise StoredRowsError if they aren't what was written."""
+    """Yield the blocks of a part's cell. Raise StoredRowsError if they aren't what was written."""
     digest, episodes = RowDigest(), 0
     for rows in part.cell(number).rows():
         digest.update(rows)

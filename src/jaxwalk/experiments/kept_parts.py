@@ -21,17 +21,17 @@ sent as a whole, and take up to some 0.5 kB an episode."""
 def number_of_parts(work: Evaluation, asked: int | None, *, batch: int = BATCH) -> int:
     """Return into how many parts to divide an evaluation: as asked for, or about `USUAL` episodes in each.
 
-    It doesn't depend on the machine, so that a command goes on elsewhere. Raise PartError if there are fewer batches,
+    It doesn't depend on the machine, so that a command goes on elsewhere. Raise PartError if there are fewer blocks,
     or if a part would play more than `MOST` episodes in all its cells.
     """
-    batches = -(-work.episodes // batch)
+    blocks = -(-work.episodes // batch)
     cells = len(work.streets) * len(work.drivers) * len(work.populations)
     if asked is None:
-        return min(batches, max(FEWEST, -(-work.episodes * cells // USUAL)))
-    if asked > batches:
-        blocks = f"{work.episodes:,} episodes are {counted(batches, 'block')} of {batch}"
-        raise PartError(f"--parts {asked}: {blocks}, so there are at most {batches:,} parts; take a smaller N")
-    least = min(batches, -(-work.episodes * cells // MOST))
+        return min(blocks, max(FEWEST, -(-work.episodes * cells // USUAL)))
+    if asked > blocks:
+        divided = f"{work.episodes:,} episodes are {counted(blocks, 'block')} of {batch}"
+        raise PartError(f"--parts {asked}: {divided}, so there are at most {blocks:,} parts; take a smaller N")
+    least = min(blocks, -(-work.episodes * cells // MOST))
     if asked < least:
         most = f"a part plays at most {MOST:,} episodes in all its cells"
         raise PartError(f"--parts {asked}: {most}; take at least {least:,}")
