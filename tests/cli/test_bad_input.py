@@ -173,6 +173,14 @@ BAD = {
         "no car 'x-ray' in recipe fast; there are: blind",
     ),
     "intent without blind": ("hidden-intent --out r --cars told", "the others are compared with blind; name it too"),
+    "intent time twice": (
+        "hidden-intent --out r --time-weights 1 2 2",
+        "time_weights: name each once, and 1 among them",
+    ),
+    "intent time below zero": (
+        "hidden-intent --out r --time-weights 1 -2",
+        "time_weights must lie in [0, 1000], not -2",
+    ),
     "intent half a seed": ("hidden-intent --out r --seed 0.5", "0.5"),
     "co-training of one seed": (
         "co-training --out r --seeds 1",

@@ -9,17 +9,20 @@ import pytest
 from rich.console import Console
 
 from jaxwalk.evaluation import evaluate, evaluate_grid
+from jaxwalk.evaluation.reading import DocumentError, Origin
 from jaxwalk.experiments import hidden_intent as module
 from jaxwalk.experiments import tournament
 from jaxwalk.experiments.hidden_intent import IntentEffort, cars_of, hidden_intent
 from jaxwalk.policies import read_metadata
 from jaxwalk.recipes import BLIND_CORNER, single_agent, with_training
+from jaxwalk.report.intent_document import as_intent_street
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.sim.observation import BELIEF, FOOTPRINT, PLACEBO, TOLD, X_RAY
 from jaxwalk.sim.suites import SUITES, Where
 
 pytestmark = pytest.mark.long
 PLAN = IntentEffort(updates=2, episodes=8, seed=3, seeds=2)
+TIMED = ("blind", "told", "blind-time-4", "told-time-4")
 SEES = {"blind": FOOTPRINT, "placebo": PLACEBO, "belief": BELIEF, "told": TOLD}
 
 
@@ -50,15 +53,19 @@ def test_each_car_sees_its_own(made):
 
 def test_everybody_meets_the_same_scenarios(made):
     _, document, _, _ = made
-    assert [street["jaywalk_multiplier"] for street in document["streets"]] == [0.25, 1.0]
+    assert [street["setting"] for street in document["streets"]] == ["jaywalk multiplier 0.25", "jaywalk multiplier 1"]
     hashes = {street["scenarios"]["hash"] for street in document["streets"]}
     assert len(hashes) == 1
-    for street in document["streets"]:
-        cells = [(c["driver"], c["driver_observes"], c["training_seed"]) for c in street["cells"]]
+    for street, multiplier in zip(document["streets"], (0.25, 1.0), strict=True):
+        *cells, rule = [(c["driver"], c["driver_observes"], c["training_seed"]) for c in street["cells"]]
         assert cells == [(name, observes, seed) for seed in (3, 4) for name, observes in SEES.items()]
-        assert {c["jaywalk_multiplier"] for c in street["cells"]} == {street["jaywalk_multiplier"]}
+        assert rule[::2] == ("clearance", None)
+        assert {c["jaywalk_multiplier"] for c in street["cells"]} == {multiplier}
         pairs = [(p["ending"], p["a"]["driver"], p["b"]["driver"], p["pairs"]) for p in street["paired"]]
-        assert pairs == [(end, "blind", name, 16) for end in ("collision", "goal") for name in list(SEES)[1:]]
+        assert pairs == [(end, "blind", name, 16) for end in ("moving contact", "goal") for name in list(SEES)[1:]]
+        assert [one["b"] for one in street["paired_harms"]] == [one["b"] for one in street["paired_delays"]]
+        assert [one["driver"] for one in street["harms"]] == [*SEES, "clearance"]
+        assert street["equal_delays"] == []
 
 
 def test_how_much_could_be_known(made):
@@ -78,7 +85,9 @@ def test_the_page(made):
     *_, page, _ = made
     assert page.count("## Jaywalk multiplier") == 2
     assert page.count("`route-footprint-told` (no real car could)") == 2
-    assert page.count("| collisions | blind among always-go | told among always-go |") == 2
+    assert page.count("| moving contacts | blind among always-go | told among always-go |") == 2
+    assert page.count("| serious injuries in 1,000 | blind | told |") == 2
+    assert "cannot be judged" in page
     assert "nan" not in page
 
 
@@ -86,7 +95,7 @@ def test_what_is_finished_is_kept(made):
     *_, (first, second) = made
     assert "[1/3]" in first
     assert "belief, seed 4: there already" in second
-    assert second.count("there already") == 9
+    assert second.count("there already") == 10
 
 
 def test_another_plan_needs_another_folder(made, quiet):
@@ -95,12 +104,17 @@ def test_another_plan_needs_another_folder(made, quiet):
 
 
 def test_a_damaged_document_is_said(made, quiet):
-    file = made[0] / "hidden-intent.json"
+    file = made[0] / "setting-2.json"
     whole = file.read_bytes()
     file.write_bytes(whole[:100])
-    with pytest.raises(RunError, match=r"hidden-intent.json: damaged .* run `jaxwalk hidden-intent` again"):
+    with pytest.raises(RunError, match=r"setting-2.json: damaged .* run `jaxwalk hidden-intent` again"):
         hidden_intent(made[0], PLAN, console=quiet)
     file.write_bytes(whole)
+    content = json.loads(whole)
+    with pytest.raises(DocumentError, match=r"setting-2.json.*over_seeds.*all training seeds"):
+        as_intent_street(content, 3, Origin(file, "delete it"))
+    with pytest.raises(DocumentError, match=r"setting-2.json.*harms"):
+        as_intent_street({**content, "harms": 1}, 2, Origin(file, "delete it"))
 
 
 def test_where_people_are_hidden_there_are_cars_that_see_more(tiny, tmp_path, monkeypatch):
@@ -113,12 +127,32 @@ def test_where_people_are_hidden_there_are_cars_that_see_more(tiny, tmp_path, mo
     plan = IntentEffort(updates=2, episodes=4, seed=3, seeds=1, recipe="blind-corner", cars=cars)
     text = hidden_intent(tmp_path / "out", plan, base=base, console=Console(file=io.StringIO())).read_text("utf-8")
     document = json.loads((tmp_path / "out" / "hidden-intent.json").read_text("utf-8"))
-    (street,) = document["streets"]
+    assert [one["setting"] for one in document["streets"]] == [
+        "jaywalk multiplier 1", "jaywalk multiplier 0.25", "vehicles parked in 30 % of the slots",
+    ]  # fmt: skip
+    assert [one["street"]["sim"]["parked"] for one in document["streets"]] == [0.9, 0.9, 0.3]
+    street = document["streets"][0]
     assert street["street"]["maps"][0]["name"] == "test-2000000003"
     seen = {cell["driver"]: cell["driver_observes"] for cell in street["cells"]}
-    assert list(seen) == ["blind", "x-ray", "aware", "decided"]
+    assert list(seen) == ["blind", "x-ray", "aware", "decided", "clearance"]
     assert list(cars_of(base)) == ["blind", "x-ray", "memory", "aware", "placebo", "belief", "told", "decided"]
     assert document["plan"]["cars"] == list(cars)
     assert seen["x-ray"] == X_RAY
     assert "with the recipe `blind-corner`" in text
     assert "`x-ray` sees what `blind` sees, but of everybody, hidden or not." in text
+
+
+def test_with_other_prices_of_time_cars_are_compared_at_equal_delay(tiny, tmp_path, quiet):
+    plan = replace(PLAN, episodes=4, seeds=1, cars=("blind", "told"), time_weights=(1.0, 4.0))
+    base = single_agent(tiny)
+    page = hidden_intent(tmp_path / "out", plan, base=base, console=quiet).read_text("utf-8")
+    price = {n: Run.open(tmp_path / "out/runs" / n / "seed-3").experiment.driver_weights["time"] for n in TIMED}
+    own = base.driver_weights["time"]
+    assert price == {"blind": own, "told": own, "blind-time-4": 4 * own, "told-time-4": 4 * own}
+    street = json.loads((tmp_path / "out" / "hidden-intent.json").read_text("utf-8"))["streets"][0]
+    assert [(one["of"], one["a"], one["b"], one["settings"]) for one in street["equal_delays"]] == [
+        ("moving contacts %", "blind", "told", 2),
+        ("serious injuries in 1,000", "blind", "told", 2),
+    ]
+    assert "`-time-4` stands for 4 times the recipe's price of time" in page
+    assert "equally quick" in page

@@ -21,10 +21,10 @@ from jaxwalk.evaluation import (
     paired_delay,
     paired_over_seeds,
 )
+from jaxwalk.evaluation.harm_numbers import paired_harm, seed_harms
 from jaxwalk.evaluation.reading import DocumentError, Origin
-from jaxwalk.evaluation.tail_numbers import paired_tail, seed_tails
 from jaxwalk.experiments import tournament
-from jaxwalk.experiments.risk_aware import RiskEffort, risk_aware, trainings
+from jaxwalk.experiments.risk_aware import WORST, RiskEffort, risk_aware, trainings
 from jaxwalk.metrics import crossed_mean, measure, summarise
 from jaxwalk.metrics.impact_tail import tail_parts
 from jaxwalk.recipes import BLIND_CORNER, RECIPES, single_agent
@@ -67,7 +67,7 @@ def _document(speeds, seeds):
         paired_delays=tuple(paired_delay(*pair) for pair in pairs),
     )
     limits = tuple(LimitKept("cvar", seed, "impact_speed", 5.0, 4.5, 0.25) for seed in range(seeds))
-    return RiskDocument(results, seed_tails(matches), tuple(paired_tail(*pair) for pair in pairs), limits)
+    return RiskDocument(results, seed_harms(WORST, matches), tuple(paired_harm(WORST, *pair) for pair in pairs), limits)
 
 
 SPEEDS = {
@@ -82,12 +82,12 @@ def test_tails_over_seeds_by_hand():
     """Worst contacts of 9, 10, 11, 12 and 13 m/s and of 2, 2.5, ... 4: 11 and 3 on average, a difference of -8."""
     document = _document(SPEEDS, 5)
     plain, lagrangian, _, rule = document.tails
-    assert plain.worst_hundredth.each == pytest.approx((9, 10, 11, 12, 13))
-    assert (plain.worst_hundredth.mean.value, lagrangian.worst_hundredth.mean.value) == (pytest.approx(11), 3)
+    assert plain.number.each == pytest.approx((9, 10, 11, 12, 13))
+    assert (plain.number.mean.value, lagrangian.number.mean.value) == (pytest.approx(11), 3)
     parts = np.stack([tail_parts(np.array(each, float)) for each in SPEEDS["plain"]])
     low, high = crossed_mean(parts).ends()
-    assert (plain.worst_hundredth.mean.low, plain.worst_hundredth.mean.high) == (pytest.approx(max(low, 0)), high)
-    assert (rule.training_seeds, rule.worst_hundredth.mean.value) == ((None,), pytest.approx(3))
+    assert (plain.number.mean.low, plain.number.mean.high) == (pytest.approx(max(low, 0)), high)
+    assert (rule.training_seeds, rule.number.mean.value) == ((None,), pytest.approx(3))
     assert document.compared[0].difference.value == pytest.approx(-8)
     assert document.compared[0].p is not None
 
@@ -96,7 +96,7 @@ def test_too_few_seeds_judge_nothing():
     few = _document(SPEEDS, 4)
     assert [one.p for one in few.compared] == [None, None]
     assert "cannot be judged" in answer(few)
-    assert few.tails[0].worst_hundredth.mean.low is None
+    assert few.tails[0].number.mean.low is None
 
 
 def test_the_answer_follows_from_the_numbers():
@@ -161,5 +161,5 @@ def test_another_plan_or_a_damaged_document_is_said(made, quiet):
     origin = Origin(made[0] / "risk-aware.json", "delete it")
     with pytest.raises(DocumentError, match=r"risk-aware.json: .*results, tails, compared, limits are not what it has"):
         as_risk_document({"results": {}}, origin)
-    with pytest.raises(DocumentError, match=r"tails.*driver"):
+    with pytest.raises(DocumentError, match=r"tails.*harm"):
         as_risk_document({**made[1], "tails": [{"driver": 1}]}, origin)

@@ -13,6 +13,6 @@ def run(options: HiddenIntent) -> int:
     with bad_values():
         plan = IntentEffort(
             updates=options.updates, episodes=options.episodes, seed=options.seed, seeds=options.seeds,
-            recipe=options.recipe, cars=options.cars,
+            recipe=options.recipe, cars=options.cars, time_weights=options.time_weights,
         )  # fmt: skip
     return until_interrupted(lambda: f"Read {hidden_intent(options.out, plan)}")

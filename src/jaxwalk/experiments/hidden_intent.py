@@ -1,14 +1,15 @@
 """What does it cost a car not to know who is likely to jaywalk, or not to see everybody?
 
-runs/blind/seed-0, ...     the car trained alone; and so for each other car of `cars_of`
+runs/blind/seed-0, ...     the car trained alone; and so for each other one of `trainings`
 plan.json, minutes.json    what was requested; how long each part took
-hidden-intent.json         all of them on the same scenarios, in pairs, and how much could be known
-hidden-intent.md           the tables (`jaxwalk.report.intent_page`)
+setting-1.json, ...        all of them and the clearance rule on the same scenarios, in pairs; how much could be known
+hidden-intent.json         all of that in one document (`jaxwalk.report.intent_document`)
+hidden-intent.md           the answer and its tables (`jaxwalk.report.intent_page`)
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -16,10 +17,12 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from jaxwalk.evaluation import Match, evaluate, paired_over_seeds, with_jaywalk_multiplier
-from jaxwalk.evaluation.document_parts import PairedSeeds
+from jaxwalk.evaluation import Match, evaluate, paired_delay, paired_over_seeds, with_jaywalk_multiplier
+from jaxwalk.evaluation.equal_delay import COMPARED as AT_EQUAL_DELAY
+from jaxwalk.evaluation.equal_delay import EqualDelay, equal_delay
+from jaxwalk.evaluation.harm_numbers import Harm, paired_harm, seed_harms
 from jaxwalk.evaluation.reading import Origin
-from jaxwalk.evaluation.training_seeds import ENDINGS
+from jaxwalk.evaluation.training_seeds import Ending
 from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, results_of
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
@@ -27,8 +30,15 @@ from jaxwalk.policies import ConstantSpeed
 from jaxwalk.provenance import provenance
 from jaxwalk.recipes import FAST, RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import ALWAYS_GO
-from jaxwalk.report.intent_document import IntentDocument, IntentPlan, IntentStreet, KnownIntent, as_intent_document
-from jaxwalk.report.intent_page import BLIND, page
+from jaxwalk.report.intent_document import (
+    IntentDocument,
+    IntentPlan,
+    IntentStreet,
+    KnownIntent,
+    as_intent_street,
+    priced,
+)
+from jaxwalk.report.intent_page import BLIND, CLEARANCE, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.study import Work
@@ -42,10 +52,19 @@ INTENT = {BLIND: FOOTPRINT, "placebo": PLACEBO, "belief": BELIEF, "told": TOLD}
 """Cars and what they see. Their critics all see the same: only the drivers differ."""
 SIGHT = {BLIND: FOOTPRINT, "x-ray": X_RAY, "memory": MEMORY, "aware": AWARE, **INTENT, "decided": DECIDED}
 """More of them, where people can be hidden: first those that tell what it costs that people are."""
-OFTEN = 1.0
-"""A jaywalk multiplier of the evaluation beside that of the trainings: with it, intentions matter more."""
+MULTIPLIERS = (0.25, 1.0)
+"""Jaywalk multipliers of the evaluation: that of the trainings comes first."""
+FEW_PARKED = 0.3
+"""Where vehicles hide people, fewer of them are parked in another setting: the share of the slots."""
+MOST_TIME = 1000.0
+"""Largest price of time, as a multiple of the recipe's."""
 AFTER = (1, 2, 5, 10, 20, 50)
 """Numbers of crossings seen, for which what could be known is computed as well."""
+COMPARED_ENDINGS: tuple[Ending, ...] = ("moving contact", "goal")
+"""How episodes end that are compared, beside the harm and the delay."""
+INJURIES: Harm = "serious injuries"
+PART = "setting-{}.json"
+"""Name of the file of one setting."""
 RESULT, PAGE = "hidden-intent.json", "hidden-intent.md"
 
 
@@ -59,6 +78,8 @@ class IntentEffort(Effort):
     seeds: int = 5
     cars: tuple[str, ...] = ()
     """The cars to train; none: all."""
+    time_weights: tuple[float, ...] = (1.0,)
+    """Prices of time, as multiples of the recipe's: each car is trained with each of them."""
 
     def __post_init__(self) -> None:
         """Raise ValueError for an impossible value."""
@@ -69,6 +90,11 @@ class IntentEffort(Effort):
                 raise ValueError(f"cars: no car '{name}' in recipe {self.recipe}; there are: {', '.join(known)}")
         if self.cars and BLIND not in self.cars:
             raise ValueError(f"cars: the others are compared with {BLIND}; name it too")
+        if 1.0 not in self.time_weights or len(set(self.time_weights)) < len(self.time_weights):
+            raise ValueError(f"time_weights: name each once, and 1 among them, not {self.time_weights}")
+        for weight in self.time_weights:
+            if not 0 <= weight <= MOST_TIME:
+                raise ValueError(f"time_weights must lie in [0, {MOST_TIME:g}], not {weight:g}")
 
 
 class IntentWork(Work[IntentEffort]):
@@ -83,6 +109,18 @@ class IntentWork(Work[IntentEffort]):
         where = SUITES[self.plan.recipe]
         return Street.create(where.maps, replace(self.base.sim, pedestrians=where.people or self.base.sim.pedestrians))
 
+    def settings(self) -> dict[str, Street]:
+        """Return the street with the rules of the trainings, and with other ones, by names for readers."""
+        street = self.street()
+        found = {
+            f"jaywalk multiplier {multiplier:g}": with_jaywalk_multiplier(street, multiplier)
+            for multiplier in dict.fromkeys((street.config.jaywalk_multiplier, *MULTIPLIERS))
+        }
+        if street.config.parked > FEW_PARKED:
+            fewer = Street.create(street.maps, replace(street.config, parked=FEW_PARKED))
+            found[f"vehicles parked in {FEW_PARKED:.0%} of the slots".replace("%", " %")] = fewer
+        return found
+
 
 def hidden_intent(
     folder: Path, plan: IntentEffort, *, console: Console | None = None, base: Experiment | None = None
@@ -96,7 +134,7 @@ def hidden_intent(
     work.do(
         [
             ("training cars that know more or less", _train),
-            ("all of them on the same scenarios", _evaluate),
+            ("all of them and the clearance rule on the same scenarios", _evaluate),
             ("tables", _write),
         ]
     )
@@ -119,51 +157,75 @@ def cars_of(experiment: Experiment, chosen: Sequence[str] = ()) -> dict[str, str
     return {name: observes for name, observes in cars.items() if not chosen or name in chosen}
 
 
+def trainings(base: Experiment, plan: IntentEffort) -> dict[str, Experiment]:
+    """Return what is trained with every seed, by name: each car with each price of time."""
+    return {
+        priced(car, weight): _seeing(base, observes, weight)
+        for weight in plan.time_weights
+        for car, observes in cars_of(base, plan.cars).items()
+    }
+
+
+def _seeing(base: Experiment, observes: str, weight: float) -> Experiment:
+    roles = base.train.roles
+    roles = roles | {"driver": replace(roles["driver"], observes=observes)}
+    weights = base.driver_weights | {"time": weight * base.driver_weights["time"]}
+    return replace(with_training(base, roles=roles), driver_weights=weights)
+
+
 def _train(work: IntentWork) -> None:
-    for name, observes in cars_of(work.base, work.plan.cars).items():
-        roles = work.base.train.roles
-        roles = roles | {"driver": replace(roles["driver"], observes=observes)}
+    for name, experiment in trainings(work.base, work.plan).items():
         for seed in work.plan.training_seeds:
-            work.train(name, with_training(work.base, roles=roles, updates=work.plan.updates), seed)
+            work.train(name, with_training(experiment, updates=work.plan.updates), seed)
 
 
 def _evaluate(work: IntentWork) -> None:
-    if work.done(RESULT):
-        return
-    street, scenarios = work.street(), Scenarios(work.plan.episodes, work.plan.seed)
-    people = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}
+    for number, (name, street) in enumerate(work.settings().items(), 1):
+        work.say(f"    {name}")
+        if not work.done(PART.format(number)):
+            work.keep(PART.format(number), _findings(work, name, street).as_dict())
+
+
+def _findings(work: IntentWork, setting: str, street: Street) -> IntentStreet:
+    """Return what everybody does in one setting."""
+    scenarios, people = Scenarios(work.plan.episodes, work.plan.seed), contestant(street, "pedestrian", ALWAYS_GO)
     rounds: list[Round] = []
     for seed in work.plan.training_seeds:
-        drivers = {
-            name: contestant(street, "driver", str(work.run(name, seed))) for name in cars_of(work.base, work.plan.cars)
-        }
-        rounds.append((seed, drivers, people))
-    streets = []
-    for multiplier in dict.fromkeys((street.config.jaywalk_multiplier, OFTEN)):
-        work.say(f"    multiplier {multiplier:g}")
-        there = with_jaywalk_multiplier(street, multiplier)
-        chosen, matches = play_rounds(there, rounds, scenarios, work.say)
-        known = _identifiability(there, multiplier, _rows(matches, BLIND), scenarios)
-        streets.append(IntentStreet(multiplier, results_of(there, chosen, matches, paired=_pairs(matches)), known))
-    document = IntentDocument(IntentPlan(**asdict(work.plan)), provenance(), tuple(streets))
-    work.keep(RESULT, document.as_dict())
-
-
-def _rows(matches: Sequence[Match], driver: str) -> Rows:
-    """Return the rows of all training seeds."""
-    return Rows.join([match.rows for match in matches if match.cell.driver == driver])
-
-
-def _pairs(matches: Sequence[Match]) -> list[PairedSeeds]:
-    """Compare each of the other cars with the blind one."""
+        drivers = {n: contestant(street, "driver", str(work.run(n, seed))) for n in trainings(work.base, work.plan)}
+        rounds.append((seed, drivers, {ALWAYS_GO: people}))
+    rounds.append((None, {CLEARANCE: contestant(street, "driver", CLEARANCE)}, {ALWAYS_GO: people}))
+    chosen, matches = play_rounds(street, rounds, scenarios, work.say)
     of: dict[str, list[Match]] = {}
     for match in matches:
         of.setdefault(match.cell.driver, []).append(match)
-    blind = of.pop(BLIND)
-    return [paired_over_seeds(end, blind, other) for end in ENDINGS for other in of.values()]
+    blind, others = of[BLIND], [of[name] for name in of if name not in (BLIND, CLEARANCE)]
+    endings = [paired_over_seeds(end, blind, other) for end in COMPARED_ENDINGS for other in others]
+    results = results_of(street, chosen, matches, paired=endings)
+    return IntentStreet(
+        setting=setting,
+        results=replace(results, paired_delays=tuple(paired_delay(blind, other) for other in others)),
+        identifiability=_identifiability(street, _joined(blind), scenarios),
+        harms=seed_harms(INJURIES, matches),
+        paired_harms=tuple(paired_harm(INJURIES, blind, other) for other in others),
+        equal_delays=_equal_delays(work.plan, cars_of(work.base, work.plan.cars), of),
+    )
 
 
-def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: Scenarios) -> tuple[KnownIntent, ...]:
+def _equal_delays(plan: IntentEffort, cars: Iterable[str], of: Mapping[str, list[Match]]) -> tuple[EqualDelay, ...]:
+    """Return each car against the blind one at equal delay; nothing if there is one price of time."""
+    if len(plan.time_weights) == 1:
+        return ()
+    groups = {car: [of[priced(car, weight)] for weight in plan.time_weights] for car in cars}
+    blind = groups.pop(BLIND)
+    return tuple(equal_delay(what, blind, group) for what in AT_EQUAL_DELAY for group in groups.values())
+
+
+def _joined(matches: Sequence[Match]) -> Rows:
+    """Return the rows of all training seeds."""
+    return Rows.join([match.rows for match in matches])
+
+
+def _identifiability(street: Street, blind: Rows, scenarios: Scenarios) -> tuple[KnownIntent, ...]:
     """Return how much could be known in a whole episode, in one of the blind car's, and at an encounter.
 
     Whole episodes are those of a car that stands; episodes that end early because somebody walks into it are left out.
@@ -180,7 +242,7 @@ def _identifiability(street: Street, multiplier: float, blind: Rows, scenarios: 
         ("before a crossing at which the blind car meets somebody", blind[ENCOUNTERS].number - 1),
         *((f"crossings of each: {number}", np.array([number])) for number in AFTER),
     ]
-    known = partial(identifiability, multiplier=multiplier, tendencies=tendencies)
+    known = partial(identifiability, multiplier=street.config.jaywalk_multiplier, tendencies=tendencies)
     return tuple(KnownIntent(seen, known(count) if len(count) else None) for seen, count in cases)
 
 
@@ -191,5 +253,9 @@ def _crossings(rows: Rows, people: int) -> np.ndarray:
 
 
 def _write(work: IntentWork) -> None:
-    origin = Origin(work.folder / RESULT, f"delete it and run `jaxwalk {work.command}` again")
-    write_whole(work.folder / PAGE, page(as_intent_document(work.json(RESULT), origin)))
+    files = [work.folder / PART.format(number) for number in range(1, len(work.settings()) + 1)]
+    again = f"delete it and run `jaxwalk {work.command}` again"
+    streets = [as_intent_street(work.json(file.name), work.plan.seeds, Origin(file, again)) for file in files]
+    document = IntentDocument(IntentPlan(**asdict(work.plan)), provenance(), tuple(streets))
+    work.keep(RESULT, document.as_dict())
+    write_whole(work.folder / PAGE, page(document))

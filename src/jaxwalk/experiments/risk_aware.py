@@ -15,8 +15,8 @@ from pathlib import Path
 from rich.console import Console
 
 from jaxwalk.evaluation import paired_delay, paired_over_seeds
+from jaxwalk.evaluation.harm_numbers import Harm, paired_harm, seed_harms
 from jaxwalk.evaluation.reading import Origin
-from jaxwalk.evaluation.tail_numbers import paired_tail, seed_tails
 from jaxwalk.evaluation.training_seeds import Ending
 from jaxwalk.experiments.co_training import cost
 from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, results_of
@@ -43,6 +43,8 @@ LIMITED = {LAGRANGIAN: BLIND_CORNER_LAGRANGIAN, CVAR: BLIND_CORNER_CVAR}
 """The recipes with limits, by the names of their trainings."""
 COMPARED: tuple[Ending, ...] = ("moving contact", "goal")
 """How episodes end that are compared, beside the worst contacts and the delay."""
+WORST: Harm = "worst hundredth"
+"""The number that the limits are to lower."""
 RESULT, PAGE = "risk-aware.json", "risk-aware.md"
 LAST = 50
 """Updates at the end of a training over which the costs that it reached are averaged."""
@@ -120,8 +122,8 @@ def _evaluate(work: RiskWork) -> None:
     endings = [paired_over_seeds(ending, *pair) for ending in COMPARED for pair in pairs]
     results = results_of(street, chosen, ordered, paired=endings)
     results = replace(results, paired_delays=tuple(paired_delay(*pair) for pair in pairs))
-    compared = tuple(paired_tail(*pair) for pair in pairs)
-    work.keep(RESULT, RiskDocument(results, seed_tails(ordered), compared, tuple(_kept(work))).as_dict())
+    compared = tuple(paired_harm(WORST, *pair) for pair in pairs)
+    work.keep(RESULT, RiskDocument(results, seed_harms(WORST, ordered), compared, tuple(_kept(work))).as_dict())
 
 
 def _rounds(work: RiskWork, street: Street) -> list[Round]:

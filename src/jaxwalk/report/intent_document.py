@@ -1,12 +1,13 @@
-"""The document of `jaxwalk hidden-intent`: what was requested, and the findings for each jaywalk multiplier."""
+"""The document of `jaxwalk hidden-intent`: what was requested, and the findings in each setting."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
+from jaxwalk.evaluation.equal_delay import EqualDelay
+from jaxwalk.evaluation.harm_numbers import PairedHarm, SeedHarm
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.evaluation.results import Results
 from jaxwalk.metrics.identifiability import Identifiability
@@ -31,6 +32,13 @@ class IntentPlan:
     """The recipe; older documents don't name it."""
     cars: Sequence[str] = ()
     """The cars that were asked for; none: all."""
+    time_weights: Sequence[float] = (1.0,)
+    """Prices of time with which each was trained, as multiples of the recipe's."""
+
+
+def priced(car: str, time_weight: float) -> str:
+    """Return the name of a car that was trained with this multiple of the recipe's price of time."""
+    return car if time_weight == 1 else f"{car}-time-{time_weight:g}"
 
 
 @dataclass(frozen=True)
@@ -49,16 +57,32 @@ class KnownIntent:
 
 @dataclass(frozen=True)
 class IntentStreet:
-    """The findings with one jaywalk multiplier."""
+    """The findings in one setting."""
 
-    jaywalk_multiplier: float
+    setting: str
+    """Where it differs from other settings, in words."""
     results: Results
     identifiability: tuple[KnownIntent, ...]
+    harms: tuple[SeedHarm, ...]
+    """Serious injuries to be expected."""
+    paired_harms: tuple[PairedHarm, ...]
+    """Those of each car against the blind one's."""
+    equal_delays: tuple[EqualDelay, ...]
+    """Each car against the blind one at equal delay; none if all were trained with one price of time."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the multiplier, the results' document and what could be known, as one dict."""
+        """Return the setting, the results' document, what could be known and the harm, as one dict."""
         known = [one.as_dict() for one in self.identifiability]
-        return {"jaywalk_multiplier": self.jaywalk_multiplier, **self.results.as_dict(), "identifiability": known}
+        harm = {name: [asdict(one) for one in getattr(self, name)] for name in HARM}
+        return {"setting": self.setting, **self.results.as_dict(), "identifiability": known, **harm}
+
+
+HARM: dict[str, Any] = {
+    "harms": tuple[SeedHarm, ...],
+    "paired_harms": tuple[PairedHarm, ...],
+    "equal_delays": tuple[EqualDelay, ...],
+}
+"""The parts that say how bad contacts are, and their types."""
 
 
 @dataclass(frozen=True)
@@ -74,37 +98,25 @@ class IntentDocument:
         streets = [street.as_dict() for street in self.streets]
         return {"plan": asdict(self.plan), "provenance": asdict(self.provenance), "streets": streets}
 
-    def to_json(self) -> str:
-        """Return the document as text."""
-        return json.dumps(self.as_dict(), indent=2, allow_nan=False) + "\n"
 
+def as_intent_street(content: Any, seeds: int, origin: Origin) -> IntentStreet:
+    """Return the content of a JSON file as the typed findings in one setting.
 
-def as_intent_document(content: Any, origin: Origin) -> IntentDocument:
-    """Return the content of a JSON file as a typed document. Raise DocumentError if it is damaged."""
-    if not isinstance(content, Mapping) or set(content) != {"plan", "provenance", "streets"}:
-        raise origin.damaged((), "plan, provenance and streets are not what it has")
-    streets = as_document(list[dict[str, Any]], content["streets"], origin.inside("streets"))
-    if not streets:
-        raise origin.damaged(("streets",), "there are none")
-    plan = as_document(IntentPlan, content["plan"], origin.inside("plan"))
-    return IntentDocument(
-        plan=plan,
-        provenance=as_document(Provenance, content["provenance"], origin.inside("provenance")),
-        streets=tuple(_street(street, plan, origin.inside("streets", i)) for i, street in enumerate(streets)),
-    )
-
-
-def _street(content: dict[str, Any], plan: IntentPlan, origin: Origin) -> IntentStreet:
-    """Return the findings with one multiplier. Raise DocumentError unless each driver has every training seed."""
-    own = {"jaywalk_multiplier": float, "identifiability": list[dict[str, Any]]}
-    multiplier, known = (as_document(kind, content.get(name), origin.inside(name)) for name, kind in own.items())
+    Raises:
+        DocumentError: it is damaged, or a trained car doesn't have this number of training seeds.
+    """
+    content = as_document(dict[str, Any], content, origin)
+    own = {"setting": str, "identifiability": list[dict[str, Any]], **HARM}
+    parts = {name: as_document(kind, content.get(name), origin.inside(name)) for name, kind in own.items()}
     results = as_results({name: value for name, value in content.items() if name not in own}, origin)
     drivers = {cell.driver for cell in results.cells}
     for number, numbers in enumerate(results.over_seeds):
-        if numbers.driver not in drivers or len(numbers.training_seeds) != plan.seeds:
+        trained = numbers.training_seeds != (None,)
+        if numbers.driver not in drivers or (trained and len(numbers.training_seeds) != seeds):
             raise origin.damaged(("over_seeds", number), "are not the numbers of a driver over all training seeds")
+    known = parts.pop("identifiability")
     found = tuple(_known(one, origin.inside("identifiability", i)) for i, one in enumerate(known))
-    return IntentStreet(multiplier, results, found)
+    return IntentStreet(results=results, identifiability=found, **parts)
 
 
 def _known(content: dict[str, Any], origin: Origin) -> KnownIntent:

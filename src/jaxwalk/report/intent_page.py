@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-from jaxwalk.report.intent_document import IntentDocument, IntentStreet, KnownIntent
+from collections.abc import Sequence
+
+from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.evaluation.equal_delay import EqualDelay
+from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
+from jaxwalk.report.intent_document import IntentDocument, IntentStreet, KnownIntent, priced
 from jaxwalk.report.material import ALWAYS_GO
-from jaxwalk.report.seed_tables import paired_table
-from jaxwalk.report.table import NONE, Table, shown
+from jaxwalk.report.seed_tables import delay_table, harm_table, paired_table
+from jaxwalk.report.table import MOVING, NONE, Table, p_value, shown
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.wording import counted
 
 BLIND = "blind"
 """Name of the car that the others are compared with."""
+CLEARANCE = "clearance"
+"""The rule that stands beside the trained cars."""
 KNOWS = {
     BLIND: "sees where people are and how they move, as far as its car perceives them",
     "placebo": "is also told a number about each of the nearest people that decides nothing, so that it has as many "
@@ -26,53 +33,104 @@ KNOWS = {
 """What each car knows, in words."""
 
 
+ABOUT = (
+    "Moving contacts: scenarios in which the moving car touches somebody by its footprint. Serious injuries or deaths "
+    "are those to be expected in 1,000 scenarios, if contacts with the sides count as if they were with the front. "
+    "Delay: seconds beyond untouchable full throttle on the same scenario, where the car arrives."
+)
+EQUAL_ABOUT = (
+    "A car that hurries touches more people, whatever it sees. Here each was trained with several prices of time, and "
+    "the difference is moved to the delay at which both are equally quick, by the slope within the trainings of one "
+    "car and seed. Brackets are t-intervals with the jackknife's error over training seeds."
+)
+
+
 def page(document: IntentDocument) -> str:
-    """Return all tables, for each jaywalk multiplier."""
+    """Return the answer and all tables, for each setting."""
     plan, made = document.plan, document.provenance
-    chosen, cells = document.streets[0].results.scenarios, document.streets[0].results.cells
+    first = document.streets[0]
+    chosen, cells = first.results.scenarios, first.results.cells
     seeds = ", ".join(str(plan.seed + i) for i in range(plan.seeds))
+    prices = [
+        f" In a name, `{priced('', w)}` stands for {w:g} times the recipe's price of time."
+        for w in plan.time_weights
+        if w != 1
+    ]
+    cars = [cell.driver for cell in cells if cell.driver in KNOWS]
     parts = [
         "# The cost of hidden intent",
+        answer(first),
         f"The same car, trained alone among {ALWAYS_GO} with the recipe `{plan.recipe}`. "
-        + " ".join(f"`{name}` {KNOWS[name]}." for name in dict.fromkeys(cell.driver for cell in cells))
-        + " What the critic sees is the same for all.",
+        + " ".join(f"`{name}` {KNOWS[name]}." for name in dict.fromkeys(cars))
+        + " What the critic sees is the same for all."
+        + "".join(prices)
+        + f" `{CLEARANCE}` is a rule.",
         f"Training seeds: {seeds}; {counted(plan.updates, 'update')} each. {chosen.name}, hash {chosen.hash}; "
         f"commit {made.commit or 'unknown'}, "
-        f"{made.hardware}. Brackets are 95 % intervals over training seeds and scenarios.",
+        f"{made.hardware}. Brackets are 95 % intervals over training seeds and scenarios; of the rule, over scenarios.",
+        ABOUT,
     ]
     for street in document.streets:
-        parts.append(f"## Jaywalk multiplier {street.jaywalk_multiplier:g}")
-        parts += [table(street).markdown() for table in (_drivers, _pairs, _known)]
+        parts += [f"## {street.setting[0].upper()}{street.setting[1:]}", *_tables(street)]
     return "\n\n".join(parts) + "\n"
+
+
+def answer(street: IntentStreet) -> str:
+    """Return what each kind of knowledge saves in contacts of the moving car, as far as the numbers tell."""
+    found = [one for one in street.results.paired if one.ending == "moving contact"]
+    if not found:
+        return f"**Nothing was compared**: only `{BLIND}` was trained."
+    if any(one.p is None for one in found):
+        return (
+            "**What hidden intent costs cannot be judged**: a sentence about training takes "
+            f"{FEWEST_SEEDS} training seeds."
+        )
+    adjusted = holm([one.p for one in found if one.p is not None])
+    rate = shown(Interval(found[0].a.rate, None, None), digits=2)
+    said = [f"The moving car of `{BLIND}` touches somebody in {rate} % of the scenarios."]
+    for one, p in zip(found, adjusted, strict=True):
+        verdict = "no difference is shown" if p >= SURE else "fewer" if (one.difference.value or 0) < 0 else "more"
+        said.append(f"`{one.b.driver}`: {verdict}, {shown(one.difference, digits=2)} points, p = {p_value(p)}.")
+    return " ".join(said) + " The p-values are adjusted for all of these tests (Holm)."
+
+
+def _tables(street: IntentStreet) -> list[str]:
+    results = street.results
+    found = [_drivers(street), paired_table(results.paired), harm_table(street.paired_harms)]
+    found.append(delay_table(results.paired_delays))
+    parts = [table.markdown() for table in found if table.rows]
+    if street.equal_delays:
+        parts += [EQUAL_ABOUT, _equal(street.equal_delays).markdown()]
+    return [*parts, _known(street).markdown()]
 
 
 def _drivers(street: IntentStreet) -> Table:
     observes = {cell.driver: cell.driver_observes for cell in street.results.cells}
+    harms = {found.driver: found.number for found in street.harms}
     columns = (
-        "driver",
-        "observes",
-        "goal %",
-        "collision %",
-        "of each seed",
-        "timeout %",
-        "time to goal [s]",
-        "delay [s]",
-    )
+        "driver", "observes", "goal %", MOVING, "of each seed", "serious injuries in 1,000", "timeout %", "delay [s]"
+    )  # fmt: skip
     rows = []
     for found in street.results.over_seeds:
         name = found.driver
         sees = f"`{observes[name]}`" + (" (no real car could)" if observes[name] in HIDDEN else "")
-        rates = (found.goal_rate, found.collision_rate, found.timeout_rate)
-        goal, collision, timeout = (shown(rate.mean, digits=2) for rate in rates)
-        each = ", ".join(f"{100 * value:.2f}" for value in found.collision_rate.each if value is not None)
-        time = shown(found.mean_time_to_goal.mean, 1.0, 2)
-        delay = shown(found.mean_delay.mean, 1.0, 2)
-        rows.append((name, sees, goal, collision, each, timeout, time, delay))
+        rates = (found.goal_rate, found.moving_contact_rate, found.timeout_rate)
+        goal, moving, timeout = (shown(rate.mean, digits=2) for rate in rates)
+        each = ", ".join(f"{100 * value:.2f}" for value in found.moving_contact_rate.each if value is not None)
+        harm, delay = shown(harms[name].mean, 1.0, 2), shown(found.mean_delay.mean, 1.0, 2)
+        rows.append((name, sees, goal, moving, each, harm, timeout, delay))
     return Table(columns, tuple(rows))
 
 
-def _pairs(street: IntentStreet) -> Table:
-    return paired_table(street.results.paired)
+def _equal(found: Sequence[EqualDelay]) -> Table:
+    columns = ("of", "A", "B", "B later [s]", "change per second", "B minus A, equally quick", "p", "p, Holm")
+    adjusted = iter(holm([one.p for one in found if one.p is not None]))
+    rows = []
+    for one in found:
+        later, slope = (shown(Interval(number, None, None), 1.0, 2) for number in (one.later, one.slope))
+        tested = p_value(one.p), p_value(None if one.p is None else next(adjusted))
+        rows.append((one.of, one.a, one.b, later, slope, shown(one.difference, 1.0, 2), *tested))
+    return Table(columns, tuple(rows))
 
 
 def _known(street: IntentStreet) -> Table:

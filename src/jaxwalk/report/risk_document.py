@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from jaxwalk.evaluation.harm_numbers import PairedHarm, SeedHarm
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.evaluation.results import Results
-from jaxwalk.evaluation.tail_numbers import PairedTail, SeedTail
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class RiskDocument:
     """The whole content of the file."""
 
     results: Results
-    tails: tuple[SeedTail, ...]
-    compared: tuple[PairedTail, ...]
+    tails: tuple[SeedHarm, ...]
+    compared: tuple[PairedHarm, ...]
     limits: tuple[LimitKept, ...]
 
     def as_dict(self) -> dict[str, Any]:
@@ -41,8 +41,8 @@ class RiskDocument:
 
 
 PARTS: dict[str, Any] = {
-    "tails": tuple[SeedTail, ...],
-    "compared": tuple[PairedTail, ...],
+    "tails": tuple[SeedHarm, ...],
+    "compared": tuple[PairedHarm, ...],
     "limits": tuple[LimitKept, ...],
 }
 """The parts beside the results, and their types."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from jaxwalk.evaluation.tail_numbers import PairedTail
+from jaxwalk.evaluation.harm_numbers import PairedHarm
 from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
 from jaxwalk.report.risk_document import LimitKept, RiskDocument
-from jaxwalk.report.seed_tables import delay_table, paired_table
+from jaxwalk.report.seed_tables import delay_table, harm_table, paired_table
 from jaxwalk.report.table import MOVING, Table, p_value, shown
 from jaxwalk.wording import counted
 
@@ -44,7 +44,7 @@ def page(document: RiskDocument, *, updates: int) -> str:
         TABLES,
         _drivers(document).markdown(),
         f"## Against `{PLAIN}`",
-        _compared(document.compared).markdown(),
+        harm_table(document.compared).markdown(),
         paired_table(document.results.paired).markdown(),
         delay_table(document.results.paired_delays).markdown(),
         "## Were the limits kept in training?",
@@ -65,7 +65,7 @@ def answer(document: RiskDocument) -> str:
     return " ".join(_verdict(one, p) for one, p in zip(found, adjusted, strict=True))
 
 
-def _verdict(one: PairedTail, p: float) -> str:
+def _verdict(one: PairedHarm, p: float) -> str:
     """Return what is known of one training against the plain one."""
     difference = shown(one.difference, 1.0, 2)
     if p >= SURE:
@@ -82,20 +82,10 @@ def _drivers(document: RiskDocument) -> Table:
     rows = []
     for tail in document.tails:
         found = numbers[tail.driver]
-        each = ", ".join(f"{value:.2f}" for value in tail.worst_hundredth.each if value is not None)
+        each = ", ".join(f"{value:.2f}" for value in tail.number.each if value is not None)
         rates = (shown(rate.mean, digits=2) for rate in (found.moving_contact_rate, found.goal_rate))
-        worst = shown(tail.worst_hundredth.mean, 1.0, 2)
+        worst = shown(tail.number.mean, 1.0, 2)
         rows.append((tail.driver, worst, each, *rates, shown(found.mean_delay.mean, 1.0, 2)))
-    return Table(columns, tuple(rows))
-
-
-def _compared(compared: Sequence[PairedTail]) -> Table:
-    columns = ("of", "A", "B", "B minus A [m/s]", "p", "p, Holm")
-    adjusted = iter(holm([one.p for one in compared if one.p is not None]))
-    rows = []
-    for one in compared:
-        tested = p_value(one.p), p_value(None if one.p is None else next(adjusted))
-        rows.append(("worst hundredth", one.a, one.b, shown(one.difference, 1.0, 2), *tested))
     return Table(columns, tuple(rows))
 
 

@@ -5,10 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from jaxwalk.evaluation.document_parts import Interval, PairedDelay, PairedSeeds
+from jaxwalk.evaluation.harm_numbers import Harm, PairedHarm
 from jaxwalk.metrics import ATTRIBUTION, DELAY, SPEED_DIFFERENTIAL, holm
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.material import CO_TRAINED, SINGLE_AGENT, Material
 from jaxwalk.report.table import MOVING, Table, p_value, shown
+
+HARM_NAMES: dict[Harm, str] = {
+    "worst hundredth": "worst hundredth [m/s]",
+    "serious injuries": "serious injuries in 1,000",
+}
+"""How tables call the numbers of harm."""
 
 
 def training_seeds(material: Material) -> Table:
@@ -52,6 +59,17 @@ def delay_table(paired: Sequence[PairedDelay]) -> Table:
     for found in paired:
         tested = p_value(found.p), p_value(None if found.p is None else next(adjusted))
         rows.append(("delay", found.a, found.b, found.pedestrians, shown(found.difference, 1.0, 2), *tested))
+    return Table(columns, tuple(rows))
+
+
+def harm_table(paired: Sequence[PairedHarm]) -> Table:
+    """Return a row for each result of `jaxwalk.evaluation.harm_numbers.paired_harm`; Holm's p covers all tests."""
+    columns = ("of", "A", "B", "B minus A", "p", "p, Holm")
+    adjusted = iter(holm([one.p for one in paired if one.p is not None]))
+    rows = []
+    for one in paired:
+        tested = p_value(one.p), p_value(None if one.p is None else next(adjusted))
+        rows.append((HARM_NAMES[one.harm], one.a, one.b, shown(one.difference, 1.0, 2), *tested))
     return Table(columns, tuple(rows))
 
 

@@ -125,6 +125,8 @@ class HiddenIntent:
     """Recipe of all trainings. fast: on the paper's street; blind-corner: where people are hidden, and in a hurry."""
     cars: Annotated[tuple[str, ...], option("all", "CAR [CAR ...]")] = ()
     """Train only these cars: blind and others that the page names."""
+    time_weights: Annotated[tuple[float, ...], option("1", "W [W ...]")] = (1.0,)
+    """Prices of time, as multiples of the recipe's: train each car with each of them, and compare at equal delay."""
     seeds: Annotated[int, option("5", "N")] = 5
     """Number of training seeds: seed, seed + 1, and so on."""
     updates: Annotated[int, option("200", "N")] = 200
