@@ -173,7 +173,11 @@ class Environment(Protocol[ScenarioT, StateT]):
 
 @runtime_checkable
 class Policy(Protocol):
-    """Decides for all agents of one role. It is deterministic for a given key."""
+    """Decides for all agents of one role. It is deterministic for a given key.
+
+    Two members are optional: ``sample``, whether it draws its actions at random, and ``decide``, which acts and also
+    returns a record of the step (`jaxwalk.acting.cast_of`).
+    """
 
     @property
     def view(self) -> View:

@@ -177,6 +177,7 @@ BAD = {
         "hidden-intent --out r --time-weights 1 2 2",
         "time_weights: name each once, and 1 among them",
     ),
+    "intent time nearly twice": ("hidden-intent --out r --time-weights 1 4 4.0000001", "time_weights: name each once"),
     "intent time below zero": (
         "hidden-intent --out r --time-weights 1 -2",
         "time_weights must lie in [0, 1000], not -2",

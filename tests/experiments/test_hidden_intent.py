@@ -62,8 +62,16 @@ def test_everybody_meets_the_same_scenarios(made):
         assert rule[::2] == ("clearance", None)
         assert {c["jaywalk_multiplier"] for c in street["cells"]} == {multiplier}
         pairs = [(p["ending"], p["a"]["driver"], p["b"]["driver"], p["pairs"]) for p in street["paired"]]
-        assert pairs == [(end, "blind", name, 16) for end in ("moving contact", "goal") for name in list(SEES)[1:]]
-        assert [one["b"] for one in street["paired_harms"]] == [one["b"] for one in street["paired_delays"]]
+        against = [
+            ("blind", "placebo"),
+            ("blind", "belief"),
+            ("blind", "told"),
+            ("placebo", "belief"),
+            ("placebo", "told"),
+        ]
+        assert pairs == [(end, *pair, 16) for end in ("moving contact", "goal") for pair in against]
+        for part in ("paired_harms", "paired_delays"):
+            assert [(one["a"], one["b"]) for one in street[part]] == against
         assert [one["driver"] for one in street["harms"]] == [*SEES, "clearance"]
         assert street["equal_delays"] == []
 
@@ -87,7 +95,7 @@ def test_the_page(made):
     assert page.count("`route-footprint-told` (no real car could)") == 2
     assert page.count("| moving contacts | blind among always-go | told among always-go |") == 2
     assert page.count("| serious injuries in 1,000 | blind | told |") == 2
-    assert "cannot be judged" in page
+    assert "**What hidden intent costs cannot be judged**" in page
     assert "nan" not in page
 
 
@@ -104,17 +112,30 @@ def test_another_plan_needs_another_folder(made, quiet):
 
 
 def test_a_damaged_document_is_said(made, quiet):
-    file = made[0] / "setting-2.json"
+    file = made[0] / "jaywalk-multiplier-1.json"
     whole = file.read_bytes()
     file.write_bytes(whole[:100])
-    with pytest.raises(RunError, match=r"setting-2.json: damaged .* run `jaxwalk hidden-intent` again"):
+    with pytest.raises(RunError, match=r"jaywalk-multiplier-1.json: damaged .* run `jaxwalk hidden-intent` again"):
         hidden_intent(made[0], PLAN, console=quiet)
     file.write_bytes(whole)
     content = json.loads(whole)
-    with pytest.raises(DocumentError, match=r"setting-2.json.*over_seeds.*all training seeds"):
+    with pytest.raises(DocumentError, match=r"multiplier-1.json.*over_seeds.*all training seeds"):
         as_intent_street(content, 3, Origin(file, "delete it"))
-    with pytest.raises(DocumentError, match=r"setting-2.json.*harms"):
-        as_intent_street({**content, "harms": 1}, 2, Origin(file, "delete it"))
+    with pytest.raises(DocumentError, match=r"multiplier-1.json.*harms"):
+        as_intent_street({**content, "harms": content["harms"][1:]}, 2, Origin(file, "delete it"))
+
+
+def test_a_setting_is_kept_as_soon_as_it_was_played(made, tiny, monkeypatch):
+    """The other one is played again, to the same document; and who computed it is not who asks again."""
+    monkeypatch.setattr(tournament, "evaluate_grid", partial(evaluate_grid, batch=PLAN.episodes))
+    monkeypatch.setattr(module, "evaluate", partial(evaluate, batch=PLAN.episodes))
+    folder, document, *_ = made
+    (folder / "jaywalk-multiplier-1.json").unlink()
+    said = io.StringIO()
+    hidden_intent(folder, PLAN, console=Console(file=said, width=200), base=single_agent(tiny))
+    again = json.loads((folder / "hidden-intent.json").read_text("utf-8"))
+    assert said.getvalue().split("[2/3]")[1].count("there already") == 1
+    assert [one["cells"] for one in again["streets"]] == [one["cells"] for one in document["streets"]]
 
 
 def test_where_people_are_hidden_there_are_cars_that_see_more(tiny, tmp_path, monkeypatch):
@@ -128,7 +149,7 @@ def test_where_people_are_hidden_there_are_cars_that_see_more(tiny, tmp_path, mo
     text = hidden_intent(tmp_path / "out", plan, base=base, console=Console(file=io.StringIO())).read_text("utf-8")
     document = json.loads((tmp_path / "out" / "hidden-intent.json").read_text("utf-8"))
     assert [one["setting"] for one in document["streets"]] == [
-        "jaywalk multiplier 1", "jaywalk multiplier 0.25", "vehicles parked in 30 % of the slots",
+        "jaywalk multiplier 1", "jaywalk multiplier 0.25", "vehicles parked in 30 of 100 slots",
     ]  # fmt: skip
     assert [one["street"]["sim"]["parked"] for one in document["streets"]] == [0.9, 0.9, 0.3]
     street = document["streets"][0]
@@ -150,7 +171,7 @@ def test_with_other_prices_of_time_cars_are_compared_at_equal_delay(tiny, tmp_pa
     own = base.driver_weights["time"]
     assert price == {"blind": own, "told": own, "blind-time-4": 4 * own, "told-time-4": 4 * own}
     street = json.loads((tmp_path / "out" / "hidden-intent.json").read_text("utf-8"))["streets"][0]
-    assert [(one["of"], one["a"], one["b"], one["settings"]) for one in street["equal_delays"]] == [
+    assert [(one["of"], one["a"], one["b"], one["prices"]) for one in street["equal_delays"]] == [
         ("moving contacts %", "blind", "told", 2),
         ("serious injuries in 1,000", "blind", "told", 2),
     ]

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jaxwalk.evaluation.shield_effects import expected_injuries, shield_effect, shield_effects
+from jaxwalk.evaluation.shield_effects import shield_effect, shield_effects
 from jaxwalk.metrics import OUTCOMES, SHIELD_INTERVENTIONS, Rows, Summary, measure, summarise
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.metrics.expected_injuries import expected_injuries
 from jaxwalk.metrics.footprint import FRONT, SIDE
 from jaxwalk.sim.crossing_kind import JAYWALK
 from metrics.scenes import Scene, Walk, trajectory

@@ -17,6 +17,7 @@ from jaxwalk.rollout import draw_batch
 from jaxwalk.runs.contestant_names import run_folders
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import check_pedestrians
 
 
@@ -98,7 +99,7 @@ def test_the_origin_of_a_mixture_holds_the_hashes_of_its_files():
 
 
 def test_adapters_take_mixtures():
-    mixed = player("pedestrian", "gap-acceptance:0.5+learned:0.3+always-go:0.2")
+    mixed = player("pedestrian", "gap-acceptance:0.5+learned:0.3+always-go:0.2", SimConfig())
     assert isinstance(mixed, Mixture) and mixed.shares == (0.5, 0.3, 0.2)
     assert [type(kind) for kind in mixed.kinds] == [GapAccepting, LearnedPolicy, AlwaysGo]
     assert mixed.kinds[1].sample

@@ -261,4 +261,4 @@ def test_a_shielded_driver_comes_from_where_the_bare_one_does(tmp_path):
     driver = contestant(STREET, "driver", "random+predictive")
     assert driver.sample
     assert driver.view.name == "paper"
-    assert player("driver", "clearance+rss").view.name == "route-footprint"
+    assert player("driver", "clearance+rss", SimConfig()).view.name == "route-footprint"

@@ -7,13 +7,15 @@ from dataclasses import replace
 import pytest
 
 from jaxwalk.evaluation import Cell, Match, Results, ScenarioSet, over_training_seeds, paired_delay, paired_over_seeds
-from jaxwalk.evaluation.equal_delay import equal_delay
+from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.evaluation.equal_delay import EqualDelay, equal_delay
 from jaxwalk.evaluation.harm_numbers import paired_harm, seed_harms
 from jaxwalk.metrics import DELAY, OUTCOMES, measure, summarise
 from jaxwalk.metrics.injury import monfort_mueller_mais3
 from jaxwalk.report.intent_document import IntentStreet
-from jaxwalk.report.intent_page import answer
+from jaxwalk.report.intent_page import answer, compared
 from jaxwalk.report.seed_tables import harm_table
+from jaxwalk.report.table import MOVING
 from metrics.scenes import Scene, Walk, trajectory
 
 HIT, NOBODY = Walk(2.0, 0.0), Walk(0.0, 50.0)
@@ -51,16 +53,36 @@ def _street(seeds: int) -> IntentStreet:
 
 def test_the_answer_names_what_helps_and_what_is_not_shown_to():
     said = answer(_street(5))
-    assert said.startswith("The moving car of `blind` touches somebody in 48.00 % of the scenarios.")
-    assert "`x-ray`: fewer, -44.00 [" in said
-    assert "`told`: no difference is shown, 4.00 [" in said
+    start = "With jaywalk multiplier 1, the moving car of `blind` touches somebody in 48.00 % of the scenarios."
+    assert said.startswith(start)
+    assert "`x-ray` touches fewer people than `blind`: -44.00 [" in said
+    assert "`told` is not shown to differ from `blind`: 4.00 [" in said
+    assert "equal delay" not in said
 
 
-def test_too_few_seeds_judge_nothing():
-    assert "cannot be judged: " not in answer(_street(4))
-    assert answer(_street(4)).startswith("**What hidden intent costs cannot be judged**")
+def test_the_answer_ends_with_equal_delay():
+    found = EqualDelay(MOVING, "blind", "told", 3, 5, 0.1, -2.0, -1.0, Interval(-1.5, -2.5, -0.5), 0.01)
+    said = answer(replace(_street(5), equal_delays=(found, replace(found, of="serious injuries in 1,000"))))
+    assert said.count("At equal delay") == 1
+    assert "At equal delay `told` against `blind`: -1.50 [-2.50, -0.50] points." in said
+
+
+@pytest.mark.parametrize("seeds", [1, 4])
+def test_too_few_seeds_judge_nothing(seeds):
+    """Not even one, whose pairs have a test over scenarios."""
+    assert answer(_street(seeds)).startswith("**What hidden intent costs cannot be judged**")
+
+
+def test_a_car_alone_is_compared_with_nobody():
     nothing = replace(_street(1), results=replace(_street(1).results, paired=()))
     assert answer(nothing) == "**Nothing was compared**: only `blind` was trained."
+
+
+def test_who_is_compared_with_whom():
+    assert compared(["blind", "x-ray", "told"]) == [("blind", "x-ray"), ("blind", "told")]
+    pairs = compared(["blind", "placebo", "belief", "told", "memory"])
+    assert pairs[:4] == [("blind", name) for name in ("placebo", "belief", "told", "memory")]
+    assert pairs[4:] == [("placebo", "belief"), ("placebo", "told")]
 
 
 def test_injuries_by_hand():
@@ -88,8 +110,9 @@ def test_equal_delay_by_hand():
     a = [[_delayed("blind", seed, hits, late) for seed in range(2)] for hits, late in ((4, 1.0), (2, 2.0))]
     b = [[_delayed("told", seed, hits, late) for seed in range(2)] for hits, late in ((3, 2.0), (1, 3.0))]
     found = equal_delay("moving contacts %", a, b)
-    assert (found.a, found.b, found.settings, found.training_seeds) == ("blind", "told", 2, 2)
-    assert (found.later, found.slope) == (pytest.approx(1.0, abs=1e-5), pytest.approx(-20, abs=1e-4))
+    assert (found.a, found.b, found.prices, found.training_seeds) == ("blind", "told", 2, 2)
+    assert found.later == pytest.approx(1.0, abs=1e-5)
+    assert (found.slope_a, found.slope_b) == (pytest.approx(-20, abs=1e-4), pytest.approx(-20, abs=1e-4))
     assert found.difference.value == pytest.approx(10, abs=1e-4)
     assert (found.difference.low, found.p) == (None, None), "two seeds judge nothing"
 
@@ -97,6 +120,6 @@ def test_equal_delay_by_hand():
 def test_equal_delay_needs_delays_and_the_same_seeds():
     a, b = ([[_match(name, seed, hits) for seed in range(2)] for hits in (1, 2)] for name in ("blind", "told"))
     found = equal_delay("serious injuries in 1,000", a, b)
-    assert (found.later, found.difference.value, found.slope, found.p) == (None, None, None, None)
+    assert (found.later, found.difference.value, found.slope_a, found.p) == (None, None, None, None)
     with pytest.raises(ValueError, match="the same training seeds"):
         equal_delay("moving contacts %", a, [group[:1] for group in b])

@@ -78,7 +78,7 @@ class Game(eqx.Module):
             **world,
         )
         chosen = {"driver": driver, "pedestrian": pedestrians}
-        policies = {role: None if who is None else player(role, who) for role, who in chosen.items()}
+        policies = {role: None if who is None else player(role, who, street.config) for role, who in chosen.items()}
         people = policies["pedestrian"]
         if people is not None and isinstance(pedestrians, str | Path) and street.world.rules.grouped:
             policies["pedestrian"] = Groups(people)

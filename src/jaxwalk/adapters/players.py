@@ -13,7 +13,9 @@ from jaxwalk.policies.mixture import Mixture
 from jaxwalk.policies.mixture_names import mixture_of
 from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.policies.shielding import shielded
+from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.recipes import RECIPES
+from jaxwalk.sim.sim_config import SimConfig
 
 Weights = str | Mapping[str, float]
 """A recipe's name, or weights of reward terms (`jaxwalk.sim.reward`)."""
@@ -25,21 +27,22 @@ class AdapterError(ValueError):
     """Raised for an impossible option of an adapter; one line says why and what to do."""
 
 
-def player(role: str, who: str | Path | Policy) -> Policy:
+def player(role: str, who: str | Path | Policy, rules: SimConfig) -> Policy:
     """Return a role's policy: a `Policy` itself, a rule or shipped policy by name, a file, or a mixture of people.
 
-    A trained policy acts as in an evaluation: pedestrians sample their actions, a driver takes the likeliest one.
+    A rule by name knows the numbers of the world with these rules. A trained policy acts as in an evaluation:
+    pedestrians sample their actions, a driver takes the likeliest one.
     """
     if not isinstance(who, str | Path):
         return who
     bare, shield = unshielded(role, str(who))
     if shield is not None:
-        return shielded(player(role, bare), shield)
+        return shielded(player(role, bare, rules), shield)
     if who in _RULES[role]:
-        return _RULES[role][who]()
+        return with_limits(_RULES[role][who](), rules)
     mixed = mixture_of(role, str(who))
     if mixed:
-        return Mixture(tuple(player(role, kind) for kind in mixed), tuple(mixed.values()))
+        return Mixture(tuple(player(role, kind, rules) for kind in mixed), tuple(mixed.values()))
     file = shipped_policy(role, str(who)) or Path(who)
     if not file.is_file():
         known = ", ".join((*_RULES[role], *SHIPPED[role]))

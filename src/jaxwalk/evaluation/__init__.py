@@ -1,4 +1,7 @@
-"""Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them."""
+"""Evaluate drivers among populations on the same scenarios: play, measure, compare, write documents and read them.
+
+Start at `evaluate` in `batches.py`, and at `evaluate_grid` in `results.py`, which makes a document of it.
+"""
 
 from jaxwalk.evaluation.avoidable import CounterfactualSummary, summarise_counterfactuals
 from jaxwalk.evaluation.batches import BATCH, episodes_at_once, evaluate, replay

@@ -33,7 +33,7 @@ BATCH = 512
 FEWEST, PEOPLE = 64, 12 * BATCH
 """Among many people a batch has fewer episodes: about `PEOPLE` people in all, but at least `FEWEST` episodes."""
 AT_ONCE = 2
-"""Number of lanes, which play as many episodes at once as a batch has: on a CPU, a single one leaves cores idle."""
+"""Number of lanes, each of which plays as many episodes at once as a batch has: a single one leaves cores idle."""
 
 Progress = Callable[[int, int], None]
 """Called with the number done so far, and the total."""

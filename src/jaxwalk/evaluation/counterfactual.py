@@ -38,7 +38,7 @@ CHANGES = (
     "crosswalk", "wait", "brake", "planner", "planner_from_start",
     "human_when_seen", "human_from_start", "brake_when_seen", "planner_when_seen",
 )  # fmt: skip
-"""The changes; each has its own replay."""
+"""The changes; each has its own replay. The planner is the `Oracle`."""
 LABELS = ("either", "driver", "pedestrian", "unavoidable")
 """Who could have avoided a collision."""
 JUDGEMENTS = ("human", "oracle", "unavoidable")

@@ -11,16 +11,16 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxwalk.evaluation.document_parts import Interval
-from jaxwalk.evaluation.shield_effects import PER, expected_injuries
 from jaxwalk.evaluation.training_seeds import Match, matched
 from jaxwalk.metrics import FEWEST_SEEDS, Estimate, OverSeeds, Rows, crossed_mean, over_seeds
+from jaxwalk.metrics.expected_injuries import PER, expected_injuries
 from jaxwalk.metrics.impact_tail import impact_speeds, tail_mean, tail_parts
 from jaxwalk.metrics.statistics import mean_of
 
 Harm = Literal["worst hundredth", "serious injuries"]
 """``worst hundredth``: mean speed of the car in the contacts of the worst hundredth of the scenarios
 (`jaxwalk.metrics.impact_tail`) [m/s]. ``serious injuries``: those to be expected in 1,000 scenarios
-(`jaxwalk.evaluation.shield_effects.expected_injuries`), by the footprint."""
+(`jaxwalk.metrics.expected_injuries`), by the footprint."""
 
 
 def injuries(rows: Rows) -> Float[np.ndarray, "scenario"]:

@@ -168,7 +168,7 @@ def _ask_and_play(
     setup: Setup, policies: Roles[Policy], driver: HostDriver, game: Underway, numbers: np.ndarray
 ) -> Iterator[tuple[Underway, Frame]]:
     """Play step after step; each step starts with the driver's answer to what it observes."""
-    with driver.turn:
+    with driver.lock:
         driver.init((), game.ended.shape)
         steps = count()
         while (playing := ~np.asarray(game.ended)).any():

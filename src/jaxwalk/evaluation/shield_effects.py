@@ -7,21 +7,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from jaxwalk.evaluation.comparison import check_same_scenarios
 from jaxwalk.metrics import OUTCOMES, Estimate, Rows, mcnemar
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS, touched_while_moving, while_moving
+from jaxwalk.metrics.expected_injuries import PER, expected_injuries
 from jaxwalk.metrics.footprint import FRONT
-from jaxwalk.metrics.injury import monfort_mueller_mais3
 from jaxwalk.metrics.interventions_by_shield import SHIELD_INTERVENTIONS
 from jaxwalk.metrics.statistics import mean_of
 from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.wording import counted
-
-PER = 1000
-"""Injuries are given for this many scenarios."""
 
 
 @dataclass(frozen=True)
@@ -132,20 +128,6 @@ def _harm(bare: MovingContacts, shielded: MovingContacts, added: Estimate) -> st
         f"{shielded.contacts:,}; serious injuries to be expected in {PER:,} scenarios: {bare.injuries:.1f} bare, "
         f"{shielded.injuries:.1f} shielded{difference}"
     )
-
-
-def expected_injuries(rows: Rows, contact: ContactRule, *, front_only: bool = False) -> Float[np.ndarray, "episode"]:
-    """Return the serious injuries or deaths (MAIS 3+) to be expected in each episode: its contacts' risks, added up.
-
-    The risk is that of a contact with the front of a car at this speed (`monfort_mueller_mais3`). Contacts with the
-    sides and the rear of the moving car count as if they were with its front, or with ``front_only`` not at all.
-    """
-    table, mine = rows[MEASURED_CONTACTS], while_moving(rows, contact)
-    if front_only:
-        mine = mine & (table.part == FRONT)
-    found = np.zeros(rows.episodes)
-    np.add.at(found, table.episode[mine], monfort_mueller_mais3(table.car_speed[mine]))
-    return found
 
 
 def _injuries_added(bare: Rows, behind: Rows, contact: ContactRule, front_only: bool) -> Estimate:

@@ -21,8 +21,8 @@ from jaxwalk.evaluation.reading import Origin, as_results
 from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, results_of
 from jaxwalk.learning.config import own_environments
 from jaxwalk.recipes import RECIPES, Experiment, single_agent, with_training
-from jaxwalk.report import ALWAYS_GO, GAP_ACCEPTANCE
-from jaxwalk.report.co_training_page import ALONE, CLEARANCE, FACTORS, MIXED, PEOPLE, PURE, STAND_INS, TOUCHED, page
+from jaxwalk.report import ALWAYS_GO, CLEARANCE, GAP_ACCEPTANCE
+from jaxwalk.report.co_training_page import ALONE, FACTORS, MIXED, PEOPLE, PURE, STAND_INS, TOUCHED, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.study import P, Work

@@ -2,14 +2,15 @@
 
 runs/blind/seed-0, ...     the car trained alone; and so for each other one of `trainings`
 plan.json, minutes.json    what was requested; how long each part took
-setting-1.json, ...        all of them and the clearance rule on the same scenarios, in pairs; how much could be known
-hidden-intent.json         all of that in one document (`jaxwalk.report.intent_document`)
+SETTING.json               all of them and the clearance rule on the same scenarios, in pairs; how much could be known;
+                           for each of `IntentWork.settings` (`jaxwalk.report.intent_document`)
+hidden-intent.json         all of that in one document
 hidden-intent.md           the answer and its tables (`jaxwalk.report.intent_page`)
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,9 +18,8 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from jaxwalk.evaluation import Match, evaluate, paired_delay, paired_over_seeds, with_jaywalk_multiplier
-from jaxwalk.evaluation.equal_delay import COMPARED as AT_EQUAL_DELAY
-from jaxwalk.evaluation.equal_delay import EqualDelay, equal_delay
+from jaxwalk.evaluation import Match, evaluate, paired_delay, paired_over_seeds
+from jaxwalk.evaluation.equal_delay import AT_EQUAL_DELAY, EqualDelay, equal_delay
 from jaxwalk.evaluation.harm_numbers import Harm, paired_harm, seed_harms
 from jaxwalk.evaluation.reading import Origin
 from jaxwalk.evaluation.training_seeds import Ending
@@ -27,24 +27,17 @@ from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, result
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
 from jaxwalk.policies import ConstantSpeed
-from jaxwalk.provenance import provenance
 from jaxwalk.recipes import FAST, RECIPES, Experiment, single_agent, with_training
-from jaxwalk.report import ALWAYS_GO
-from jaxwalk.report.intent_document import (
-    IntentDocument,
-    IntentPlan,
-    IntentStreet,
-    KnownIntent,
-    as_intent_street,
-    priced,
-)
-from jaxwalk.report.intent_page import BLIND, CLEARANCE, page
+from jaxwalk.report import ALWAYS_GO, CLEARANCE
+from jaxwalk.report.intent_document import IntentStreet, KnownIntent, as_intent_street, priced
+from jaxwalk.report.intent_page import BLIND, compared, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import AWARE, BELIEF, DECIDED, FOOTPRINT, MEMORY, PLACEBO, TOLD, X_RAY
+from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.suites import SUITES
 from jaxwalk.writing import write_whole
 
@@ -53,18 +46,16 @@ INTENT = {BLIND: FOOTPRINT, "placebo": PLACEBO, "belief": BELIEF, "told": TOLD}
 SIGHT = {BLIND: FOOTPRINT, "x-ray": X_RAY, "memory": MEMORY, "aware": AWARE, **INTENT, "decided": DECIDED}
 """More of them, where people can be hidden: first those that tell what it costs that people are."""
 MULTIPLIERS = (0.25, 1.0)
-"""Jaywalk multipliers of the evaluation: that of the trainings comes first."""
+"""Jaywalk multipliers of the evaluation, beside that of the trainings."""
 FEW_PARKED = 0.3
 """Where vehicles hide people, fewer of them are parked in another setting: the share of the slots."""
 MOST_TIME = 1000.0
 """Largest price of time, as a multiple of the recipe's."""
 AFTER = (1, 2, 5, 10, 20, 50)
 """Numbers of crossings seen, for which what could be known is computed as well."""
-COMPARED_ENDINGS: tuple[Ending, ...] = ("moving contact", "goal")
+ENDINGS: tuple[Ending, ...] = ("moving contact", "goal")
 """How episodes end that are compared, beside the harm and the delay."""
 INJURIES: Harm = "serious injuries"
-PART = "setting-{}.json"
-"""Name of the file of one setting."""
 RESULT, PAGE = "hidden-intent.json", "hidden-intent.md"
 
 
@@ -90,7 +81,8 @@ class IntentEffort(Effort):
                 raise ValueError(f"cars: no car '{name}' in recipe {self.recipe}; there are: {', '.join(known)}")
         if self.cars and BLIND not in self.cars:
             raise ValueError(f"cars: the others are compared with {BLIND}; name it too")
-        if 1.0 not in self.time_weights or len(set(self.time_weights)) < len(self.time_weights):
+        names = [priced("", weight) for weight in self.time_weights]
+        if "" not in names or len(set(names)) < len(names):
             raise ValueError(f"time_weights: name each once, and 1 among them, not {self.time_weights}")
         for weight in self.time_weights:
             if not 0 <= weight <= MOST_TIME:
@@ -102,23 +94,21 @@ class IntentWork(Work[IntentEffort]):
 
     command = "hidden-intent"
 
-    def street(self) -> Street:
-        """Return the street to evaluate on: streets that no training has, if there are many."""
-        if self.base.maps == FAST.maps:
-            return super().street()
-        where = SUITES[self.plan.recipe]
-        return Street.create(where.maps, replace(self.base.sim, pedestrians=where.people or self.base.sim.pedestrians))
+    def maps(self) -> tuple[str, ...]:
+        """Return the maps to evaluate on: streets that no training has, if there are many."""
+        return self.base.maps if self.base.maps == FAST.maps else SUITES[self.plan.recipe].maps
 
-    def settings(self) -> dict[str, Street]:
-        """Return the street with the rules of the trainings, and with other ones, by names for readers."""
-        street = self.street()
+    def settings(self) -> dict[str, SimConfig]:
+        """Return the rules of the trainings, and other ones, by names for readers."""
+        rules = self.base.sim
+        if self.base.maps != FAST.maps:
+            rules = replace(rules, pedestrians=SUITES[self.plan.recipe].people or rules.pedestrians)
         found = {
-            f"jaywalk multiplier {multiplier:g}": with_jaywalk_multiplier(street, multiplier)
-            for multiplier in dict.fromkeys((street.config.jaywalk_multiplier, *MULTIPLIERS))
+            f"jaywalk multiplier {multiplier:g}": replace(rules, jaywalk_multiplier=multiplier)
+            for multiplier in dict.fromkeys((rules.jaywalk_multiplier, *MULTIPLIERS))
         }
-        if street.config.parked > FEW_PARKED:
-            fewer = Street.create(street.maps, replace(street.config, parked=FEW_PARKED))
-            found[f"vehicles parked in {FEW_PARKED:.0%} of the slots".replace("%", " %")] = fewer
+        if rules.parked > FEW_PARKED:
+            found[f"vehicles parked in {100 * FEW_PARKED:.0f} of 100 slots"] = replace(rules, parked=FEW_PARKED)
         return found
 
 
@@ -179,50 +169,50 @@ def _train(work: IntentWork) -> None:
             work.train(name, with_training(experiment, updates=work.plan.updates), seed)
 
 
+def _file(setting: str) -> str:
+    """Return the name of the file of one setting."""
+    return setting.replace(" ", "-") + ".json"
+
+
 def _evaluate(work: IntentWork) -> None:
-    for number, (name, street) in enumerate(work.settings().items(), 1):
-        work.say(f"    {name}")
-        if not work.done(PART.format(number)):
-            work.keep(PART.format(number), _findings(work, name, street).as_dict())
+    for setting, rules in work.settings().items():
+        work.say(f"    {setting}")
+        if not work.done(_file(setting)):
+            work.keep(_file(setting), _findings(work, setting, Street.create(work.maps(), rules)).as_dict())
 
 
 def _findings(work: IntentWork, setting: str, street: Street) -> IntentStreet:
     """Return what everybody does in one setting."""
-    scenarios, people = Scenarios(work.plan.episodes, work.plan.seed), contestant(street, "pedestrian", ALWAYS_GO)
+    plan, scenarios = work.plan, Scenarios(work.plan.episodes, work.plan.seed)
+    people, names = {ALWAYS_GO: contestant(street, "pedestrian", ALWAYS_GO)}, list(trainings(work.base, plan))
     rounds: list[Round] = []
-    for seed in work.plan.training_seeds:
-        drivers = {n: contestant(street, "driver", str(work.run(n, seed))) for n in trainings(work.base, work.plan)}
-        rounds.append((seed, drivers, {ALWAYS_GO: people}))
-    rounds.append((None, {CLEARANCE: contestant(street, "driver", CLEARANCE)}, {ALWAYS_GO: people}))
+    for seed in plan.training_seeds:
+        drivers = {name: contestant(street, "driver", str(work.run(name, seed))) for name in names}
+        rounds.append((seed, drivers, people))
+    rounds.append((None, {CLEARANCE: contestant(street, "driver", CLEARANCE)}, people))
     chosen, matches = play_rounds(street, rounds, scenarios, work.say)
     of: dict[str, list[Match]] = {}
     for match in matches:
         of.setdefault(match.cell.driver, []).append(match)
-    blind, others = of[BLIND], [of[name] for name in of if name not in (BLIND, CLEARANCE)]
-    endings = [paired_over_seeds(end, blind, other) for end in COMPARED_ENDINGS for other in others]
-    results = results_of(street, chosen, matches, paired=endings)
+    cars = list(cars_of(work.base, plan.cars))
+    pairs = [(of[a], of[b]) for a, b in compared(cars)]
+    results = results_of(street, chosen, matches, paired=[paired_over_seeds(end, *p) for end in ENDINGS for p in pairs])
     return IntentStreet(
         setting=setting,
-        results=replace(results, paired_delays=tuple(paired_delay(blind, other) for other in others)),
-        identifiability=_identifiability(street, _joined(blind), scenarios),
+        results=replace(results, paired_delays=tuple(paired_delay(*pair) for pair in pairs)),
+        identifiability=_identifiability(street, Rows.join([match.rows for match in of[BLIND]]), scenarios),
         harms=seed_harms(INJURIES, matches),
-        paired_harms=tuple(paired_harm(INJURIES, blind, other) for other in others),
-        equal_delays=_equal_delays(work.plan, cars_of(work.base, work.plan.cars), of),
+        paired_harms=tuple(paired_harm(INJURIES, *pair) for pair in pairs),
+        equal_delays=_equal_delays(plan, cars, of),
     )
 
 
-def _equal_delays(plan: IntentEffort, cars: Iterable[str], of: Mapping[str, list[Match]]) -> tuple[EqualDelay, ...]:
-    """Return each car against the blind one at equal delay; nothing if there is one price of time."""
+def _equal_delays(plan: IntentEffort, cars: Sequence[str], of: Mapping[str, Sequence[Match]]) -> tuple[EqualDelay, ...]:
+    """Return the same comparisons at equal delay; nothing if there is one price of time."""
     if len(plan.time_weights) == 1:
         return ()
     groups = {car: [of[priced(car, weight)] for weight in plan.time_weights] for car in cars}
-    blind = groups.pop(BLIND)
-    return tuple(equal_delay(what, blind, group) for what in AT_EQUAL_DELAY for group in groups.values())
-
-
-def _joined(matches: Sequence[Match]) -> Rows:
-    """Return the rows of all training seeds."""
-    return Rows.join([match.rows for match in matches])
+    return tuple(equal_delay(what, groups[a], groups[b]) for what in AT_EQUAL_DELAY for a, b in compared(cars))
 
 
 def _identifiability(street: Street, blind: Rows, scenarios: Scenarios) -> tuple[KnownIntent, ...]:
@@ -253,9 +243,9 @@ def _crossings(rows: Rows, people: int) -> np.ndarray:
 
 
 def _write(work: IntentWork) -> None:
-    files = [work.folder / PART.format(number) for number in range(1, len(work.settings()) + 1)]
-    again = f"delete it and run `jaxwalk {work.command}` again"
-    streets = [as_intent_street(work.json(file.name), work.plan.seeds, Origin(file, again)) for file in files]
-    document = IntentDocument(IntentPlan(**asdict(work.plan)), provenance(), tuple(streets))
-    work.keep(RESULT, document.as_dict())
-    write_whole(work.folder / PAGE, page(document))
+    plan, again = work.plan, f"delete it and run `jaxwalk {work.command}` again"
+    files = [work.folder / _file(setting) for setting in work.settings()]
+    streets = [as_intent_street(work.json(file.name), plan.seeds, Origin(file, again)) for file in files]
+    work.keep(RESULT, {"plan": asdict(plan), "streets": [street.as_dict() for street in streets]})
+    text = page(streets, recipe=plan.recipe, updates=plan.updates, time_weights=plan.time_weights)
+    write_whole(work.folder / PAGE, text)

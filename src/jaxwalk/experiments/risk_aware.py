@@ -28,9 +28,9 @@ from jaxwalk.recipes import (
     with_limits,
     with_training,
 )
-from jaxwalk.report import ALWAYS_GO
+from jaxwalk.report import ALWAYS_GO, CLEARANCE
 from jaxwalk.report.risk_document import LimitKept, RiskDocument, as_risk_document
-from jaxwalk.report.risk_page import CLEARANCE, CVAR, LAGRANGIAN, PLAIN, page
+from jaxwalk.report.risk_page import CVAR, LAGRANGIAN, PLAIN, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run

@@ -1,21 +1,18 @@
-"""Compare two drivers as if both were equally quick: who hurries touches more people, whatever it sees.
+"""Compare two drivers as if both were equally quick: who hurries may touch more people, whatever it sees.
 
-Each driver was trained with several settings that make it hurry more or less, and with several seeds. Within the
-trainings of one driver and seed, contacts change with the delay; the slope of that change, common to both drivers,
-moves the difference between them to the delay at which they are equal: an analysis of covariance (Fisher 1932).
+Each driver was trained with several prices of time, so that it hurries more or less, and with several seeds. Within the
+trainings of one driver and seed a number, such as that of contacts, changes with the delay; the slope of that change,
+common to both drivers, moves the difference between them to equal delay: an analysis of covariance (Fisher 1932).
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy import stats
 
-from jaxwalk.metrics.over_seeds import FEWEST_SEEDS
-from jaxwalk.metrics.statistics import CONFIDENCE
+from jaxwalk.metrics.over_seeds import FEWEST_SEEDS, crossed_mean
 
 
 @dataclass(frozen=True)
@@ -26,6 +23,8 @@ class Adjusted:
     """Number of B minus that of A, at equal delay."""
     slope: float
     """Change of the number per second of delay, within the trainings of one driver and seed."""
+    slopes: tuple[float, float]
+    """The same of A's trainings alone, and of B's: they should be alike."""
     low: float | None
     high: float | None
     p: float | None
@@ -33,39 +32,29 @@ class Adjusted:
 
 
 def at_equal_delay(
-    delay: Float[np.ndarray, "2 setting seed"], number: Float[np.ndarray, "2 setting seed"]
+    delay: Float[np.ndarray, "2 price seed scenario"], number: Float[np.ndarray, "2 price seed scenario"]
 ) -> Adjusted | None:
-    """Return B's number minus A's at equal delay; None where a delay is unknown or no setting changes it.
+    """Return B's number minus A's at equal delay; None where a delay is unknown or no price changes it.
 
-    The interval and the test are Student's, with the jackknife's standard error over training seeds (Tukey 1958), which
-    holds the uncertainty of the slope as well as of the means.
+    The interval and the test are those of `jaxwalk.metrics.over_seeds.crossed_mean`, of what each seed and scenario
+    adds to the difference to first order, through the means and through the slope.
 
     Args:
-        delay: mean delay of each training of A and of B [s].
-        number: what is compared, of the same trainings.
+        delay: delay of each training of A and of B in each scenario [s].
+        number: what is compared, of the same trainings in the same scenarios.
     """
-    value, slope = _difference(delay, number)
-    seeds = delay.shape[-1]
-    if not math.isfinite(value):
+    delays, numbers = delay.mean(axis=-1), number.mean(axis=-1)
+    off = delays - delays.mean(axis=1, keepdims=True)
+    spreads = (off**2).sum(axis=(1, 2))
+    if not (np.isfinite(spreads).all() and (spreads > 0).all()):
         return None
-    if seeds < FEWEST_SEEDS:
-        return Adjusted(value, slope, None, None, None)
-    without = [_difference(np.delete(delay, i, -1), np.delete(number, i, -1))[0] for i in range(seeds)]
-    error = (seeds - 1) * float(np.std(without, ddof=1)) / math.sqrt(seeds)
-    if not error > 0:
-        return Adjusted(value, slope, None, None, None)
-    half = float(stats.t.ppf((1 + CONFIDENCE) / 2, seeds - 1)) * error
-    return Adjusted(value, slope, value - half, value + half, float(2 * stats.t.sf(abs(value) / error, seeds - 1)))
-
-
-def _difference(
-    delay: Float[np.ndarray, "2 setting seed"], number: Float[np.ndarray, "2 setting seed"]
-) -> tuple[float, float]:
-    """Return the difference at equal delay, and the slope; NaN where there is none."""
-    mean_delay, mean_number = delay.mean(axis=1, keepdims=True), number.mean(axis=1, keepdims=True)
-    spread = float(((delay - mean_delay) ** 2).sum())
-    if not spread > 0:
-        return math.nan, math.nan
-    slope = float(((delay - mean_delay) * (number - mean_number)).sum()) / spread
-    adjusted = number.mean(axis=(1, 2)) - slope * delay.mean(axis=(1, 2))
-    return float(adjusted[1] - adjusted[0]), slope
+    slopes = (off * numbers).sum(axis=(1, 2)) / spreads
+    slope = float((slopes * spreads).sum() / spreads.sum())
+    level = number - slope * delay
+    later = float(delays[1].mean() - delays[0].mean())
+    of_slope = delay.shape[2] * (off[..., None] * level).sum(axis=(0, 1)) / spreads.sum()
+    parts = (level[1] - level[0]).mean(axis=0) - later * of_slope
+    low, high, p = None, None, None
+    if len(parts) >= FEWEST_SEEDS and (found := crossed_mean(parts)).error > 0:
+        (low, high), p = found.ends(), found.p()
+    return Adjusted(float(parts.mean()), slope, (float(slopes[0]), float(slopes[1])), low, high, p)

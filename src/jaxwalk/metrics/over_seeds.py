@@ -63,7 +63,7 @@ def crossed_mean(values: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:
     seeds, scenarios = values.shape
     of_seeds = scenarios * values.mean(axis=1).var(ddof=1)
     if scenarios == 1:
-        return CrossedMean(float(values.mean()), math.sqrt(of_seeds / seeds), seeds - 1)
+        return CrossedMean(float(values.mean()), math.sqrt(of_seeds / seeds), float(seeds - 1))
     of_scenarios = seeds * values.mean(axis=0).var(ddof=1)
     total = values.var() * values.size - (seeds - 1) * of_seeds - (scenarios - 1) * of_scenarios
     both = of_seeds + max(of_scenarios - total / ((seeds - 1) * (scenarios - 1)), 0)

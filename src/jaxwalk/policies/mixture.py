@@ -14,7 +14,8 @@ from jaxwalk.acting import role_key
 from jaxwalk.interfaces import Moment, Policy, View
 
 KIND = slice(2, 4)
-"""The traits by which a person is of a kind. They are drawn with the scenario; no rule of the simulator reads them."""
+"""The traits by which a person is of a kind. They are drawn with the scenario; the simulator takes them only as a
+source of chance (`jaxwalk.sim.perception.chance`)."""
 
 
 def kind_draw(traits: Float[Array, "trait ..."]) -> Float[Array, "..."]:

@@ -39,7 +39,7 @@ class Intervention(eqx.Module):
 
 @dataclass(frozen=True)
 class Behind:
-    """What the driver sees, and what its shield sees. It is called as what the driver sees."""
+    """What the driver sees, and what its shield sees. Its name is that of the driver's view."""
 
     driver: View
     shield: View

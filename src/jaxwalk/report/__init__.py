@@ -2,6 +2,7 @@
 
 from jaxwalk.report.material import (
     ALWAYS_GO,
+    CLEARANCE,
     CO_TRAINED,
     GAP_ACCEPTANCE,
     LEARNED,
@@ -18,6 +19,7 @@ from jaxwalk.report.write import write_report
 
 __all__ = [
     "ALWAYS_GO",
+    "CLEARANCE",
     "CO_TRAINED",
     "GAP_ACCEPTANCE",
     "LEARNED",

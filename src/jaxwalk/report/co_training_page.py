@@ -8,15 +8,13 @@ from jaxwalk.evaluation.document_parts import PairedSeeds, SeedNumbers
 from jaxwalk.evaluation.results import Results
 from jaxwalk.evaluation.training_seeds import Ending
 from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
-from jaxwalk.report.material import ALWAYS_GO
+from jaxwalk.report.material import ALWAYS_GO, CLEARANCE
 from jaxwalk.report.seed_tables import delay_table, paired_table
 from jaxwalk.report.table import MOVING, Table, shown
 from jaxwalk.wording import counted
 
 ALONE, PURE, MIXED, STAND_INS = "alone", "pure", "mixed", "-stand-ins"
 """The trainings: a co-trained one is named pure or mixed, and with ``STAND_INS`` if people met careless cars."""
-CLEARANCE = "clearance"
-"""The rule that stands beside the trained cars."""
 PEOPLE = {f"people of {name}": name for name in (PURE, PURE + STAND_INS)}
 """The learned populations, and the training from which they come."""
 FACTORS = (

@@ -1,39 +1,15 @@
-"""The document of `jaxwalk hidden-intent`: what was requested, and the findings in each setting."""
+"""The document of `jaxwalk hidden-intent`: the findings in each setting."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from jaxwalk.evaluation.equal_delay import EqualDelay
 from jaxwalk.evaluation.harm_numbers import PairedHarm, SeedHarm
 from jaxwalk.evaluation.reading import Origin, as_document, as_results
 from jaxwalk.evaluation.results import Results
 from jaxwalk.metrics.identifiability import Identifiability
-from jaxwalk.provenance import Provenance
-
-
-@dataclass(frozen=True)
-class IntentPlan:
-    """The size of the experiment, and the recipe of its trainings."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
-
-    updates: int
-    """Updates in each training."""
-    episodes: int
-    """Scenarios in each cell."""
-    seed: int
-    """The first training seed, and the seed of the scenarios."""
-    seeds: int
-    """How many training seeds there are."""
-    recipe: str = "fast"
-    """The recipe; older documents don't name it."""
-    cars: Sequence[str] = ()
-    """The cars that were asked for; none: all."""
-    time_weights: Sequence[float] = (1.0,)
-    """Prices of time with which each was trained, as multiples of the recipe's."""
 
 
 def priced(car: str, time_weight: float) -> str:
@@ -85,20 +61,6 @@ HARM: dict[str, Any] = {
 """The parts that say how bad contacts are, and their types."""
 
 
-@dataclass(frozen=True)
-class IntentDocument:
-    """The whole content of the file."""
-
-    plan: IntentPlan
-    provenance: Provenance
-    streets: tuple[IntentStreet, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return plain dicts, lists and numbers."""
-        streets = [street.as_dict() for street in self.streets]
-        return {"plan": asdict(self.plan), "provenance": asdict(self.provenance), "streets": streets}
-
-
 def as_intent_street(content: Any, seeds: int, origin: Origin) -> IntentStreet:
     """Return the content of a JSON file as the typed findings in one setting.
 
@@ -114,6 +76,8 @@ def as_intent_street(content: Any, seeds: int, origin: Origin) -> IntentStreet:
         trained = numbers.training_seeds != (None,)
         if numbers.driver not in drivers or (trained and len(numbers.training_seeds) != seeds):
             raise origin.damaged(("over_seeds", number), "are not the numbers of a driver over all training seeds")
+    if {found.driver for found in parts["harms"]} != drivers or results.made is None:
+        raise origin.damaged(("harms",), "a driver has no number of injuries, or it is not said what computed them")
     known = parts.pop("identifiability")
     found = tuple(_known(one, origin.inside("identifiability", i)) for i, one in enumerate(known))
     return IntentStreet(results=results, identifiability=found, **parts)

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from jaxwalk.evaluation.document_parts import Interval
+from jaxwalk.evaluation.document_parts import Interval, PairedSeeds
 from jaxwalk.evaluation.equal_delay import EqualDelay
-from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
-from jaxwalk.report.intent_document import IntentDocument, IntentStreet, KnownIntent, priced
-from jaxwalk.report.material import ALWAYS_GO
+from jaxwalk.metrics import FEWEST_SEEDS, SURE
+from jaxwalk.report.intent_document import IntentStreet, KnownIntent, priced
+from jaxwalk.report.material import ALWAYS_GO, CLEARANCE
 from jaxwalk.report.seed_tables import delay_table, harm_table, paired_table
-from jaxwalk.report.table import MOVING, NONE, Table, p_value, shown
+from jaxwalk.report.table import MOVING, NONE, Table, adjusted, p_in_words, p_value, shown
 from jaxwalk.sim.observation import HIDDEN
 from jaxwalk.wording import counted
 
 BLIND = "blind"
 """Name of the car that the others are compared with."""
-CLEARANCE = "clearance"
-"""The rule that stands beside the trained cars."""
+TOLD = ("belief", "told", "decided")
+"""Cars that are told something about people: they are also compared with the one that is told what decides nothing."""
+NOTHING_MORE = "placebo"
+"""Name of that one."""
 KNOWS = {
     BLIND: "sees where people are and how they move, as far as its car perceives them",
-    "placebo": "is also told a number about each of the nearest people that decides nothing, so that it has as many "
+    NOTHING_MORE: "is also told a number about each of the nearest people that decides nothing, so that it has as many "
     "inputs as `told`",
     "belief": "is also told the posterior mean of their jaywalking tendencies, given the crossings that it saw and, "
     "where people can be hidden, one decision of each of them from before",
@@ -31,67 +33,93 @@ KNOWS = {
     "x-ray": "sees what `blind` sees, but of everybody, hidden or not",
 }
 """What each car knows, in words."""
-
-
 ABOUT = (
     "Moving contacts: scenarios in which the moving car touches somebody by its footprint. Serious injuries or deaths "
     "are those to be expected in 1,000 scenarios, if contacts with the sides count as if they were with the front. "
     "Delay: seconds beyond untouchable full throttle on the same scenario, where the car arrives."
 )
 EQUAL_ABOUT = (
-    "A car that hurries touches more people, whatever it sees. Here each was trained with several prices of time, and "
-    "the difference is moved to the delay at which both are equally quick, by the slope within the trainings of one "
-    "car and seed. Brackets are t-intervals with the jackknife's error over training seeds."
+    "A car that hurries may touch more people, whatever it sees. Here each was trained with several prices of time, "
+    "and the difference is moved to the delay at which both are equally quick, by the change per second of delay "
+    "within the trainings of one car and seed. That assumes that contacts change in proportion to the delay, and "
+    "equally for both: compare the changes of A and of B."
 )
 
 
-def page(document: IntentDocument) -> str:
-    """Return the answer and all tables, for each setting."""
-    plan, made = document.plan, document.provenance
-    first = document.streets[0]
-    chosen, cells = first.results.scenarios, first.results.cells
-    seeds = ", ".join(str(plan.seed + i) for i in range(plan.seeds))
-    prices = [
+def compared(cars: Sequence[str]) -> list[tuple[str, str]]:
+    """Return which cars are compared: each with the blind one, and those that are told something with the placebo."""
+    others = [(BLIND, car) for car in cars if car != BLIND]
+    return others + [(NOTHING_MORE, car) for car in TOLD if {NOTHING_MORE, car} <= set(cars)]
+
+
+def page(streets: Sequence[IntentStreet], *, recipe: str, updates: int, time_weights: Sequence[float]) -> str:
+    """Return the answer and all tables, for each setting.
+
+    ``recipe``, ``updates`` and ``time_weights`` (prices of time, as multiples of the recipe's) are of the trainings.
+    """
+    results = streets[0].results
+    cars = [cell.driver for cell in results.cells if cell.driver in KNOWS]
+    seeds = ", ".join(map(str, dict.fromkeys(c.training_seed for c in results.cells if c.training_seed is not None)))
+    prices = (
         f" In a name, `{priced('', w)}` stands for {w:g} times the recipe's price of time."
-        for w in plan.time_weights
+        for w in time_weights
         if w != 1
-    ]
-    cars = [cell.driver for cell in cells if cell.driver in KNOWS]
+    )
     parts = [
         "# The cost of hidden intent",
-        answer(first),
-        f"The same car, trained alone among {ALWAYS_GO} with the recipe `{plan.recipe}`. "
+        answer(streets[0]),
+        f"The same car, trained alone among {ALWAYS_GO} with the recipe `{recipe}`. "
         + " ".join(f"`{name}` {KNOWS[name]}." for name in dict.fromkeys(cars))
         + " What the critic sees is the same for all."
         + "".join(prices)
         + f" `{CLEARANCE}` is a rule.",
-        f"Training seeds: {seeds}; {counted(plan.updates, 'update')} each. {chosen.name}, hash {chosen.hash}; "
-        f"commit {made.commit or 'unknown'}, "
-        f"{made.hardware}. Brackets are 95 % intervals over training seeds and scenarios; of the rule, over scenarios.",
+        f"Training seeds: {seeds}; {counted(updates, 'update')} each. Brackets are 95 % intervals over training seeds "
+        "and scenarios; of the rule, over scenarios.",
         ABOUT,
     ]
-    for street in document.streets:
-        parts += [f"## {street.setting[0].upper()}{street.setting[1:]}", *_tables(street)]
+    for street in streets:
+        chosen, made = street.results.scenarios, street.results.made
+        origin = "" if made is None else f"; commit {made.commit or 'unknown'}, {made.hardware}"
+        parts += [
+            f"## {street.setting[0].upper()}{street.setting[1:]}",
+            f"{chosen.name}, hash {chosen.hash}{origin}.",
+            *_tables(street),
+        ]
     return "\n\n".join(parts) + "\n"
 
 
 def answer(street: IntentStreet) -> str:
     """Return what each kind of knowledge saves in contacts of the moving car, as far as the numbers tell."""
-    found = [one for one in street.results.paired if one.ending == "moving contact"]
+    found = street.results.paired
     if not found:
         return f"**Nothing was compared**: only `{BLIND}` was trained."
-    if any(one.p is None for one in found):
+    if any(one.training_seeds < FEWEST_SEEDS for one in found):
         return (
             "**What hidden intent costs cannot be judged**: a sentence about training takes "
             f"{FEWEST_SEEDS} training seeds."
         )
-    adjusted = holm([one.p for one in found if one.p is not None])
     rate = shown(Interval(found[0].a.rate, None, None), digits=2)
-    said = [f"The moving car of `{BLIND}` touches somebody in {rate} % of the scenarios."]
-    for one, p in zip(found, adjusted, strict=True):
-        verdict = "no difference is shown" if p >= SURE else "fewer" if (one.difference.value or 0) < 0 else "more"
-        said.append(f"`{one.b.driver}`: {verdict}, {shown(one.difference, digits=2)} points, p = {p_value(p)}.")
-    return " ".join(said) + " The p-values are adjusted for all of these tests (Holm)."
+    said = [f"With {street.setting}, the moving car of `{BLIND}` touches somebody in {rate} % of the scenarios."]
+    later = {(one.a, one.b): one.difference for one in street.results.paired_delays}
+    for one, p in zip(found, adjusted([one.p for one in found]), strict=True):
+        if one.ending == "moving contact" and p is not None:
+            said.append(_verdict(one, p, later[one.a.driver, one.b.driver]))
+    said += [_equally_quick(one) for one in street.equal_delays if one.of == MOVING and one.p is not None]
+    return " ".join(said) + " The p-values are adjusted for all tests of a table (Holm)."
+
+
+def _verdict(one: PairedSeeds, p: float, later: Interval) -> str:
+    """Return whether B touches fewer people than A; and its delay, since who is slower may touch fewer."""
+    side = "fewer" if (one.difference.value or 0) < 0 else "more"
+    verdict = f"touches {side} people than" if p < SURE else "is not shown to differ from"
+    return (
+        f"`{one.b.driver}` {verdict} `{one.a.driver}`: {shown(one.difference, digits=2)} points, {p_in_words(p)}, "
+        f"and {shown(later, 1.0, 2)} s of delay."
+    )
+
+
+def _equally_quick(one: EqualDelay) -> str:
+    return f"At equal delay `{one.b}` against `{one.a}`: {shown(one.difference, 1.0, 2)} points."
 
 
 def _tables(street: IntentStreet) -> list[str]:
@@ -123,13 +151,14 @@ def _drivers(street: IntentStreet) -> Table:
 
 
 def _equal(found: Sequence[EqualDelay]) -> Table:
-    columns = ("of", "A", "B", "B later [s]", "change per second", "B minus A, equally quick", "p", "p, Holm")
-    adjusted = iter(holm([one.p for one in found if one.p is not None]))
+    columns = (
+        "of", "A", "B", "B later [s]", "change per second, A", "of B", "B minus A, equally quick", "p", "p, Holm"
+    )  # fmt: skip
     rows = []
-    for one in found:
-        later, slope = (shown(Interval(number, None, None), 1.0, 2) for number in (one.later, one.slope))
-        tested = p_value(one.p), p_value(None if one.p is None else next(adjusted))
-        rows.append((one.of, one.a, one.b, later, slope, shown(one.difference, 1.0, 2), *tested))
+    for one, p in zip(found, adjusted([one.p for one in found]), strict=True):
+        numbers = (Interval(number, None, None) for number in (one.later, one.slope_a, one.slope_b))
+        shares = (shown(number, 1.0, 2) for number in (*numbers, one.difference))
+        rows.append((one.of, one.a, one.b, *shares, p_value(one.p), p_value(p)))
     return Table(columns, tuple(rows))
 
 

@@ -16,6 +16,8 @@ CO_TRAINED, SINGLE_AGENT = "co-trained", "single-agent"
 """The trained drivers."""
 ROUTE_FOLLOWER = "route-follower"
 """The driver that ignores people."""
+CLEARANCE = "clearance"
+"""The strong simple rule that stands beside trained cars."""
 ALWAYS_GO, LEARNED, GAP_ACCEPTANCE = "always-go", "learned", "gap-acceptance"
 """The populations."""
 

@@ -8,13 +8,11 @@ from jaxwalk.evaluation.harm_numbers import PairedHarm
 from jaxwalk.metrics import FEWEST_SEEDS, SURE, holm
 from jaxwalk.report.risk_document import LimitKept, RiskDocument
 from jaxwalk.report.seed_tables import delay_table, harm_table, paired_table
-from jaxwalk.report.table import MOVING, Table, p_value, shown
+from jaxwalk.report.table import MOVING, Table, p_in_words, shown
 from jaxwalk.wording import counted
 
 PLAIN, LAGRANGIAN, CVAR = "plain", "lagrangian", "cvar"
 """The trainings: without limits; with limits of contacts and of time near one; with one of the worst speeds."""
-CLEARANCE = "clearance"
-"""The rule that stands beside the trained cars."""
 
 ABOUT = (
     "`plain` is the recipe `blind-corner`, `lagrangian` is `blind-corner-lagrangian`, `cvar` is `blind-corner-cvar`. "
@@ -69,11 +67,9 @@ def _verdict(one: PairedHarm, p: float) -> str:
     """Return what is known of one training against the plain one."""
     difference = shown(one.difference, 1.0, 2)
     if p >= SURE:
-        return f"**No effect of `{one.b}` on the worst contacts is shown**: {difference} m/s, p = {p_value(p)}."
+        return f"**No effect of `{one.b}` on the worst contacts is shown**: {difference} m/s, {p_in_words(p)}."
     side = "slower" if (one.difference.value or 0) < 0 else "faster"
-    return (
-        f"**The worst contacts of `{one.b}` are {side} than those of `{one.a}`**: {difference} m/s, p = {p_value(p)}."
-    )
+    return f"**The worst contacts of `{one.b}` are {side} than those of `{one.a}`**: {difference} m/s, {p_in_words(p)}."
 
 
 def _drivers(document: RiskDocument) -> Table:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from jaxwalk.evaluation.document_parts import Interval, PairedDelay, PairedSeeds
 from jaxwalk.evaluation.harm_numbers import Harm, PairedHarm
-from jaxwalk.metrics import ATTRIBUTION, DELAY, SPEED_DIFFERENTIAL, holm
+from jaxwalk.metrics import ATTRIBUTION, DELAY, SPEED_DIFFERENTIAL
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.material import CO_TRAINED, SINGLE_AGENT, Material
-from jaxwalk.report.table import MOVING, Table, p_value, shown
+from jaxwalk.report.table import MOVING, Table, adjusted, p_value, shown
 
 HARM_NAMES: dict[Harm, str] = {
     "worst hundredth": "worst hundredth [m/s]",
@@ -46,30 +46,27 @@ def pairs(material: Material) -> Table:
 def paired_table(paired: Sequence[PairedSeeds]) -> Table:
     """Return a row for each result of `jaxwalk.evaluation.paired_over_seeds`; Holm's p covers all tests."""
     columns = ("of", "A", "B", "A %", "B %", "B minus A, points", "A alone", "B alone", "p", "p, Holm")
-    adjusted = iter(holm([found.p for found in paired if found.p is not None]))
-    rows = ((*_pair(found), p_value(None if found.p is None else next(adjusted))) for found in paired)
-    return Table(columns, tuple(rows))
+    of_all = adjusted([found.p for found in paired])
+    return Table(columns, tuple((*_pair(found), p_value(p)) for found, p in zip(paired, of_all, strict=True)))
 
 
 def delay_table(paired: Sequence[PairedDelay]) -> Table:
     """Return a row for each result of `jaxwalk.evaluation.paired_delay`; Holm's p covers all tests."""
     columns = ("of", "A", "B", "people", "B minus A [s]", "p", "p, Holm")
-    adjusted = iter(holm([found.p for found in paired if found.p is not None]))
     rows = []
-    for found in paired:
-        tested = p_value(found.p), p_value(None if found.p is None else next(adjusted))
-        rows.append(("delay", found.a, found.b, found.pedestrians, shown(found.difference, 1.0, 2), *tested))
+    for found, p in zip(paired, adjusted([found.p for found in paired]), strict=True):
+        difference = shown(found.difference, 1.0, 2)
+        rows.append(("delay", found.a, found.b, found.pedestrians, difference, p_value(found.p), p_value(p)))
     return Table(columns, tuple(rows))
 
 
 def harm_table(paired: Sequence[PairedHarm]) -> Table:
     """Return a row for each result of `jaxwalk.evaluation.harm_numbers.paired_harm`; Holm's p covers all tests."""
     columns = ("of", "A", "B", "B minus A", "p", "p, Holm")
-    adjusted = iter(holm([one.p for one in paired if one.p is not None]))
     rows = []
-    for one in paired:
-        tested = p_value(one.p), p_value(None if one.p is None else next(adjusted))
-        rows.append((HARM_NAMES[one.harm], one.a, one.b, shown(one.difference, 1.0, 2), *tested))
+    for one, p in zip(paired, adjusted([one.p for one in paired]), strict=True):
+        difference = shown(one.difference, 1.0, 2)
+        rows.append((HARM_NAMES[one.harm], one.a, one.b, difference, p_value(one.p), p_value(p)))
     return Table(columns, tuple(rows))
 
 

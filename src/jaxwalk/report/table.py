@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from jaxwalk.evaluation.document_parts import Number
+from jaxwalk.metrics import holm
 from jaxwalk.metrics.crossings import ByType
 
 T = TypeVar("T")
@@ -69,3 +70,14 @@ def p_value(p: float | None) -> str:
     if p is None:
         return UNJUDGED
     return "< 0.001" if p < 0.001 else f"{p:.3f}"
+
+
+def p_in_words(p: float) -> str:
+    """Return a p-value as in ``p = 0.021``."""
+    return "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
+
+
+def adjusted(p: Sequence[float | None]) -> list[float | None]:
+    """Return p-values adjusted for all tests among them (Holm); None stays None."""
+    known = iter(holm([one for one in p if one is not None]))
+    return [None if one is None else next(known) for one in p]

@@ -1,8 +1,9 @@
 """Infer a pedestrian's jaywalking tendency tau from watching it: Bayes' rule.
 
 The prior of tau is the world's: uniform in [0, 1], or that of each kind of people with its share. Every crossing is a
-jaywalk with probability min(1, multiplier x tau) (equation 1), independently of the others. The watcher sees everybody
-all the time and knows prior and multiplier, so no car could know more from crossings alone.
+jaywalk with probability min(1, multiplier x tau) (equation 1), independently of the others. The watcher knows prior and
+multiplier. Where everybody sees everybody it has seen all crossings, so no car could know more from these alone;
+elsewhere it has seen those that its car perceived.
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ class Street(eqx.Module):
         Raise ValueError for an impossible number.
         """
         rules = self.world.rules
-        replace(rules.config, pedestrians=people)
+        replace(rules.config, pedestrians=people)  # it refuses an impossible number
         return replace(self, world=replace(self.world, rules=replace(rules, pedestrians=people)))
 
     @eqx.filter_jit
@@ -127,7 +127,10 @@ class Street(eqx.Module):
 
     @eqx.filter_jit
     def step(self, scenario: Scenario, state: State, actions: Roles[Array]) -> tuple[State, Outcome]:
-        """Make one step: everybody moves, then come events, then rewards. It is deterministic and never resets."""
+        """Make one step: everybody moves, the car perceives and foresees people, then come events, then rewards.
+
+        It is deterministic and never resets.
+        """
         moved = move(self.world, scenario, state, actions)
         car, people = moved.car, moved.people
         knows = state.perceived

@@ -1,4 +1,9 @@
-"""Jaywalks: where on the line beside a crossing they begin, and the way across."""
+"""Jaywalks: where on the line beside a crossing they begin, and the way across.
+
+A crossing has two sides. Each has a landing, the node of the sidewalks where the crosswalk begins, and beside it a
+zone: the line, of one piece or several, from which people jaywalk. On a crosswalk people walk two edges, which meet at
+its midpoint.
+"""
 
 from __future__ import annotations
 

@@ -44,9 +44,9 @@ CORRIDOR = "corridor"
 UNHIDDEN = frozenset({X_RAY})
 """Sets that are computed as if nothing hid anybody."""
 HIDDEN = frozenset({PRIVILEGED, TOLD, DECIDED, PLACEBO, "route-told"}) | UNHIDDEN
-"""Sets that no real car could have."""
+"""Sets that no real car could have: they show what nothing could perceive, or see through what hides people."""
 INFERRED = frozenset({BELIEF, "route-belief"})
-"""Sets that show what only an observer of everybody could infer."""
+"""Sets that show what only an observer could infer who knows how often people jaywalk; it has seen what its car has."""
 ROUNDING = 1e-3
 """Bounds are this much wider than derived: single precision rounds."""
 

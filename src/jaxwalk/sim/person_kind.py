@@ -45,6 +45,7 @@ class PersonKind:
                 raise ValueError(f"kinds: both speeds of {field} of {self.name!r} must be {at_most}, not {pace}")
 
 
+# Every kind has the share 1 here: `in_shares` gives each its own.
 CALM = PersonKind("calm", 1.0, tendency=0.02)
 """People who hardly ever jaywalk; our choice."""
 HURRIED = PersonKind("hurried", 1.0, tendency=0.9, jaywalk=(2.2, 3.0))

@@ -22,8 +22,8 @@ from jaxwalk.sim.walking_groups import groups_drawn, leaders
 from jaxwalk.sim.world import World
 
 TRAITS = 4
-"""Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed, and two that the simulator
-ignores but that policies of pedestrians see."""
+"""Traits of a pedestrian, each uniform in [0, 1]: jaywalking tendency, walking speed, and two for policies of
+pedestrians; the simulator takes them only as a source of chance (`jaxwalk.sim.perception.chance`)."""
 FINEST = 2.0**-17
 """Numbers closer to 0 or 1 than this count as if they were this far away, where they become normal scores."""
 FAR_AWAY = -500.0

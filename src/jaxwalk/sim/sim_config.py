@@ -92,7 +92,8 @@ class SimConfig:
     """How many decisions of each person about crossings the car saw in encounters before the episode: beliefs start
     from them."""
     grouped: float = 0.0
-    """Share of the people who walk in groups of two or three (`jaxwalk.sim.walking_groups`)."""
+    """Share of the people who walk in groups of two or three (`jaxwalk.sim.walking_groups`). A population that is named
+    then decides by its leaders; one from code does if it is wrapped in `jaxwalk.policies.groups.Groups`."""
     parked: float = 0.0
     """Share of the slots of parking strips in which a vehicle is parked; the paper's street has none."""
     perception: bool = False

@@ -22,9 +22,10 @@ class Evaluate:
 
     driver: Annotated[tuple[str, ...], option("needed, unless --compare or --again", "D [D ...]")] = ()
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, clearance, cautious,
-    careful-human, careful-human-aeb, fuzzy-safety, crosswalk-yield, idm-yield, oracle), trained policies that come with
-    jaxwalk (co-trained, single-agent, town, paper-co-trained, paper-single-agent), run folders or policy files; or your
-    own: my_module:MyDriver, file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs: drivers)."""
+    careful-human, careful-human-aeb, fuzzy-safety, crosswalk-yield, idm-yield, belief-planner, belief-planner-chance,
+    belief-planner-cvar, oracle), trained policies that come with jaxwalk (co-trained, single-agent, town,
+    paper-co-trained, paper-single-agent), run folders or policy files; or your own: my_module:MyDriver,
+    file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs: drivers)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
     """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo, campus); learned, town-learned and
     paper-learned, which come with jaxwalk; run folders or policy files; or a mixture, diffusion:0.7+learned:0.3

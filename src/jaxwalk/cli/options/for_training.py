@@ -126,13 +126,14 @@ class HiddenIntent:
     cars: Annotated[tuple[str, ...], option("all", "CAR [CAR ...]")] = ()
     """Train only these cars: blind and others that the page names."""
     time_weights: Annotated[tuple[float, ...], option("1", "W [W ...]")] = (1.0,)
-    """Prices of time, as multiples of the recipe's: train each car with each of them, and compare at equal delay."""
+    """Prices of time, as multiples of the recipe's, 1 among them: train each car with each, and compare cars at equal
+    delay (docs: metrics)."""
     seeds: Annotated[int, option("5", "N")] = 5
     """Number of training seeds: seed, seed + 1, and so on."""
     updates: Annotated[int, option("200", "N")] = 200
     """Updates of each training."""
     episodes: Annotated[int, option("2000", "N")] = 2000
-    """Scenarios for each driver and jaywalk multiplier."""
+    """Scenarios for each driver and setting."""
     seed: Annotated[int, option("0", "N")] = 0
     """Seed of the scenarios, and the first training seed."""
 

@@ -48,14 +48,14 @@ class DriverError(ValueError):
 class HostDriver:
     """A driver with the protocol above, as a `Policy` that can't be compiled: its ``act`` takes concrete arrays only.
 
-    The driver keeps its own memory, so it plays one batch at a time: a caller holds the lock `turn` meanwhile. After
+    The driver keeps its own memory, so it plays one batch at a time: a caller holds its `lock` meanwhile. After
     the first failure, every call raises the same error.
     """
 
     def __init__(self, name: str, driver: Any, *, observes: str, seconds: float = SECONDS) -> None:
         """Wrap ``driver``, which follows the protocol; messages call it ``name``; one step may take ``seconds``."""
         self.name, self.view = name, Observation("driver", observes)
-        self.turn = threading.Lock()
+        self.lock = threading.Lock()
         self.seconds_spent, self.steps_made = 0.0, 0
         self.failure: str | None = None
         self._driver, self._seconds = driver, seconds
