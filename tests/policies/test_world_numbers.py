@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import equinox as eqx
 import pytest
@@ -25,6 +25,18 @@ class Own(eqx.Module):
 def test_a_rule_has_the_usual_numbers_until_it_is_in_a_world():
     assert Own().top == SimConfig().max_speed
     assert with_limits(Own(), WORLD) == Own(top=20.0, horizon=3.0, pedestrians=2)
+
+
+class Around(eqx.Module):
+    """A rule around another one."""
+
+    rule: Own
+    top: float = eqx.field(static=True, default=1.0)
+
+
+def test_a_rule_inside_another_one_knows_the_world_too():
+    assert with_limits(Around(Own()), WORLD) == Around(Own(top=20.0))
+    assert with_limits(DRIVERS["cautious"](), replace(WORLD, wheelbase=4.0)).rule.wheelbase == 4.0
 
 
 def test_a_rule_that_knows_of_no_world_is_returned_as_it_is():

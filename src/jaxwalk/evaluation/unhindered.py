@@ -10,7 +10,9 @@ from jaxtyping import Array, Float, Int
 
 from jaxwalk.metrics import DELAY, Rows
 from jaxwalk.metrics.delay import Unhindered
+from jaxwalk.policies import RouteFollower
 from jaxwalk.policies.pursuit import pursue
+from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.events import arrives
@@ -26,7 +28,7 @@ def unhindered_times(street: Street) -> Float[np.ndarray, "map route"]:
 
     That driver looks at nobody, so the time depends on map and route alone: no scenario has to be played again.
     """
-    steps = np.asarray(_steps(street.world))
+    steps = np.asarray(_steps(street.world, with_limits(RouteFollower(), street.config)))
     rules = street.world.rules
     return np.where(steps <= rules.horizon, steps * rules.dt, np.nan)
 
@@ -42,7 +44,7 @@ def with_delay(rows: Rows, times: Float[np.ndarray, "map route"], scenarios: Sce
 
 
 @eqx.filter_jit
-def _steps(world: World) -> Int[Array, "map route"]:
+def _steps(world: World, follower: RouteFollower) -> Int[Array, "map route"]:
     """Return the step in which the car arrives on each route, or one beyond the horizon."""
     maps, routes = world.tables.finish.shape[:2]
     scenario = without_people(*jnp.indices((maps, routes)))
@@ -55,7 +57,7 @@ def _steps(world: World) -> Int[Array, "map route"]:
 
     def drive(progress: tuple[Array, Array, VehicleState]) -> tuple[Array, Array, VehicleState]:
         step, arrived, car = progress
-        car = vehicle.drive(world, scenario, car, _full_throttle(car))
+        car = vehicle.drive(world, scenario, car, _full_throttle(follower, car))
         there = arrives(car.x - goal_x, car.y - goal_y, world.rules.goal_distance)
         return step + 1, jnp.where(there, jnp.minimum(arrived, step + 1), arrived), car
 
@@ -64,9 +66,9 @@ def _steps(world: World) -> Int[Array, "map route"]:
     return jax.lax.while_loop(under_way, drive, (jnp.zeros((), int), nowhere, start))[1]
 
 
-def _full_throttle(car: VehicleState) -> Float[Array, "2 map route"]:
+def _full_throttle(follower: RouteFollower, car: VehicleState) -> Float[Array, "2 map route"]:
     """Return what `RouteFollower` does here."""
     points = to_frame(car.course.ahead_x - car.x, car.course.ahead_y - car.y, car.cos, car.sin)
     shown = jnp.stack([coordinate[0] for coordinate in points]) / (POINTS[0] * POINT_SPACING)
-    steering = pursue(shown)
+    steering = pursue(shown, wheelbase=follower.wheelbase, max_steering=follower.max_steering)
     return jnp.stack([jnp.ones_like(steering), steering])

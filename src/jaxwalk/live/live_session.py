@@ -89,7 +89,7 @@ class LiveSession:
         setup, game, first = begin(street, policies, scenarios, keys_of(source.seed, source.keys))
         play_block(setup, game, 1)  # compiles it now, and not while somebody plays
         if host := host_driver(policies):
-            with host.turn:
+            with host.lock:
                 host.init((), (1,))
         self.choice, self._street, self._source = _as_played(choice, street, source), street, source
         self._policies, self._setup, self._game = policies, setup, game
@@ -109,7 +109,7 @@ class LiveSession:
         if host := host_driver(policies):
             seen = self._street.observe(self._setup.scenarios, self._game.state, host.view)
             now = int(self._game.state.step[0])
-            with host.turn:
+            with host.lock:
                 answer = ask(host, seen, playing=np.array([True]), numbers=numbers, step=now)
             policies = answered(policies, answer)
         self._game, frames = play_block(replace(self._setup, policies=policies), self._game, 1)

@@ -8,6 +8,7 @@ from jaxtyping import Array, Float, Key
 
 from jaxwalk.interfaces import View
 from jaxwalk.policies.pursuit import pursue
+from jaxwalk.policies.world_numbers import from_world
 from jaxwalk.sim.manoeuvres import ACCELERATE, FAR, HOLD
 from jaxwalk.sim.observation import FOOTPRINT, Observation, part
 
@@ -21,6 +22,10 @@ class ClearanceRule(eqx.Module):
 
     clearance: float = eqx.field(static=True, default=1.0)
     """Predicted clearance that it keeps [m]."""
+    wheelbase: float = from_world("wheelbase")
+    """Distance between the car's axles [m]."""
+    max_steering: float = from_world("max_steering")
+    """The car's largest steering angle [rad]."""
     view: View = eqx.field(static=True, default=Observation("driver", FOOTPRINT))
     """What it sees."""
 
@@ -34,5 +39,6 @@ class ClearanceRule(eqx.Module):
         """Return full throttle, none or full braking, and the steering that follows the route."""
         clear = observation[part("driver", FOOTPRINT, "clearance")] * FAR > self.clearance
         throttle = jnp.where(clear[ACCELERATE], 1.0, jnp.where(clear[HOLD], 0.0, -1.0))
-        steering = pursue(observation[part("driver", FOOTPRINT, "route")])
+        route = observation[part("driver", FOOTPRINT, "route")]
+        steering = pursue(route, wheelbase=self.wheelbase, max_steering=self.max_steering)
         return jnp.stack([throttle, steering]), memory

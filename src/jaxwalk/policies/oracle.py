@@ -71,6 +71,10 @@ class Oracle(eqx.Module):
     """Centres closer than this collide by ``disc`` [m]."""
     body_radius: float = from_world("body_radius")
     """Radius of a pedestrian's body, which collides with the car's rectangle by ``footprint`` [m]."""
+    wheelbase: float = from_world("wheelbase")
+    """Distance between the car's axles [m]."""
+    max_steering: float = from_world("max_steering")
+    """The car's largest steering angle [rad]."""
     view: View = eqx.field(static=True, default=Observation("driver", PRIVILEGED))
     """What it sees."""
 
@@ -85,7 +89,8 @@ class Oracle(eqx.Module):
         held, left = memory
         plan = jax.lax.cond((left == 0).any(), self._best_acceleration, lambda _: held, observation)
         acceleration = jnp.where(left == 0, plan, held)
-        steering = pursue(observation[part("driver", PRIVILEGED, "route")])
+        route = observation[part("driver", PRIVILEGED, "route")]
+        steering = pursue(route, wheelbase=self.wheelbase, max_steering=self.max_steering)
         return jnp.stack([acceleration, steering]), (acceleration, jnp.where(left == 0, HELD, left) - 1)
 
     def _best_acceleration(self, observation: Float[Array, "feature *batch"]) -> Float[Array, "*batch"]:

@@ -24,8 +24,16 @@ def from_world(name: str) -> Any:
 
 
 def with_limits(policy: P, config: SimConfig) -> P:
-    """Return the rule for a world's car: its fields that are made by `from_world` have the world's numbers."""
+    """Return the rule for a world's car: its fields that are made by `from_world` have the world's numbers.
+
+    So have those of a rule inside it.
+    """
     if not isinstance(policy, eqx.Module):
         return policy
-    marked = {x.name: x.metadata[MARK] for x in fields(policy) if MARK in x.metadata}
-    return replace(policy, **{name: getattr(config, number) for name, number in marked.items()}) if marked else policy
+    marked = {x.name: getattr(config, x.metadata[MARK]) for x in fields(policy) if MARK in x.metadata}
+    inside = {
+        x.name: getattr(policy, x.name) for x in fields(policy) if isinstance(getattr(policy, x.name), eqx.Module)
+    }
+    known = {name: with_limits(rule, config) for name, rule in inside.items()}
+    changed = marked | {name: rule for name, rule in known.items() if rule is not inside[name]}
+    return replace(policy, **changed) if changed else policy
