@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -30,6 +31,7 @@ def _match(driver: str, seed: int, hits: int, speed: float = 10.0) -> Match:
     return Match(replace(cell, training_seed=seed), rows)
 
 
+@cache
 def _street(seeds: int) -> IntentStreet:
     """The blind car touches 4 to 6 people in ten episodes, ``x-ray`` none or one, ``told`` as many as the blind one."""
     of = {
