@@ -17,7 +17,8 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from rich.console import Console
 
-from jaxwalk.recipes import Experiment
+from jaxwalk.maps import each_map
+from jaxwalk.recipes import Experiment, with_training
 from jaxwalk.relief import relieve
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run, RunError, check_writable, is_empty
@@ -102,10 +103,19 @@ class Work(Generic[P]):
             self._count_minutes(step, begun)
 
     def train(self, name: str, experiment: Experiment, seed: int) -> None:
-        """Train with that seed; skip it if finished, resume it if started. Raises Interrupted on Ctrl-C."""
-        folder, said = self.run(name, seed), f"    {name}, seed {seed}"
+        """Train with that seed; skip it if finished, resume it if started.
+
+        Raises Interrupted on Ctrl-C, and RunError if the folder holds another training.
+        """
+        folder, said, wanted = (
+            self.run(name, seed),
+            f"    {name}, seed {seed}",
+            shared_out(replace(experiment, seed=seed)),
+        )
         begun = (folder / "config.json").is_file()
-        run = Run.open(folder) if begun else Run.create(folder, shared_out(replace(experiment, seed=seed)))
+        run = Run.open(folder) if begun else Run.create(folder, wanted)
+        if not _is_that(run.experiment, wanted):
+            raise RunError(f"{folder}: holds another training than this study's; remove it and run the command again")
         if is_finished(run):
             steps = run.experiment.train.updates * run.experiment.steps_per_update
             self.say(f"{said}: there already, {counted(steps, 'step')}")
@@ -135,6 +145,14 @@ class Work(Generic[P]):
         name, document = step.__name__.strip("_"), self.json("minutes.json") or {}
         document[name] = round(document.get(name, 0.0) + (time.monotonic() - begun) / 60, 3)
         self.keep("minutes.json", document)
+
+
+def _is_that(found: Experiment, wanted: Experiment) -> bool:
+    """Return whether a training is the wanted one, on whatever machine it began, and however many updates fit in."""
+    free = ("shards", "chunk_rows", *(["updates"] if wanted.minutes else []))
+    here = {name: getattr(wanted.train, name) for name in free}
+    found = replace(with_training(found, **here), minutes=wanted.minutes)
+    return found == replace(wanted, maps=each_map(wanted.maps))
 
 
 def run_folder(folder: Path, name: str, seed: int) -> Path:
