@@ -111,12 +111,12 @@ def test_another_plan_needs_another_folder(made, quiet):
         hidden_intent(made[0], replace(PLAN, updates=3), console=quiet)
 
 
-def test_a_damaged_document_is_said(made, quiet):
+def test_a_damaged_document_is_said(made, tiny, quiet):
     file = made[0] / "jaywalk-multiplier-1.json"
     whole = file.read_bytes()
     file.write_bytes(whole[:100])
     with pytest.raises(RunError, match=r"jaywalk-multiplier-1.json: damaged .* run `jaxwalk hidden-intent` again"):
-        hidden_intent(made[0], PLAN, console=quiet)
+        hidden_intent(made[0], PLAN, console=quiet, base=single_agent(tiny))
     file.write_bytes(whole)
     content = json.loads(whole)
     with pytest.raises(DocumentError, match=r"multiplier-1.json.*over_seeds.*all training seeds"):

@@ -50,7 +50,7 @@ def _play_little(patch):
     patch.setattr(tournament, "evaluate_grid", partial(evaluate_grid, batch=PLAN.episodes))
     for place in (module, two_outcomes):
         patch.setattr(place, "evaluate", partial(evaluate, batch=PLAN.episodes))
-    patch.setattr("jaxwalk.exports.replays.BATCH", PLAN.episodes)
+    patch.setattr("jaxwalk.evaluation.batches.BATCH", PLAN.episodes)
     for place in ("drawn_episode", "gallery", "replays"):
         patch.setattr(f"jaxwalk.exports.{place}.replay", partial(replay, batch=PLAN.episodes))
 
