@@ -1,7 +1,5 @@
 """The street as Gymnasium's: its own checks, seeds, ends, the vector environment beside single ones, memory."""
 
-from dataclasses import replace
-
 import gymnasium
 import jax
 import numpy as np
@@ -12,7 +10,6 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import jaxwalk.adapters.gymnasium
 from jaxwalk import Street
 from jaxwalk.adapters import seat
-from jaxwalk.adapters.game import Game
 from jaxwalk.adapters.gymnasium import StreetEnv
 from jaxwalk.adapters.players import AdapterError, player
 from jaxwalk.evaluation import play
@@ -228,16 +225,6 @@ class Statues:
 
 
 @pytest.mark.long
-def test_rules_by_name_know_the_numbers_of_the_world():
-    """As in an evaluation: what they are told is a share of the world's largest acceleration, by the world's steps."""
-    rules = replace(RULES, contact="footprint", max_braking=7.6, dt=0.2)
-    weights = {"driver_reward": "fast", "pedestrian_reward": "fast"}
-    game = Game.create(driver="careful-human", pedestrians="diffusion", config=rules, **weights)
-    assert (game.policies["driver"].max_braking, game.policies["pedestrian"].dt) == (7.6, 0.2)
-    assert player("driver", "oracle", rules).contact == "footprint"
-    assert player("pedestrian", "diffusion:0.5+always-go:0.5", rules).kinds[0].dt == 0.2
-
-
 def test_a_population_may_be_any_object_that_is_a_policy():
     envs = make_many(pedestrians=Statues(), observation="paper", reward={"time": 1.0})
     first, _ = envs.reset(seed=0)

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 
 import pytest
+from rich.console import Console
 
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.study import Work
-from jaxwalk.runs.training import is_finished
 
 
 @pytest.fixture
-def work(tmp_path, quiet, tiny):
-    return Work(tmp_path / "out", Effort(updates=1), quiet, tiny)
+def work(tmp_path, tiny):
+    return Work(tmp_path / "out", Effort(updates=1), Console(file=io.StringIO(), width=200), tiny)
+
+
+def _is_taken_for_finished(work, experiment, monkeypatch):
+    """Return whether the study takes the training that is there, if it is finished, for its own."""
+    monkeypatch.setattr("jaxwalk.runs.study.is_finished", lambda found: True)
+    work.train("car", experiment, 3)
+    return "car, seed 3: there already" in work.console.file.getvalue()
 
 
 @pytest.mark.parametrize("other", [{"updates": 7}, {"learning_rate": 0.5}], ids=str)
@@ -35,8 +43,7 @@ def test_another_seed_in_its_place_is_refused(work, tiny):
 def test_a_training_of_some_minutes_is_itself_once_it_is_planned(work, tiny, monkeypatch):
     """Its updates stand instead of the minutes then."""
     Run.create(work.run("car", 3), with_training(replace(tiny, seed=3), updates=1234))
-    monkeypatch.setattr("jaxwalk.runs.study.is_finished", lambda found: not is_finished(found))
-    work.train("car", replace(tiny, minutes=2.0), 3)
+    assert _is_taken_for_finished(work, replace(tiny, minutes=2.0), monkeypatch)
 
 
 def test_the_machine_on_which_it_began_does_not_matter(work, tiny, monkeypatch):
@@ -44,5 +51,4 @@ def test_the_machine_on_which_it_began_does_not_matter(work, tiny, monkeypatch):
     here = replace(tiny, maps=("training:2",), seed=3)
     run = Run.create(work.run("car", 3), with_training(here, shards=2, chunk_rows=64))
     assert run.experiment.maps != here.maps
-    monkeypatch.setattr("jaxwalk.runs.study.is_finished", lambda found: not is_finished(found))
-    work.train("car", here, 3)
+    assert _is_taken_for_finished(work, here, monkeypatch)
