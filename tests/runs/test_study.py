@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import pytest
 from rich.console import Console
@@ -11,7 +11,7 @@ from rich.console import Console
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run, RunError
-from jaxwalk.runs.study import Work
+from jaxwalk.runs.study import Work, read_json
 
 
 @pytest.fixture
@@ -52,3 +52,18 @@ def test_the_machine_on_which_it_began_does_not_matter(work, tiny, monkeypatch):
     run = Run.create(work.run("car", 3), with_training(here, shards=2, chunk_rows=64))
     assert run.experiment.maps != here.maps
     assert _is_taken_for_finished(work, here, monkeypatch)
+
+
+def test_processes_may_begin_a_study_at_the_same_moment(work, monkeypatch):
+    """The other one makes the folder after this one has looked for a plan."""
+    monkeypatch.setattr(Work, "command", "study", raising=False)
+    work.folder.mkdir()
+
+    def read_and_be_overtaken(path, command):
+        monkeypatch.setattr("jaxwalk.runs.study.read_json", read_json)
+        work.do([])
+        return None
+
+    monkeypatch.setattr("jaxwalk.runs.study.read_json", read_and_be_overtaken)
+    work.do([])
+    assert work.json("plan.json") == asdict(work.plan)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import random
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -16,7 +16,7 @@ from jaxwalk.runs.training import TrainingEnd
 from jaxwalk.sweeps import journal, sweeping, trial_work
 from jaxwalk.sweeps.population import ExtinctError
 from jaxwalk.sweeps.study_file import load_sweep
-from jaxwalk.sweeps.sweep_results import write_results
+from jaxwalk.sweeps.sweep_results import SweepResults, write_results
 from jaxwalk.sweeps.sweeping import sweep
 
 PBT = {
@@ -147,18 +147,12 @@ def test_a_sweep_that_is_killed_again_and_again_ends_as_if_nothing_had_happened(
 
 def test_processes_share_a_population_and_wait_for_each_other(untouched, learning, study, tmp_path, quiet, monkeypatch):
     monkeypatch.setattr(sweeping, "LOOKS", 0.01)
-    plan, found = load_sweep(study(**PBT)), []
-
-    def work():
-        found.append(sweep(tmp_path / "shared", plan, console=quiet))
-
-    threads = [threading.Thread(target=work) for _ in range(2)]
+    plan = load_sweep(study(**PBT))
     learning.begun.clear()
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(found) == 2 and len(learning.begun) == 12, "nothing is trained twice"
+    with ThreadPoolExecutor(2) as pool:
+        ends = [pool.submit(sweep, tmp_path / "shared", plan, console=quiet) for _ in range(2)]
+    assert all(isinstance(end.result(), SweepResults) for end in ends)
+    assert len(learning.begun) == 12, "nothing is trained twice"
     assert history(sweep(tmp_path / "shared", plan, console=quiet)) == history(untouched)
 
 

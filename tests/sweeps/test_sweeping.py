@@ -278,3 +278,19 @@ def test_only_updates_in_which_an_episode_ended_count_for_shares():
     assert mean_of_last(lines, "goal_rate", 30) == 0.75
     assert mean_of_last(lines, "goal_rate", 10) == 0.5
     assert mean_of_last(lines[1:2], "goal_rate", 10) is None
+
+
+def test_processes_may_begin_a_sweep_at_the_same_moment(study, tmp_path, monkeypatch):
+    """The other one makes the folder after this one has looked for a plan."""
+    plan, out, read = load_sweep(study()), tmp_path / "out", sweeping.read_json
+    out.mkdir()
+
+    def read_and_be_overtaken(path, command):
+        found = read(path, command)
+        monkeypatch.setattr(sweeping, "read_json", read)
+        begin_sweep(out, plan)
+        return found
+
+    monkeypatch.setattr(sweeping, "read_json", read_and_be_overtaken)
+    begin_sweep(out, plan)
+    assert json.loads((out / "plan.json").read_text()) == as_plan(plan)

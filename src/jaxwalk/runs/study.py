@@ -128,9 +128,10 @@ class Work(Generic[P]):
 
     def _check(self) -> None:
         """Raise RunError unless the folder can be started or continued. Writes nothing."""
-        asked, there = json.loads(json.dumps(asdict(self.plan))), self.json("plan.json")
         folder, other = self.folder, "name another folder"
-        if there is None and folder.is_dir() and not is_empty(folder):
+        filled = folder.is_dir() and not is_empty(folder)  # before the plan is read: another process may just write it
+        asked, there = json.loads(json.dumps(asdict(self.plan))), self.json("plan.json")
+        if there is None and filled:
             raise RunError(f"{folder}: the folder is not empty and no `jaxwalk {self.command}` made it; {other}")
         if there is not None and there != asked:
             there = there if isinstance(there, dict) else {}

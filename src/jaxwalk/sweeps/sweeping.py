@@ -171,10 +171,11 @@ def _write(journal: Journal) -> SweepResults:
 
 def check_folder(folder: Path, plan: SweepPlan) -> None:
     """Raise RunError unless the folder can be made, or was begun with the same plan. Writes nothing."""
-    there, other = read_json(folder / PLAN, "sweep"), "or name another folder"
     if folder.exists() and not folder.is_dir():
         raise RunError(f"{folder}: is a file, not a folder; name another one")
-    if there is None and folder.is_dir() and not is_empty(folder):
+    filled = folder.is_dir() and not is_empty(folder)  # before the plan is read: another process may just write it
+    there, other = read_json(folder / PLAN, "sweep"), "or name another folder"
+    if there is None and filled:
         raise RunError(f"{folder}: the folder is not empty and no `jaxwalk sweep` made it; name another folder")
     if there is not None:
         asked = as_plan(plan)
