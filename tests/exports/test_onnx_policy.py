@@ -9,8 +9,8 @@ import onnx
 import pytest
 
 from jaxwalk.exports import onnx_policy as exporting
+from jaxwalk.exports.onnx_model import onnx_model
 from jaxwalk.policies import PolicyError, shipped_policy
-from jaxwalk.policies.onnx_export import onnx_model
 
 
 @pytest.fixture(autouse=True)

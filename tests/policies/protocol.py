@@ -17,14 +17,14 @@ from jaxwalk.safety.stopping import last_moment
 from jaxwalk.sim.corridor import BESIDE, NEARING, WATCHED
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.observation import CORRIDOR, part, size
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import DISTANCE
 from jaxwalk.sim.sim_config import SimConfig
 
 DT, SECONDS, PACE = 0.01, 8.0, 5 / 3.6
 FRONT = SimConfig.car_length / 2 + SimConfig.body_radius
 """The car's centre is this far from somebody whom its front touches [m]."""
-SCALES = (ABSENT, ABSENT, SPEED, SPEED, NEARING)
-NOBODY = (ABSENT, BESIDE, 0.0, 0.0, NEARING)
+SCALES = (DISTANCE, DISTANCE, SPEED, SPEED, NEARING)
+NOBODY = (DISTANCE, BESIDE, 0.0, 0.0, NEARING)
 
 
 def seen(speed, top, people):

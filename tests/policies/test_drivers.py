@@ -14,7 +14,7 @@ from jaxwalk.sim import vehicle
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.observation import OBSERVATIONS, part, size
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
+from jaxwalk.sim.prediction import DISTANCE, NEIGHBOURS
 
 KEYS = jax.random.split(jax.random.key(3), 7)
 SIZES = {name: size("driver", name) for name in OBSERVATIONS["driver"]}
@@ -55,10 +55,10 @@ def test_random_actions_are_uniform_and_differ_between_episodes():
 def paper(goal=(30.0, 0.0), people=()):
     """What a driver sees with the set "paper"; positions [m] ahead and to the left."""
     seen = np.zeros(SIZES["paper"], np.float32)
-    seen[part("driver", "paper", "goal")] = np.array(goal) / ABSENT
-    absent = [(ABSENT, 0.0)] * (NEIGHBOURS - len(people))
+    seen[part("driver", "paper", "goal")] = np.array(goal) / DISTANCE
+    absent = [(DISTANCE, 0.0)] * (NEIGHBOURS - len(people))
     seen[part("driver", "paper", "people")] = np.array(
-        [(x / ABSENT, y / ABSENT, 0, 0) for x, y in [*people, *absent]]
+        [(x / DISTANCE, y / DISTANCE, 0, 0) for x, y in [*people, *absent]]
     ).ravel()
     return jnp.asarray(seen)
 
@@ -138,11 +138,11 @@ def test_layouts_say_where_things_are(street, moving, role, name):
         dx, dy = (np.asarray(getattr(state.pedestrian, x) - getattr(state.vehicle, x)) for x in ("x", "y"))
         away = np.hypot(dx, dy)
         np.testing.assert_allclose(
-            np.hypot(people[:, 0], people[:, 1]), np.sort(away, axis=0)[:NEIGHBOURS] / ABSENT, rtol=1e-4
+            np.hypot(people[:, 0], people[:, 1]), np.sort(away, axis=0)[:NEIGHBOURS] / DISTANCE, rtol=1e-4
         )
     if name != "paper":
         route = seen[part(role, name, "route")].reshape(len(POINTS), 2, 3)
-        scale = ABSENT / np.array([[[2.5]], [[5]]]) if name == "surroundings" else 1
+        scale = DISTANCE / np.array([[[2.5]], [[5]]]) if name == "surroundings" else 1
         np.testing.assert_allclose(
             route[:2] * scale, [[[1] * 3, [0] * 3]] * 2, atol=1e-4
         )  # routes begin straight ahead

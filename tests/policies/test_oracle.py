@@ -19,7 +19,7 @@ from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, part, size
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import DISTANCE
 from jaxwalk.sim.sim_config import WORLDS
 from sim.play import AS_SHIPPED
 
@@ -44,7 +44,7 @@ def observation(contact, along, speed, time, person, limit):
     places = along + SPACING * jnp.arange(PLACES)[:, None]
     away = apart(contact, person(times[:, None, None]), places)
     seen = jnp.zeros((SIZE, CASES))
-    for name, value in (("speed", speed / SPEED), ("to_go", (LENGTH - along) / ABSENT), ("heading", [[1.0], [0.0]])):
+    for name, value in (("speed", speed / SPEED), ("to_go", (LENGTH - along) / DISTANCE), ("heading", [[1.0], [0.0]])):
         seen = seen.at[part("driver", PRIVILEGED, name)].set(value)
     seen = seen.at[part("driver", PRIVILEGED, "route")].set(jnp.tile(jnp.array([1.0, 0.0]), 8)[:, None])
     seen = seen.at[part("driver", PRIVILEGED, "limits")].set(limit / SPEED)

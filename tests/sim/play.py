@@ -13,12 +13,12 @@ import numpy as np
 from compiling import FORGOTTEN
 from jaxwalk.rollout import draw_batch, environment_keys, seed_key
 from jaxwalk.sim import pedestrian, vehicle
-from jaxwalk.sim.observation import HIDDEN, INFERRED, OBSERVATIONS
+from jaxwalk.sim.observation import INFERRED, OBSERVATIONS, PRIVILEGED_SETS
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.state import State
 
 ENVIRONMENTS, STEPS, PEOPLE = 256, 500, 12
-SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in HIDDEN | INFERRED]
+SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in PRIVILEGED_SETS | INFERRED]
 """But for those that show the future (`test_future.py`), tendencies or a belief about them (`test_belief.py`)."""
 TRACES = Counter()
 """How often Python ran through each compiled function, by the shapes it was called with."""

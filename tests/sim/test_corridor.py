@@ -15,7 +15,7 @@ from jaxwalk.sim.corridor import BESIDE, NEARING, PER_PERSON, WATCHED, on_route
 from jaxwalk.sim.crossing_kind import CROSSWALK
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.observation import CORRIDOR, part
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import DISTANCE
 from jaxwalk.sim.sim_config import SimConfig
 
 BATCH, STEPS = 64, 60
@@ -73,17 +73,17 @@ def test_people_are_where_the_nearest_place_of_the_route_is(moments):
 
 def rows(observation):
     shown = observation[:, part("driver", CORRIDOR, "watched")].reshape(STEPS, WATCHED, PER_PERSON, BATCH)
-    return np.moveaxis(shown, 2, 0) * np.array([ABSENT, ABSENT, SPEED, SPEED, NEARING]).reshape(-1, 1, 1, 1)
+    return np.moveaxis(shown, 2, 0) * np.array([DISTANCE, DISTANCE, SPEED, SPEED, NEARING]).reshape(-1, 1, 1, 1)
 
 
 def test_the_nearest_people_ahead_are_watched(moments):
     _, (along, left, *_), observation = moments
-    near = (along > 0) & (along < ABSENT) & (np.abs(left) < BESIDE)
+    near = (along > 0) & (along < DISTANCE) & (np.abs(left) < BESIDE)
     order = np.argsort(np.where(near, np.hypot(along, left), np.inf), axis=1)[:, :WATCHED]
-    expected = np.take_along_axis(np.where(near, along, ABSENT), order, axis=1)
+    expected = np.take_along_axis(np.where(near, along, DISTANCE), order, axis=1)
     shown = rows(observation)
     np.testing.assert_allclose(shown[0], expected, rtol=1e-3, atol=1e-2)
-    absent = shown[0] > ABSENT - 1e-4
+    absent = shown[0] > DISTANCE - 1e-4
     assert 0.1 < absent.mean() < 0.9
     np.testing.assert_allclose(shown[1][absent], BESIDE, rtol=1e-5)
     assert not shown[2:4, absent].any()

@@ -15,16 +15,17 @@ from jaxwalk.interfaces import Moment
 from jaxwalk.policies import DRIVERS, SHIELDS, shielded
 from jaxwalk.policies.belief_planner import BeliefPlanner
 from jaxwalk.policies.people_futures import PeopleBelief
-from jaxwalk.sim.observation import HIDDEN, OBSERVATIONS, Observation
+from jaxwalk.sim.observation import OBSERVATIONS, PRIVILEGED_SETS, Observation
 from jaxwalk.sim.perception import first_perceived, perceive
 from jaxwalk.sim.sim_config import WORLDS
 
 PEOPLE, BATCH, STEPS, AWAY = 24, 16, 25, 25.0
 RULES = replace(WORLDS["blind-corner"], pedestrians=PEOPLE, horizon=STEPS)
-VIEWS = [name for name in OBSERVATIONS["driver"] if name not in HIDDEN]
+VIEWS = [name for name in OBSERVATIONS["driver"] if name not in PRIVILEGED_SETS]
 SAME = ("belief-planner-chance", "belief-planner-cvar")
 """Drivers that see and foresee what another one does, and take long to compile."""
-RULE_BASED = {name: make() for name, make in DRIVERS.items() if make().view.name not in HIDDEN and name not in SAME}
+RULES = {name: make() for name, make in DRIVERS.items() if name not in SAME}
+RULE_BASED = {name: driver for name, driver in RULES.items() if driver.view.name not in PRIVILEGED_SETS}
 RULE_BASED["belief-planner"] = BeliefPlanner(PeopleBelief(futures=2, hazard=0.1, emergence=0.1))
 SHIELDED = {name: shielded(DRIVERS["route-follower"](), name) for name in SHIELDS}
 PERFECT = {}

@@ -16,7 +16,7 @@ from jaxwalk.interfaces import Moment
 from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.sim import prediction
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from jaxwalk.sim.observation import AWARE, HIDDEN, OBSERVATIONS, Observation, part
+from jaxwalk.sim.observation import AWARE, OBSERVATIONS, PRIVILEGED_SETS, Observation, part
 from jaxwalk.sim.occluders import PADDING
 from jaxwalk.sim.perceived import KEPT, Sighting
 from jaxwalk.sim.perception import _arrive, chance
@@ -24,7 +24,7 @@ from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.trajectory import part_of
 from sim.hiding import BATCH, RULES, STEPS, drawn, drive, hiding_street, look, play_on, x_ray
 
-VIEWS = [name for name in OBSERVATIONS["driver"] if name not in HIDDEN]
+VIEWS = [name for name in OBSERVATIONS["driver"] if name not in PRIVILEGED_SETS]
 
 
 @pytest.fixture(scope="module")

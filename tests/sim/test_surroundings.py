@@ -12,7 +12,7 @@ from jaxwalk import Street
 from jaxwalk.maps import MapText, load_network
 from jaxwalk.maps.network_file import network_text
 from jaxwalk.sim.observation import part, size
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import DISTANCE
 from jaxwalk.sim.surroundings import RANGE, RAYS
 from maps.networks import bend, turned
 from sim.play import ENVIRONMENTS, draw, refreshed, reset
@@ -90,7 +90,7 @@ def test_a_turned_street_looks_the_same(bent):
 def test_positions_are_in_metres_by_one_factor(street, scenarios):
     found = seen(street, scenarios, reset(street, scenarios))
     assert size("driver", NAME) == 67 == len(found)
-    route = ABSENT * of(found, "route").reshape(-1, 2, ENVIRONMENTS)
+    route = DISTANCE * of(found, "route").reshape(-1, 2, ENVIRONMENTS)
     for point, ahead in enumerate((2.5, 5.0)):  # routes begin straight ahead
         np.testing.assert_allclose(route[point], [[ahead] * ENVIRONMENTS, [0] * ENVIRONMENTS], atol=1e-3)
     assert (np.diff(np.hypot(route[:, 0], route[:, 1]), axis=0) > 0).all()

@@ -11,7 +11,7 @@ from jaxwalk import Street
 from jaxwalk.interfaces import Moment
 from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
 from jaxwalk.sim.observation import DECIDED, Observation, part
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
+from jaxwalk.sim.prediction import DISTANCE, NEIGHBOURS
 from jaxwalk.sim.sim_config import SimConfig
 
 PEOPLE, BATCH, STEPS = NEIGHBOURS, 32, 200
@@ -27,7 +27,7 @@ def watch(street, scenarios):
         told = Observation("driver", DECIDED)(Moment(street.world, scenarios, state))
         told = told[part("driver", DECIDED, "decisions")].reshape(NEIGHBOURS, 3, BATCH)
         order = jnp.argsort(state.foresight.people.ahead**2 + state.foresight.people.left**2, axis=0)
-        ahead, left = told[:, 1] * ABSENT, told[:, 2] * ABSENT
+        ahead, left = told[:, 1] * DISTANCE, told[:, 2] * DISTANCE
         place = jnp.stack([car.x + ahead * car.cos - left * car.sin, car.y + ahead * car.sin + left * car.cos])
         people_now = (people.leg.kind, people.crossing, jnp.stack([people.x, people.y]))
         return street.step(scenarios, state, actions)[0], (people_now, order, told[:, 0], place)

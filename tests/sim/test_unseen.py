@@ -22,7 +22,7 @@ from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.observation import AWARE, FOOTPRINT, MEMORY, part
 from jaxwalk.sim.perceived import KEPT
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, foresee
+from jaxwalk.sim.prediction import DISTANCE, NEIGHBOURS, foresee
 from jaxwalk.sim.reward import Transition
 from jaxwalk.sim.sight import in_sight
 from jaxwalk.sim.sim_config import SimConfig
@@ -133,7 +133,7 @@ def test_who_was_last_seen_is_shown_where_that_was_and_fades(hiding, scenarios, 
         there = len(order)
         ahead = (away[0] * car.cos[episode] + away[1] * car.sin[episode])[order]
         fresh = 1 - knows.age[lost[:, episode], episode][order] / KEPT
-        np.testing.assert_allclose(rows[:there, 0, episode], ahead / ABSENT, atol=1e-4)
+        np.testing.assert_allclose(rows[:there, 0, episode], ahead / DISTANCE, atol=1e-4)
         np.testing.assert_allclose(rows[:there, 4, episode], np.maximum(fresh, 0), atol=1e-4)
         np.testing.assert_array_equal(rows[there:, :, episode], np.tile([1.0, 0, 0, 0, 0], (NEIGHBOURS - there, 1)))
 

@@ -14,7 +14,7 @@ import pytest
 from jaxwalk import Street
 from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, RoleSpec
 from jaxwalk.metrics import METRICS, Metric
-from jaxwalk.policies import POPULATIONS, Random, RouteFollower, load_policy, shipped_policy
+from jaxwalk.policies import DRIVERS, POPULATIONS, Random, RouteFollower, load_policy, shipped_policy
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import (
@@ -133,6 +133,12 @@ def test_our_policies_pass(small):
         check_driver(driver, small, steps=FEW)
     people = load_policy(shipped_policy("pedestrian", "learned"), "pedestrian", sample=True)
     check_pedestrians(people, small, steps=FEW)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", DRIVERS)
+def test_our_rules_pass(small, name):
+    check_driver(DRIVERS[name](), small, steps=FEW)
 
 
 @pytest.mark.parametrize("name", POPULATIONS)

@@ -23,14 +23,14 @@ from jaxwalk.bench.processes import tell
 from jaxwalk.rollout import TRAINING, Act, Step, Stream, environment_keys, rollout, seed_key, start
 from jaxwalk.shards import EVERYWHERE, SHARDS, by_environment, everywhere, mesh_of, place
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import HIDDEN, INFERRED, OBSERVATIONS
+from jaxwalk.sim.observation import INFERRED, OBSERVATIONS, PRIVILEGED_SETS
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
 from jaxwalk.sim.sim_config import SimConfig
 
 Sets = tuple[tuple[str, str], ...]
 """Observation sets, each with its role."""
 EVERY: Sets = tuple(
-    (role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in HIDDEN | INFERRED
+    (role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in PRIVILEGED_SETS | INFERRED
 )
 """All sets except those of what is hidden from a real car, and of what it could only infer."""
 PAPER: Sets = tuple((role, "paper") for role in OBSERVATIONS)

@@ -14,7 +14,7 @@ from jaxwalk.evaluation import Cell
 from jaxwalk.evaluation.map_rates import MapRates
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS
 from jaxwalk.report.table import shown
-from jaxwalk.sim.observation import HIDDEN
+from jaxwalk.sim.observation import PRIVILEGED_SETS
 
 WIDEST = 226
 """Width of tables in files and pipes, and the width at which tables are measured [characters].
@@ -91,7 +91,7 @@ def table(cells: Sequence[Cell], columns: Sequence[str]) -> Table:
         made.add_column(escape(name), justify="right", no_wrap=True)
     for cell in cells:
         observes = cell.driver_observes
-        names = cell.driver + (f" ({observes})" if observes in HIDDEN else ""), cell.pedestrians
+        names = cell.driver + (f" ({observes})" if observes in PRIVILEGED_SETS else ""), cell.pedestrians
         extra = [f"{cell.jaywalk_multiplier:g}"] * multipliers
         shown_here = [(OF_MAPS | OF_CELLS)[name](cell) for name in columns]
         made.add_row(*map(escape, names), *extra, *["all"] * several, *map(escape, shown_here))

@@ -58,7 +58,7 @@ class Cell:
     summary: Summary
     """The numbers of all metrics."""
     driver_observes: str
-    """Name of the driver's observation set; no real car could have those in `jaxwalk.sim.observation.HIDDEN`."""
+    """Name of the driver's observation set. No real car could have one of `jaxwalk.sim.observation.PRIVILEGED_SETS`."""
     pedestrian_observes: str
     driver_ms_per_step: float | None = None
     """Mean time that a driver outside JAX took for one step of its batch [ms]; None for a driver in JAX."""

@@ -38,7 +38,7 @@ from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.runs.study import Work
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.environment import Street
-from jaxwalk.sim.observation import HIDDEN
+from jaxwalk.sim.observation import PRIVILEGED_SETS
 from jaxwalk.sim.suites import SUITES
 from jaxwalk.wording import counted
 from jaxwalk.writing import write_whole
@@ -173,7 +173,7 @@ def _play_suite(work: FrontierWork, suite: str, some: Sequence[tuple[int, Entran
         driver, who = entrant.make(street), entrant.contender
         with named({"driver": who.name, "pedestrian": plan.pedestrians}):
             rows = evaluate(street, {"driver": driver, "pedestrian": people}, source)
-        scores = scores_of_rows(replace(who, hidden=driver.view.name in HIDDEN), rows)
+        scores = scores_of_rows(replace(who, hidden=driver.view.name in PRIVILEGED_SETS), rows)
         found = FrontierSuite(suite, plan.pedestrians, source.hash(), (scores,))
         work.keep(_file(suite, number, who), asdict(found))
         work.say(f"    {suite}: {who.name}; {clock.after_one_more()}")

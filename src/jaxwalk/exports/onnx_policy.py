@@ -17,11 +17,11 @@ from jaxtyping import Array, Key
 
 from jaxwalk.acting import Player, act, cast_of, fresh_memory
 from jaxwalk.evaluation.broken import ADVICE
+from jaxwalk.exports.onnx_model import onnx_model
 from jaxwalk.interfaces import Policy
 from jaxwalk.learning.actor import Held
 from jaxwalk.policies import AlwaysGo, PolicyError, RouteFollower, read_metadata
 from jaxwalk.policies.learned import LearnedPolicy
-from jaxwalk.policies.onnx_export import onnx_model
 from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.rollout import TRAINING, environment_keys, rollout, seed_key, start
 from jaxwalk.runs.contestant_names import policy_file

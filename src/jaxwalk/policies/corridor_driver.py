@@ -16,7 +16,7 @@ from jaxwalk.safety.stopping import time_to_collision
 from jaxwalk.sim.corridor import NEARING, PER_PERSON, WATCHED
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.observation import CORRIDOR, Observation, part
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import DISTANCE
 
 WANDERING = 0.375
 """The car's way is wider than the car by this on each side [m]: the wandering of vehicles in UN R157."""
@@ -79,7 +79,7 @@ class CorridorDriver(eqx.Module):
         speed, top = (observation[part("driver", CORRIDOR, name)][0] * SPEED for name in ("speed", "top_speed"))
         rows = observation[part("driver", CORRIDOR, "watched")].reshape(WATCHED, PER_PERSON, *speed.shape)
         along, left, along_speed, left_speed, to_crosswalk = (
-            rows[:, column] * scale for column, scale in enumerate((ABSENT, ABSENT, SPEED, SPEED, NEARING))
+            rows[:, column] * scale for column, scale in enumerate((DISTANCE, DISTANCE, SPEED, SPEED, NEARING))
         )
         gap = along - self.car_length / 2 - self.body_radius
         aside = jnp.abs(left) - self.car_width / 2 - self.body_radius - WANDERING

@@ -27,7 +27,7 @@ from jaxwalk.policies.pursuit import pursue
 from jaxwalk.policies.world_numbers import from_world
 from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.observation import Observation, part
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
+from jaxwalk.sim.prediction import DISTANCE, NEIGHBOURS
 from jaxwalk.sim.sim_config import SimConfig
 
 FULL_THROTTLE, FULL_BRAKING = 1.0, -1.0
@@ -218,7 +218,7 @@ def _steer_at_goal(observation: Features, max_steering: float) -> Float[Array, "
 def _somebody_in_cone(observation: Features, length: float, half_angle: float) -> Bool[Array, "*batch"]:
     """Return whether a pedestrian in the set "paper" is within ``length`` [m] and ``half_angle`` [degrees]."""
     people = observation[part("driver", "paper", "people")]
-    ahead, left = jnp.moveaxis(people.reshape(NEIGHBOURS, 4, *people.shape[1:])[:, :2], 1, 0) * ABSENT
+    ahead, left = jnp.moveaxis(people.reshape(NEIGHBOURS, 4, *people.shape[1:])[:, :2], 1, 0) * DISTANCE
     away = jnp.sqrt(ahead * ahead + left * left)
     inside = (away <= length) & (ahead >= away * math.cos(math.radians(half_angle)))
     return inside.any(axis=0)

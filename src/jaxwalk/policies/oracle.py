@@ -23,7 +23,7 @@ from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS
 from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, Observation, part
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import DISTANCE
 from jaxwalk.sim.sim_config import ContactRule, SimConfig
 
 LEVEL = SimConfig.max_speed / 5
@@ -96,7 +96,7 @@ class Oracle(eqx.Module):
     def _best_acceleration(self, observation: Float[Array, "feature *batch"]) -> Float[Array, "*batch"]:
         """Return the acceleration of the best plan's first manoeuvre, as a share of the largest, or of the braking."""
         speed = observation[part("driver", PRIVILEGED, "speed")][0] * SPEED
-        to_go = observation[part("driver", PRIVILEGED, "to_go")][0] * ABSENT
+        to_go = observation[part("driver", PRIVILEGED, "to_go")][0] * DISTANCE
         clearances = observation[part("driver", PRIVILEGED, "clearances")] * FAR
         limits = observation[part("driver", PRIVILEGED, "limits")] * SPEED
         levels = 1 + int((self.max_speed + ROUNDING) / LEVEL)

@@ -15,7 +15,7 @@ from jaxwalk.sim.corridor import BESIDE, NEARING, on_route, way_to_crosswalk
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
-from jaxwalk.sim.prediction import ABSENT, of_lowest, perceived_people
+from jaxwalk.sim.prediction import DISTANCE, of_lowest, perceived_people
 from jaxwalk.sim.unseen_features import HIDDEN_SIDES, beside_the_route
 from jaxwalk.sim.what_if import walkers
 
@@ -30,7 +30,7 @@ COVERED = POINT_SPACING * np.diff((0, *POINTS))
 class PeopleAhead(eqx.Module):
     """People in the frame of the route, by what the car knows; arrays ``(person, *batch)``.
 
-    Who isn't there stands `jaxwalk.sim.prediction.ABSENT` ahead, `jaxwalk.sim.corridor.BESIDE` beside the route.
+    Who isn't there stands `jaxwalk.sim.prediction.DISTANCE` ahead, `jaxwalk.sim.corridor.BESIDE` beside the route.
     """
 
     along: Float[Array, "person *batch"]
@@ -103,8 +103,8 @@ def _people(moment: Moment) -> PeopleAhead:
     seen = known.state.foresight.people
     speeds = to_frame(seen.ahead_speed, seen.left_speed, cos, sin)
     columns = (along, left, *speeds, way_to_crosswalk(known, left, cos, sin), _jaywalks(moment))
-    near = (along > -ALONGSIDE) & (along < ABSENT) & (jnp.abs(left) < BESIDE)
-    nobody = (ABSENT, BESIDE, 0.0, 0.0, NEARING, 0.0)
+    near = (along > -ALONGSIDE) & (along < DISTANCE) & (jnp.abs(left) < BESIDE)
+    nobody = (DISTANCE, BESIDE, 0.0, 0.0, NEARING, 0.0)
     shown = tuple(jnp.where(near, column, away) for column, away in zip(columns, nobody, strict=True))
     flags = (near & walkers(known).on_roadway, near & lost)
     batch = moment.state.step.shape

@@ -11,7 +11,7 @@ from jaxwalk.report.intent_document import IntentStreet, KnownIntent, priced
 from jaxwalk.report.material import ALWAYS_GO, CLEARANCE
 from jaxwalk.report.seed_tables import delay_table, harm_table, paired_table
 from jaxwalk.report.table import MOVING, NONE, Table, adjusted, p_in_words, p_value, shown
-from jaxwalk.sim.observation import HIDDEN
+from jaxwalk.sim.observation import PRIVILEGED_SETS
 from jaxwalk.wording import counted
 
 BLIND = "blind"
@@ -141,7 +141,7 @@ def _drivers(street: IntentStreet) -> Table:
     rows = []
     for found in street.results.over_seeds:
         name = found.driver
-        sees = f"`{observes[name]}`" + (" (no real car could)" if observes[name] in HIDDEN else "")
+        sees = f"`{observes[name]}`" + (" (no real car could)" if observes[name] in PRIVILEGED_SETS else "")
         rates = (found.goal_rate, found.moving_contact_rate, found.timeout_rate)
         goal, moving, timeout = (shown(rate.mean, digits=2) for rate in rates)
         each = ", ".join(f"{100 * value:.2f}" for value in found.moving_contact_rate.each if value is not None)

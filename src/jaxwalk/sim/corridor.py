@@ -19,7 +19,7 @@ from jaxwalk.sim.events import distance
 from jaxwalk.sim.everybody import for_everybody
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, both
 from jaxwalk.sim.geometry import to_frame
-from jaxwalk.sim.prediction import ABSENT, of_lowest
+from jaxwalk.sim.prediction import DISTANCE, of_lowest
 from jaxwalk.sim.what_if import ASIDE, BEHIND, WALKING, crosswalk_ends, walkers
 
 WATCHED = 8
@@ -120,19 +120,19 @@ def _watched(moment: Moment) -> Sequence[Array]:
     people, batch = moment.state.foresight.people, moment.state.step.shape
     along, left, cos, sin = on_route(moment)
     speeds = to_frame(people.ahead_speed, people.left_speed, cos, sin)
-    near = (along > 0) & (along < ABSENT) & (jnp.abs(left) < BESIDE)
-    nobody = (ABSENT, BESIDE, 0.0, 0.0, NEARING)
+    near = (along > 0) & (along < DISTANCE) & (jnp.abs(left) < BESIDE)
+    nobody = (DISTANCE, BESIDE, 0.0, 0.0, NEARING)
     columns = (along, left, *speeds, way_to_crosswalk(moment, left, cos, sin))
     shown = tuple(jnp.where(near, column, away) for column, away in zip(columns, nobody, strict=True))
     absent = tuple(jnp.full((WATCHED, *batch), away) for away in nobody)
     picked = of_lowest(shown[0] ** 2 + shown[1] ** 2, shown, absent)
-    scaled = [column / scale for column, scale in zip(picked, (ABSENT, ABSENT, SPEED, SPEED, NEARING), strict=True)]
+    scaled = [column / scale for column, scale in zip(picked, (DISTANCE, DISTANCE, SPEED, SPEED, NEARING), strict=True)]
     return (jnp.stack(scaled, axis=1).reshape(-1, *batch),)
 
 
 def _watched_bounds(limits: Limits) -> Sequence[Bound]:
     walk = both(limits.config.fastest / SPEED)
-    return [(0.0, 1.0), both(BESIDE / ABSENT), walk, walk, (0.0, 1.0)]
+    return [(0.0, 1.0), both(BESIDE / DISTANCE), walk, walk, (0.0, 1.0)]
 
 
 TOP_SPEED = Feature(

@@ -26,7 +26,7 @@ from jaxwalk.sim.features import (
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.manoeuvres import AHEAD, FAR, HOLD, MANOEUVRES
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS
+from jaxwalk.sim.prediction import DISTANCE, NEIGHBOURS
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.sim.state import Motion
 
@@ -34,7 +34,7 @@ MARGINS: dict[ContactRule, tuple[float, ...]] = {"disc": (1.0, 2.0, 3.0), "footp
 """Lower ends of the intervals in which the car sees predicted clearances in detail [m] ..."""
 MARGIN: dict[ContactRule, float] = {"disc": 1.0, "footprint": 0.5}
 """... and their length [m]."""
-METRES, SPEEDS = f"{ABSENT:g} m", f"{SPEED:g} m/s"
+METRES, SPEEDS = f"{DISTANCE:g} m", f"{SPEED:g} m/s"
 """Units of distances and of speeds."""
 PERSON_UNITS = (METRES, METRES, SPEEDS, SPEEDS)
 """Units of `person_rows`."""
@@ -48,7 +48,7 @@ def _goal(moment: Moment) -> tuple[Array, Array]:
 
 
 def _goal_distance(moment: Moment) -> Sequence[Array]:
-    return (distance(*_goal(moment)) / ABSENT,)
+    return (distance(*_goal(moment)) / DISTANCE,)
 
 
 def _heading_error(moment: Moment) -> Sequence[Array]:
@@ -65,24 +65,26 @@ def _people(moment: Moment) -> Sequence[Array]:
 
 def person_rows(seen: Motion) -> Float[Array, "neighbour 4 *batch"]:
     """Return position and velocity of people in the car's frame, as a network sees them."""
-    return jnp.stack([seen.ahead / ABSENT, seen.left / ABSENT, seen.ahead_speed / SPEED, seen.left_speed / SPEED], 1)
+    return jnp.stack(
+        [seen.ahead / DISTANCE, seen.left / DISTANCE, seen.ahead_speed / SPEED, seen.left_speed / SPEED], 1
+    )
 
 
 def person_bounds(limits: Limits) -> Sequence[Bound]:
     """Return the bounds of these 4 numbers."""
-    near, walk = both(max(limits.diagonal, ABSENT) / ABSENT), both(limits.config.fastest / SPEED)
+    near, walk = both(max(limits.diagonal, DISTANCE) / DISTANCE), both(limits.config.fastest / SPEED)
     return [near, near, walk, walk]
 
 
 def _to_go(moment: Moment) -> Sequence[Array]:
     """Return the distance to the goal along the route."""
     to_go = vehicle.route_length(moment.world, moment.scenario) - moment.state.vehicle.along
-    return (jnp.minimum(to_go / ABSENT, 2),)
+    return (jnp.minimum(to_go / DISTANCE, 2),)
 
 
 def _to_go_bounds(limits: Limits) -> Sequence[Bound]:
     lowest, highest = limits.to_go
-    return [(lowest / ABSENT, min(highest / ABSENT, 2.0))]
+    return [(lowest / DISTANCE, min(highest / DISTANCE, 2.0))]
 
 
 def _route(moment: Moment) -> Sequence[Array]:
@@ -165,8 +167,8 @@ PAPER = (
     Feature("position", 2, share, lambda m: on_map(m, m.state.vehicle.x, m.state.vehicle.y), OF_MAP),
     Feature("heading", 2, signed, lambda m: (m.state.vehicle.cos, m.state.vehicle.sin), COSINE),
     SPEED_OF_CAR,
-    Feature("goal", 2, within_diagonals(ABSENT), lambda m: [metres / ABSENT for metres in _goal(m)], (METRES,)),
-    Feature("goal_distance", 1, lambda limits: [(0.0, limits.diagonal / ABSENT)], _goal_distance, (METRES,)),
+    Feature("goal", 2, within_diagonals(DISTANCE), lambda m: [metres / DISTANCE for metres in _goal(m)], (METRES,)),
+    Feature("goal_distance", 1, lambda limits: [(0.0, limits.diagonal / DISTANCE)], _goal_distance, (METRES,)),
     Feature("lateral", 1, within_diagonals(2.0), lambda m: (vehicle.route_frame(m.state.vehicle)[0] / 4,), ("4 m",)),
     Feature("heading_error", 1, signed, _heading_error, ("pi rad",)),
     PEOPLE,

@@ -18,7 +18,7 @@ from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.world import World
 
 SPEED = 8.33
-"""Speeds are scaled by this [m/s], distances by `jaxwalk.sim.prediction.ABSENT`."""
+"""Speeds in views are divided by this [m/s], distances by `jaxwalk.sim.prediction.DISTANCE`."""
 ROWS_AT_ONCE = 8
 """XLA's CPU backend writes up to this many arrays straight into their place. With more, it copies each first."""
 

@@ -13,7 +13,7 @@ from jaxwalk.sim.crossing_kind import JAYWALK, LegKind
 from jaxwalk.sim.features import FLAG, PURE, Bound, Feature, Limits, both, share
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.jaywalk import line_of
-from jaxwalk.sim.prediction import ABSENT, NEIGHBOURS, of_nearest
+from jaxwalk.sim.prediction import DISTANCE, NEIGHBOURS, of_nearest
 
 
 def _tendencies(moment: Moment, tendency: Float[Array, "ped *batch"]) -> Sequence[Array]:
@@ -47,14 +47,18 @@ def _decisions(moment: Moment) -> Sequence[Array]:
     decided = people.crossing == JAYWALK
     if moment.state.perceived is not None:
         decided &= moment.state.perceived.now.seen
-    told = (decided.astype(ahead.dtype), jnp.where(decided, ahead / ABSENT, 1), jnp.where(decided, left / ABSENT, 0))
+    told = (
+        decided.astype(ahead.dtype),
+        jnp.where(decided, ahead / DISTANCE, 1),
+        jnp.where(decided, left / DISTANCE, 0),
+    )
     unknown = tuple(jnp.full((NEIGHBOURS, *car.x.shape), value) for value in (0.0, 1.0, 0.0))
     rows = jnp.stack(of_nearest(moment.state.foresight.people, told, unknown), axis=1)
     return (rows.reshape(-1, *car.x.shape),)
 
 
 def _decisions_bounds(limits: Limits) -> Sequence[Bound]:
-    place = both(max(limits.diagonal, ABSENT) / ABSENT)
+    place = both(max(limits.diagonal, DISTANCE) / DISTANCE)
     return [(0.0, 1.0), place, place]
 
 
@@ -67,6 +71,6 @@ PLACEBO = Feature("tendencies", NEIGHBOURS, share, lambda m: _tendencies(m, m.sc
 EXPECTED_TENDENCIES = Feature("tendencies", NEIGHBOURS, share, _expected_tendencies, PURE)
 """The posterior mean of the jaywalking tendency of each of the nearest people."""
 TOLD_DECISIONS = Feature(
-    "decisions", 3 * NEIGHBOURS, _decisions_bounds, _decisions, (*FLAG, f"{ABSENT:g} m", f"{ABSENT:g} m")
+    "decisions", 3 * NEIGHBOURS, _decisions_bounds, _decisions, (*FLAG, f"{DISTANCE:g} m", f"{DISTANCE:g} m")
 )
 """Who of the nearest people has decided to jaywalk, and where."""

@@ -1,7 +1,7 @@
 """What agents see: named observation sets, each a tuple of features. Lengths are scaled to about 1.
 
 The car sees positions and velocities of people only; never a trait, a decision, a route, a goal or the go/wait output.
-The exceptions are the sets in `HIDDEN`. A driver with one of them shows what it would be worth to know more.
+The exceptions are the sets in `PRIVILEGED_SETS`. A driver with one of them shows what it would be worth to know more.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from jaxwalk.sim import driver_features, intent_features, pedestrian, pedestrian
 from jaxwalk.sim.corridor import CORRIDOR as ON_CORRIDOR
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.features import SPEED, Bound, Feature, Limits, joined, on_map
-from jaxwalk.sim.prediction import ABSENT, unhidden
+from jaxwalk.sim.prediction import DISTANCE, unhidden
 from jaxwalk.sim.surroundings import SURROUNDINGS
 from jaxwalk.sim.unseen_features import HIDDEN_SIDES, LAST_SEEN, NEXT_CROSSWALK
 from jaxwalk.sim.world import World
@@ -41,9 +41,9 @@ X_RAY = f"{FOOTPRINT}-x-ray"
 """The same, but of everybody as they are, also of people who are not perceived."""
 CORRIDOR = "corridor"
 """The driver's set of the reference drivers: people in the frame of the route."""
-UNHIDDEN = frozenset({X_RAY})
+SEEING_THROUGH = frozenset({X_RAY})
 """Sets that are computed as if nothing hid anybody."""
-HIDDEN = frozenset({PRIVILEGED, TOLD, DECIDED, PLACEBO, "route-told"}) | UNHIDDEN
+PRIVILEGED_SETS = frozenset({PRIVILEGED, TOLD, DECIDED, PLACEBO, "route-told"}) | SEEING_THROUGH
 """Sets that no real car could have: they show what nothing could perceive, or see through what hides people."""
 INFERRED = frozenset({BELIEF, "route-belief"})
 """Sets that show what only an observer could infer who knows how often people jaywalk; it has seen what its car has."""
@@ -87,7 +87,7 @@ class Observation:
     def __call__(self, moment: Moment) -> Float[Array, "feature ..."]:
         """Return the features, ``(feature, *agents, *batch)``."""
         features = OBSERVATIONS[self.role][self.name]
-        if self.name in UNHIDDEN:
+        if self.name in SEEING_THROUGH:
             moment = unhidden(moment)
         return joined([row for feature in features for row in feature.compute(moment)])
 
@@ -130,7 +130,7 @@ def global_state(moment: Moment) -> Float[Array, "feature *batch"]:
     return joined([
         *on_map(moment, people.x, people.y), distance(vx, vy) / 2, scenario.jaywalking_tendency(world),
         *on_map(moment, car.x, car.y), car.cos, car.sin, car.speed / SPEED, car.steering / world.rules.max_steering,
-        *on_map(moment, goal_x, goal_y), distance(goal_x - car.x, goal_y - car.y) / ABSENT,
+        *on_map(moment, goal_x, goal_y), distance(goal_x - car.x, goal_y - car.y) / DISTANCE,
         1 - state.step / world.rules.horizon,
     ])  # fmt: skip
 

@@ -27,7 +27,7 @@ from jaxwalk.sim.features import (
     within_diagonals,
 )
 from jaxwalk.sim.geometry import to_frame
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import DISTANCE
 from jaxwalk.sim.state import Motion
 
 KERB_CAR_DISTANCE = 40.0
@@ -37,7 +37,7 @@ PASSED = 2.5
 """It decides no longer once the car is this far past it [m]: a car does not come back."""
 LONG = 8.0
 """Longest time in an observation [s]; longer ones are shown as this."""
-METRES, SPEEDS, PACES = f"{ABSENT:g} m", f"{SPEED:g} m/s", "2 m/s"
+METRES, SPEEDS, PACES = f"{DISTANCE:g} m", f"{SPEED:g} m/s", "2 m/s"
 """Units of distances, of the car's speed and of walking speeds."""
 
 
@@ -59,7 +59,7 @@ def _of_car(compute: Callable[[Moment], Sequence[Array]], unseen: Sequence[float
 
 def _next_waypoint(moment: Moment) -> Sequence[Array]:
     people = moment.state.pedestrian
-    return (people.leg.end_x - people.x) / ABSENT, (people.leg.end_y - people.y) / ABSENT
+    return (people.leg.end_x - people.x) / DISTANCE, (people.leg.end_y - people.y) / DISTANCE
 
 
 def _surface(moment: Moment) -> Sequence[Array]:
@@ -71,7 +71,7 @@ def _surface(moment: Moment) -> Sequence[Array]:
 
 def _car_position(moment: Moment) -> Sequence[Array]:
     car, people = moment.state.vehicle, moment.state.pedestrian
-    return (car.x[None] - people.x) / ABSENT, (car.y[None] - people.y) / ABSENT
+    return (car.x[None] - people.x) / DISTANCE, (car.y[None] - people.y) / DISTANCE
 
 
 def _car_velocity(moment: Moment) -> Sequence[Array]:
@@ -89,7 +89,7 @@ def _nearest_other(moment: Moment) -> Sequence[Array]:
         key = with_index((other_x - x) ** 2 + (other_y - y) ** 2, index, people)
         return jnp.where((key < nearest) & (index != order), key, nearest)
 
-    nobody = jnp.broadcast_to(with_index(jnp.float32(ABSENT**2), jnp.int32(people), people), x.shape)
+    nobody = jnp.broadcast_to(with_index(jnp.float32(DISTANCE**2), jnp.int32(people), people), x.shape)
     key = for_everybody((x, y, order), compare, nobody)
 
     def pick(other: tuple[Array, Array, Array], found: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -97,8 +97,8 @@ def _nearest_other(moment: Moment) -> Sequence[Array]:
         chosen = index_of(key, people) == index
         return jnp.where(chosen, other_x - x, found[0]), jnp.where(chosen, other_y - y, found[1])
 
-    found = for_everybody((x, y, order), pick, (jnp.full_like(x, ABSENT), jnp.zeros_like(x)))
-    return found[0] / ABSENT, found[1] / ABSENT
+    found = for_everybody((x, y, order), pick, (jnp.full_like(x, DISTANCE), jnp.zeros_like(x)))
+    return found[0] / DISTANCE, found[1] / DISTANCE
 
 
 def _decides(moment: Moment) -> Sequence[Array]:
@@ -179,10 +179,10 @@ PAPER = (
     Feature("position", 2, share, lambda m: on_map(m, m.state.pedestrian.x, m.state.pedestrian.y), OF_MAP),
     Feature("velocity", 2, lambda limits: [both(limits.config.fastest / 2)], _velocity, (PACES,)),
     Feature("traits", 4, share, lambda m: (m.scenario.own_traits(m.world),), PURE),
-    Feature("next_waypoint", 2, within_diagonals(ABSENT), _next_waypoint, (METRES,)),
+    Feature("next_waypoint", 2, within_diagonals(DISTANCE), _next_waypoint, (METRES,)),
     Feature("surface", 3, share, _surface, FLAG),
     Feature("on_jaywalk", 1, share, lambda m: (m.state.pedestrian.leg.kind == LegKind.ACROSS,), FLAG),
-    Feature("car_position", 2, within_diagonals(ABSENT), _of_car(_car_position, (1.0, 0.0)), (METRES,)),
+    Feature("car_position", 2, within_diagonals(DISTANCE), _of_car(_car_position, (1.0, 0.0)), (METRES,)),
     Feature(
         "car_velocity",
         2,
@@ -191,7 +191,7 @@ PAPER = (
         (SPEEDS,),
     ),
     Feature(
-        "nearest_other", 2, lambda limits: [both(max(limits.diagonal, ABSENT) / ABSENT)], _nearest_other, (METRES,)
+        "nearest_other", 2, lambda limits: [both(max(limits.diagonal, DISTANCE) / DISTANCE)], _nearest_other, (METRES,)
     ),
 )
 """The paper's 20: own position 2, velocity 2, traits 4, next waypoint 2, surface 3, on a jaywalk 1, the car's relative

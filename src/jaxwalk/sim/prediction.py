@@ -26,8 +26,8 @@ T = TypeVar("T")
 
 NEIGHBOURS = 6
 """The car sees this many people, the nearest ones."""
-ABSENT = 60.0
-"""A neighbour that isn't there stands this far ahead [m]."""
+DISTANCE = 60.0
+"""Distances in views are divided by this [m]; a neighbour that isn't there stands this far ahead."""
 AWAY = 1e4
 """People that the car doesn't perceive are this far ahead of it [m], standing: too far for every prediction."""
 CAUTION_AHEAD, CAUTION_ASIDE = 15.0, 6.0
@@ -197,12 +197,12 @@ def nearest_and(motion: Motion, of_all: Float[Array, "ped *batch"]) -> tuple[Mot
 
 def nobody(batch: tuple[int, ...]) -> Motion:
     """Return neighbours who aren't there: arrays ``(neighbour, *batch)``."""
-    return Motion(*(jnp.full((NEIGHBOURS, *batch), default) for default in (ABSENT, 0.0, 0.0, 0.0)))
+    return Motion(*(jnp.full((NEIGHBOURS, *batch), default) for default in (DISTANCE, 0.0, 0.0, 0.0)))
 
 
 def _present(nearest: Motion) -> Motion:
     """Return the nearest people; those who aren't perceived count as absent."""
-    return Motion(jnp.where(nearest.ahead == AWAY, ABSENT, nearest.ahead), *jax.tree.leaves(nearest)[1:])
+    return Motion(jnp.where(nearest.ahead == AWAY, DISTANCE, nearest.ahead), *jax.tree.leaves(nearest)[1:])
 
 
 def of_nearest(motion: Motion, of_all: T, absent: T) -> T:

@@ -16,7 +16,7 @@ from jaxwalk.sim.driver_features import METRES, PEOPLE, SPEED_OF_CAR, STEERING, 
 from jaxwalk.sim.features import Feature, Limits, both, share
 from jaxwalk.sim.geometry import rotate
 from jaxwalk.sim.map_tables import POINTS
-from jaxwalk.sim.prediction import ABSENT
+from jaxwalk.sim.prediction import DISTANCE
 from jaxwalk.sim.vehicle import room
 
 RAYS = 24
@@ -55,12 +55,12 @@ def edge_distances(moment: Moment) -> Float[Array, "ray *batch"]:
 def _route(moment: Moment) -> Sequence[Array]:
     """Return the points of the route ahead, x and y of each, the nearest first."""
     seen = moment.state.foresight
-    points = jnp.stack([seen.route_x, seen.route_y], axis=1) / ABSENT
+    points = jnp.stack([seen.route_x, seen.route_y], axis=1) / DISTANCE
     return (points.reshape(-1, *moment.state.step.shape),)
 
 
 def _within_map(limits: Limits) -> list[tuple[float, float]]:
-    return [both(limits.diagonal / ABSENT)]
+    return [both(limits.diagonal / DISTANCE)]
 
 
 SURROUNDINGS = (

@@ -11,12 +11,12 @@ import onnxruntime
 import pytest
 from onnx import TensorProto, helper
 
+from jaxwalk.exports.onnx_model import onnx_model
 from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import LearnedPolicy
 from jaxwalk.policies.host import DriverError, load_host_driver
-from jaxwalk.policies.onnx_export import onnx_model
 from jaxwalk.sim.observation import size
 
 ROUTE = size("driver", "route")
