@@ -56,7 +56,7 @@ def test_the_machine_on_which_it_began_does_not_matter(work, tiny, monkeypatch):
 
 def test_processes_may_begin_a_study_at_the_same_moment(work, monkeypatch):
     """The other one makes the folder after this one has looked for a plan."""
-    monkeypatch.setattr(Work, "command", "study", raising=False)
+    monkeypatch.setattr(Work, "command", "study", raising=False)  # a study's own class names it
     work.folder.mkdir()
 
     def read_and_be_overtaken(path, command):
