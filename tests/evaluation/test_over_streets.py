@@ -16,11 +16,22 @@ def car(seed, goal, episodes=None):
     return StreetScores("car", seed, tuple(episodes or [10] * len(goal)), tuple(goal), (0,) * len(goal))
 
 
-def test_a_rule_has_a_bootstrap_over_streets():
-    """Samples of two streets: both, or one of them twice; so the ends are those of a single street."""
-    found = share([RULE], "goal")
-    assert (found.value, found.low, found.high) == (25 / 40, 0.5, 1.0)
+def test_streets_that_differ_leave_a_rule_a_wider_interval():
+    """The same 100 of 200 goals, nearly evenly and with streets that are all or nothing."""
+    even = replace(RULE, episodes=(10,) * 20, goal=(4, 6) * 10, touched=(0,) * 20)
+    odd = replace(even, goal=(10, 0) * 10)
+    found, wide = share([even], "goal"), share([odd], "goal")
+    assert found.value == wide.value == 0.5
+    assert wide.low < 0.4 < found.low < found.high < 0.6 < wide.high
     assert share([RULE], "touched").value == 3 / 40
+
+
+def test_nothing_on_a_few_streets_proves_little():
+    """Every street counts as one trial: 0 of 20, so up to 1 - 0.025 ** (1 / 20) (Clopper and Pearson)."""
+    nothing = replace(RULE, episodes=(10,) * 20, goal=(10,) * 20, touched=(0,) * 20)
+    found, goals = share([nothing], "touched"), share([nothing], "goal")
+    assert (found.value, found.low) == (0, 0) and found.high == pytest.approx(1 - 0.025 ** (1 / 20))
+    assert (goals.value, goals.high) == (1, 1) and goals.low == pytest.approx(0.025 ** (1 / 20))
 
 
 def test_a_rule_on_one_street_has_no_interval():

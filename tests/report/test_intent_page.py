@@ -14,7 +14,7 @@ from jaxwalk.evaluation.harm_numbers import paired_harm, seed_harms
 from jaxwalk.metrics import DELAY, OUTCOMES, measure, summarise
 from jaxwalk.metrics.injury import monfort_mueller_mais3
 from jaxwalk.report.intent_document import IntentStreet
-from jaxwalk.report.intent_page import answer, compared
+from jaxwalk.report.intent_page import ENDINGS, answer, compared
 from jaxwalk.report.seed_tables import harm_table
 from jaxwalk.report.table import MOVING
 from metrics.scenes import Scene, Walk, trajectory
@@ -45,7 +45,7 @@ def _street(seeds: int) -> IntentStreet:
         ScenarioSet(EPISODES, "0123456789abcdef", 110),
         tuple(match.cell for match in matches),
         over_seeds=over_training_seeds(matches),
-        paired=tuple(paired_over_seeds("moving contact", blind, other) for other in others),
+        paired=tuple(paired_over_seeds(end, blind, other) for end in ENDINGS for other in others),
         paired_delays=tuple(paired_delay(blind, other) for other in others),
     )
     harms = seed_harms("serious injuries", matches)
@@ -54,19 +54,27 @@ def _street(seeds: int) -> IntentStreet:
 
 
 def test_the_answer_names_what_helps_and_what_is_not_shown_to():
-    said = answer(_street(5))
-    start = "With jaywalk multiplier 1, the moving car of `blind` touches somebody in 48.00 % of the scenarios."
-    assert said.startswith(start)
-    assert "`x-ray` touches fewer people than `blind`: -44.00 [" in said
-    assert "`told` is not shown to differ from `blind`: 4.00 [" in said
-    assert "equal delay" not in said
+    """Whoever isn't touched arrives here, so goals are as many more as contacts are fewer."""
+    about, x_ray, told = answer(_street(5)).split("\n\n", 1)[0], *answer(_street(5)).split("\n- ")[1:]
+    assert about.startswith(
+        "With jaywalk multiplier 1, the moving car of `blind` touches somebody in 48.00 % of the scenarios, and "
+        "52.00 % end at the goal."
+    )
+    assert x_ray.startswith("`x-ray` touches somebody in fewer scenarios than `blind`: -44.00 [-")
+    assert ". Goals +44.00 [" in x_ray and "delay –" in x_ray
+    assert told.startswith("`told` is not shown to differ from `blind`: +4.00 [-")
+    assert "equal delay" not in answer(_street(5))
 
 
-def test_the_answer_ends_with_equal_delay():
-    found = EqualDelay(MOVING, "blind", "told", 3, 5, 0.1, -2.0, -1.0, Interval(-1.5, -2.5, -0.5), 0.01)
-    said = answer(replace(_street(5), equal_delays=(found, replace(found, of="serious injuries in 1,000"))))
+@pytest.mark.parametrize(
+    ("p", "verdict"), [(0.01, "touches somebody in fewer scenarios than"), (0.03, "is not shown to differ from")]
+)
+def test_the_answer_ends_with_equal_delay(p, verdict):
+    """Two tests: Holm doubles the smaller p-value."""
+    found = EqualDelay(MOVING, "blind", "told", 3, 5, 0.1, -2.0, -1.0, Interval(-1.5, -2.5, -0.5), p)
+    said = answer(replace(_street(5), equal_delays=(found, replace(found, of="serious injuries in 1,000", p=0.9))))
     assert said.count("At equal delay") == 1
-    assert "At equal delay `told` against `blind`: -1.50 [-2.50, -0.50] points." in said
+    assert said.endswith(f"- At equal delay `told` {verdict} `blind`: -1.50 [-2.50, -0.50] points, p = {2 * p:.3f}.")
 
 
 @pytest.mark.parametrize("seeds", [1, 4])

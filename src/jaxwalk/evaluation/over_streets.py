@@ -14,9 +14,11 @@ from jaxtyping import Int
 
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.evaluation.training_seeds import Match
-from jaxwalk.metrics import FEWEST_SEEDS, OUTCOMES, bootstrap_by_episode, crossed_mean, over_seeds
+from jaxwalk.metrics import FEWEST_SEEDS, OUTCOMES, crossed_mean, over_seeds
 from jaxwalk.metrics.contacts import touched_while_moving
+from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.over_seeds import linear_part
+from jaxwalk.metrics.statistics import episode_sums, ratio
 
 Counted = Literal["goal", "touched"]
 """What is counted: episodes that reach the goal; those in which the moving car touches somebody by its footprint."""
@@ -69,13 +71,20 @@ def share(scores: Sequence[StreetScores], counted: Counted) -> Interval:
     """Return the mean over training seeds of the share of episodes, with its interval for other streets and seeds.
 
     ``scores`` has an entry for each training seed, all on the same streets: a two-way analysis of variance, as
-    `jaxwalk.metrics.over_seeds` makes it. A driver that nobody trained has a bootstrap over streets. There is no
-    interval with fewer training seeds than `FEWEST_SEEDS`, and for a rule none on a single street.
+    `jaxwalk.metrics.over_seeds` makes it. Of a driver that nobody trained it is that of `clustered_share`, with streets
+    in the place of episodes. There is no interval with fewer training seeds than `FEWEST_SEEDS`, and for a rule none on
+    a single street.
     """
     over, under = _counts(scores, counted)
     if scores[0].training_seed is None:
-        return Interval.of(bootstrap_by_episode(over[0], under[0]))
+        return _of_rule(over[0], under[0])
     return Interval.of(over_seeds(over, under, kind="share").mean)
+
+
+def _of_rule(over: Int[np.ndarray, "street"], under: Int[np.ndarray, "street"]) -> Interval:
+    sums = episode_sums({"over": over, "under": under})
+    found = clustered_share(ratio(sums["over"], sums["under"]), int(under.sum()), len(under))
+    return Interval.of(found) if len(under) > 1 else Interval(found.value, None, None)
 
 
 def gap(trained: Sequence[StreetScores], tested: Sequence[StreetScores], counted: Counted) -> Interval:

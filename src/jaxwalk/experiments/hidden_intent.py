@@ -22,7 +22,6 @@ from jaxwalk.evaluation import Match, evaluate, paired_delay, paired_over_seeds
 from jaxwalk.evaluation.equal_delay import AT_EQUAL_DELAY, EqualDelay, equal_delay
 from jaxwalk.evaluation.harm_numbers import Harm, paired_harm, seed_harms
 from jaxwalk.evaluation.reading import Origin
-from jaxwalk.evaluation.training_seeds import Ending
 from jaxwalk.experiments.tournament import Round, Scenarios, play_rounds, results_of
 from jaxwalk.metrics import CROSSINGS, ENCOUNTERS, OUTCOMES, Rows
 from jaxwalk.metrics.identifiability import crossings_of_people, identifiability
@@ -30,7 +29,7 @@ from jaxwalk.policies import ConstantSpeed
 from jaxwalk.recipes import FAST, RECIPES, Experiment, single_agent, with_training
 from jaxwalk.report import ALWAYS_GO, CLEARANCE
 from jaxwalk.report.intent_document import IntentStreet, KnownIntent, as_intent_street, priced
-from jaxwalk.report.intent_page import BLIND, compared, page
+from jaxwalk.report.intent_page import BLIND, ENDINGS, compared, page
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.study import Work
@@ -39,6 +38,7 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import AWARE, BELIEF, DECIDED, FOOTPRINT, MEMORY, PLACEBO, TOLD, X_RAY
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.suites import SUITES
+from jaxwalk.wording import counted
 from jaxwalk.writing import write_whole
 
 INTENT = {BLIND: FOOTPRINT, "placebo": PLACEBO, "belief": BELIEF, "told": TOLD}
@@ -53,8 +53,6 @@ MOST_TIME = 1000.0
 """Largest price of time, as a multiple of the recipe's."""
 AFTER = (1, 2, 5, 10, 20, 50)
 """Numbers of crossings seen, for which what could be known is computed as well."""
-ENDINGS: tuple[Ending, ...] = ("moving contact", "goal")
-"""How episodes end that are compared, beside the harm and the delay."""
 INJURIES: Harm = "serious injuries"
 RESULT, PAGE = "hidden-intent.json", "hidden-intent.md"
 
@@ -219,6 +217,7 @@ def _identifiability(street: Street, blind: Rows, scenarios: Scenarios) -> tuple
     """Return how much could be known in a whole episode, in one of the blind car's, and at an encounter.
 
     Whole episodes are those of a car that stands; episodes that end early because somebody walks into it are left out.
+    What the car saw of each person before its episode counts as crossings too, as in `jaxwalk.sim.belief`.
     """
     people, seconds = street.world.rules.pedestrians, street.world.rules.horizon * street.world.rules.dt
     always_go = contestant(street, "pedestrian", ALWAYS_GO)
@@ -226,10 +225,12 @@ def _identifiability(street: Street, blind: Rows, scenarios: Scenarios) -> tuple
     stands = evaluate(street, {"driver": ConstantSpeed(throttle=0.0), "pedestrian": always_go}, source)
     whole = _crossings(stands, people)[stands[OUTCOMES].steps == street.world.rules.horizon]
     mean, tendencies = blind[OUTCOMES].steps.mean() * blind.dt, street.config.tendencies
+    before = street.config.earlier_decisions
+    said = f", and {counted(before, 'decision')} of each from before" if before else ""
     cases = [
-        (f"in a whole episode ({seconds:g} s)", whole.ravel()),
-        (f"in an episode of the blind car ({mean:.1f} s)", _crossings(blind, people).ravel()),
-        ("before a crossing at which the blind car meets somebody", blind[ENCOUNTERS].number - 1),
+        (f"in a whole episode ({seconds:g} s){said}", before + whole.ravel()),
+        (f"in an episode of the blind car ({mean:.1f} s){said}", before + _crossings(blind, people).ravel()),
+        (f"before a crossing at which the blind car meets somebody{said}", before + blind[ENCOUNTERS].number - 1),
         *((f"crossings of each: {number}", np.array([number])) for number in AFTER),
     ]
     known = partial(identifiability, multiplier=street.config.jaywalk_multiplier, tendencies=tendencies)

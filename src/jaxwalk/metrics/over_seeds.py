@@ -15,6 +15,9 @@ from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, finite_or_none, rat
 
 FEWEST_SEEDS = 5
 """Fewer training seeds than this give no interval and no test: their spread is unknown."""
+ROUNDING = 1e-12
+"""Means of seeds that differ by less than this share of the largest value are equal: NumPy's variance of equal numbers
+needn't be 0."""
 Kind = Literal["share", "rate", "mean"]
 """What a number over seeds is: a share of trials; events per unit of exposure; or a mean or difference, of any sign."""
 
@@ -61,7 +64,9 @@ def crossed_mean(values: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:
     """
     values = np.asarray(values, np.float64)
     seeds, scenarios = values.shape
-    of_seeds = scenarios * values.mean(axis=1).var(ddof=1)
+    means = values.mean(axis=1)
+    differ = np.ptp(means) > ROUNDING * np.abs(values).max()
+    of_seeds = scenarios * float(means.var(ddof=1)) if differ else 0.0
     if scenarios == 1:
         return CrossedMean(float(values.mean()), math.sqrt(of_seeds / seeds), float(seeds - 1))
     of_scenarios = seeds * values.mean(axis=0).var(ddof=1)

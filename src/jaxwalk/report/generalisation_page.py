@@ -28,7 +28,7 @@ ABOUT = (
 )
 BRACKETS = (
     "Brackets are 95 % intervals, with streets as units: of trained cars for other training seeds and other streets "
-    f"(none with fewer than {FEWEST_SEEDS} seeds), of rules a bootstrap over streets (none on a single street)."
+    f"(none with fewer than {FEWEST_SEEDS} seeds), of rules for other streets (none on a single street)."
 )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from jaxwalk.evaluation.document_parts import Interval, PairedSeeds
 from jaxwalk.evaluation.equal_delay import EqualDelay
+from jaxwalk.evaluation.training_seeds import Ending
 from jaxwalk.metrics import FEWEST_SEEDS, SURE
 from jaxwalk.report.intent_document import IntentStreet, KnownIntent, priced
 from jaxwalk.report.material import ALWAYS_GO, CLEARANCE
@@ -20,6 +21,8 @@ TOLD = ("belief", "told", "decided")
 """Cars that are told something about people: they are also compared with the one that is told what decides nothing."""
 NOTHING_MORE = "placebo"
 """Name of that one."""
+ENDINGS: tuple[Ending, Ending] = ("moving contact", "goal")
+"""How episodes end that are compared, beside the harm and the delay."""
 KNOWS = {
     BLIND: "sees where people are and how they move, as far as its car perceives them",
     NOTHING_MORE: "is also told a number about each of the nearest people that decides nothing, so that it has as many "
@@ -29,14 +32,16 @@ KNOWS = {
     "told": "is also told the tendencies",
     "decided": "is also told who of them has decided to jaywalk, and where they will step out",
     "memory": "sees what `blind` sees, and who was last seen up to 3 s ago",
-    "aware": "sees what `memory` sees, and which sides of its way are hidden",
+    "aware": "sees what `memory` sees, which sides of its way are hidden, and how far ahead the next crosswalk is",
     "x-ray": "sees what `blind` sees, but of everybody, hidden or not",
 }
 """What each car knows, in words."""
 ABOUT = (
     "Moving contacts: scenarios in which the moving car touches somebody by its footprint. Serious injuries or deaths "
-    "are those to be expected in 1,000 scenarios, if contacts with the sides count as if they were with the front. "
-    "Delay: seconds beyond untouchable full throttle on the same scenario, where the car arrives."
+    "are those to be expected in 1,000 scenarios, if contacts with the sides count as if they were with the front; "
+    "even a contact at 1 m/s counts as 0.026 of one. "
+    "Delay: seconds beyond untouchable full throttle on the same scenario, where the car arrives; of two cars, where "
+    "both arrive."
 )
 EQUAL_ABOUT = (
     "A car that hurries may touch more people, whatever it sees. Here each was trained with several prices of time, "
@@ -73,8 +78,8 @@ def page(streets: Sequence[IntentStreet], *, recipe: str, updates: int, time_wei
         + " What the critic sees is the same for all."
         + "".join(prices)
         + f" `{CLEARANCE}` is a rule.",
-        f"Training seeds: {seeds}; {counted(updates, 'update')} each. Brackets are 95 % intervals over training seeds "
-        "and scenarios; of the rule, over scenarios.",
+        f"Training seeds: {seeds}; {counted(updates, 'update')} each. Brackets are 95 % intervals for other training "
+        "seeds and other scenarios of the same streets; of the rule, for other scenarios.",
         ABOUT,
     ]
     for street in streets:
@@ -82,10 +87,15 @@ def page(streets: Sequence[IntentStreet], *, recipe: str, updates: int, time_wei
         origin = "" if made is None else f"; commit {made.commit or 'unknown'}, {made.hardware}"
         parts += [
             f"## {street.setting[0].upper()}{street.setting[1:]}",
-            f"{chosen.name}, hash {chosen.hash}{origin}.",
+            f"{chosen.name}, hash {chosen.hash}{_where(street)}{origin}.",
             *_tables(street),
         ]
     return "\n\n".join(parts) + "\n"
+
+
+def _where(street: IntentStreet) -> str:
+    found = street.results.street
+    return "" if found is None else f"; {found.in_words()}"
 
 
 def answer(street: IntentStreet) -> str:
@@ -98,28 +108,44 @@ def answer(street: IntentStreet) -> str:
             "**What hidden intent costs cannot be judged**: a sentence about training takes "
             f"{FEWEST_SEEDS} training seeds."
         )
-    rate = shown(Interval(found[0].a.rate, None, None), digits=2)
-    said = [f"With {street.setting}, the moving car of `{BLIND}` touches somebody in {rate} % of the scenarios."]
+    contacts, goals = ({(one.a.driver, one.b.driver): one for one in found if one.ending == end} for end in ENDINGS)
+    p_values = dict(zip(((one.ending, one.b.driver, one.a.driver) for one in found), _holm(found), strict=True))
     later = {(one.a, one.b): one.difference for one in street.results.paired_delays}
-    for one, p in zip(found, adjusted([one.p for one in found]), strict=True):
-        if one.ending == "moving contact" and p is not None:
-            said.append(_verdict(one, p, later[one.a.driver, one.b.driver]))
-    said += [_equally_quick(one) for one in street.equal_delays if one.of == MOVING and one.p is not None]
-    return " ".join(said) + " The p-values are adjusted for all tests of a table (Holm)."
-
-
-def _verdict(one: PairedSeeds, p: float, later: Interval) -> str:
-    """Return whether B touches fewer people than A; and its delay, since who is slower may touch fewer."""
-    side = "fewer" if (one.difference.value or 0) < 0 else "more"
-    verdict = f"touches {side} people than" if p < SURE else "is not shown to differ from"
+    first = next(iter(contacts))
+    touched, reached = (shown(Interval(of[first].a.rate, None, None), digits=2) for of in (contacts, goals))
+    lines = [
+        f"- `{b}` {_verdict(one.difference, p)} `{a}`: {_points(one.difference)}, {p_in_words(p)}. "
+        f"Goals {_points(goals[a, b].difference)}, delay {shown(later[a, b], 1.0, 2, sign='+')} s."
+        for (a, b), one in contacts.items()
+        if (p := p_values[one.ending, b, a]) is not None
+    ]
+    lines += [
+        f"- At equal delay `{one.b}` {_verdict(one.difference, p)} `{one.a}`: "
+        f"{shown(one.difference, 1.0, 2, sign='+')} points, {p_in_words(p)}."
+        for one, p in zip(street.equal_delays, _holm(street.equal_delays), strict=True)
+        if one.of == MOVING and p is not None
+    ]
     return (
-        f"`{one.b.driver}` {verdict} `{one.a.driver}`: {shown(one.difference, digits=2)} points, {p_in_words(p)}, "
-        f"and {shown(later, 1.0, 2)} s of delay."
+        f"With {street.setting}, the moving car of `{BLIND}` touches somebody in {touched} % of the scenarios, and "
+        f"{reached} % end at the goal. Differences are the first car's number minus the second's, in the same "
+        "scenarios. The p-values are adjusted for all tests of their table (Holm), the intervals for none.\n\n"
+        + "\n".join(lines)
     )
 
 
-def _equally_quick(one: EqualDelay) -> str:
-    return f"At equal delay `{one.b}` against `{one.a}`: {shown(one.difference, 1.0, 2)} points."
+def _holm(found: Sequence[PairedSeeds] | Sequence[EqualDelay]) -> list[float | None]:
+    return adjusted([one.p for one in found])
+
+
+def _verdict(difference: Interval, p: float) -> str:
+    """Return how B differs from A in contacts of the moving car, between their names."""
+    if p >= SURE:
+        return "is not shown to differ from"
+    return f"touches somebody in {'fewer' if (difference.value or 0) < 0 else 'more'} scenarios than"
+
+
+def _points(difference: Interval) -> str:
+    return f"{shown(difference, digits=2, sign='+')} points"
 
 
 def _tables(street: IntentStreet) -> list[str]:

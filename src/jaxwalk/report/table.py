@@ -45,17 +45,17 @@ def by_type(found: ByType[T]) -> dict[str, T]:
     return {"crosswalk": found.crosswalk, "jaywalk": found.jaywalk}
 
 
-def shown(ours: Number, scale: float = 100.0, digits: int | None = None) -> str:
+def shown(ours: Number, scale: float = 100.0, digits: int | None = None, *, sign: str = "") -> str:
     """Return a number and its interval as in ``14.0 [11.2, 17.3]``.
 
-    ``digits`` after the point are 1 by default, and 2 for a percentage within 1 of 0 or 100. A ratio over zero events
-    has only a lower end: ``> 2.1``.
+    ``digits`` after the point are 1 by default, and 2 for a percentage within 1 of 0 or 100. With the ``sign`` + a
+    number above 0 has one. A ratio over zero events has only a lower end: ``> 2.1``.
     """
     if ours.value is None:
         return NONE if ours.low is None else f"> {scale * ours.low:.{2 if digits is None else digits}f}"
     if digits is None:
         digits = 1 if scale != 100 or 0.01 <= abs(ours.value) <= 0.99 else 2
-    value = f"{scale * ours.value:.{digits}f}"
+    value = f"{scale * ours.value:{sign}.{digits}f}"
     if ours.low is None or ours.high is None:
         return value
     return f"{value} [{scale * ours.low:.{digits}f}, {scale * ours.high:.{digits}f}]"
