@@ -72,6 +72,15 @@ def test_what_never_fails_is_refused_in_words():
         rare_rate(Flat(), SMALL, 0)
 
 
+def test_what_fails_in_the_pilot_run_alone_has_no_rate():
+    class Once(Plane):
+        def score(self, candidates):
+            return super().score(candidates) - 100 * (candidates.keys >= SMALL.particles)
+
+    with pytest.raises(SplittingError, match="none of 10 estimates came to a failure; play more particles"):
+        rare_rate(Once(1e-2), SMALL, 0)
+
+
 def test_what_often_fails_needs_no_level():
     levels, simulations = pilot(Plane(0.9), SMALL, np.random.default_rng(0))
     assert [level.score for level in levels] == [0.0] and simulations == 100

@@ -1,10 +1,11 @@
 """Multilevel splitting: the unbiased rate of rare failures (Kahn and Harris, 1951; Norden, O'Kelly and Sinha, 2019).
 
 A failure is reached over levels that are each likely from the one before: particles above a level replace those below,
-and step on above it, as `jaxwalk.search.cube.stepped` does. The rate is the product of the shares that pass each level.
-A pilot run chooses levels and step sizes; all others take them as given, so each of their estimates has the right mean,
-whatever the number of particles and however badly they mix (Del Moral, 2004, theorem 7.4.2). Scores may jump, and many
-may be equal: a level is passed by who has its score or more, and shares are counted.
+and all step on above it, as `jaxwalk.search.cube.stepped` does. The rate is the product of the shares that pass each
+level. A pilot run chooses levels and step sizes; all others take them as given, so each of their estimates has the
+right mean, whatever the number of particles and however badly they mix (Del Moral, 2004, theorem 7.4.2). If only the
+copies stepped, as is often done, the mean would be too large by a share of about 1 / particles. Scores may jump, and
+many may be equal: a level is passed by who has its score or more, and shares are counted.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ MOST_LEVELS = 100
 
 
 class SplittingError(ValueError):
-    """The pilot run comes no nearer to a failure."""
+    """Too few particles to come to a failure."""
 
 
 @dataclass(frozen=True)
@@ -38,8 +39,8 @@ class SplittingPlan:
     particles: int = 256
     kept: float = 0.5
     """Share of the particles that passes a level of the pilot run."""
-    moves: int = 4
-    """Steps of each particle that is replaced, at each level."""
+    moves: int = 2
+    """Steps of each particle at each level."""
     repeats: int = 10
     """Estimates, whose mean is the rate; the interval is of their spread."""
 
@@ -98,31 +99,26 @@ class Swarm:
         candidates = Candidates(ordinary(rng, count, game.dimensions), run * count + np.arange(count))
         return Swarm(game, rng, candidates, game.score(candidates), count)
 
-    def replaced(self, passes: Bool[np.ndarray, "particle"]) -> Bool[np.ndarray, "particle"]:
-        """Replace who doesn't pass by copies of others; return who they are."""
-        new = ~passes
+    def replace(self, passes: Bool[np.ndarray, "particle"]) -> None:
+        """Replace who doesn't pass by copies of others."""
         source = np.arange(len(passes))
-        source[new] = self.rng.choice(np.flatnonzero(passes), int(new.sum()))
+        source[~passes] = self.rng.choice(np.flatnonzero(passes), int((~passes).sum()))
         self.candidates, self.scores = self.candidates.some(source), self.scores[source]
-        return new
 
-    def move(self, who: Bool[np.ndarray, "particle"], level: Level, *, anew: bool) -> float:
-        """Let particles make a step, if they stay above the level; return which share did.
+    def move(self, level: Level, *, anew: bool) -> float:
+        """Let all particles make a step, if they stay above the level; return which share did.
 
         ``anew``: draw some of the numbers anew, else step a little in all of them.
         """
-        own = self.candidates.some(who)
+        points = self.candidates.points
         if anew:
-            which = self.rng.random(own.points.shape) < level.share
-            points = stepped(self.rng, own.points, 0.0, which)
+            stepping = stepped(self.rng, points, 0.0, self.rng.random(points.shape) < level.share)
         else:
-            points = stepped(self.rng, own.points, math.sqrt(1 - level.far**2))
-        proposed = Candidates(points, own.keys)
-        scores = self.game.score(proposed)
+            stepping = stepped(self.rng, points, math.sqrt(1 - level.far**2))
+        scores = self.game.score(Candidates(stepping, self.candidates.keys))
         self.simulations += len(scores)
         accepted = scores >= level.score
-        rows = np.flatnonzero(who)[accepted]
-        self.candidates.points[rows], self.scores[rows] = points[accepted], scores[accepted]
+        points[accepted], self.scores[accepted] = stepping[accepted], scores[accepted]
         return float(accepted.mean())
 
 
@@ -143,10 +139,10 @@ def pilot(game: Scored, plan: SplittingPlan, rng: np.random.Generator) -> tuple[
                 f"splitting comes no nearer to a failure than a score of {best:.3g} after {len(levels)} levels; "
                 "play more particles, or search for failures first"
             )
-        new = swarm.replaced(swarm.scores >= score)
+        swarm.replace(swarm.scores >= score)
         level = Level(score, before.far, before.share)
         for number in range(plan.moves):
-            level = _adapted(level, swarm.move(new, level, anew=number % 2 == 1), anew=number % 2 == 1)
+            level = _adapted(level, swarm.move(level, anew=number % 2 == 1), anew=number % 2 == 1)
         levels.append(level)
         before = level
     return (*levels, Level(FAILURE)), swarm.simulations
@@ -165,9 +161,9 @@ def estimate(
         rate *= float(passes.mean())
         if not passes.any() or level.score >= FAILURE:
             break
-        new = swarm.replaced(passes)
-        for number in range(plan.moves if new.any() else 0):
-            swarm.move(new, level, anew=number % 2 == 1)
+        swarm.replace(passes)
+        for number in range(plan.moves):
+            swarm.move(level, anew=number % 2 == 1)
     return rate, swarm.simulations
 
 
@@ -181,6 +177,9 @@ def rare_rate(
         plan: how much.
         seed: of chance; the same seed gives the same rate.
         tell: called with the number of the run that has ended (0: the pilot run), and its estimate.
+
+    Raises:
+        SplittingError: no run, or only the pilot run, comes to a failure.
     """
     levels, simulations = pilot(game, plan, np.random.default_rng([seed, 0]))
     tell(0, None)
@@ -190,6 +189,8 @@ def rare_rate(
         estimates.append(found)
         simulations += played
         tell(run, found)
+    if not any(estimates):
+        raise SplittingError(f"none of {plan.repeats} estimates came to a failure; play more particles")
     return RareRate.of(estimates, levels, simulations)
 
 
