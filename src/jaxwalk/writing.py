@@ -82,6 +82,17 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
         unfinished.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
+def mark(path: Path) -> None:
+    """Make an empty file that `unmark` removes, and the end of the process: only one that is killed leaves it."""
+    path.touch()
+    _own_unfinished.add(path)
+
+
+def unmark(path: Path) -> None:
+    """Remove a file that `mark` made."""
+    _remove(path)
+
+
 def is_unfinished(path: Path) -> bool:
     """Return whether a file is the temporary file of a killed process."""
     return path.name.startswith(".") and ".part" in path.suffixes[-2:]

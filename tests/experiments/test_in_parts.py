@@ -123,6 +123,10 @@ def test_parts_that_come_as_files_are_kept_until_none_is_missing(parts, work, tm
     merge_parts(again.finished(), tmp_path / "merged", ignore)
     for name in FILES:
         assert (tmp_path / "merged" / name).read_bytes() == (parts / "whole" / name).read_bytes(), name
+    with pytest.MonkeyPatch.context() as killed, pytest.raises(ZeroDivisionError):
+        killed.setattr("jaxwalk.experiments.kept_parts.shutil.rmtree", lambda *_, **__: 1 / 0)
+        again.remove()
+    assert again.missing() == again.names, "no half part counts as finished"
     again.remove()
     assert not (tmp_path / "kept").exists()
 
@@ -134,6 +138,8 @@ def test_a_part_that_is_not_wanted_is_not_kept(parts, work, tmp_path):
     kept.keep("1/3", files["1"])
     with pytest.raises(PartError, match="/3: isn't what this evaluation needs there: it is part 2/3"):
         kept.keep("3/3", files["2"])
+    with pytest.raises(DocumentError):  # of a worker with another jaxwalk
+        kept.keep("3/3", files["1"] | {PART: b'{"format": 1}'})
     assert KeptParts.of(work, tmp_path / "kept", PARTS, batch=BATCH).missing() == ["2/3", "3/3"]
     (tmp_path / "kept" / "mine").mkdir()
     kept.remove()

@@ -12,9 +12,9 @@ from jaxwalk.runs.stop import ENDING, HANGUP, Stop
 def test_the_first_asks_and_the_second_interrupts(number):
     before = {each: signal.getsignal(each) for each in ENDING}
     with Stop().listening() as stop:
-        assert not stop.requested
+        assert not stop.requested and not stop.heard
         signal.raise_signal(number)
-        assert stop.requested
+        assert stop.requested and stop.heard
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
     assert {each: signal.getsignal(each) for each in ENDING} == before

@@ -11,7 +11,8 @@ from rich.console import Console
 from jaxwalk.recipes import with_training
 from jaxwalk.runs.effort import Effort
 from jaxwalk.runs.folder import Run, RunError
-from jaxwalk.runs.study import Work, read_json
+from jaxwalk.runs.study import Interrupted, Work, read_json
+from jaxwalk.runs.training import TrainingEnd
 
 
 @pytest.fixture
@@ -67,3 +68,18 @@ def test_processes_may_begin_a_study_at_the_same_moment(work, monkeypatch):
     monkeypatch.setattr("jaxwalk.runs.study.read_json", read_and_be_overtaken)
     work.do([])
     assert work.json("plan.json") == asdict(work.plan)
+
+
+def test_a_signal_during_the_last_update_begins_no_other_training(work, tiny, monkeypatch):
+    monkeypatch.setattr("jaxwalk.runs.study.train_in", lambda run, **_: TrainingEnd(6, 48, 1.0, False, heard=True))
+    with pytest.raises(Interrupted):
+        work.train("car", tiny, 3)
+    assert "car, seed 3: 48 steps in 0.0 minutes" in work.console.file.getvalue()
+
+
+def test_a_damaged_plan_is_not_to_be_deleted(tmp_path):
+    """Without it, the folder would be refused as a stranger's."""
+    for name, advice in (("plan.json", "restore it from a copy, or name another folder"), ("a.json", "delete it")):
+        (tmp_path / name).write_text("{")
+        with pytest.raises(RunError, match=advice):
+            read_json(tmp_path / name, "study")

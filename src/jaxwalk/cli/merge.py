@@ -11,7 +11,7 @@ from jaxwalk.cli.evaluate import show
 from jaxwalk.cli.options import Merge
 from jaxwalk.cli.progress import with_progress
 from jaxwalk.evaluation import check_parquet
-from jaxwalk.evaluation.parts import read_part
+from jaxwalk.evaluation.parts import read_parts
 from jaxwalk.experiments.in_parts import merge_parts
 from jaxwalk.runs.folder import check_writable
 from jaxwalk.runs.lock import held
@@ -22,7 +22,7 @@ def run(options: Merge) -> int:
     folders = [Path(name) for name in options.parts]
     out = _checked_out(options.out, folders)
     check_parquet()
-    parts = [read_part(folder) for folder in folders]
+    parts = read_parts(folders)
     with held(out):
         merged = with_progress("merging", partial(merge_parts, parts, out))
     for line in merged.said:

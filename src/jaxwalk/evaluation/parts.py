@@ -139,13 +139,16 @@ class StoredPart:
         return StoredCell(self.folder, number, blocks, self.document.dt)
 
 
+def read_parts(folders: Sequence[Path]) -> list[StoredPart]:
+    """Return the parts in folders. Raise PartError that names all folders without one, or DocumentError."""
+    _check_there(folders)
+    return [read_part(folder) for folder in folders]
+
+
 def read_part(folder: Path) -> StoredPart:
     """Return the part in a folder. Raise PartError or DocumentError, a message that names it, if there is none."""
+    _check_there([folder])
     path = folder / PART
-    if not path.is_file():
-        raise PartError(
-            f"{folder}: has no {PART}, so no finished part is in it; evaluate that part, or name its folder"
-        )
     try:
         content = json.loads(path.read_bytes())
     except (ValueError, RecursionError) as error:
@@ -156,6 +159,17 @@ def read_part(folder: Path) -> StoredPart:
     document = as_document(PartDocument, content, Origin(path, ADVICE))
     _check_whole(path, document)
     return StoredPart(folder, document)
+
+
+def _check_there(folders: Sequence[Path]) -> None:
+    """Raise PartError that names the folders without a finished part."""
+    empty = [str(folder) for folder in folders if not (folder / PART).is_file()]
+    if len(empty) == 1:
+        advice = f"{PART}, so no finished part is in it; evaluate that part, or name its folder"
+        raise PartError(f"{empty[0]}: has no {advice}")
+    if empty:
+        advice = f"{PART}, so no finished parts are in them; evaluate those parts, or name their folders"
+        raise PartError(f"{first_of(empty, 'folder')}: have no {advice}")
 
 
 def _check_whole(path: Path, document: PartDocument) -> None:

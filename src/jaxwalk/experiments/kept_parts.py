@@ -8,6 +8,7 @@ from pathlib import Path
 
 from jaxwalk.evaluation import BATCH
 from jaxwalk.evaluation.parts import PART, Part, PartDocument, PartError, StoredPart, difference, read_part
+from jaxwalk.evaluation.reading import DocumentError
 from jaxwalk.experiments.evaluating import Evaluation
 from jaxwalk.experiments.in_parts import planned_part
 from jaxwalk.wording import counted
@@ -84,12 +85,17 @@ class KeptParts:
                 write_whole(place / file, files[file])
         try:
             self._check(read_part(place))
-        except PartError:
+        except (PartError, DocumentError):
             shutil.rmtree(place)  # it would stop the same command from going on with the others
             raise
 
     def remove(self) -> None:
-        """Remove all parts, and their folder if nothing else is in it."""
+        """Remove all parts, and their folder if nothing else is in it.
+
+        None counts as finished any more before the first table goes: a kill meanwhile leaves no half one.
+        """
+        for name in self.names:
+            (self._place(name) / PART).unlink(missing_ok=True)
         for name in self.names:
             shutil.rmtree(self._place(name), ignore_errors=True)
         if not any(self.folder.iterdir()):

@@ -17,6 +17,9 @@ class Stop:
     """Lets the update in progress finish on the first Ctrl-C, SIGTERM or SIGHUP; a second one interrupts at once."""
 
     requested = False
+    """Whether the work should end; `jaxwalk.runs.session` may ask for that too."""
+    heard = False
+    """Whether a signal asked for it, even if the work was done by then."""
 
     @contextmanager
     def listening(self) -> Iterator[Stop]:
@@ -37,4 +40,4 @@ class Stop:
     def _hear(self, number: int, _: object) -> None:
         if self.requested and number != HANGUP:
             raise KeyboardInterrupt
-        self.requested = True
+        self.requested = self.heard = True

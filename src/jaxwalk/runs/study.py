@@ -30,6 +30,9 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.wording import counted
 from jaxwalk.writing import remove_unfinished, write_whole
 
+PLAN = "plan.json"
+"""File of what was asked for."""
+
 
 class Interrupted(Exception):
     """Ctrl-C interrupted the command; finished parts are kept."""
@@ -87,7 +90,7 @@ class Work(Generic[P]):
         with held(self.folder):
             self._check()  # check again: another process may have been quicker
             remove_unfinished(self.folder)
-            self.keep("plan.json", asdict(self.plan))
+            self.keep(PLAN, asdict(self.plan))
             self._do(steps)
 
     def _do(self, steps: Sequence[tuple[str, Callable[[Self], None]]]) -> None:
@@ -114,7 +117,7 @@ class Work(Generic[P]):
         )
         begun = (folder / "config.json").is_file()
         run = Run.open(folder) if begun else Run.create(folder, wanted)
-        if not _is_that(run.experiment, wanted):
+        if not is_same_training(run.experiment, wanted):
             raise RunError(f"{folder}: holds another training than this study's; remove it and run the command again")
         if is_finished(run):
             steps = run.experiment.train.updates * run.experiment.steps_per_update
@@ -125,12 +128,14 @@ class Work(Generic[P]):
         if trained.interrupted:
             raise Interrupted
         self.say(f"{said}: {counted(trained.steps, 'step')} in {trained.seconds / 60:.1f} minutes")
+        if trained.heard:
+            raise Interrupted
 
     def _check(self) -> None:
         """Raise RunError unless the folder can be started or continued. Writes nothing."""
         folder, other = self.folder, "name another folder"
         filled = folder.is_dir() and not is_empty(folder)  # before the plan is read: another process may just write it
-        asked, there = json.loads(json.dumps(asdict(self.plan))), self.json("plan.json")
+        asked, there = json.loads(json.dumps(asdict(self.plan))), self.json(PLAN)
         if there is None and filled:
             raise RunError(f"{folder}: the folder is not empty and no `jaxwalk {self.command}` made it; {other}")
         if there is not None and there != asked:
@@ -148,7 +153,7 @@ class Work(Generic[P]):
         self.keep("minutes.json", document)
 
 
-def _is_that(found: Experiment, wanted: Experiment) -> bool:
+def is_same_training(found: Experiment, wanted: Experiment) -> bool:
     """Return whether a training is the wanted one, on whatever machine it began, and however many updates fit in."""
     free = ("shards", "chunk_rows", *(["updates"] if wanted.minutes else []))
     here = {name: getattr(wanted.train, name) for name in free}
@@ -168,4 +173,6 @@ def read_json(path: Path, command: str) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8-sig"))
     except (ValueError, RecursionError) as error:
-        raise RunError(f"{path}: damaged ({error}); delete it and run `jaxwalk {command}` again") from error
+        again = f"delete it and run `jaxwalk {command}` again"
+        advice = "restore it from a copy, or name another folder" if path.name == PLAN else again
+        raise RunError(f"{path}: damaged ({error}); {advice}") from error

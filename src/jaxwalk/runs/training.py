@@ -54,6 +54,8 @@ class TrainingEnd:
     """Whether Ctrl-C or another signal ended it; it can be resumed."""
     stopped: bool = False
     """Whether ``on_update`` ended it before the plan was done; it can be resumed."""
+    heard: bool = False
+    """Whether a signal came, perhaps too late to interrupt it: who trains several should begin no other one."""
 
 
 class UnwrittenError(RunError):
@@ -189,7 +191,7 @@ def _train(run: Run, street: Street, resume: bool, display: Display, routine: Ro
     updates = int(learner.updates)
     ended_early = updates < routine.end(int(learner.planned))
     stopped = ended_early and session.told_to_stop
-    return TrainingEnd(updates, updates * per_update, session.seconds, ended_early and not stopped, stopped)
+    return TrainingEnd(updates, updates * per_update, session.seconds, ended_early and not stopped, stopped, stop.heard)
 
 
 def _watchdog(routine: Routine) -> AbstractContextManager[Watchdog | None]:

@@ -1,26 +1,25 @@
 """Attempts at a trial whose process ended meanwhile, as when the machine's memory runs out or somebody kills it.
 
-The journal counts them before they begin, as such an end leaves nothing else.
+Each makes an empty file in the trial's folder before it begins, since such an end leaves nothing else.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jaxwalk.runs.folder import CHECKPOINTS
 from jaxwalk.runs.study import Interrupted
 from jaxwalk.sweeps.trial_work import UselessTrialError
+from jaxwalk.writing import mark, unmark
 
 if TYPE_CHECKING:
     from optuna.trial import Trial
 
 MOST = 3
 """Attempts, one after the other, in which the process may end before the trial has come further."""
-ATTEMPTS = "attempts"
-"""Note in the journal: how far the trial had come, and how many attempts began there."""
 
 
 @contextmanager
@@ -30,19 +29,19 @@ def attempted(trial: Trial, folder: Path) -> Iterator[None]:
     Raises UselessTrialError instead if `MOST` attempts before it came no further.
     """
     come = _come(trial, folder)
-    before, count = trial.user_attrs.get(ATTEMPTS, (come, 0))
-    count = count if before == come else 0
-    if count >= MOST:
+    attempts = [folder / f".attempt-{number}-after-{come}.part" for number in range(MOST)]
+    mine = next((path for path in attempts if not path.exists()), None)
+    if mine is None:
         raise UselessTrialError(
-            f"{folder}: its process ended {count} times before it came further; the memory may not suffice for it"
+            f"{folder}: its process ended {MOST} times before it came further; the memory may not suffice for it"
         )
-    trial.set_user_attr(ATTEMPTS, [come, count + 1])
+    mark(mine)
     try:
         yield
-    except (KeyboardInterrupt, Interrupted, OSError, ValueError):  # said to the user, who can do something about it
-        with suppress(OSError):  # the disk may be full
-            trial.set_user_attr(ATTEMPTS, [come, count])
+    except (KeyboardInterrupt, SystemExit, Interrupted, OSError, ValueError):  # said to the user, who can do something
+        unmark(mine)
         raise
+    unmark(mine)
 
 
 def _come(trial: Trial, folder: Path) -> int:

@@ -8,7 +8,7 @@ so a trial that is begun, not ended and not locked was interrupted, and the next
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -37,8 +37,6 @@ WHY, PARENT = "why", "parent"
 """Notes in the journal: why a trial failed, and the trial from whose end a member of a population goes on."""
 STARTED = 10
 """Trials that TPE draws at random before it has something to go by (Optuna's default)."""
-PRUNING_STARTS, PRUNING_WARMS = 5, 5
-"""Trials that have to end, and twentieths of a trial that pass, before any is pruned."""
 
 
 class OptunaError(ValueError):
@@ -87,7 +85,6 @@ class Journal:
             storage=self.storage,
             study_name=NAME,
             direction="maximize" if self.plan.objective.maximised else "minimize",
-            pruner=optuna.pruners.MedianPruner(PRUNING_STARTS, n_warmup_steps=PRUNING_WARMS),
             load_if_exists=True,
         )
 
@@ -100,20 +97,22 @@ class Journal:
         return self.folder / TRIALS / str(number)
 
     @contextmanager
-    def claimed(self) -> Iterator[Trial | None]:
+    def claimed(self, skipped: Container[int] = ()) -> Iterator[Trial | None]:
         """Yield a trial to work on: an interrupted one, else a new one, which no other process has meanwhile.
+
+        ``skipped`` are the numbers of those that this process can't work on.
 
         None if all trials are ended, or other processes work on them, or on those that decide what comes next.
         """
         with ExitStack() as mine:
             with held(self.folder, seconds=PATIENCE):
-                trial = self._interrupted(mine) or self._new(mine)
+                trial = self._interrupted(mine, skipped) or self._new(mine)
             yield trial
 
-    def _interrupted(self, mine: ExitStack) -> Trial | None:
+    def _interrupted(self, mine: ExitStack, skipped: Container[int]) -> Trial | None:
         """Return the first trial that was begun, isn't ended and that nobody works on."""
         for number in (each.number for each in self.trials() if each.state.name == "RUNNING"):
-            if self._locked(number, mine):
+            if number not in skipped and self._locked(number, mine):
                 return self._with_values(number)
         return None
 
@@ -171,10 +170,10 @@ class Journal:
         """Return a trial with all its values: those of the journal, and new ones if it was killed before it had all."""
         from optuna.trial import Trial
 
-        self.study.sampler = self._sampler(number)
         study = self.storage.get_study_id_from_name(NAME)
         trial = Trial(self.study, self.storage.get_trial_id_from_study_id_trial_number(study, number))
-        for name, varied in self.plan.fields.items():
+        for place, (name, varied) in enumerate(self.plan.fields.items()):
+            self.study.sampler = self._sampler(number, place)
             if self.plan.sampler == "grid" or isinstance(varied, ListedValues):
                 trial.suggest_categorical(name, varied.grid())
             elif varied.whole:
@@ -183,11 +182,14 @@ class Journal:
                 trial.suggest_float(name, varied.low, varied.high, log=varied.log)
         return trial
 
-    def _sampler(self, number: int) -> BaseSampler:
-        """Return what chooses the values of a trial: with a seed of its own, whichever process asks."""
+    def _sampler(self, number: int, place: int = 0) -> BaseSampler:
+        """Return what chooses a value of a trial, that of the field at this place.
+
+        It has a seed of its own, so that the value is the same whichever process asks, and after whatever kill.
+        """
         from optuna.samplers import RandomSampler, TPESampler
 
-        seed = int(np.random.SeedSequence([self.plan.sampler_seed, number]).generate_state(1)[0])
+        seed = int(np.random.SeedSequence([self.plan.sampler_seed, number, place]).generate_state(1)[0])
         return TPESampler(n_startup_trials=STARTED, seed=seed) if self.plan.sampler == "tpe" else RandomSampler(seed)
 
 

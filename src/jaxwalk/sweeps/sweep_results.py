@@ -84,15 +84,20 @@ class SweepResults:
         return Counter(trial.state for trial in self.trials)
 
     @property
+    def count(self) -> int:
+        """Return the number of all trials. Another process may have begun more than this one's file asks for."""
+        return max(self.plan.count, len(self.trials))
+
+    @property
     def left(self) -> int:
         """Return the number of trials that aren't ended."""
-        return self.plan.count - sum(trial.state != "unfinished" for trial in self.trials)
+        return self.count - sum(trial.state != "unfinished" for trial in self.trials)
 
     def in_words(self) -> str:
         """Return how many trials there are, as in ``17 of 20 trials: 12 complete, 5 pruned``."""
         states = ", ".join(f"{self.counts[state]} {state}" for state in STATES.values() if self.counts[state])
-        ended = self.plan.count - self.left
-        return f"{ended} of {counted(self.plan.count, 'trial')} ended" + (f": {states}" if states else "")
+        ended = self.count - self.left
+        return f"{ended} of {counted(self.count, 'trial')} ended" + (f": {states}" if states else "")
 
 
 def read_results(journal: Journal) -> SweepResults:
@@ -146,7 +151,7 @@ def _importance(study: Study) -> dict[str, float]:
 
 def as_results_document(results: SweepResults) -> dict[str, Any]:
     """Return the results as JSON has them."""
-    plan = asdict(results.plan) | {"trials": results.plan.count}
+    plan = asdict(results.plan) | {"trials": results.count}
     del plan["path"]
     return {
         "schema": SCHEMA,

@@ -8,9 +8,10 @@ study.json, trials.csv, study.html    what came of it (`jaxwalk.sweeps.sweep_res
 
 from __future__ import annotations
 
+import hashlib
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
@@ -18,10 +19,14 @@ from typing import Any
 
 from rich.console import Console
 
+from jaxwalk.learning.checkpoint import CheckpointError
 from jaxwalk.runs.folder import RunError, as_json, check_writable, is_empty
+from jaxwalk.runs.kept_archives import KeptArchiveError
+from jaxwalk.runs.kept_maps import KeptMapsError
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.street import make_street
-from jaxwalk.runs.study import read_json
+from jaxwalk.runs.study import PLAN, read_json
+from jaxwalk.runs.training import UnwrittenError
 from jaxwalk.sweeps.attempts import attempted
 from jaxwalk.sweeps.evaluated import check_objective
 from jaxwalk.sweeps.journal import PATIENCE, TRIALS, WHY, Journal, check_optuna
@@ -31,12 +36,14 @@ from jaxwalk.sweeps.trial_work import TrialWork, UselessTrialError
 from jaxwalk.sweeps.varied import single_changes
 from jaxwalk.writing import remove_unfinished, write_whole
 
-PLAN = "plan.json"
-"""File of what was asked for."""
 LOOKS = 1.0
 """Time between looks at whether the generation that others work on has ended [s]."""
 MAY_GROW = "trials"
 """The one field that may have another value when a sweep goes on: a larger one."""
+FILES = "files"
+"""The field with the SHA-256 of each map and archive that is a file."""
+DAMAGED = (RunError, CheckpointError, KeptMapsError, KeptArchiveError)
+"""Errors of one trial's files, if they aren't an `UnwrittenError`."""
 
 BETWEEN = 20
 """The results are written again after this many times as long as writing them took, and at the end."""
@@ -70,13 +77,19 @@ def sweep(folder: Path, plan: SweepPlan, *, console: Console | None = None) -> S
 
 
 def _work_on_all(journal: Journal, console: Console) -> None:
-    """Work on trials until there is none for this process, now or later."""
+    """Work on trials until there is none for this process, now or later.
+
+    A trial whose files are damaged doesn't stop the others; its error is raised when they are done.
+    """
     told, due = False, 0.0
+    damaged: dict[int, ValueError] = {}
     while True:
-        if _work(journal, console):
+        if _work(journal, console, damaged):
             due = _written(journal, due)
             told = False
             continue
+        for error in damaged.values():
+            raise error
         if not journal.waits():
             return
         if not told:
@@ -118,9 +131,9 @@ def _check_streets(plan: SweepPlan) -> None:
             make_street(plan.experiment(plan.first | labels))
 
 
-def _work(journal: Journal, console: Console) -> bool:
-    """Work on one trial to its end; return False if there is none."""
-    with journal.claimed() as trial:
+def _work(journal: Journal, console: Console, damaged: dict[int, ValueError]) -> bool:
+    """Work on one trial to its end, or note in ``damaged`` why that can't be; return False if there is none."""
+    with journal.claimed(damaged) as trial:
         if trial is None:
             return False
         work = TrialWork(trial, journal.plan, journal.trial_folder(trial.number), console)
@@ -130,6 +143,12 @@ def _work(journal: Journal, console: Console) -> bool:
             trial.set_user_attr(WHY, str(error))
             console.print(f"trial {trial.number} failed: {error}", soft_wrap=True, markup=False)
             _end(journal, trial.number, "FAIL")
+            return True
+        except UnwrittenError:  # the disk is full for the others too
+            raise
+        except DAMAGED as error:
+            damaged[trial.number] = error
+            console.print(f"trial {trial.number} is left: {error}", soft_wrap=True, markup=False)
             return True
         if score is None:
             _end(journal, trial.number, "PRUNED")
@@ -174,21 +193,30 @@ def check_folder(folder: Path, plan: SweepPlan) -> None:
     if folder.exists() and not folder.is_dir():
         raise RunError(f"{folder}: is a file, not a folder; name another one")
     filled = folder.is_dir() and not is_empty(folder)  # before the plan is read: another process may just write it
-    there, other = read_json(folder / PLAN, "sweep"), "or name another folder"
+    there = read_json(folder / PLAN, "sweep")
     if there is None and filled:
         raise RunError(f"{folder}: the folder is not empty and no `jaxwalk sweep` made it; name another folder")
     if there is not None:
-        asked = as_plan(plan)
-        there = there if isinstance(there, dict) else {}
-        name = next((name for name in asked if name != MAY_GROW and there.get(name) != asked[name]), None)
-        if name is not None:
-            raise RunError(f"{folder}: was begun with another value of {name}; undo the change in {plan.path}, {other}")
-        if plan.trials is not None and there.get(MAY_GROW, 0) > plan.trials:
-            raise RunError(f"{folder}: was begun with {there[MAY_GROW]} trials; ask for no fewer, {other}")
+        _check_plan(folder, there if isinstance(there, dict) else {}, plan)
     check_writable(folder)
+
+
+def _check_plan(folder: Path, there: Mapping[str, Any], plan: SweepPlan) -> None:
+    """Raise RunError unless a folder was begun with the same plan, perhaps of fewer trials."""
+    asked, other = as_plan(plan), "or name another folder"
+    for path, digest in there.get(FILES, {}).items():
+        if asked[FILES].get(path, digest) != digest:
+            raise RunError(f"{folder}: {path} was changed since the sweep began; restore it, {other}")
+    name = next((name for name in asked if name not in (MAY_GROW, FILES) and there.get(name) != asked[name]), None)
+    if name is not None:
+        raise RunError(f"{folder}: was begun with another value of {name}; undo the change in {plan.path}, {other}")
+    if plan.trials is not None and there.get(MAY_GROW, 0) > plan.trials:
+        raise RunError(f"{folder}: was begun with {there[MAY_GROW]} trials; ask for no fewer, {other}")
 
 
 def as_plan(plan: SweepPlan) -> dict[str, Any]:
     """Return what the folder keeps of a plan, as JSON has it."""
     document = {name: value for name, value in asdict(plan).items() if name != "path"}
-    return json.loads(json.dumps(document | {"training": as_json(plan.base)}))
+    files = [Path(name) for name in (*plan.base.maps, *plan.base.archives) if Path(name).is_file()]
+    digests = {str(path): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    return json.loads(json.dumps(document | {"training": as_json(plan.base), FILES: digests}))

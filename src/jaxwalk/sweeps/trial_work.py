@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import shutil
+import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,12 +15,12 @@ from rich.console import Console
 from jaxwalk.recipes import Experiment, ExperimentFileError, with_training
 from jaxwalk.relief import relieve
 from jaxwalk.runs.branching import begin_at
-from jaxwalk.runs.folder import CONFIG, Run
+from jaxwalk.runs.folder import CONFIG, Run, RunError
 from jaxwalk.runs.kept_maps import MAPS
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import DivergedError
 from jaxwalk.runs.street import WorldError, shared_out, whole_minibatches
-from jaxwalk.runs.study import Interrupted
+from jaxwalk.runs.study import Interrupted, is_same_training
 from jaxwalk.runs.training import TrainingEnd, is_finished, train_in, train_until
 from jaxwalk.sweeps.evaluated import evaluated
 from jaxwalk.sweeps.journal import PARENT
@@ -32,6 +33,8 @@ REPORTS = 20
 """Numbers that a training reports on its way, for pruning."""
 LAST = 10
 """The number of a training is the mean over its last tenth of updates."""
+FEWEST_BEFORE, FIRST_JUDGED = 5, 5
+"""Trials that have to be complete, and twentieths of a trial that pass, before any is pruned."""
 PRUNED = "pruned"
 """Note in the journal that a trial was pruned."""
 
@@ -82,10 +85,13 @@ class TrialWork:
         run, begun = _begun(self.folder / _name(experiment.seed), experiment, self._parent(experiment.seed))
         updates = run.experiment.train.updates
         end = self.plan.pbt.end(self.trial.number, updates) if self.plan.pbt else updates
-        if not is_finished(run, end) and self._trained(run, begun, index, end).interrupted:
+        ended = None if is_finished(run, end) else self._trained(run, begun, index, end)
+        if ended is not None and ended.interrupted:
             raise Interrupted
         if self._noted(PRUNED) is None:
             self.trial.set_user_attr(_name(experiment.seed), score_of(run, self.plan.objective))
+        if ended is not None and ended.heard:
+            raise Interrupted
 
     def _trained(self, run: Run, begun: bool, index: int, end: int) -> TrainingEnd:
         """Train up to an update, and return how that ended."""
@@ -118,13 +124,23 @@ class TrialWork:
             step, now = REPORTS * index + part, mean_of_last(lines, metric, updates)
             if part == REPORTS * (line["update"] - 1) // updates or step in reported or now is None:
                 return False
-            self.trial.report((math.fsum(earlier) + now) / (len(earlier) + 1), step)
-            if self.trial.should_prune():
+            value = (math.fsum(earlier) + now) / (len(earlier) + 1)
+            self.trial.report(value, step)
+            if self._is_worse(value, step):
                 self.trial.set_user_attr(PRUNED, f"after update {line['update']} of seed {run.experiment.seed}")
                 return True
             return False
 
         return tell
+
+    def _is_worse(self, value: float, step: int) -> bool:
+        """Return whether a number is worse than the median of the complete trials at the same point."""
+        complete = [trial for trial in self.trial.study.get_trials(deepcopy=False) if trial.state.name == "COMPLETE"]
+        before = [trial.intermediate_values[step] for trial in complete if step in trial.intermediate_values]
+        if len(before) < FEWEST_BEFORE or step < FIRST_JUDGED:
+            return False
+        middle = statistics.median(before)
+        return value < middle if self.plan.objective.maximised else value > middle
 
 
 def _name(seed: int) -> str:
@@ -135,7 +151,10 @@ def _name(seed: int) -> str:
 def _begun(folder: Path, experiment: Experiment, parent: Run | None) -> tuple[Run, bool]:
     """Return the run in a folder, and whether it was there. One with a parent has its maps, archives and devices."""
     if (folder / CONFIG).is_file() and (parent is None or (folder / MAPS).is_file()):
-        return Run.open(folder), True
+        run = Run.open(folder)
+        if not is_same_training(run.experiment, experiment):
+            raise RunError(f"{folder}: holds another training than this trial's; remove it and run the command again")
+        return run, True
     if folder.is_dir():  # a process was killed before it had written what a run begins with
         shutil.rmtree(folder)
     if parent is not None:
