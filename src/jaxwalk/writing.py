@@ -83,7 +83,7 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
 
 
 def mark(path: Path) -> None:
-    """Make an empty file that `unmark` removes, and the end of the process: only one that is killed leaves it."""
+    """Make an empty file for `unmark` or `remove_own_unfinished`: a process that fails or is killed leaves it."""
     path.touch()
     _own_unfinished.add(path)
 

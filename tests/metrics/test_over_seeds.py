@@ -118,3 +118,9 @@ def test_seeds_with_equal_counts_do_not_differ_by_rounding():
     assert values.mean(axis=1).var(ddof=1) > 0, "so this test says something"
     found = over_seeds(values, np.ones_like(values), kind="share").mean
     assert (found.low, found.high) == share_ends(7, 2000)
+
+
+def test_scenarios_with_equal_counts_do_not_differ_by_rounding():
+    """Neither seeds nor scenarios differ, so there is no standard error."""
+    for share in (0.002, 0.003, 0.007, 0.3):
+        assert crossed_mean(np.full((5, 7), share)).error == 0

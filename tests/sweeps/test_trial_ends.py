@@ -14,9 +14,10 @@ from rich.console import Console
 
 from jaxwalk import writing
 from jaxwalk.learning.checkpoint import DamagedError
+from jaxwalk.policies.learned import PolicyError
 from jaxwalk.runs.folder import RunError
 from jaxwalk.runs.study import Interrupted
-from jaxwalk.runs.training import UnwrittenError
+from jaxwalk.runs.training import UnwrittenError, is_finished
 from jaxwalk.sweeps import trial_work
 from jaxwalk.sweeps.journal import Journal
 from jaxwalk.sweeps.study_file import load_sweep
@@ -83,6 +84,23 @@ def test_a_damaged_trial_is_left_and_the_others_go_on(pretended, study, tmp_path
     assert sweep(out, plan, console=told).left == 0
 
 
+def test_a_trial_whose_policy_is_damaged_is_left(pretended, study, tmp_path, quiet, monkeypatch):
+    plan, out, finished = load_sweep(study()), tmp_path / "out", trial_work.is_finished
+
+    def read(run, updates):
+        return is_finished(run, updates) if run.path.parent.name == "1" else finished(run, updates)
+
+    begin_sweep(out, plan)
+    monkeypatch.setattr(trial_work, "is_finished", read)
+    ending(pretended, monkeypatch, "1", lambda run, **_: (run.policy.write_bytes(b"half"), 1 / 0))
+    with pytest.raises(ZeroDivisionError):
+        sweep(out, plan, console=quiet)
+    with pytest.raises(PolicyError):
+        sweep(out, plan, console=quiet)
+    states = [trial.state for trial in read_results(Journal(out, plan)).trials]
+    assert states == ["complete", "unfinished", "complete", "complete"]
+
+
 def test_a_full_disk_ends_the_process(pretended, study, tmp_path, quiet, monkeypatch):
     def full(run, **_):
         raise UnwrittenError("no space left")
@@ -125,22 +143,30 @@ def test_a_trial_is_judged_by_the_median_at_the_same_point(study, tmp_path, quie
     assert TrialWork(trial, load_sweep(study()), tmp_path, quiet)._is_worse(value, step) == worse  # pyright: ignore
 
 
-def test_a_trial_killed_between_two_values_gets_the_same_ones(pretended, study, tmp_path, quiet):
-    plan = load_sweep(
-        study(**{"low = -0.25, high = -0.02 }": "low = -0.25, high = -0.02 }\nspeed = { low = 0.0, high = 1.0 }"})
-    )
-    names, out = list(plan.fields), tmp_path / "out"
-    begin_sweep(out, plan)
-    journal = Journal(out, plan)
-    with journal.claimed() as trial:
-        whole = dict(trial.params)
-    assert set(whole) == set(names) and len(set(whole.values())) == 2
-    again = Journal(tmp_path / "again", plan)
-    begin_sweep(tmp_path / "again", plan)
-    again.study.sampler = again._sampler(0, 0)
-    again.study.ask().suggest_float(names[0], plan.fields[names[0]].low, plan.fields[names[0]].high)  # and is killed
-    with again.claimed() as trial:
-        assert trial.number == 0 and dict(trial.params) == whole
+@pytest.mark.parametrize(("sampler", "ended"), [("random", 0), ("tpe", 12)])
+def test_a_trial_killed_between_two_values_gets_the_same_ones(sampler, ended, pretended, study, tmp_path):
+    """After ten trials TPE draws the values of a trial together."""
+    end = "high = -0.02 }"
+    changes = {
+        end: f"{end}\nspeed = {{ low = 0.0, high = 1.0 }}",
+        "trials = 4": "trials = 20",
+        '"random"': f'"{sampler}"',
+    }
+    plan, whole = load_sweep(study(**changes)), []
+    name, varied = next(iter(plan.fields.items()))
+    for killed in (False, True):
+        journal = Journal(tmp_path / str(killed), plan)
+        begin_sweep(journal.folder, plan)
+        for number in range(ended):
+            with journal.claimed() as trial:
+                journal.study.tell(number, trial.params[name] ** 2)
+        if killed:
+            journal.study.sampler = journal._sampler(ended)
+            journal.study.ask().suggest_float(name, varied.low, varied.high)
+        with journal.claimed() as trial:
+            assert trial.number == ended
+            whole.append(dict(trial.params))
+    assert whole[0] == whole[1] and len(set(whole[0].values())) == 2
 
 
 def test_a_process_with_an_older_file_counts_all_trials(pretended, study, tmp_path, quiet):

@@ -86,6 +86,7 @@ class KeptParts:
         try:
             self._check(read_part(place))
         except (PartError, DocumentError):
+            (place / PART).unlink()  # first, so that a kill leaves no half part
             shutil.rmtree(place)  # it would stop the same command from going on with the others
             raise
 

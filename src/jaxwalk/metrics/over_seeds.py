@@ -16,7 +16,7 @@ from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, finite_or_none, rat
 FEWEST_SEEDS = 5
 """Fewer training seeds than this give no interval and no test: their spread is unknown."""
 ROUNDING = 1e-12
-"""Means of seeds that differ by less than this share of the largest value are equal: NumPy's variance of equal numbers
+"""Means that differ by less than this share of the largest value are equal: NumPy's variance of equal numbers
 needn't be 0."""
 Kind = Literal["share", "rate", "mean"]
 """What a number over seeds is: a share of trials; events per unit of exposure; or a mean or difference, of any sign."""
@@ -64,16 +64,19 @@ def crossed_mean(values: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:
     """
     values = np.asarray(values, np.float64)
     seeds, scenarios = values.shape
-    means = values.mean(axis=1)
-    differ = np.ptp(means) > ROUNDING * np.abs(values).max()
-    of_seeds = scenarios * float(means.var(ddof=1)) if differ else 0.0
+    largest = float(np.abs(values).max())
+    of_seeds = scenarios * _variance(values.mean(axis=1), largest)
     if scenarios == 1:
         return CrossedMean(float(values.mean()), math.sqrt(of_seeds / seeds), float(seeds - 1))
-    of_scenarios = seeds * values.mean(axis=0).var(ddof=1)
+    of_scenarios = seeds * _variance(values.mean(axis=0), largest)
     total = values.var() * values.size - (seeds - 1) * of_seeds - (scenarios - 1) * of_scenarios
-    both = of_seeds + max(of_scenarios - total / ((seeds - 1) * (scenarios - 1)), 0)
+    both = of_seeds + max(of_scenarios - total / ((seeds - 1) * (scenarios - 1)), 0) if of_seeds + of_scenarios else 0.0
     freedom = (seeds - 1) * (both / of_seeds) ** 2 if of_seeds > 0 else math.inf
     return CrossedMean(float(values.mean()), math.sqrt(both / values.size), freedom)
+
+
+def _variance(means: Float[np.ndarray, "mean"], largest: float) -> float:
+    return float(means.var(ddof=1)) if np.ptp(means) > ROUNDING * largest else 0.0
 
 
 def crossed_ratio(over: Shaped[np.ndarray, "seed scenario"], under: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:

@@ -4,8 +4,8 @@ A failure is reached over levels that are each likely from the one before: parti
 and all step on above it, as `jaxwalk.search.cube.stepped` does. The rate is the product of the shares that pass each
 level. A pilot run chooses levels and step sizes; all others take them as given, so each of their estimates has the
 right mean, whatever the number of particles and however badly they mix (Del Moral, 2004, theorem 7.4.2). If only the
-copies stepped, as is often done, the mean would be too large by a share of about 1 / particles. Scores may jump, and
-many may be equal: a level is passed by who has its score or more, and shares are counted.
+copies stepped, as is often done, the mean would be wrong for few particles that mix badly. Scores may jump, and many
+may be equal: a level is passed by who has its score or more, and shares are counted.
 """
 
 from __future__ import annotations

@@ -24,7 +24,9 @@ MOST = 3
 
 @contextmanager
 def attempted(trial: Trial, folder: Path) -> Iterator[None]:
-    """Count the block as an attempt, unless somebody interrupts it or it ends with a message.
+    """Count the block as an attempt, unless somebody interrupts it or it ends with an error about the user's files.
+
+    An error such as that of memory that doesn't suffice counts.
 
     Raises UselessTrialError instead if `MOST` attempts before it came no further.
     """

@@ -172,6 +172,8 @@ class Journal:
 
         study = self.storage.get_study_id_from_name(NAME)
         trial = Trial(self.study, self.storage.get_trial_id_from_study_id_trial_number(study, number))
+        self.study.sampler = self._sampler(number)
+        _ = trial.relative_params  # those that TPE draws together, before any other sampler is set
         for place, (name, varied) in enumerate(self.plan.fields.items()):
             self.study.sampler = self._sampler(number, place)
             if self.plan.sampler == "grid" or isinstance(varied, ListedValues):

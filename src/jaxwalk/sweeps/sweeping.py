@@ -20,6 +20,7 @@ from typing import Any
 from rich.console import Console
 
 from jaxwalk.learning.checkpoint import CheckpointError
+from jaxwalk.policies.learned import PolicyError
 from jaxwalk.runs.folder import RunError, as_json, check_writable, is_empty
 from jaxwalk.runs.kept_archives import KeptArchiveError
 from jaxwalk.runs.kept_maps import KeptMapsError
@@ -42,7 +43,7 @@ MAY_GROW = "trials"
 """The one field that may have another value when a sweep goes on: a larger one."""
 FILES = "files"
 """The field with the SHA-256 of each map and archive that is a file."""
-DAMAGED = (RunError, CheckpointError, KeptMapsError, KeptArchiveError)
+DAMAGED = (RunError, CheckpointError, PolicyError, KeptMapsError, KeptArchiveError)
 """Errors of one trial's files, if they aren't an `UnwrittenError`."""
 
 BETWEEN = 20

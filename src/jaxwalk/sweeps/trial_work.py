@@ -86,11 +86,12 @@ class TrialWork:
         updates = run.experiment.train.updates
         end = self.plan.pbt.end(self.trial.number, updates) if self.plan.pbt else updates
         ended = None if is_finished(run, end) else self._trained(run, begun, index, end)
-        if ended is not None and ended.interrupted:
-            raise Interrupted
+        heard = ended is not None and ended.heard
+        if ended is not None and (ended.interrupted or (heard and self.plan.objective.of == "evaluation")):
+            raise Interrupted  # the number takes long then: the next process finds the training finished
         if self._noted(PRUNED) is None:
             self.trial.set_user_attr(_name(experiment.seed), score_of(run, self.plan.objective))
-        if ended is not None and ended.heard:
+        if heard:
             raise Interrupted
 
     def _trained(self, run: Run, begun: bool, index: int, end: int) -> TrainingEnd:
