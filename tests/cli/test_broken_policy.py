@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from jaxwalk.policies import shipped_policy
 from jaxwalk.recipes import RECIPES
 from jaxwalk.runs import study
 from jaxwalk.runs.folder import POLICY, Run
+from jaxwalk.runs.training import TrainingEnd
 
 FACTOR = 1e30
 
@@ -91,7 +91,7 @@ STUDIES = {"reproduce": "single-agent", "hidden-intent": "blind", "co-training":
 def test_a_study_names_which_of_its_trainings_broke(broken, place, command, first, monkeypatch, capsys):
     def train(run, **_):
         shutil.copy(place / "broken.safetensors", run.path / POLICY)
-        return SimpleNamespace(interrupted=False, steps=1, seconds=1.0)
+        return TrainingEnd(1, 1, 1.0, False)
 
     monkeypatch.setattr(study, "train_in", train)
     monkeypatch.setattr(tournament, "COMPARED", [])

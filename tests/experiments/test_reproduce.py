@@ -19,6 +19,7 @@ from jaxwalk.runs import study
 from jaxwalk.runs.folder import Run, RunError
 from jaxwalk.runs.session import Session
 from jaxwalk.runs.study import Interrupted
+from jaxwalk.runs.training import TrainingEnd
 
 PLAN = Plan(updates=3, episodes=8, seed=3, seeds=2)
 
@@ -226,9 +227,8 @@ def test_later_co_trainings_are_as_long_as_the_first(tiny, tmp_path, quiet, monk
         if minutes is not None:
             run.describe(replace(module.with_training(run.experiment, updates=17), minutes=None))
         asked.append((display.name.strip(), minutes, run.experiment.train.updates, run.experiment.seed))
-        return module_trained
+        return TrainingEnd(1, 1, 1.0, False)
 
-    module_trained = type("Trained", (), {"interrupted": False, "steps": 1, "seconds": 1.0})()
     monkeypatch.setattr(study, "train_in", train)
     work = module.Reproduction(tmp_path, Plan(minutes=5.0, seeds=3), quiet, tiny)
     module._co_train(work)
