@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 from scipy.stats import norm
@@ -70,6 +72,21 @@ def test_what_never_fails_is_refused_in_words():
 
     with pytest.raises(SplittingError, match="comes no nearer to a failure than a score of -1 after 0 levels"):
         rare_rate(Flat(), SMALL, 0)
+
+
+def test_all_particles_step_not_only_the_copies():
+    """Else the mean of the estimates wouldn't be right for few particles: survivors would stay where they are."""
+
+    class Counted(Plane):
+        played: ClassVar[list[int]] = []
+
+        def score(self, candidates):
+            self.played.append(len(candidates))
+            return super().score(candidates)
+
+    found = rare_rate(Counted(1e-2), SMALL, 0)
+    assert set(Counted.played) == {SMALL.particles}
+    assert sum(Counted.played) == found.simulations and len(found.levels) > 3
 
 
 def test_what_fails_in_the_pilot_run_alone_has_no_rate():
