@@ -8,13 +8,15 @@ from pathlib import Path
 
 LEFT_OUT = (
     "source/", "changelog.html", "evidence.html", "bench/", "testing.html", "architecture.html", "results-paper.html",
-    "frontier-results.html",
+    "frontier-results.html", "benchmark.html",
 )  # fmt: skip
 """Beginnings of the addresses of pages that users don't search: files, tables of numbers, and what developers read."""
 NOT_SEARCHED = re.compile(
     r"<pre.*?</pre>|</?[a-z]+[^>]*>|\[-?[\d.]+, -?[\d.]+\]|-?\b\d+\.\d+\b|\b\d{1,3}(,\d{3})+\b|\b\d+ %", re.DOTALL
 )
 """Code blocks, tags, intervals, decimal numbers, thousands and percentages."""
+LONE_MARKS = re.compile(r"(?<!\S)[^\w\s]+(?!\S)")
+"""Brackets, commas and signs that stand alone, mostly where something else was taken out."""
 LABELS = re.compile(r"\s*<small>.*?</small>")
 """What the reference writes after a name, such as `instance-attribute`."""
 TABLES = re.compile(r"\b(Parameters|Returns|Yields): (Name )?Type .*?(?=\bRaises: Type |$)")
@@ -34,4 +36,4 @@ def shrink(site: Path) -> None:
 
 
 def _words(text: str) -> str:
-    return " ".join(NOT_SEARCHED.sub(" ", text).split())
+    return " ".join(LONE_MARKS.sub(" ", NOT_SEARCHED.sub(" ", text)).split())

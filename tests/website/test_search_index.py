@@ -21,5 +21,5 @@ def test_names_and_sentences_stay(tmp_path):
 
     [item] = json.loads((tmp_path / "search.json").read_text(encoding="utf-8"))["items"]
     assert item["title"] == "load_map"
-    assert item["text"].strip() == "Return a map. It takes s, in of cases . Raises: Type MapError"
+    assert item["text"].strip() == "Return a map. It takes s, in of cases Raises: Type MapError"
     assert (tmp_path / "search.js").read_text(encoding="utf-8").startswith('var __index = {"config":')
