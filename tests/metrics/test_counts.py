@@ -92,3 +92,11 @@ def test_a_clustered_share_of_none_is_bounded_by_its_episodes():
     assert _share([7] * 20, [7] * 20).low == pytest.approx(0.8316, abs=1e-4)
     assert _share([3], [7]) == Estimate(3 / 7, *exact_share_ends(3 / 7, 1), 7)
     assert _share([0, 0], [0, 0]) == Estimate(None, None, None, 0)
+
+
+def test_equal_shares_that_rounding_tells_apart_count_clusters():
+    """0.1 + 0.2 isn't 0.3: whether resamples of equal shares are equal to the bit decides nothing."""
+    equal = np.full(100, 0.6)
+    rounded = equal + np.tile([0.0, 1e-16], 50)
+    assert clustered_share(equal, 2000, 5) == Estimate(0.6, *exact_share_ends(3.0, 5.0), 2000)
+    assert clustered_share(rounded, 2000, 5) == clustered_share(equal, 2000, 5)

@@ -19,6 +19,9 @@ from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, Rate
 FEW = 10
 """With fewer events, or fewer trials without the event, than this, the interval of a share is exact, not Wilson's."""
 
+ROUNDING = 1e-20
+"""Resamples of a share that vary less than this are equal but for rounding: 10^20 trials would vary more."""
+
 
 def proportion(successes: SupportsInt, trials: SupportsInt) -> Rate:
     """Return the share of independent trials that succeeded, with the interval of `share_ends`."""
@@ -68,7 +71,7 @@ def clustered_share(draws: Float[np.ndarray, "draw"], count: int | float, cluste
         return Estimate(None, None, None, int(count))
     variance = float(np.var(resamples[np.isfinite(resamples)])) if np.isfinite(resamples).any() else 0.0
     trials = float(clusters)
-    if clusters > 1 and share * (1 - share) > 0 and variance > 0:
+    if clusters > 1 and share * (1 - share) > 0 and variance > ROUNDING:
         # so few episodes tell the variance itself no better than a t-distribution's degrees of freedom say
         tail = (1 + CONFIDENCE) / 2
         known = float(stats.norm.ppf(tail) / stats.t.ppf(tail, clusters - 1)) ** 2
