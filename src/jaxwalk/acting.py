@@ -102,7 +102,22 @@ def fresh_memory(environment: Environment, cast: Cast, batch: tuple[int, ...]) -
     ``batch`` counts all environments: a player's memory also has room for those in which it doesn't play.
     """
     roles = environment.roles
-    return {role: tuple(p.policy.init(roles[role].agents, batch) for p in players) for role, players in cast.items()}
+    return typed(
+        {role: tuple(p.policy.init(roles[role].agents, batch) for p in players) for role, players in cast.items()}
+    )
+
+
+def typed(tree: Any) -> Any:
+    """Return a pytree whose arrays have types of their own.
+
+    What is made of Python numbers alone, as by ``jnp.full(shape, 2.0)``, has a weak type, and what comes of it a step
+    later has not: so whatever goes on from it would be compiled twice.
+    """
+    return jax.tree.map(lambda x: jax.lax.convert_element_type(x, x.dtype) if _is_weak(x) else x, tree)
+
+
+def _is_weak(x: Any) -> bool:
+    return isinstance(x, Array) and x.weak_type
 
 
 def step_key(keys: Key[Array, "*batch"], number: Int[Array, "*#batch"]) -> Key[Array, "*batch"]:

@@ -29,14 +29,12 @@ def test_pettingzoo_finds_seeds_to_mean_what_they_say():
 
 
 def test_only_those_who_collided_have_terminated(env):
-    """Full throttle among people who always go: sooner or later somebody is hit."""
+    """Full throttle among people who always go: in this scenario somebody is hit in the 32nd step."""
     go = {name: 1 for name in env.possible_agents} | {"driver": np.array([1, 0], np.float32)}
-    for scenario in range(40):
-        env.reset(seed=0, options={"scenario": scenario})
-        while env.agents:
-            observations, rewards, terminated, truncated, infos = env.step(go)
-        if infos["driver"]["collision"]:
-            break
+    env.reset(seed=0, options={"scenario": 25})
+    while env.agents:
+        observations, rewards, terminated, truncated, infos = env.step(go)
+    assert infos["driver"]["collision"]
     hit = [name for name, over in terminated.items() if over]
     assert hit[0] == "driver" and len(hit) >= 2
     assert all(truncated[name] != terminated[name] for name in env.possible_agents)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -9,9 +11,10 @@ import pytest
 from jaxwalk.evaluation import play, with_jaywalk_multiplier
 from jaxwalk.evaluation.playing import begin, play_block
 from jaxwalk.metrics import WAITING, measure, summarise
-from jaxwalk.policies import AlwaysGo, ConstantSpeed
+from jaxwalk.policies import POPULATIONS, AlwaysGo, ConstantSpeed
 from jaxwalk.policies.shields.shield_scene import Around
-from jaxwalk.scenarios import Drawn
+from jaxwalk.scenarios import Drawn, Scripted
+from jaxwalk.scenarios.crash_file import load_crash_suite
 from jaxwalk.sim import pedestrian, prediction
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import Observation, part
@@ -39,6 +42,30 @@ def played(short, driver, undecided, batch):
 def per_frame(trajectory):
     once = ("touched", "jaywalking_tendency")
     return {name: x for name, x in vars(trajectory).items() if np.ndim(x) >= 2 and name not in once}
+
+
+def types_of(tree):
+    """Shapes and types of arrays, by their places; weak types count as others."""
+    found = jax.tree_util.tree_leaves_with_path(tree)
+    return {jax.tree_util.keystr(path): (x.shape, x.dtype, x.weak_type) for path, x in found}
+
+
+def check_types(street, policies, batch):
+    """The next block of steps goes on from what a block ends with: by the same program, if types are the same."""
+    setup, game, _ = begin(street, policies, *batch)
+    after, _ = eqx.filter_eval_shape(play_block, setup, game, 1)
+    assert types_of(after) == types_of(game)
+
+
+@pytest.mark.parametrize("people", POPULATIONS)
+def test_whoever_plays_the_second_block_is_no_other_program(short, batch, people):
+    check_types(short, {"driver": ConstantSpeed(), "pedestrian": POPULATIONS[people]()}, batch)
+
+
+def test_of_scripted_people_neither():
+    suite = load_crash_suite("euro-ncap-style")
+    source = Scripted.of(replace(suite, tests=suite.tests[:1]), "a test")
+    check_types(source.street, {"driver": ConstantSpeed(), "pedestrian": AlwaysGo()}, source.take(np.arange(2)))
 
 
 def test_frames_are_those_of_stepping_by_hand(short, driver, undecided, batch, played):

@@ -15,7 +15,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Key
 
-from jaxwalk.acting import Given, act, cast_of, step_key
+from jaxwalk.acting import Given, act, cast_of, step_key, typed
 from jaxwalk.adapters.players import AdapterError, Weights, player, weights_of
 from jaxwalk.interfaces import Outcome, Policy, Roles
 from jaxwalk.policies import Groups
@@ -87,10 +87,12 @@ class Game(eqx.Module):
     def memory(self, count: int) -> Roles[tuple[Any, ...]]:
         """Return the policies' memories at the start of ``count`` episodes."""
         roles = self.street.roles
-        return {
-            role: (None if policy is None else policy.init(roles[role].agents, (count,)),)
-            for role, policy in self.policies.items()
-        }
+        return typed(
+            {
+                role: (None if policy is None else policy.init(roles[role].agents, (count,)),)
+                for role, policy in self.policies.items()
+            }
+        )
 
 
 def keys_of(seed: int, domain: int, *, first: int = 0, count: int = 1) -> Key[Array, "env"]:

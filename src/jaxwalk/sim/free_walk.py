@@ -26,7 +26,8 @@ def stand(world: World, scenario: Scenario) -> PedestrianState:
     """Return scripted people where they begin. Who waits for nothing has just set out."""
     script = _script(scenario)
     sets_out = (script.trigger == Trigger.TIME) & (script.waits_for <= 0)
-    return _people(world, scenario, jnp.where(sets_out, 0, WAITS), jnp.ones(sets_out.shape, bool))
+    since = jnp.where(sets_out, jnp.zeros_like(script.waits_for), WAITS)
+    return _people(world, scenario, since, jnp.ones(sets_out.shape, bool))
 
 
 def set_out(
