@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 import pytest
 
 from jaxwalk.policies import POPULATIONS
@@ -18,21 +20,26 @@ CAMPUS = GivesWay()
 
 def beside(ahead, left=2.0, speed=2.5, *, to_kerb=-1.0, decides=0.0, aside=-1.0):
     """What people on a roadway see of a car, who walk to the right across its path."""
-    seen = jnp.zeros((size("pedestrian", "kerb"), PEOPLE, 1))
+    seen = np.zeros((size("pedestrian", "kerb"), PEOPLE, 1), np.float32)
     rows = {
         "decides": [decides], "place": [ahead / KERB_CAR_DISTANCE, left / KERB_CAR_DISTANCE],
         "car_motion": [speed / SPEED, 0, 0], "direction": [0, aside], "to_kerb": [to_kerb],
     }  # fmt: skip
     for name, values in rows.items():
-        seen = seen.at[part("pedestrian", "kerb", name)].set(jnp.array(values)[:, None, None])
+        seen[part("pedestrian", "kerb", name)] = np.array(values)[:, None, None]
     return seen
 
 
 def going(seen, critical=3.8, steps=0):
     """Return the share who go, of people who have this critical gap and have given way for so many steps."""
+    return jax.tree.map(np.asarray, _going(seen, np.float32(critical), np.int32(steps)))
+
+
+@eqx.filter_jit
+def _going(seen, critical, steps):
     memory = GivingWay(jnp.full((PEOPLE, 1), critical), jnp.full((PEOPLE, 1), steps))
     go, after = CAMPUS.act(jax.random.split(jax.random.key(0), 1), memory, seen)
-    return float(go.mean()), after
+    return go.mean(), after
 
 
 def test_half_accept_a_gap_of_3_8_seconds():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -27,10 +28,15 @@ def grouped():
 
 def test_a_leaders_decision_counts_for_its_group():
     """Person 0 leads 1 and 2, 3 leads 4, 5 is alone; of the followers 2 and 4 are on the roadway."""
-    action = jnp.array([0, 1, 1, 1, 0, 0])[:, None]
-    leader, goes_on = jnp.array([0, 0, 0, 3, 3, 5])[:, None], jnp.array([0, 0, 1, 0, 1, 0], bool)[:, None]
-    played, memory = Groups(_Given(action)).act(jax.random.split(jax.random.key(0), 1), None, (leader, goes_on, None))
-    assert played[:, 0].tolist() == [0, 0, 1, 1, 1, 0] and memory is None
+    people = [0, 1, 1, 1, 0, 0], [0, 0, 0, 3, 3, 5], [0, 0, 1, 0, 1, 0]
+    action, leader, goes_on = (np.array(x, kind)[:, None] for x, kind in zip(people, ("i4", "i4", bool), strict=True))
+    played, memory = _groups_act(action, leader, goes_on)
+    assert np.asarray(played)[:, 0].tolist() == [0, 0, 1, 1, 1, 0] and memory is None
+
+
+@eqx.filter_jit
+def _groups_act(action, leader, goes_on):
+    return Groups(_Given(action)).act(jax.random.split(jax.random.key(0), 1), None, (leader, goes_on, None))
 
 
 class _Given:

@@ -15,13 +15,19 @@ from jaxwalk.learning.config import RoleConfig
 from jaxwalk.policies import LearnedPolicy, PolicyError, load_policy, read_metadata, save_policy
 
 KEYS = jax.random.split(jax.random.key(5), 7)
+made = eqx.filter_jit(make_actor)
 
 
-@pytest.fixture
+@eqx.filter_jit
+def act(policy, memory, seen):
+    return policy.act(KEYS, memory, seen)[0]
+
+
+@pytest.fixture(scope="module")
 def actors():
     return {
-        "driver": make_actor(jax.random.key(0), 4, Box(2), RoleConfig(actor_hidden=(8, 6), observes="route")),
-        "pedestrian": make_actor(jax.random.key(1), 3, Discrete(2), RoleConfig(actor_hidden=(8,))),
+        "driver": made(jax.random.key(0), 4, Box(2), RoleConfig(actor_hidden=(8, 6), observes="route")),
+        "pedestrian": made(jax.random.key(1), 3, Discrete(2), RoleConfig(actor_hidden=(8,))),
     }
 
 
@@ -41,15 +47,15 @@ def test_loaded_acts_like_saved(file, actors, role, shape, sample):
         load_policy(file, role, sample=sample, expect_size=shape[0]),
     )
     memory = loaded.init(shape[1:-1], shape[-1:])
-    act = eqx.filter_jit(lambda policy: policy.act(KEYS, memory, seen)[0])
-    np.testing.assert_array_equal(act(loaded), act(saved))
+    np.testing.assert_array_equal(act(loaded, memory, seen), act(saved, memory, seen))
     assert loaded.view.name == ("route" if role == "driver" else "paper")
 
 
 def test_sampling_differs_from_the_mode_and_stays_in_the_box(actors):
-    seen = 3.0 * jax.random.normal(jax.random.key(2), (4, 7))
-    drawn, _ = LearnedPolicy(actors["driver"], "driver", True).act(KEYS, None, seen)
-    mode, _ = LearnedPolicy(actors["driver"], "driver", False).act(KEYS, None, seen)
+    seen = np.float32(3.0) * np.asarray(jax.random.normal(jax.random.key(2), (4, 7)))
+    drawn, mode = (
+        np.asarray(act(LearnedPolicy(actors["driver"], "driver", sample), None, seen)) for sample in (True, False)
+    )
     assert not np.allclose(drawn, mode, equal_nan=True)
     assert np.abs(drawn).max() <= 1
 

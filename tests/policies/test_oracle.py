@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -38,11 +39,10 @@ def apart(contact, person, along):
     return jnp.hypot(jnp.maximum(jnp.abs(ahead) - 2.25, 0), jnp.maximum(jnp.abs(left) - 0.9, 0))
 
 
-def observation(contact, along, speed, time, person, limit):
-    """On a straight road of 90 m; ``person(time)`` is (ahead of the start, left of the lane) [m], ``(..., case)``."""
-    times = time + 0.1 * STEPS * jnp.arange(1, MOMENTS + 1)
+def observation(contact, along, speed, person, limit):
+    """On a straight road of 90 m; ``person`` is (ahead of the start, left of the lane) [m], each (moment, case)."""
     places = along + SPACING * jnp.arange(PLACES)[:, None]
-    away = apart(contact, person(times[:, None, None]), places)
+    away = apart(contact, [x[:, None] for x in person], places)
     seen = jnp.zeros((SIZE, CASES))
     for name, value in (("speed", speed / SPEED), ("to_go", (LENGTH - along) / DISTANCE), ("heading", [[1.0], [0.0]])):
         seen = seen.at[part("driver", PRIVILEGED, name)].set(value)
@@ -53,22 +53,34 @@ def observation(contact, along, speed, time, person, limit):
 
 
 def drive(driver, person, limit=8.33):
-    """(along, speed, distance to the person), each (step, case), from a standing start, with a speed limit."""
+    """(along, speed, distance to the person), each (step, case), from a standing start, with a speed limit.
+
+    ``person(time)`` is (ahead of the start, left of the lane) [m], ``(..., case)``.
+    """
+    steps = np.arange(STEPS_PLAYED + STEPS * MOMENTS + 1)[:, None]
+    walked = [np.broadcast_to(x, (len(steps), CASES)).astype(np.float32) for x in person(0.1 * steps)]
+    *played, steering = map(np.asarray, _drive(driver, walked, np.float32(limit)))
+    assert (steering == 0).all()
+    return played
+
+
+@partial(jax.jit, static_argnames="driver", compiler_options=AS_SHIPPED)
+def _drive(driver, walked, limit):
+    """Who walks, and the limit, are arguments, so that a program for each driver serves all tests."""
+    moments = STEPS * jnp.arange(1, MOMENTS + 1)
 
     def body(car, step):
         along, speed, memory = car
-        action, memory = driver.act(KEYS, memory, observation(driver.contact, along, speed, 0.1 * step, person, limit))
+        person = [x[step + moments] for x in walked]
+        action, memory = driver.act(KEYS, memory, observation(driver.contact, along, speed, person, limit))
         largest = jnp.where(action[0] < 0, driver.max_braking, driver.max_acceleration)
         speed = jnp.clip(speed + 0.1 * largest * action[0], 0, limit)
         along = along + 0.1 * speed
-        away = apart(driver.contact, person(0.1 * (step + 1)), along)
+        away = apart(driver.contact, [x[step + 1] for x in walked], along)
         return (along, speed, memory), (along, speed, away, action[1])
 
     begin = (jnp.zeros(CASES), jnp.zeros(CASES), driver.init((), (CASES,)))
-    _, played = jax.jit(lambda: jax.lax.scan(body, begin, jnp.arange(STEPS_PLAYED)), compiler_options=AS_SHIPPED)()
-    *played, steering = map(np.asarray, played)
-    assert (steering == 0).all()
-    return played
+    return jax.lax.scan(body, begin, jnp.arange(STEPS_PLAYED))[1]
 
 
 def under_way(along):
@@ -77,24 +89,24 @@ def under_way(along):
 
 def crossing(time):
     """Across the road at 30 m, at 1.5 m/s, from 3 m beside the lane or farther."""
-    return jnp.full(CASES, 30.0), 3 + 0.25 * jnp.arange(CASES) - 1.5 * time
+    return np.full(CASES, 30.0), 3 + 0.25 * np.arange(CASES) - 1.5 * time
 
 
 def lying(time):
     """In the middle of the lane, from 20 to 40 m."""
-    return 20 + 0.5 * jnp.arange(CASES), 0 * time
+    return 20 + 0.5 * np.arange(CASES), 0 * time
 
 
 def oncoming(time):
     """Along the lane toward the car at 1.5 m/s, then off it at 30 m: to stand still there would be no help."""
     walked = 1.5 * time
-    ahead = 36 + 0.1 * jnp.arange(CASES) - walked
-    return jnp.maximum(ahead, 30.0), jnp.maximum(30 - ahead, 0)
+    ahead = 36 + 0.1 * np.arange(CASES) - walked
+    return np.maximum(ahead, 30.0), np.maximum(30 - ahead, 0)
 
 
 def standing_place(time):
     """Across the start: whoever waits there is walked into."""
-    return jnp.zeros(CASES), 6 + 0.1 * jnp.arange(CASES) - 1.5 * time
+    return np.zeros(CASES), 6 + 0.1 * np.arange(CASES) - 1.5 * time
 
 
 @pytest.mark.parametrize("person", [crossing, oncoming, standing_place])
@@ -122,7 +134,7 @@ IN_TOWN = with_limits(Oracle(), WORLDS["town"])
 )
 def test_in_town_it_is_as_fast_as_the_limit_allows(limit):
     """Nobody is on the road; 13.33 m/s is the fastest that it plans, and levels are 1.67 m/s apart."""
-    along, speed, _ = drive(IN_TOWN, lambda time: (jnp.full(CASES, -60.0), 0 * time), limit)
+    along, speed, _ = drive(IN_TOWN, lambda time: (np.full(CASES, -60.0), 0 * time), limit)
     assert limit - 1.67 < speed.max() <= limit
     assert (along[-1] > LENGTH - 3).all()
 
@@ -145,7 +157,7 @@ def test_by_footprint_it_stops_before_its_front_touches():
 
 def beside(time):
     """At the lane's edge, 1.6 m from its middle: 0.45 m from a car that passes."""
-    return 20 + 0.5 * jnp.arange(CASES) + 0 * time, jnp.full(CASES, 1.6)
+    return 20 + 0.5 * np.arange(CASES) + 0 * time, np.full(CASES, 1.6)
 
 
 @pytest.mark.long

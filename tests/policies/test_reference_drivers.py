@@ -21,7 +21,7 @@ from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.corridor import NEARING
 from jaxwalk.sim.sim_config import WORLDS
 from jaxwalk.testing import check_driver
-from policies.protocol import DT, FRONT, accelerations, automatic, human, impact, seen
+from policies.protocol import DT, FRONT, NOBODY, accelerations, automatic, human, impact, seen
 
 KEY = jax.random.key(0)
 REFERENCE = ["careful-human", "careful-human-aeb", "fuzzy-safety", "crosswalk-yield", "idm-yield"]
@@ -34,12 +34,23 @@ def person(gap, left=0.0, along_speed=0.0, left_speed=0.0, to_crosswalk=NEARING)
     return gap + FRONT, left, along_speed, left_speed, to_crosswalk
 
 
+@eqx.filter_jit
+def act(driver, memory, speed, people):
+    return driver.act(KEY, memory, seen(speed, 8.33, people))
+
+
+def as_arguments(*numbers):
+    """Numbers of a car and people that a program takes as arguments: Python's own would be compiled into it."""
+    return jax.tree.map(np.float32, numbers)
+
+
 def pedals(driver, moments):
     """The share of throttle or brake at each moment (speed, people), one step after the other."""
     memory, found = driver.init((), ()), []
-    act = eqx.filter_jit(driver.act)
     for speed, people in moments:
-        (pedal, steering), memory = act(KEY, memory, seen(speed, 8.33, people))
+        at_most_two = [*people, *[NOBODY] * (2 - len(people))]
+        action, memory = act(driver, memory, *as_arguments(speed, at_most_two))
+        pedal, steering = np.asarray(action)
         assert steering == 0
         found.append(float(pedal))
     return found
@@ -171,18 +182,19 @@ def test_a_child_between_parked_cars(kmh, braking, expected):
     By hand: braking begins 1.15 s after it is seen, so 0.62 s before it at 20 km/h. In the 3.44 m left the ramp takes
     2.88 m and 2.28 m/s, and 0.57 m at 7.59 m/s2 leave 1.47 m/s = 5.3 km/h: a few centimetres decide.
     """
-    assert human(kmh, CHILD[kmh], braking) == pytest.approx(expected, abs=1)
+    assert human(*as_arguments(kmh, CHILD[kmh]), braking) == pytest.approx(expected, abs=1)
 
 
 @pytest.mark.parametrize(("kmh", "braking", "expected"), [(20, 7.59, 0), (30, 7.59, 0), (20, 3.0, 0), (30, 3.0, 17)])
 def test_an_adult_crossing_in_full_view(kmh, braking, expected):
-    assert human(kmh, np.inf, braking) == pytest.approx(expected, abs=1)
+    assert human(*as_arguments(kmh, np.inf), braking) == pytest.approx(expected, abs=1)
 
 
 @pytest.mark.parametrize(("kmh", "braking", "short"), [(30, 7.59, 3.5), (20, 3.0, 0.2)])
 def test_how_far_before_the_adult_the_human_stops(kmh, braking, short):
-    speed, gap, _ = accelerations(CarefulHuman(max_braking=braking, dt=DT), kmh, np.inf)
-    assert gap[np.argmax(np.asarray(speed) <= 0)] == pytest.approx(short, abs=0.1)
+    driver = CarefulHuman(max_braking=braking, dt=DT)
+    speed, gap, _ = map(np.asarray, accelerations(driver, *as_arguments(kmh, np.inf)))
+    assert gap[np.argmax(speed <= 0)] == pytest.approx(short, abs=0.1)
     assert impact(speed, gap) == 0
 
 
@@ -210,13 +222,14 @@ def endings():
 
 def play(street, drivers, scenarios, count=32, steps=400):
     """One batch for all drivers, each with its own part of it, so that a step is compiled once."""
-    copies = jax.tree.map(lambda x: jnp.concatenate([x] * len(drivers), axis=-1), scenarios)
     parts = {name: slice(i * count, (i + 1) * count) for i, name in enumerate(drivers)}
     views = {driver.view for driver in drivers.values()}
-    people = jnp.ones((street.config.pedestrians, count * len(drivers)), int)
+    people = np.ones((street.config.pedestrians, count * len(drivers)), np.int32)
 
     @eqx.filter_jit
-    def run(street, copies):
+    def run(street, scenarios):
+        copies = jax.tree.map(lambda x: jnp.concatenate([x] * len(drivers), axis=-1), scenarios)
+
         def step(carry, _):
             state, memories, over = carry
             shown, actions = {view: street.observe(copies, state, view) for view in views}, []
@@ -233,7 +246,7 @@ def play(street, drivers, scenarios, count=32, steps=400):
         begin = street.reset(copies), memories, jnp.zeros((2, count * len(drivers)), bool)
         return jax.lax.scan(step, begin, None, steps)[0][2]
 
-    found = np.asarray(run(street, copies))
+    found = np.asarray(run(street, scenarios))
     return {name: found[:, part].mean(axis=1) for name, part in parts.items()}
 
 

@@ -22,15 +22,22 @@ from jaxwalk.sim.observation import size
 ROUTE = size("driver", "route")
 
 
-def _louder(actor, factor):
-    """Whose outputs differ: a fresh network's are nearly 0."""
-    weights = (*actor.network.weights[:-1], actor.network.weights[-1] * factor)
+@eqx.filter_jit
+def _loud_actor(seed, features, action, config):
+    """One whose outputs differ: a fresh network's are nearly 0."""
+    actor = make_actor(jax.random.key(seed), features, action, config)
+    weights = (*actor.network.weights[:-1], actor.network.weights[-1] * 100.0)
     return eqx.tree_at(lambda a: a.network.weights, actor, weights)
+
+
+@eqx.filter_jit
+def _act(policy, *now):
+    return policy.act(*now)
 
 
 def _driver(noise="clipped", features=ROUTE):
     config = RoleConfig(actor_hidden=(8, 6), observes="route", noise=noise)
-    return _louder(make_actor(jax.random.key(0), features, Box(2), config), 100.0)
+    return _loud_actor(0, features, Box(2), config)
 
 
 def _write(path, content):
@@ -44,7 +51,7 @@ def test_a_driver_acts_in_onnx_as_it_did(tmp_path, noise):
     name = _write(tmp_path / "driver.onnx", onnx_model(actor, role="driver", metadata={"jaxwalk.seed": "3"}))
     driver = load_host_driver(name)
     seen = jax.random.normal(jax.random.key(2), (ROUTE, 7))
-    expected, _ = eqx.filter_jit(LearnedPolicy(actor, "driver").act)(jax.random.split(jax.random.key(5), 7), None, seen)
+    expected, _ = _act(LearnedPolicy(actor, "driver"), jax.random.split(jax.random.key(5), 7), None, seen)
     found, _ = driver.act(None, None, seen)
     assert np.ptp(expected) > 0.5
     np.testing.assert_allclose(found, expected, atol=1e-6)
@@ -54,27 +61,29 @@ def test_a_driver_acts_in_onnx_as_it_did(tmp_path, noise):
 
 
 def test_pedestrians_choose_in_onnx_as_they_did():
-    actor = _louder(make_actor(jax.random.key(4), 3, Discrete(2), RoleConfig(actor_hidden=(8,))), 100.0)
-    seen = jax.random.normal(jax.random.key(2), (3, 12, 7))
-    expected, _ = eqx.filter_jit(LearnedPolicy(actor, "driver").act)(jax.random.split(jax.random.key(5), 7), None, seen)
-    action, logits = _run(actor, {"observation": np.asarray(seen).reshape(3, -1).T})
+    actor = _loud_actor(4, 3, Discrete(2), RoleConfig(actor_hidden=(8,)))
+    seen = np.asarray(jax.random.normal(jax.random.key(2), (3, 12, 7)))
+    expected, _ = _act(LearnedPolicy(actor, "driver"), jax.random.split(jax.random.key(5), 7), None, seen)
+    expected = np.asarray(expected)
+    action, logits = _run(actor, {"observation": seen.reshape(3, -1).T})
     assert 0 < expected.mean() < 1
-    np.testing.assert_array_equal(action, np.asarray(expected).ravel())
-    np.testing.assert_allclose(logits.T, actor.network(seen).reshape(2, -1), atol=1e-5)
+    np.testing.assert_array_equal(action, expected.ravel())
+    np.testing.assert_allclose(logits.T, np.asarray(eqx.filter_jit(actor.network)(seen)).reshape(2, -1), atol=1e-5)
 
 
 def test_decisions_are_held_in_onnx_as_they_were():
     """Twelve steps, in which what there is to decide comes and goes; decisions stand for three."""
     config = RoleConfig(actor_hidden=(8,), gated=True, hold=3)
-    actor = _louder(make_actor(jax.random.key(1), 3, Discrete(2), config), 100.0)
+    actor = _loud_actor(1, 3, Discrete(2), config)
     policy = LearnedPolicy(actor, "driver")
     memory = policy.init((), (40,))
     held = {"choice": np.zeros(40, np.int32), "left": np.zeros(40, np.int32)}
-    acted, noise, act = [], np.random.default_rng(0), eqx.filter_jit(policy.act)
+    acted, noise, keys = [], np.random.default_rng(0), jax.random.split(jax.random.key(5), 40)
     for step in range(12):
-        seen = jnp.asarray(noise.normal(size=(3, 40)), jnp.float32).at[0].set((jnp.arange(40) + step) % 7 > 1)
-        expected, memory = act(jax.random.split(jax.random.key(5), 40), memory, seen)
-        action, _, choice, left = _run(actor, {"observation": np.asarray(seen).T, **held})
+        seen = noise.normal(size=(3, 40)).astype(np.float32)
+        seen[0] = (np.arange(40) + step) % 7 > 1
+        expected, memory = _act(policy, keys, memory, seen)
+        action, _, choice, left = _run(actor, {"observation": seen.T, **held})
         np.testing.assert_array_equal(action, expected)
         np.testing.assert_array_equal(left, memory.steps_left)
         np.testing.assert_array_equal(choice, memory.choice)
@@ -102,7 +111,7 @@ def _foreign(rows="rows", features: int | str = 34, kind=TensorProto.FLOAT):
 def test_without_metadata_the_size_says_what_it_observes(tmp_path):
     driver = load_host_driver(_write(tmp_path / "foreign.onnx", _foreign()))
     assert driver.view.name == "paper"
-    action, _ = driver.act(None, None, jnp.arange(68.0).reshape(34, 2))
+    action, _ = driver.act(None, None, jnp.asarray(np.arange(68, dtype=np.float32).reshape(34, 2)))
     np.testing.assert_array_equal(action, [[0, 1], [2, 3]])
 
 
