@@ -13,7 +13,8 @@ import resource
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
@@ -117,6 +118,22 @@ class Recorder:
                 files[test.partition("::")[0]].add(cost)
             _table(terminalreporter, "files", files, self.worst)
             _table(terminalreporter, "tests", self.tests, self.worst)
+
+
+@contextmanager
+def compiled() -> Iterator[list[float]]:
+    """Collect how long each program that is compiled, or read from the cache, takes [s]."""
+    found: list[float] = []
+
+    def took(event: str, seconds: float, **_: str | int) -> None:
+        if _DURATIONS.get(event) == "compile":
+            found.append(seconds)
+
+    jax.monitoring.register_event_duration_secs_listener(took)
+    try:
+        yield found
+    finally:
+        jax.monitoring.unregister_event_duration_listener(took)
 
 
 ARENAS, _M_ARENA_MAX = 2, -8

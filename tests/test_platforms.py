@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -57,12 +59,19 @@ def test_episodes_are_the_same():
     jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, rtol=1e-4, atol=1e-4), one, other)
 
 
+@partial(jax.jit, static_argnums=1)
+def _parked(street, count):
+    """Scenarios, and the car at the beginning of each."""
+    scenarios = draw_batch(street, environment_keys(seed_key(1, TRAINING), 0, count))
+    return scenarios, street.reset(scenarios).vehicle
+
+
 def test_cars_are_pushed_back_to_the_same_place():
     street = Street.create()
-    scenarios = draw_batch(street, environment_keys(seed_key(1, TRAINING), 0, 64))
-    car = street.reset(scenarios).vehicle
-    aside = jnp.linspace(-8.0, 8.0, 64)
-    x, y = car.x - aside * car.sin, car.y + aside * car.cos
+    scenarios, car = _parked(street, 64)
+    at = jax.device_get(car)
+    aside = np.linspace(-8.0, 8.0, 64, dtype=np.float32)
+    x, y = at.x - aside * at.sin, at.y + aside * at.cos
 
     def push(x, y):
         return onto_road(street.world, scenarios, car, x, y)
@@ -70,7 +79,7 @@ def test_cars_are_pushed_back_to_the_same_place():
     found = []
     for platform in ("cpu", "gpu"):
         with traced_for(platform):
-            found.append(jax.jit(push)(x, y))
+            found.append(jax.device_get(jax.jit(push)(x, y)))
     one, other = found
     assert 0 < one[2].sum() < 64
     assert np.hypot(one[0] - other[0], one[1] - other[1]).max() <= CLOSE
@@ -79,26 +88,31 @@ def test_cars_are_pushed_back_to_the_same_place():
 
 def test_where_a_car_is_pushed_depends_on_no_other_car():
     street, count = Street.create(), 256
-    scenarios = draw_batch(street, environment_keys(seed_key(1, TRAINING), 0, count))
-    car = street.reset(scenarios).vehicle
+    scenarios, car = _parked(street, count)
     push = jax.jit(lambda x, y: onto_road(street.world, scenarios, car, x, y))
-    ahead, aside = np.random.default_rng(1).uniform([[0], [-6]], [[60], [6]], (2, count))
-    x, y = car.x + ahead * car.cos - aside * car.sin, car.y + ahead * car.sin + aside * car.cos
-    beside = push(x, y)
+    ahead, aside = np.random.default_rng(1).uniform([[0], [-6]], [[60], [6]], (2, count)).astype(np.float32)
+    at = jax.device_get(car)
+    x, y = at.x + ahead * at.cos - aside * at.sin, at.y + ahead * at.sin + aside * at.cos
+    beside = jax.device_get(push(x, y))
     off = np.flatnonzero(beside[2])
     assert 20 < len(off) < count
     for one in off:
-        alone = push(car.x.at[one].set(x[one]), car.y.at[one].set(y[one]))
-        np.testing.assert_array_equal([at[one] for at in alone], [at[one] for at in beside])
+        only = np.arange(count) == one
+        alone = jax.device_get(push(np.where(only, x, at.x), np.where(only, y, at.y)))
+        np.testing.assert_array_equal([found[one] for found in alone], [found[one] for found in beside])
 
 
 def test_a_function_is_computed_where_it_is_asked_for():
-    network = make_mlp(jax.random.key(0), (3, 4, 2), final_scale=1.0)
-    columns, which = jax.random.normal(jax.random.key(1), (3, 5, 40)), jnp.arange(200).reshape(5, 40) % 7 == 0
+    network = eqx.filter_jit(make_mlp)(jax.random.key(0), (3, 4, 2), final_scale=1.0)
+    columns, which = jax.random.normal(jax.random.key(1), (3, 5, 40)), np.arange(200).reshape(5, 40) % 7 == 0
+
+    def apply(network, columns, which):
+        return apply_where(network, columns, which, 16)
+
     found = []
     for platform in ("cpu", "gpu"):
         with traced_for(platform):
-            found.append(apply_where(network, columns, which, 16))
+            found.append(jax.device_get(jax.jit(apply)(network, columns, which)))
     np.testing.assert_allclose(*found, rtol=1e-5, atol=1e-6)
     assert (found[0][:, ~which] == 0).all()
     assert (found[0][:, which] != 0).any()

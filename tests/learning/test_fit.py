@@ -31,6 +31,7 @@ from jaxwalk.learning.losses import Actions, actor_loss
 from learning.games import ROLES
 
 STEPS, ENVS = 8, 6
+LOSS = partial(actor_loss, clip=0.2, entropy=0.1)
 compiled_fit, compiled_gradient = eqx.filter_jit(fit), eqx.filter_jit(mean_gradient)
 
 
@@ -48,35 +49,42 @@ def rollout_of(agents, action):
     return actor, Actions(seen, raw, old, advantage, weight)
 
 
+@eqx.filter_jit
+def loss_and_gradient(actor, data, times):
+    """Over the whole minibatch at once, with its axes left where they are."""
+
+    def plainly(actor):
+        part = jax.tree.map(lambda x: jnp.moveaxis(x[times], 0, -2), data)
+        total, sums = LOSS(actor, part)
+        return total / sums["weight"]
+
+    value, slopes = jax.value_and_grad(plainly)(actor)
+    return value, ravel_pytree(slopes)[0]
+
+
 @pytest.mark.parametrize(("agents", "action"), [((), Box(2)), ((3,), Discrete(2))])
 @pytest.mark.parametrize("chunks", [Chunks(1, 3), Chunks(4, 2)])
 def test_chunked_gradient_is_that_of_the_whole(agents, action, chunks):
     actor, data = rollout_of(agents, action)
-    loss = partial(actor_loss, clip=0.2, entropy=0.1)
-    times = jnp.array([5, 0, 7, 2])
-    gradient, report = compiled_gradient(loss, actor, data, times, chunks=chunks)
-
-    def plainly(actor):  # over the whole minibatch at once, with its axes left where they are
-        part = jax.tree.map(lambda x: jnp.moveaxis(x[times], 0, -2), data)
-        total, sums = loss(actor, part)
-        return total / sums["weight"]
-
-    value, expected = jax.jit(jax.value_and_grad(plainly))(actor)
-    assert float(report["policy_loss"] - 0.1 * report["entropy"]) == pytest.approx(float(value), rel=1e-5)
-    np.testing.assert_allclose(gradient, ravel_pytree(expected)[0], rtol=1e-4, atol=1e-6)
+    times = np.array([5, 0, 7, 2], np.int32)
+    gradient, report = compiled_gradient(LOSS, actor, data, times, chunks=chunks)
+    value, expected = loss_and_gradient(actor, data, times)
+    assert float(report["policy_loss"]) - 0.1 * float(report["entropy"]) == pytest.approx(float(value), rel=1e-5)
+    np.testing.assert_allclose(gradient, expected, rtol=1e-4, atol=1e-6)
 
 
 @pytest.mark.parametrize("columns", [6, 18])
 def test_entries_with_weight_give_the_gradient_of_all(columns):
     actor, data = rollout_of((3,), Discrete(2))
-    weight = jnp.zeros((STEPS, 3, ENVS)).at[2, 1].set(1.0).at[5, :, 2].set(1.0)
-    data = Actions(data.observation, data.raw, data.log_prob, data.advantage, weight)
+    weight = np.zeros((STEPS, 3, ENVS), np.float32)
+    weight[2, 1] = weight[5, :, 2] = 1
+    data = Actions(data.observation, data.raw, data.log_prob, data.advantage, jax.device_put(weight))
     few = jax.jit(pack_weighted, static_argnames="columns")(data, columns=columns)
     assert few.observation.shape == (STEPS, 5, columns)
-    assert float(few.weight.sum()) == float(weight.sum()) == 9
-    loss = partial(actor_loss, clip=0.2, entropy=0.1)
-    want, _ = compiled_gradient(loss, actor, data, jnp.arange(STEPS), chunks=Chunks(1, 1))
-    got, _ = compiled_gradient(loss, actor, few, jnp.arange(STEPS), chunks=Chunks(1, 1))
+    assert np.asarray(few.weight).sum() == weight.sum() == 9
+    times = np.arange(STEPS, dtype=np.int32)
+    want, _ = compiled_gradient(LOSS, actor, data, times, chunks=Chunks(1, 1))
+    got, _ = compiled_gradient(LOSS, actor, few, times, chunks=Chunks(1, 1))
     np.testing.assert_allclose(got, want, rtol=1e-4, atol=1e-6)
 
 
@@ -97,10 +105,15 @@ def test_plans_of_the_papers_sizes():
 
 @pytest.mark.parametrize("chunks", [Chunks(2, 1), Chunks(1, 3), Chunks(8, 2)])
 def test_mapping_over_chunks_keeps_every_entry_in_its_place(chunks):
-    data = jnp.arange(STEPS * 2 * 3 * ENVS, dtype=jnp.float32).reshape(STEPS, 2, 3, ENVS)
+    data = np.arange(STEPS * 2 * 3 * ENVS, dtype=np.float32).reshape(STEPS, 2, 3, ENVS)
     mapped = jax.jit(lambda data: map_chunks(lambda x: x[0] - x[1], data, chunks=chunks))(data)
-    data = np.asarray(data)
     np.testing.assert_array_equal(mapped, data[:, 0] - data[:, 1])
+
+
+@eqx.filter_jit
+def memory_of(network, config):
+    """The optimiser's before the first step."""
+    return optimiser(hyperparameters(config)).init(network)
 
 
 def test_every_epoch_sees_every_step_once_in_its_own_order():
@@ -111,11 +124,11 @@ def test_every_epoch_sees_every_step_once_in_its_own_order():
         jax.debug.callback(lambda t: seen.append(np.asarray(t)[:, 0].astype(int).tolist()), chunk, ordered=True)
         return network * jnp.sum(chunk), {"weight": jnp.float32(chunk.size)}
 
-    times = jnp.broadcast_to(jnp.arange(STEPS, dtype=jnp.float32)[:, None], (STEPS, ENVS))
-    network = jnp.ones(())
+    times = np.broadcast_to(np.arange(STEPS, dtype=np.float32)[:, None], (STEPS, ENVS))
+    network = jax.device_put(np.float32(1))
     out = compiled_fit(
-        Fit(config, hyperparameters(config), jnp.float32(0.1), epochs=2, agents=1, environments=ENVS), loss, network,
-        optimiser(hyperparameters(config)).init(network), times, jax.random.key(0),
+        Fit(config, hyperparameters(config), np.float32(0.1), epochs=2, agents=1, environments=ENVS), loss, network,
+        memory_of(network, config), times, jax.random.key(0),
     )  # fmt: skip
     jax.block_until_ready(out)
     jax.effects_barrier()
@@ -126,16 +139,16 @@ def test_every_epoch_sees_every_step_once_in_its_own_order():
 
 def test_every_parameter_goes_against_its_own_gradient():
     config = TrainConfig(ROLES, steps=STEPS, environments=ENVS, minibatches=1, adam_epsilon=1e-12)
-    signs = {"a": jnp.array([[1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]]), "b": jnp.array([-1.0, 1.0])}
-    network = jax.tree.map(jnp.zeros_like, signs)
+    signs = {"a": np.float32([[1, -1, 1], [-1, -1, 1]]), "b": np.float32([-1, 1])}
+    network = jax.device_put(jax.tree.map(np.zeros_like, signs))
 
     def loss(network, chunk):
         slope = sum(jnp.sum(signs[name] * network[name]) for name in signs)
         return slope * chunk.size, {"weight": jnp.float32(chunk.size)}
 
     moved, memory, report = compiled_fit(
-        Fit(config, hyperparameters(config), jnp.float32(0.1), epochs=1, agents=1, environments=ENVS), loss, network,
-        optimiser(hyperparameters(config)).init(network), jnp.zeros((STEPS, ENVS)), jax.random.key(0),
+        Fit(config, hyperparameters(config), np.float32(0.1), epochs=1, agents=1, environments=ENVS), loss, network,
+        memory_of(network, config), np.zeros((STEPS, ENVS), np.float32), jax.random.key(0),
     )  # fmt: skip
     assert {x.shape for x in jax.tree.leaves(memory)} == {(), (8,)}
     assert float(report["gradient_norm"]) == pytest.approx(8**0.5)
@@ -143,15 +156,15 @@ def test_every_parameter_goes_against_its_own_gradient():
 
 
 def test_annealing():
-    begin, planned = jnp.float32(0.5), jnp.int32(10)
-    falling = [float(learning_rate(begin, jnp.int32(n), planned, anneal=True)) for n in (0, 5, 10, 11)]
+    begin, planned, rate = np.float32(0.5), np.int32(10), jax.jit(learning_rate, static_argnames="anneal")
+    falling = [float(rate(begin, np.int32(n), planned, anneal=True)) for n in (0, 5, 10, 11)]
     assert falling == [0.5, 0.25, 0, 0]
-    assert float(learning_rate(begin, jnp.int32(9999), planned, anneal=False)) == 0.5
+    assert float(rate(begin, np.int32(9999), planned, anneal=False)) == 0.5
 
 
 def test_adams_first_step_has_the_size_of_the_rate_and_ignores_the_gradients_size():
     config = TrainConfig(ROLES, adam_epsilon=1e-12)
-    parameters, gradient = jnp.array([1.0, 2.0, 3.0]), jnp.array([1e6, -1e6, 1e6])
-    memory = optimiser(hyperparameters(config)).init(parameters)
-    moved, _ = descend(parameters, memory, gradient, rate=jnp.float32(0.1), numbers=hyperparameters(config))
+    parameters, gradient = np.float32([1, 2, 3]), np.float32([1e6, -1e6, 1e6])
+    memory, step = memory_of(parameters, config), jax.jit(descend)
+    moved, _ = step(parameters, memory, gradient, rate=np.float32(0.1), numbers=hyperparameters(config))
     np.testing.assert_allclose(moved, [0.9, 2.1, 2.9], rtol=1e-5)

@@ -8,11 +8,11 @@ import sys
 from pathlib import Path
 
 import jax
-import jax.monitoring
 import numpy as np
 import pytest
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
+from compiling import compiled
 from jaxwalk import peers
 from jaxwalk.cli.launcher import free_port
 from learning.peer_worker import play
@@ -62,22 +62,14 @@ def test_two_processes_equal_two_shards_to_the_bit(tmp_path):
 def test_whole_arrays_are_compiled_once(monkeypatch):
     """Two devices of this process stand for those of two."""
     monkeypatch.setattr(peers, "several", lambda: True)
-    mesh, compiled = Mesh(np.array(jax.devices()[:2]), ("device",)), []
+    mesh = Mesh(np.array(jax.devices()[:2]), ("device",))
     halves = [jax.device_put(np.arange(6) + k, NamedSharding(mesh, PartitionSpec("device"))) for k in range(2)]
     assert halves[0].addressable_data(0).shape == (3,)
-
-    def took(event: str, duration_secs: float, **kwargs: str | int) -> None:
-        if event == "/jax/core/compile/backend_compile_duration":
-            compiled.append(duration_secs)
-
-    jax.monitoring.register_event_duration_secs_listener(took)
-    try:
+    with compiled() as programs:
         for k, half in enumerate(halves):
             whole = peers.gathered({"numbers": half, "name": "x"})
             assert whole["name"] == "x" and np.array_equal(whole["numbers"], np.arange(6) + k)
-    finally:
-        jax.monitoring.unregister_event_duration_listener(took)
-    assert len(compiled) == 1
+    assert len(programs) == 1
 
 
 @pytest.mark.long

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compiling import compiled
 from jaxwalk.evaluation import evaluate, find_hits
 from jaxwalk.evaluation.playing import play
 from jaxwalk.metrics import OUTCOMES
@@ -88,6 +89,17 @@ def test_a_search_goes_on_where_it_stopped(game, name, tmp_path):
         np.testing.assert_array_equal(array, parted.learned[name])
     with pytest.raises(ArchiveError, match="was begun with another value of seed"):
         kept_hunt(tmp_path / "state.safetensors", begun(game, method), {**PLAN, "seed": 4})
+
+
+def test_the_third_generation_of_an_evolution_compiles_nothing(game):
+    """evosax compiles the steps of each strategy anew, so there may be only one."""
+    method = method_of("evolution", game)
+    hunt = begun(game, method)
+    for _ in range(2):
+        play_generation(game, method, hunt, 5)
+    with compiled() as programs:
+        play_generation(game, method, hunt, 5)
+    assert programs == []
 
 
 @pytest.mark.parametrize(

@@ -59,6 +59,8 @@ class Line:
         return jax.random.uniform(key)
 
     def reset(self, scenario):
+        if self.broken == "weak":
+            return jnp.full(scenario.shape, 0.5)
         return scenario[..., None] if self.broken == "batch" else scenario * 1.0
 
     def view(self, role, name):
@@ -211,6 +213,7 @@ def test_a_sound_environment_and_policy_pass():
     ("broken", "message"),
     [
         ("batch", r"reset:  has shape \(4, 1\); arrays must end in the batch axis"),
+        ("weak", "reset: the state has no type of its own; give it one"),
         ("view", "view: it must raise ValueError for a name that there isn't"),
         ("observe", r"observe: walker place has shape \(1, 5, 4\)"),
         ("unhidden", "unhidden, observe: walker place has a number that isn't finite"),
@@ -257,6 +260,9 @@ def test_a_view_must_be_hashable_and_have_a_name():
         check_policy(Sleepy(view=Place(name="")), Line(), "walker")
 
 
+keys_of = jax.jit(jax.vmap(jax.random.key))
+
+
 class Numbers:
     """A source of plain numbers; ``broken`` names what is wrong with it."""
 
@@ -269,8 +275,8 @@ class Numbers:
     def take(self, numbers):
         if self.broken != "range" and ((numbers < 0) | (numbers >= 6)).any():
             raise ValueError("no such number")
-        values = jnp.asarray(numbers) + (jnp.arange(len(numbers)) if self.broken == "place" else 0)
-        return values, jax.vmap(jax.random.key)(jnp.asarray(numbers))
+        values = numbers + (np.arange(len(numbers)) if self.broken == "place" else 0)
+        return jax.device_put(values), keys_of(numbers)
 
     def hash(self):
         self.hashed += 1

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -44,37 +45,48 @@ class Evolution:
 
     def begin(self, dimensions: int) -> State:
         """Return the state of a strategy that begins with ordinary candidates."""
-        strategy, params = self._strategy(dimensions)
-        return _arrays(strategy.init(jax.random.key(0), jnp.zeros(dimensions), params))
+        return _arrays(_strategy(self.count, dimensions).begin)
 
     def ask(self, state: State, elites: Elites, turn: Generation) -> Candidates:
         """Return the strategy's candidates."""
-        strategy, params, now = self._now(state)
+        strategy, now = self._now(state)
         key = jax.random.key(int(turn.rng.integers(2**31)))
-        scores, _ = strategy.ask(key, now, params)
+        scores, _ = strategy.method.ask(key, now, strategy.params)
         return turn.fresh(to_uniform(np.asarray(scores, np.float64)))
 
     def tell(self, state: State, candidates: Candidates, scores: Float[np.ndarray, "point"]) -> State:
         """Return the strategy's next state; its candidates are ranked by how near to a failure and how ordinary."""
-        strategy, params, now = self._now(state)
+        strategy, now = self._now(state)
         loss = np.minimum(-scores, 1e6) + ORDINARY * (ordinary_distance(candidates.points) - 1)
         normal = jnp.asarray(to_normal(candidates.points), jnp.float32)
-        after, _ = strategy.tell(jax.random.key(0), normal, jnp.asarray(loss, jnp.float32), now, params)
+        cost = jnp.asarray(loss, jnp.float32)
+        after, _ = strategy.method.tell(jax.random.key(0), normal, cost, now, strategy.params)
         return _arrays(after)
 
-    def _strategy(self, dimensions: int) -> tuple[Any, Any]:
-        from evosax.algorithms import SNES
+    def _now(self, state: State) -> tuple[_Strategy, Any]:
+        """Return the strategy, and its state as evosax has it."""
+        strategy = _strategy(self.count, int(state["dimensions"]))
+        leaves = [jnp.asarray(state[f"{LEAF}{number}"]) for number in range(len(jax.tree.leaves(strategy.begin)))]
+        return strategy, jax.tree.unflatten(jax.tree.structure(strategy.begin), leaves)
 
-        strategy = SNES(population_size=self.count, solution=jnp.zeros(dimensions))
-        return strategy, strategy.default_params
 
-    def _now(self, state: State) -> tuple[Any, Any, Any]:
-        """Return strategy, parameters, and the strategy's state as evosax has it."""
-        dimensions = int(state["dimensions"])
-        strategy, params = self._strategy(dimensions)
-        like = strategy.init(jax.random.key(0), jnp.zeros(dimensions), params)
-        leaves = [jnp.asarray(state[f"{LEAF}{number}"]) for number in range(len(jax.tree.leaves(like)))]
-        return strategy, params, jax.tree.unflatten(jax.tree.structure(like), leaves)
+class _Strategy(NamedTuple):
+    """A strategy of evosax."""
+
+    method: Any
+    params: Any
+    begin: Any
+    """Its state at first."""
+
+
+@lru_cache(maxsize=1)
+def _strategy(count: int, dimensions: int) -> _Strategy:
+    """Return the strategy: always the same one, since evosax compiles each one's steps anew."""
+    from evosax.algorithms import SNES
+
+    method = SNES(population_size=count, solution=jnp.zeros(dimensions))
+    params = method.default_params
+    return _Strategy(method, params, method.init(jax.random.key(0), jnp.zeros(dimensions), params))
 
 
 def _arrays(strategy_state: Any) -> State:

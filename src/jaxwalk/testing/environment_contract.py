@@ -13,7 +13,7 @@ from jaxtyping import Array, Key
 
 from jaxwalk.interfaces import Discrete, Environment, Outcome, Roles, RoleSpec
 from jaxwalk.rollout import draw_batch
-from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same
+from jaxwalk.testing.requirement import ContractError, episode, finite, form, require, same, weak
 
 BATCH = 4
 """Number of episodes that are checked together."""
@@ -52,14 +52,15 @@ def check_environment(
     state = _compiled(environment.reset)(scenario)
     require(same(state, _compiled(environment.reset)(scenario)), "reset: it must be deterministic")
     _check_batch("reset", state)
+    _check_types(state)
     _check_unknown_view(environment)
-    look = _compiled(_looks(environment, views))
+    look, sees_all = _compiled(_looks(environment, views)), environment.unhidden(scenario, state) is state
+    unhidden = _compiled(environment.unhidden)
     steps_twice = _compiled(environment.step), _compiled(environment.step)
     for number in range(steps):
         _check_seen(environment, views, look(scenario, state))
-        unhidden = environment.unhidden(scenario, state)
-        if unhidden is not state:
-            _check_seen(environment, views, look(scenario, unhidden), of="unhidden, ")
+        if not sees_all:
+            _check_seen(environment, views, look(scenario, unhidden(scenario, state)), of="unhidden, ")
         actions = random_actions(roles, jax.random.fold_in(action_key, number), BATCH)
         state = _check_step(environment, steps_twice, scenario, state, actions)
 
@@ -86,6 +87,13 @@ def _check_batch(where: str, tree: Any) -> None:
     for path, x in jax.tree_util.tree_leaves_with_path(eqx.filter(tree, eqx.is_array)):
         name = jax.tree_util.keystr(path)
         require(x.shape[-1:] == (BATCH,), f"{where}: {name} has shape {x.shape}; arrays must end in the batch axis")
+
+
+def _check_types(state: Any) -> None:
+    """Raise if an array has a weak type."""
+    for name in weak(state):
+        rule = "give it one, such as jnp.full(shape, 2.0, jnp.float32), or what goes on from it is compiled twice"
+        raise ContractError(f"reset: {name or 'the state'} has no type of its own; {rule}")
 
 
 def _check_unknown_view(environment: Environment) -> None:

@@ -34,6 +34,12 @@ def form(tree: Any) -> Any:
     return jax.tree.structure(tree), [(x.shape, x.dtype) for x in map(plain, jax.tree.leaves(tree))]
 
 
+def weak(tree: Any) -> list[str]:
+    """Return the names of arrays whose type isn't their own: such as ``jnp.full(shape, 2.0)``, made of a number."""
+    leaves = jax.tree_util.tree_leaves_with_path(eqx.filter(tree, eqx.is_array))
+    return [jax.tree_util.keystr(path) for path, x in leaves if getattr(x, "weak_type", False)]
+
+
 def plain(x: Any) -> np.ndarray:
     """Return an array as a NumPy array; a random key as its words."""
     is_key = eqx.is_array(x) and jax.numpy.issubdtype(x.dtype, jax.dtypes.prng_key)
