@@ -121,7 +121,7 @@ class Recorder:
 
 
 @contextmanager
-def compiled() -> Iterator[list[float]]:
+def counted_programs() -> Iterator[list[float]]:
     """Collect how long each program that is compiled, or read from the cache, takes [s]."""
     found: list[float] = []
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from compiling import compiled
+from compiling import counted_programs
 from jaxwalk import peers
 from jaxwalk.cli.launcher import free_port
 from learning.peer_worker import play
@@ -65,7 +65,7 @@ def test_whole_arrays_are_compiled_once(monkeypatch):
     mesh = Mesh(np.array(jax.devices()[:2]), ("device",))
     halves = [jax.device_put(np.arange(6) + k, NamedSharding(mesh, PartitionSpec("device"))) for k in range(2)]
     assert halves[0].addressable_data(0).shape == (3,)
-    with compiled() as programs:
+    with counted_programs() as programs:
         for k, half in enumerate(halves):
             whole = peers.gathered({"numbers": half, "name": "x"})
             assert whole["name"] == "x" and np.array_equal(whole["numbers"], np.arange(6) + k)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compiling import compiled
+from compiling import counted_programs
 from jaxwalk.evaluation import evaluate, find_hits
 from jaxwalk.evaluation.playing import play
 from jaxwalk.metrics import OUTCOMES
@@ -97,7 +97,7 @@ def test_the_third_generation_of_an_evolution_compiles_nothing(game):
     hunt = begun(game, method)
     for _ in range(2):
         play_generation(game, method, hunt, 5)
-    with compiled() as programs:
+    with counted_programs() as programs:
         play_generation(game, method, hunt, 5)
     assert programs == []
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jaxwalk.sim.vehicle import goal
 from sim.maps import rectangles
-from sim.play import alike
+from sim.play import alike, goal
 
 
 def alone(state, p):

@@ -9,9 +9,9 @@ import numpy as np
 
 from jaxwalk import Street
 from jaxwalk.interfaces import Moment
-from jaxwalk.rollout import draw_batch
 from jaxwalk.sim.observation import X_RAY, Observation
 from jaxwalk.sim.sim_config import SimConfig
+from sim import passersby
 
 RULES = SimConfig(horizon=100, pedestrians=12, parked=0.6, perception=True, contact="footprint")
 STREET, BATCH, STEPS = "validation-1000000003", 32, 60
@@ -22,7 +22,7 @@ def hiding_street():
 
 
 def drawn(street):
-    return eqx.filter_jit(draw_batch)(street, jax.random.split(jax.random.key(77), BATCH))
+    return passersby.drawn(street, BATCH)
 
 
 @eqx.filter_jit

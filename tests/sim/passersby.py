@@ -8,6 +8,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
+from jaxwalk.rollout import draw_batch
 from jaxwalk.sim import pedestrian
 
 
@@ -24,8 +25,9 @@ class Walked(NamedTuple):
     arrivals: jax.Array
 
 
+@eqx.filter_jit
 def drawn(street, batch):
-    return jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), batch))
+    return draw_batch(street, jax.random.split(jax.random.key(77), batch))
 
 
 @eqx.filter_jit

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from functools import partial
+from functools import partial, wraps
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import device_put
 
 from compiling import FORGOTTEN
 from jaxwalk.rollout import draw_batch, environment_keys, seed_key
@@ -30,6 +31,25 @@ AS_SHIPPED = {
 """How users' programs are compiled: for what is called often, and what is compared with recorded numbers."""
 
 
+def as_numpy(tree):
+    """Results as NumPy arrays: looking at a part of another array compiles a program."""
+    return jax.tree.map(np.asarray, tree)
+
+
+def compiled(function):
+    """The function as one program, which gives NumPy arrays: each operation by itself would be a program, too."""
+    program = eqx.filter_jit(function)
+
+    @wraps(function)
+    def run(*arguments, **options):
+        return as_numpy(program(*arguments, **options))
+
+    return run
+
+
+goal = compiled(vehicle.goal)
+
+
 def draw(street, seed, domain, first, count=ENVIRONMENTS):
     """Scenarios for the global indices first .. first + count - 1."""
     return _draw(street, environment_keys(seed_key(seed, domain), first, count))
@@ -45,9 +65,7 @@ def play(street, scenario, drive=None, go=None, state=None):
     if go is None:
         go = np.ones((STEPS, PEOPLE, ENVIRONMENTS), np.int32)
     state = reset(street, scenario) if state is None else state
-    return jax.tree.map(
-        np.asarray, _play(street, scenario, state, {"driver": jnp.asarray(drive), "pedestrian": jnp.asarray(go)})
-    )
+    return as_numpy(_play(street, scenario, state, {"driver": drive, "pedestrian": go}))
 
 
 def random_actions(seed):
@@ -88,7 +106,7 @@ def view(street, scenario, state):
 
 def columns(tree, which):
     """Some environments of a batch."""
-    return jax.tree.map(lambda x: jnp.asarray(np.asarray(x)[..., which]), tree)  # by NumPy, which compiles nothing
+    return jax.tree.map(lambda x: device_put(np.asarray(x)[..., which]), tree)  # `jnp.asarray` compiles a program
 
 
 def alike(tree, which):
@@ -103,10 +121,10 @@ def people(scenario, state, order):
     def which(s):
         return s.traits, s.goals, s.jaywalk_draw, s.zone_draw
 
-    chosen = eqx.tree_at(which, scenario, [jnp.asarray(np.asarray(x)[:, order]) for x in which(scenario)])
-    chosen = eqx.tree_at(lambda s: s.start, chosen, jnp.asarray(np.asarray(scenario.start)[order]))
+    chosen = eqx.tree_at(which, scenario, [device_put(np.asarray(x)[:, order]) for x in which(scenario)])
+    chosen = eqx.tree_at(lambda s: s.start, chosen, device_put(np.asarray(scenario.start)[order]))
     return chosen, eqx.tree_at(
-        lambda s: s.pedestrian, state, jax.tree.map(lambda x: jnp.asarray(np.asarray(x)[order]), state.pedestrian)
+        lambda s: s.pedestrian, state, jax.tree.map(lambda x: device_put(np.asarray(x)[order]), state.pedestrian)
     )
 
 
@@ -115,7 +133,7 @@ def with_car(state, **values):
     car = eqx.tree_at(
         lambda c: [getattr(c, name) for name in values],
         state.vehicle,
-        [jnp.broadcast_to(jnp.asarray(v, jnp.float32), state.vehicle.x.shape) for v in values.values()],
+        [device_put(np.broadcast_to(np.asarray(v, np.float32), state.vehicle.x.shape)) for v in values.values()],
     )
     return eqx.tree_at(lambda s: s.vehicle, state, car)
 
@@ -155,11 +173,12 @@ everything_once = jax.jit(_everything)  # called only a few times
 
 def actions(drive=(-1.0, 0.0), go=1, *, shape=(ENVIRONMENTS,), people=PEOPLE):
     """The same actions everywhere, or given arrays."""
-    drive = jnp.asarray(drive, jnp.float32)
-    drive = jnp.broadcast_to(drive.reshape(drive.shape + (1,) * (1 + len(shape) - drive.ndim)), (2, *shape))
-    go = jnp.asarray(go, jnp.int32)
-    go = go.reshape(go.shape + (1,) * (1 + len(shape) - go.ndim))
-    return {"driver": drive, "pedestrian": jnp.broadcast_to(go, (people, *shape))}
+    drive, go = np.asarray(drive, np.float32), np.asarray(go, np.int32)
+    drive, go = (x.reshape(x.shape + (1,) * (1 + len(shape) - x.ndim)) for x in (drive, go))
+    return {
+        "driver": device_put(np.broadcast_to(drive, (2, *shape))),
+        "pedestrian": device_put(np.broadcast_to(go, (people, *shape))),
+    }
 
 
 def inside(rectangles, x, y, *, margin=0.0):

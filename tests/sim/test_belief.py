@@ -13,10 +13,11 @@ from jaxwalk.evaluation import with_jaywalk_multiplier
 from jaxwalk.sim import belief
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING
 from jaxwalk.sim.observation import BELIEF, FOOTPRINT, TOLD, part
-from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, people, play, refreshed, reset
+from jaxwalk.sim.scenario import Scenario
+from sim.play import ENVIRONMENTS, PEOPLE, actions, columns, compiled, people, play, refreshed, reset
 
 TYPES = (JAYWALK, CROSSWALK)
-posterior = jax.jit(belief.posterior)  # one program, not one for each operation
+posterior, tendency = compiled(belief.posterior), compiled(Scenario.jaywalking_tendency)
 
 
 def integrated(jaywalks, crosswalks, multiplier):
@@ -37,13 +38,13 @@ def integrated(jaywalks, crosswalks, multiplier):
 @pytest.mark.parametrize("multiplier", [0.01, 0.25, 0.6, 1.0, 1.7, 4.0])
 def test_the_posterior_is_the_integral(multiplier):
     cases = [(0, 0), (1, 0), (0, 1), (1, 1), (3, 2), (0, 12), (12, 0), (6, 6), (1, 40), (20, 20)]
-    jaywalks, crosswalks = jnp.array(cases).T
-    found = posterior(jaywalks, crosswalks, jnp.float32(multiplier))
+    jaywalks, crosswalks = np.array(cases, np.int32).T
+    found = posterior(jaywalks, crosswalks, np.float32(multiplier))
     np.testing.assert_allclose(np.stack(found, 1), [integrated(*case, multiplier) for case in cases], atol=1e-5)
 
 
 def test_nothing_seen_nothing_learned():
-    mean, deviation = posterior(jnp.array(0), jnp.arange(9), jnp.float32(0))  # nobody ever jaywalks
+    mean, deviation = posterior(np.int32(0), np.arange(9, dtype=np.int32), np.float32(0))  # nobody ever jaywalks
     np.testing.assert_allclose(mean, 0.5, atol=1e-6)
     np.testing.assert_allclose(deviation, 12**-0.5, atol=1e-6)
 
@@ -58,20 +59,22 @@ def test_the_posterior_is_what_remains_of_many(multiplier):
         alike = tau[jaywalks == seen]
         if len(alike) < 100:
             continue
-        mean, deviation = posterior(jnp.array(seen), jnp.array(4 - seen), jnp.float32(multiplier))
+        mean, deviation = posterior(np.int32(seen), np.int32(4 - seen), np.float32(multiplier))
         error = 5 * deviation / len(alike) ** 0.5
         assert abs(mean - alike.mean()) < error
         assert abs(deviation - alike.std()) < error
 
 
-@jax.jit
-def _seen(street, scenario, state):
+def seen_so_far(street, scenario, state):
     world, walkers = street.world, state.pedestrian
     counts = belief.crossings_seen(world, scenario, walkers)
     return counts, belief.expected_tendency(world, scenario, walkers)
 
 
-@jax.jit
+_seen = compiled(seen_so_far)
+
+
+@compiled
 def _look(street, scenario, state):
     return [street.observe(scenario, state, street.view("driver", name)) for name in (FOOTPRINT, TOLD, BELIEF)]
 
@@ -88,7 +91,7 @@ def _walk(street, scenario, state):
 
     def body(state, _):
         state, _ = street.step(scenario, state, actions())
-        return state, jnp.stack(_seen(street, scenario, state)[0])
+        return state, jnp.stack(seen_so_far(street, scenario, state)[0])
 
     return jax.lax.scan(body, state, None, length=100)
 
@@ -130,7 +133,8 @@ def test_what_is_only_decided_does_not_count(stepped):
 
 def nearest(state, of_all):
     """Of the nearest six, by a stable sort."""
-    away = np.hypot(state.pedestrian.x - state.vehicle.x, state.pedestrian.y - state.vehicle.y)
+    (x, y), car = (np.asarray(of) for of in (state.pedestrian.x, state.pedestrian.y)), state.vehicle
+    away = np.hypot(x - np.asarray(car.x), y - np.asarray(car.y))
     return np.take_along_axis(np.asarray(of_all), np.argsort(away, axis=0, kind="stable")[:6], axis=0)
 
 
@@ -146,11 +150,11 @@ def test_the_sets_end_with_the_nearest_peoples_numbers(jaywalking, scenarios, lo
     for seen in (told, believed):
         np.testing.assert_array_equal(seen[: len(route)], route)
     np.testing.assert_array_equal(
-        told[part("driver", TOLD, "tendencies")], nearest(state, scenarios.jaywalking_tendency(jaywalking.world))
+        told[part("driver", TOLD, "tendencies")], nearest(state, tendency(scenarios, jaywalking.world))
     )
     (jaywalks, crosswalks), _ = _seen(jaywalking, scenarios, state)
-    means, _ = posterior(jaywalks, crosswalks, jnp.float32(1))
-    shown = np.asarray(believed[part("driver", BELIEF, "tendencies")])
+    means, _ = posterior(jaywalks, crosswalks, np.float32(1))
+    shown = believed[part("driver", BELIEF, "tendencies")]
     np.testing.assert_allclose(shown, nearest(state, means), atol=1e-6)
     assert len(np.unique(shown.round(4))) > 5
 
@@ -168,7 +172,7 @@ def test_of_who_is_not_there_nothing_is_known(jaywalking, scenarios, looked):
     _, told, believed = _look(jaywalking, scenario, refreshed(jaywalking, scenario, state))
     np.testing.assert_array_equal(told[-4:], 0.5)
     np.testing.assert_array_equal(believed[-4:], 0.5)
-    np.testing.assert_array_equal(np.sort(told[-6:-4], 0), np.sort(scenario.jaywalking_tendency(jaywalking.world), 0))
+    np.testing.assert_array_equal(np.sort(told[-6:-4], 0), np.sort(tendency(scenario, jaywalking.world), 0))
 
 
 def test_the_belief_knows_no_secret(jaywalking, scenarios, looked):
@@ -176,15 +180,15 @@ def test_the_belief_knows_no_secret(jaywalking, scenarios, looked):
     what was done."""
     state, (_, _, believed) = looked
     (jaywalks, crosswalks), _ = _seen(jaywalking, scenarios, state)
-    number = np.arange(len(scenarios.jaywalk_draw))[:, None, None]
-    past = number < np.asarray(jaywalks + crosswalks)
-    did = scenarios.jaywalk_draw < scenarios.jaywalking_tendency(jaywalking.world)
-    draws = jnp.where(past, jnp.where(did, 0.0, 0.99), 1 - scenarios.jaywalk_draw)  # the same past for every tendency
-    tendency = jnp.clip(1 - scenarios.traits[0], 0.01, 0.98)
+    drawn, traits = np.asarray(scenarios.jaywalk_draw), np.array(scenarios.traits)
+    past = np.arange(len(drawn))[:, None, None] < jaywalks + crosswalks
+    did = drawn < tendency(scenarios, jaywalking.world)
+    draws = np.where(past, np.where(did, 0.0, 0.99), 1 - drawn).astype(np.float32)  # the same past for every tendency
+    traits[0] = np.clip(1 - traits[0], 0.01, 0.98)
     other = eqx.tree_at(
         lambda s: (s.traits, s.jaywalk_draw, s.zone_draw),
         scenarios,
-        (scenarios.traits.at[0].set(tendency), draws, 1 - scenarios.zone_draw),
+        (traits, draws, 1 - np.asarray(scenarios.zone_draw)),
     )
     np.testing.assert_array_equal(_look(jaywalking, other, state)[2], believed)
 

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -19,8 +16,10 @@ from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import events, manoeuvres, prediction
 from jaxwalk.sim.sim_config import WORLDS, SimConfig, rules_of
+from sim.play import as_numpy, compiled
 
 EPISODES = 64
+clearance_by = compiled(prediction.clearance_by)
 
 
 @pytest.fixture(scope="module", params=("paper", "paper-footprint"))
@@ -57,11 +56,9 @@ def test_episodes_end_at_the_first_contact_by_the_worlds_rule(played):
 @pytest.mark.parametrize("rule", RULES)
 def test_clearances_of_a_standing_car_by_hand(played, rule):
     street, scenarios, _ = played
-    state = eqx.filter_jit(street.reset)(scenarios)
-    clearance, conflict = jax.jit(prediction.clearance_by, static_argnums=1)(
-        Moment(street.world, scenarios, state), rule
-    )
-    seen, config = state.foresight.people, street.config
+    state = street.reset(scenarios)
+    clearance, conflict = clearance_by(Moment(street.world, scenarios, state), rule)
+    seen, config = as_numpy(state.foresight.people), street.config
     time = np.array(manoeuvres.MOMENTS[rule])[:, None, None]
     ahead, left = seen.ahead + seen.ahead_speed * time, seen.left + seen.left_speed * time
     if rule == "disc":
@@ -79,11 +76,10 @@ def test_clearances_of_a_standing_car_by_hand(played, rule):
 
 def test_a_car_in_motion_comes_nearer_with_its_front_than_with_its_centre(played):
     street, scenarios, _ = played
-    state = eqx.filter_jit(street.reset)(scenarios)
-    moment = Moment(street.world, scenarios, state)
-    (centre, _), (front, _) = (prediction.clearance_by(moment, rule) for rule in RULES)
+    moment = Moment(street.world, scenarios, street.reset(scenarios))
+    (centre, _), (front, _) = (clearance_by(moment, rule) for rule in RULES)
     assert (front <= centre).all()
-    assert jnp.where(centre < 10, centre - front, 0).max() > 2.25, "ahead it is half a car's length and the body"
+    assert np.where(centre < 10, centre - front, 0).max() > 2.25, "ahead it is half a car's length and the body"
 
 
 def test_rules_by_name():

@@ -6,19 +6,25 @@ import dataclasses
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax import device_put
 
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import arrives, closes_in, closing_speed, touches
 from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
-from jaxwalk.sim.vehicle import goal
-from sim.play import ENVIRONMENTS, actions, alike, columns, everything, reset, with_car
+from sim import play
+from sim.play import ENVIRONMENTS, actions, alike, as_numpy, columns, goal, reset, with_car
 
 BRAKE = (-1.0, 0.0)
 COAST = (0.0, 0.0)
+
+
+def everything(street, scenario, state, actions):
+    """All but the next state as NumPy arrays."""
+    after, *found = play.everything(street, scenario, state, actions)
+    return after, *as_numpy(found)
 
 
 def test_distances_are_exact():
@@ -40,14 +46,14 @@ def test_closing_in_by_hand():
 
 
 def at_step(state, step):
-    return eqx.tree_at(lambda s: s.step, state, jnp.broadcast_to(jnp.asarray(step, jnp.int32), state.step.shape))
+    return eqx.tree_at(lambda s: s.step, state, np.broadcast_to(np.asarray(step, np.int32), state.step.shape))
 
 
 def test_a_collision_terminates_the_car_and_whom_it_touches(paid_street, crossing_person):
     scenario, state, p = crossing_person
     away = np.full(ENVIRONMENTS, 1.6, np.float32)
     away[:2] = 1.499, 1.501
-    state = with_car(state, x=np.asarray(state.pedestrian.x)[p] - away, y=state.pedestrian.y[p], speed=0.0)
+    state = with_car(state, x=np.asarray(state.pedestrian.x)[p] - away, y=np.asarray(state.pedestrian.y)[p], speed=0.0)
     _, outcome, _, _ = everything(paid_street, scenario, state, actions(BRAKE, 0))
     assert outcome.events.collision[0]
     assert not outcome.events.collision[1:].any()
@@ -68,13 +74,13 @@ def test_a_collision_terminates_the_car_and_whom_it_touches(paid_street, crossin
 def test_the_goal_terminates_the_car_and_truncates_the_people(paid_street, scenarios):
     state = reset(paid_street, scenarios)
     goal_x, goal_y = goal(paid_street.world, scenarios)
-    last = np.round(np.asarray(paid_street.world.maps.route_length[0])[scenarios.route] / 0.5).astype(int)
-    cos, sin = (np.asarray(axis[0])[scenarios.route, last] for axis in
-                (paid_street.world.maps.route_cos, paid_street.world.maps.route_sin))  # fmt: skip
+    maps = as_numpy(paid_street.world.maps)
+    last = np.round(maps.route_length[0][scenarios.route] / 0.5).astype(int)
+    cos, sin = (axis[0][scenarios.route, last] for axis in (maps.route_cos, maps.route_sin))
     short = np.where(np.arange(ENVIRONMENTS) % 2, 3.002, 2.998)
     state = with_car(state, x=goal_x - short * cos, y=goal_y - short * sin, cos=cos, sin=sin, speed=0.0)
     _, outcome, _, _ = everything(paid_street, scenarios, state, actions(BRAKE, 0))
-    clear = ~np.asarray(outcome.events.collision)
+    clear = ~outcome.events.collision
     assert clear.mean() > 0.9
     arrived = np.arange(ENVIRONMENTS) % 2 == 0
     np.testing.assert_array_equal(outcome.events.goal[clear], arrived[clear])
@@ -103,16 +109,16 @@ def test_collision_before_goal_before_timeout(paid_street, scenarios, midway):
     people = midway.pedestrian
     p, env = np.nonzero(np.asarray(people.on_roadway))
     x, y = (np.asarray(axis)[p, env] for axis in (people.x, people.y))
-    routes = np.arange(int(paid_street.world.maps.route_count[0]))
+    routes = np.arange(np.asarray(paid_street.world.maps.route_count)[0], dtype=np.int32)
     every = eqx.tree_at(lambda s: (s.map, s.route), columns(scenarios, np.zeros(routes.size, int)),
-                        (jnp.zeros(routes.size, jnp.int32), jnp.asarray(routes, jnp.int32)))  # fmt: skip
-    goal_x, goal_y = (np.asarray(v) for v in goal(paid_street.world, every))
+                        (device_put(np.zeros_like(routes)), device_put(routes)))  # fmt: skip
+    goal_x, goal_y = goal(paid_street.world, every)
     who, route = np.nonzero(np.hypot(goal_x[None] - x[:, None], goal_y[None] - y[:, None]) < 2.8)
     assert who.size > 0
     who, route = who[:ENVIRONMENTS], route[:ENVIRONMENTS]
     pad = np.resize(np.arange(who.size), ENVIRONMENTS)
     chosen, place = env[who[pad]], who[pad]
-    scenario = eqx.tree_at(lambda s: s.route, columns(scenarios, chosen), jnp.asarray(route[pad], jnp.int32))
+    scenario = eqx.tree_at(lambda s: s.route, columns(scenarios, chosen), device_put(routes[route[pad]]))
     state = with_car(at_step(columns(midway, chosen), 499), x=x[place], y=y[place], speed=0.0)
     _, outcome, _, _ = everything(paid_street, scenario, state, actions(BRAKE, 0))
     assert outcome.events.collision.all()
@@ -121,7 +127,7 @@ def test_collision_before_goal_before_timeout(paid_street, scenarios, midway):
     # The same without anybody near: an arrival, and no timeout.
     far = columns(midway, np.zeros(ENVIRONMENTS, int))
     scenario = eqx.tree_at(lambda s: s.route, columns(scenarios, np.zeros(ENVIRONMENTS, int)),
-                           jnp.asarray(np.resize(routes, ENVIRONMENTS), jnp.int32))  # fmt: skip
+                           device_put(np.resize(routes, ENVIRONMENTS)))  # fmt: skip
     goal_x, goal_y = goal(paid_street.world, scenario)
     _, outcome, _, _ = everything(paid_street, scenario, with_car(at_step(far, 499), x=goal_x, y=goal_y, speed=0.0),
                                   actions(BRAKE, 0))  # fmt: skip
@@ -139,7 +145,7 @@ def test_every_term_is_its_weight_times_the_unweighted_one(street, paid_street, 
     assert set(once.rewards["pedestrian"]) == set(PEDESTRIAN_TERMS)
     for role in ("driver", "pedestrian"):
         for name, term in once.rewards[role].items():
-            np.testing.assert_allclose(other.rewards[role][name], -2 * np.asarray(term), rtol=1e-6)
+            np.testing.assert_allclose(other.rewards[role][name], -2 * term, rtol=1e-6)
 
 
 def test_a_reward_that_does_not_exist_is_refused():
@@ -154,9 +160,10 @@ def test_a_reward_that_does_not_exist_is_refused():
 
 def test_driving_along_the_route(paid_street, scenarios):
     """Half a metre in a step, straight on, in the lane or beside it, straight or aslant."""
-    env = int(np.flatnonzero(np.asarray(scenarios.route) == scenarios.route[0])[0])
+    routes = np.asarray(scenarios.route)
+    env = int(np.flatnonzero(routes == routes[0])[0])
     scenario, state = alike(scenarios, env), alike(reset(paid_street, scenarios), env)
-    car = state.vehicle
+    car = as_numpy(state.vehicle)
     aside = np.zeros(ENVIRONMENTS, np.float32)
     aside[:4] = 0, 1, -1, 3
     turn = np.zeros(ENVIRONMENTS)
@@ -165,7 +172,7 @@ def test_driving_along_the_route(paid_street, scenarios):
     state = with_car(state, x=car.x - aside * car.sin, y=car.y + aside * car.cos, speed=5.0,
                      cos=car.cos * cos - car.sin * sin, sin=car.sin * cos + car.cos * sin)  # fmt: skip
     moved, outcome, _, _ = everything(paid_street, scenario, state, actions(COAST, 0))
-    paid = {name: np.asarray(term) for name, term in outcome.rewards["driver"].items()}
+    paid = outcome.rewards["driver"]
     _, outcome, _, _ = everything(paid_street, scenario, moved, actions(COAST, 0))
     np.testing.assert_allclose(outcome.rewards["driver"]["progress"][:3], 0.5, atol=1e-3)
     np.testing.assert_allclose(paid["progress"][:4], 0.5, atol=1e-4)
@@ -173,9 +180,10 @@ def test_driving_along_the_route(paid_street, scenarios):
     np.testing.assert_allclose(paid["off_lane"][:4], [0, 1, 1, 4], atol=1e-3)
     np.testing.assert_allclose(paid["misaligned"][[0, 4]], [0, 0.5], atol=1e-4)
     np.testing.assert_allclose(paid["time"], 1)
-    goal_x, goal_y = (np.asarray(v)[0] for v in goal(paid_street.world, scenario))
-    before = np.hypot(goal_x - state.vehicle.x[0], goal_y - state.vehicle.y[0])
-    after = np.hypot(goal_x - state.vehicle.x[0] - 0.5 * car.cos[0], goal_y - state.vehicle.y[0] - 0.5 * car.sin[0])
+    goal_x, goal_y = (v[0] for v in goal(paid_street.world, scenario))
+    x, y = np.asarray(state.vehicle.x)[0], np.asarray(state.vehicle.y)[0]
+    before = np.hypot(goal_x - x, goal_y - y)
+    after = np.hypot(goal_x - x - 0.5 * car.cos[0], goal_y - y - 0.5 * car.sin[0])
     np.testing.assert_allclose(paid["crow_progress"][0], before - after, atol=1e-4)
 
 
@@ -186,14 +194,14 @@ def test_speeding_is_about_people_on_the_roadway_ahead(term, kind, paid_street, 
     angle = random.uniform(-np.pi, np.pi, ENVIRONMENTS)
     speed = random.uniform(2, 8, ENVIRONMENTS)
     people = midway.pedestrian
-    crosses = np.asarray(people.on_roadway & (people.crossing == kind))
+    crosses = np.asarray(people.on_roadway) & (np.asarray(people.crossing) == kind)
     who, env = crosses.argmax(axis=0), np.arange(ENVIRONMENTS)
     back, aside = random.uniform(-5, 20, ENVIRONMENTS), random.uniform(-8, 8, ENVIRONMENTS)
     x = np.asarray(people.x)[who, env] - back * np.cos(angle) + aside * np.sin(angle)
     y = np.asarray(people.y)[who, env] - back * np.sin(angle) - aside * np.cos(angle)
     state = with_car(midway, cos=np.cos(angle), sin=np.sin(angle), speed=speed, x=x, y=y)
     _, outcome, _, seen = everything(paid_street, scenarios, state, actions(COAST))
-    seen = {name: np.asarray(x, float) for name, x in seen.items()}
+    seen = {name: x.astype(float) for name, x in seen.items()}
     dx, dy = seen["x"] - seen["car_x"], seen["y"] - seen["car_y"]
     ahead = dx * seen["car_cos"] + dy * seen["car_sin"]
     left = dy * seen["car_cos"] - dx * seen["car_sin"]
@@ -215,7 +223,7 @@ def test_speeding_by_hand(paid_street, crossing_person):
     speed[3] = 2.9
     car = with_car(state, x=np.clip(x - side * back, 1, 119), y=56.0, cos=side, sin=0.0, speed=speed)
     _, outcome, _, _ = everything(paid_street, scenario, car, actions(COAST, 0))
-    paid = np.asarray(outcome.rewards["driver"][kind])
+    paid = outcome.rewards["driver"][kind]
     assert abs(y[0] - 56) < 6
     assert paid[0] == pytest.approx((5 - 3) / 8.33, abs=1e-5)
     assert paid[3] == 0
@@ -226,7 +234,7 @@ def test_waiting_is_paid_at_the_kerb_only(paid_street, scenarios, midway):
     people = midway.pedestrian
     x, y = np.asarray(people.x), np.asarray(people.y)
     _, _, _, seen = everything(paid_street, scenarios, midway, actions(BRAKE, 0))
-    kerb, env, counted = np.asarray(seen["at_kerb"]), np.arange(ENVIRONMENTS), np.zeros(5, int)
+    kerb, env, counted = seen["at_kerb"], np.arange(ENVIRONMENTS), np.zeros(5, int)
     for random in map(np.random.default_rng, range(6)):
         chosen = np.where(kerb.any(axis=0), kerb.argmax(axis=0), random.integers(12, size=ENVIRONMENTS))
         angle = random.uniform(-np.pi, np.pi, ENVIRONMENTS)
@@ -238,16 +246,16 @@ def test_waiting_is_paid_at_the_kerb_only(paid_street, scenarios, midway):
         )  # fmt: skip
         go = random.integers(2, size=(12, ENVIRONMENTS))
         _, outcome, _, _ = everything(paid_street, scenarios, state, actions(COAST, go))
-        dx, dy = state.vehicle.x - x, state.vehicle.y - y
+        dx, dy = np.asarray(state.vehicle.x) - x, np.asarray(state.vehicle.y) - y
         near, closing = np.hypot(dx, dy) < 8, -(dx * np.cos(angle) + dy * np.sin(angle)) > 0
         needed = np.array([near, closing, np.broadcast_to(speed > 2, near.shape), kerb, go == 0])
         np.testing.assert_array_equal(outcome.rewards["pedestrian"]["waiting"] > 0, needed.all(axis=0))
         anywhere = np.delete(needed, 3, axis=0).all(axis=0)
         np.testing.assert_array_equal(outcome.rewards["pedestrian"]["waiting_anywhere"] > 0, anywhere)
         counted += [np.delete(needed, i, axis=0).all(axis=0)[~one].sum() for i, one in enumerate(needed)]
-        assert not np.asarray(outcome.rewards["pedestrian"]["waiting"])[np.asarray(people.on_roadway)].any()
+        assert not outcome.rewards["pedestrian"]["waiting"][np.asarray(people.on_roadway)].any()
         np.testing.assert_array_equal(outcome.rewards["pedestrian"]["waited"], go == 0)
-        walked = np.where(go, 0.1 * (1 + np.asarray(scenarios.traits[1])), 0)
+        walked = np.where(go, 0.1 * (1 + np.asarray(scenarios.traits)[1]), 0)
         np.testing.assert_allclose(outcome.rewards["pedestrian"]["walked"], walked, rtol=1e-5)
     assert counted.min() >= 5  # for each condition, there were some whom it alone left without
 
@@ -257,7 +265,7 @@ def test_an_arrival_is_paid_once(paid_street, scenarios):
     total = np.zeros((12, ENVIRONMENTS))
     for _ in range(200):
         state, outcome, _, _ = everything(paid_street, scenarios, state, actions(BRAKE))
-        total += np.asarray(outcome.rewards["pedestrian"]["arrival"])
+        total += outcome.rewards["pedestrian"]["arrival"]
     np.testing.assert_array_equal(total, state.pedestrian.arrivals)
     assert total.sum() > 100
 
@@ -265,7 +273,7 @@ def test_an_arrival_is_paid_once(paid_street, scenarios):
 def test_closeness_is_the_shortfall_from_3_m_times_the_share_of_top_speed(paid_street, scenarios, midway):
     for speed in (0.0, 4.0, 8.33):
         after, outcome, _, _ = everything(paid_street, scenarios, with_car(midway, speed=speed), actions(COAST))
-        clearance = np.asarray(after.foresight.clearance[HOLD])
+        clearance = np.asarray(after.foresight.clearance)[HOLD]
         expected = np.clip(1 - clearance / 3, 0, 1) * np.asarray(after.vehicle.speed) / 8.33
         np.testing.assert_allclose(outcome.rewards["driver"]["closeness"], expected, atol=1e-6)
         assert (expected > 0).any() == (speed > 0)

@@ -7,7 +7,6 @@ from dataclasses import asdict, replace
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
@@ -19,8 +18,10 @@ from jaxwalk.sim import belief, pedestrian
 from jaxwalk.sim.crossing_kind import LegKind
 from jaxwalk.sim.observation import Observation, bounds
 from jaxwalk.sim.person_kind import CALM, CAMPUS, CHILD, HURRIED, KINDS, RUNNER, PersonKind, begins, in_shares
+from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import WORLDS
 from sim.passersby import drawn, walked
+from sim.play import as_numpy, compiled
 
 SHARES = {"calm": 0.4, "hurried": 0.25, "runner": 0.2, "child": 0.15}
 RULES = SimConfig(horizon=300, kinds=in_shares(**SHARES), jaywalk_multiplier=1.0)
@@ -28,6 +29,7 @@ BATCH = 256
 TAUS = np.float32([0.02, 0.9, 0.3, 0.5])
 WALK = np.array([(1, 2), (1, 2), (2.22, 3.5), (0.83, 1.39)])
 ACROSS = np.array([(1, 2), (2.2, 3), (2.22, 3.5), (2.22, 3)])
+kind_of, mean_of_kinds, prior_mean = map(compiled, (Scenario.kind, belief.mean_of_kinds, belief.prior_mean))
 
 
 @pytest.fixture(scope="module")
@@ -50,33 +52,40 @@ def test_each_kind_has_its_share_of_the_first_trait():
 
 def test_as_many_people_are_of_a_kind_as_its_share_says(many, scenarios):
     """3,072 people; each count lies within the exact binomial limits of one draw in 10,000 on either side."""
-    kind = np.asarray(scenarios.kind(many.world))
+    kind = kind_of(scenarios, many.world)
     for number, share in enumerate(SHARES.values()):
         low, high = stats.binom.interval(0.9998, kind.size, share)
         assert low <= (kind == number).sum() <= high
-    np.testing.assert_array_equal(scenarios.jaywalking_tendency(many.world), TAUS[kind])
-    np.testing.assert_array_equal(scenarios.own_traits(many.world)[0], TAUS[kind])
+    np.testing.assert_array_equal(compiled(Scenario.jaywalking_tendency)(scenarios, many.world), TAUS[kind])
+    np.testing.assert_array_equal(compiled(Scenario.own_traits)(scenarios, many.world)[0], TAUS[kind])
 
 
 def test_who_stands_at_the_border_is_of_the_later_kind(many, scenarios):
     """Of traits 0.4 and 0.65, and of the numbers just below them."""
     borders = np.float32([0.4, 0.65])
-    traits = np.resize([*np.nextafter(borders, np.float32(0)), *borders], scenarios.start.shape).astype(np.float32)
-    at = eqx.tree_at(lambda s: s.traits, scenarios, scenarios.traits.at[0].set(traits))
-    assert np.asarray(at.kind(many.world)).ravel()[:4].tolist() == [0, 1, 1, 2]
+    traits = np.array(scenarios.traits)
+    traits[0] = np.resize([*np.nextafter(borders, np.float32(0)), *borders], scenarios.start.shape)
+    at = eqx.tree_at(lambda s: s.traits, scenarios, traits)
+    assert kind_of(at, many.world).ravel()[:4].tolist() == [0, 1, 1, 2]
+
+
+@compiled
+def paces(world, scenarios):
+    """How fast people are, and how fast they walk at the start."""
+    people = pedestrian.place(world, scenarios)
+    return scenarios.walking_speed(world), pedestrian.pace(world, scenarios, people)
 
 
 def test_each_kind_walks_and_jaywalks_at_its_own_pace(many, scenarios):
-    frames = jax.tree.map(np.asarray, walked(many, scenarios))
-    kind, trait = np.asarray(scenarios.kind(many.world)), np.asarray(scenarios.traits[1])
+    frames = as_numpy(walked(many, scenarios))
+    kind, trait = kind_of(scenarios, many.world), np.asarray(scenarios.traits)[1]
     across = frames.leg == LegKind.ACROSS
     slowest, fastest = np.moveaxis(np.where(across[..., None], ACROSS[kind], WALK[kind]), -1, 0)
     np.testing.assert_allclose(frames.speed, slowest + (fastest - slowest) * trait, rtol=1e-5)
     assert all((across & (kind == number)).any() for number in range(4))
     assert frames.decisions.max() < scenarios.jaywalk_draw.shape[0]
     assert frames.arrivals.max() + 1 < scenarios.goals.shape[0]
-    np.testing.assert_array_equal(scenarios.walking_speed(many.world), pedestrian.pace(
-        many.world, scenarios, pedestrian.place(many.world, scenarios)))  # fmt: skip
+    np.testing.assert_array_equal(*paces(many.world, scenarios))
 
 
 def test_tables_and_bounds_are_those_of_the_fastest_kind(many):
@@ -84,13 +93,14 @@ def test_tables_and_bounds_are_those_of_the_fastest_kind(many):
     assert WORLDS["blind-corner"].walking == (1, 2) and WORLDS["blind-corner"].fastest == 3
     assert SimConfig().walking == (1, 2) and SimConfig(kinds=(replace(CHILD, share=1.0),)).fastest == 3
     low, high = bounds(many.world, "pedestrian", "kerb")
-    pace = many.observe(*first(many), Observation("pedestrian", "kerb"))
-    assert (np.asarray(pace) >= low[:, None]).all() and (np.asarray(pace) <= high[:, None]).all()
+    pace = first_seen(many)
+    assert (pace >= low[:, None]).all() and (pace <= high[:, None]).all()
 
 
-def first(street):
+@compiled
+def first_seen(street):
     scenario = street.draw(jax.random.key(0))
-    return scenario, street.reset(scenario)
+    return street.observe(scenario, street.reset(scenario), Observation("pedestrian", "kerb"))
 
 
 def by_hand(jaywalks, crosswalks, multiplier):
@@ -104,9 +114,9 @@ def by_hand(jaywalks, crosswalks, multiplier):
 def test_beliefs_are_those_of_four_kinds(multiplier):
     world = Street.create(config=RULES, jaywalk_multiplier=multiplier).world
     cases = [(0, 0), (1, 0), (0, 1), (2, 3), (0, 12), (6, 1)]
-    found = belief.mean_of_kinds(world, *jnp.array(cases).T)
+    found = mean_of_kinds(world, *np.array(cases, np.int32).T)
     np.testing.assert_allclose(found, [by_hand(*case, multiplier) for case in cases], rtol=2e-5)
-    assert float(belief.prior_mean(world)) == pytest.approx(0.4 * 0.02 + 0.25 * 0.9 + 0.2 * 0.3 + 0.15 * 0.5)
+    assert float(prior_mean(world)) == pytest.approx(0.4 * 0.02 + 0.25 * 0.9 + 0.2 * 0.3 + 0.15 * 0.5)
 
 
 def test_kinds_that_walk_no_faster_change_no_scenario(street):
@@ -115,7 +125,7 @@ def test_kinds_that_walk_no_faster_change_no_scenario(street):
         config=SimConfig(kinds=(replace(CALM, share=0.5), replace(RUNNER, share=0.5, walk=(1.5, 2.0))))
     )
     assert Drawn(slow, 77, 16).hash() == Drawn(street, 77, 16).hash()
-    assert not np.asarray(drawn(street, BATCH).kind(street.world)).any()
+    assert not kind_of(drawn(street, BATCH), street.world).any()
 
 
 def test_scenarios_of_people_in_a_hurry_are_those_from_before_there_were_kinds():

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax import device_put
 
 from jaxwalk.scenarios import Scripted
 from jaxwalk.scenarios.crash_file import parse_crash_suite
 from jaxwalk.sim.recording import parked_boxes
+from sim.play import compiled
 
 BRAKES, KEEPS = -1.0, 0.0
 TESTS = """
@@ -73,7 +74,15 @@ class Walks(NamedTuple):
     going: np.ndarray
 
 
-@partial(jax.jit, static_argnames="steps")
+def evenly(number, count=4):
+    return np.full(count, number, np.float32)
+
+
+def everybody_goes(people, count=4):
+    return np.ones((people, count), np.int32)
+
+
+@compiled
 def drive(street, scenarios, pedal, go, steps=60):
     """The states and collisions of some steps, along a leading axis; the car keeps to its lane."""
     state = street.reset(scenarios)
@@ -92,9 +101,9 @@ def drive(street, scenarios, pedal, go, steps=60):
 def played(scripted):
     """Cars that keep their speed, and cars that brake fully, among people who go."""
     scenarios, _ = scripted.take(np.arange(len(scripted)))
-    go = jnp.ones((3, len(scripted)), int)
+    count = len(scripted)
     return {
-        pedal: jax.tree.map(np.asarray, drive(scripted.street, scenarios, jnp.full(len(scripted), pedal), go))
+        pedal: drive(scripted.street, scenarios, evenly(pedal, count), everybody_goes(3, count))
         for pedal in (KEEPS, BRAKES)
     }
 
@@ -110,8 +119,8 @@ def test_a_car_begins_where_and_as_fast_as_the_script_says(scripted, played):
 
 def test_a_car_is_no_faster_than_its_script(scripted):
     scenarios, _ = scripted.take(np.zeros(4, int))
-    _, (car, *_) = drive(scripted.street, scenarios, jnp.ones(4), jnp.ones((3, 4), int))
-    assert np.asarray(car.speed).max() == pytest.approx(10.0)
+    _, (car, *_) = drive(scripted.street, scenarios, evenly(1), everybody_goes(3))
+    assert car.speed.max() == pytest.approx(10.0)
 
 
 def test_people_walk_along_their_way_from_their_moment_on(played):
@@ -140,10 +149,11 @@ def test_people_wait_for_the_car(played):
 
 def test_who_doesn_t_go_stands_and_walks_on_later(scripted):
     scenarios, _ = scripted.take(np.zeros(4, int))
-    waits = jnp.ones((3, 4), int).at[0].set(0)
-    _, (_, people, _, _) = drive(scripted.street, scenarios, jnp.zeros(4), waits)
-    assert np.ptp(np.asarray(people.y)[:, 0]) < 0.05  # it had set out for less than a part of a step
-    assert np.ptp(np.asarray(people.y)[:, 1]) == pytest.approx(1.0)
+    waits = everybody_goes(3)
+    waits[0] = 0
+    _, (_, people, _, _) = drive(scripted.street, scenarios, evenly(0), waits)
+    assert np.ptp(people.y[:, 0]) < 0.05  # it had set out for less than a part of a step
+    assert np.ptp(people.y[:, 1]) == pytest.approx(1.0)
 
 
 def test_a_contact_is_where_body_and_front_meet(played):
@@ -163,11 +173,11 @@ def test_the_speed_of_an_impact_is_that_of_the_moment_of_the_contact(scripted):
     """v^2 = v0^2 - 2 a s: braking at 7.6 m/s2 over the last 10 m, from 15 m/s, leaves 8.54 m/s."""
     scenarios, _ = scripted.take(np.full(4, 2))
     gap, at_contact = 10.0, 100.25 - 0.25 - 2.25
-    script = replace(scenarios.script, start=jnp.full(4, at_contact - gap))
+    script = replace(scenarios.script, start=device_put(evenly(at_contact - gap)))
     near = replace(scenarios, script=script)
-    _, (car, _, _, events) = drive(scripted.street, near, jnp.full(4, BRAKES), jnp.ones((3, 4), int))
-    met = int(np.asarray(events.collision)[:, 0].argmax())
-    assert np.asarray(car.speed)[met, 0] == pytest.approx((15**2 - 2 * 7.6 * gap) ** 0.5, abs=0.06)
+    _, (car, _, _, events) = drive(scripted.street, near, evenly(BRAKES), everybody_goes(3))
+    met = int(events.collision[:, 0].argmax())
+    assert car.speed[met, 0] == pytest.approx((15**2 - 2 * 7.6 * gap) ** 0.5, abs=0.06)
 
 
 def test_a_vehicle_of_the_script_hides_who_is_behind_it(scripted, played):
@@ -218,7 +228,7 @@ def test_who_has_times_is_there_at_these_times_and_stands_between():
     """They set out after 1 s: 2 m to the north in a second, a second of rest, then 5 m in 2 s."""
     timed = Scripted.of(parse_crash_suite(TIMED, "timed.toml"), "timed.toml")
     scenarios, _ = timed.take(np.zeros(1, int))
-    first, (_, people, _, _) = drive(timed.street, scenarios, jnp.zeros(1), jnp.ones((2, 1), int))
+    first, (_, people, _, _) = drive(timed.street, scenarios, evenly(0, 1), everybody_goes(2, 1))
     np.testing.assert_allclose([first.vehicle.x[0], first.vehicle.speed[0]], [25, 5], atol=1e-4)
     steps = np.array([9, 14, 19, 24, 29, 39, 49, 59])
     x, y = people.x[steps, :, 0] - 105, people.y[steps, :, 0] - 68.25

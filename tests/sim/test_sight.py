@@ -4,23 +4,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import jax
-import jax.numpy as jnp
+import equinox as eqx
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from jax import device_put
 
 from jaxwalk import Street
 from jaxwalk.maps import load_network
 from jaxwalk.maps.network import Area
 from jaxwalk.maps.parking_slots import box_corners, parking_slots
 from jaxwalk.maps.walls import walls
-from jaxwalk.sim import occluders
-from jaxwalk.sim.sight import in_sight
+from jaxwalk.sim import occluders, sight, vehicle
 from jaxwalk.sim.sim_config import SimConfig
 from maps.networks import bend
+from sim.passersby import drawn
+from sim.play import as_numpy, compiled
 
 STREETS = ("validation-1000000004", "validation-1000000001")
 """One with many parked vehicles, one with many rounded buildings."""
@@ -30,6 +31,7 @@ EDGE = 0.06
 ROUNDING = 1e-3
 """A step computes in single precision: who is this near to the edge of a vehicle's shadow may be either [m]."""
 BOX = np.array([10.0, 0.0, 1.0, 0.0, 2.2, 0.9])
+place, in_sight = eqx.filter_jit(vehicle.place), compiled(sight.in_sight)
 
 
 def at(x, y):
@@ -102,17 +104,17 @@ def hiding(request):
 
 def lines_of(street, random, count):
     """Cars on their routes, as far to their sides as 1.5 m, and places where people walk."""
-    maps = street.world.maps
+    maps = as_numpy(street.world.maps)
     route = random.integers(maps.route_count[0], size=count)
-    point = (2 * np.asarray(maps.route_length)[0, route] * random.random(count)).astype(int)  # one each half metre
-    x, y, cos, sin = (np.asarray(table)[0, route, point] for table in
-                      (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin))  # fmt: skip
+    point = (2 * maps.route_length[0, route] * random.random(count)).astype(int)  # one each half metre
+    tables = (maps.route_x, maps.route_y, maps.route_cos, maps.route_sin)
+    x, y, cos, sin = (table[0, route, point] for table in tables)
     aside = random.uniform(-1.5, 1.5, count)
     turn = random.uniform(-0.3, 0.3, count)
     heading = np.arctan2(sin, cos) + turn
-    edges = np.asarray(maps.edges)[0]
+    edges = maps.edges[0]
     edges = edges[edges[:, 0] >= 0]
-    nodes = np.stack([np.asarray(maps.node_x)[0], np.asarray(maps.node_y)[0]], 1)
+    nodes = np.stack([maps.node_x[0], maps.node_y[0]], 1)
     begin, end = np.moveaxis(nodes[edges[random.integers(len(edges), size=(AT_ONCE, count))]], 2, 0)
     places = begin + random.random((AT_ONCE, count, 1)) * (end - begin)
     return (x - aside * sin, y + aside * cos, np.cos(heading), np.sin(heading)), places
@@ -122,14 +124,14 @@ def test_who_is_in_sight_is_whom_a_straight_line_reaches(hiding):
     """10,000 lines on two streets: for vehicles exactly, for buildings but within `EDGE` of their outlines."""
     network, street = hiding
     random, cars = np.random.default_rng(77), LINES // AT_ONCE
-    drawn = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), cars))
+    scenarios = drawn(street, cars)
     (x, y, cos, sin), places = lines_of(street, random, cars)
-    pose = {name: jnp.float32(at) for name, at in {"x": x, "y": y, "cos": cos, "sin": sin}.items()}
-    car = replace(street.reset(drawn).vehicle, **pose)
-    found = np.asarray(in_sight(street.world, drawn, car, *jnp.moveaxis(jnp.float32(places), -1, 0)))
+    pose = {name: device_put(np.float32(at)) for name, at in {"x": x, "y": y, "cos": cos, "sin": sin}.items()}
+    car = replace(place(street.world, scenarios), **pose)
+    found = in_sight(street.world, scenarios, car, *np.moveaxis(places.astype(np.float32), -1, 0))
     eyes = np.stack([x + 1.25 * cos, y + 1.25 * sin], -1)
     lines = shapely.linestrings(np.stack([np.broadcast_to(eyes, places.shape), places], axis=2))
-    parked, slots = np.asarray(drawn.parked), parking_slots(network)
+    parked, slots = np.asarray(scenarios.parked), parking_slots(network)
     buildings, length = network.surface("building"), shapely.length(lines)
 
     def behind_vehicles(wider):

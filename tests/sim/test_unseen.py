@@ -7,7 +7,6 @@ from functools import partial
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -27,6 +26,7 @@ from jaxwalk.sim.reward import Transition
 from jaxwalk.sim.sight import in_sight
 from jaxwalk.sim.sim_config import SimConfig
 from sim.hiding import BATCH, drawn, drive, hiding_street, look, play_on, x_ray
+from sim.play import as_numpy, compiled
 
 
 @pytest.fixture(scope="module")
@@ -48,28 +48,28 @@ def test_the_x_ray_set_is_what_a_car_sees_where_nobody_is_hidden(hiding, scenari
     """Played again without perception: the same people, and so the same set, which hides nobody there."""
     usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
     (state, _), (everybody, _) = played, eqx.filter_jit(play_on)(usual, scenarios)
-    blind, sees_all = (look(usual, scenarios, x, FOOTPRINT) for x in (state, everybody))
+    blind, sees_all = (as_numpy(look(usual, scenarios, x, FOOTPRINT)) for x in (state, everybody))
     np.testing.assert_allclose(x_ray(hiding, scenarios, state), sees_all, atol=2e-3)
     np.testing.assert_array_equal(x_ray(usual, scenarios, everybody), sees_all)
-    assert (np.abs(np.asarray(blind - sees_all)).max(axis=0) > 0.1).mean() > 0.5
+    assert (np.abs(blind - sees_all).max(axis=0) > 0.1).mean() > 0.5
 
 
 def test_critics_see_what_is_hidden_and_actors_do_not(hiding, scenarios, played):
     """Under names of their own, which the critics read; the reward goes by the same truth."""
     config, (state, _) = whole(replace(FAST.train, environments=BATCH)), played
-    views = jax.jit(partial(gather_views, hiding, config))(scenarios, state)
-    critics = make_critics(hiding, config.config, views, jax.random.key(0))
+    views = compiled(partial(gather_views, hiding, config))(scenarios, state)
+    critics = eqx.filter_eval_shape(make_critics, hiding, config.config, views, jax.random.key(0))  # we ask for names
     driver, kerb = (critics[role].reads for role in ("driver", "pedestrian"))
     assert (len(driver), driver[1], len(kerb)) == (2, "global", 1)
     own = config.columns["driver"].own
     np.testing.assert_allclose(views["driver"][driver[0]], x_ray(hiding, scenarios, state)[:, own], atol=1e-4)
-    blind = look(hiding, scenarios, state, FOOTPRINT)
+    blind = as_numpy(look(hiding, scenarios, state, FOOTPRINT))
     np.testing.assert_allclose(views["driver"][FOOTPRINT], blind[:, own], atol=1e-4)
     own = config.columns["pedestrian"].own
     car = part("pedestrian", "kerb", "car_motion")
     unseen = ~np.asarray(state.perceived.in_sight)[:, own]
-    assert not np.asarray(views["pedestrian"]["kerb"])[car][:, unseen].any()
-    assert np.asarray(views["pedestrian"][kerb[0]])[car][:, unseen].any()
+    assert not views["pedestrian"]["kerb"][car][:, unseen].any()
+    assert views["pedestrian"][kerb[0]][car][:, unseen].any()
     assert {name: list(seen) for name, seen in views.items()} == {
         "driver": ["global", FOOTPRINT, driver[0]], "pedestrian": ["kerb", kerb[0]]
     }  # fmt: skip
@@ -78,24 +78,25 @@ def test_critics_see_what_is_hidden_and_actors_do_not(hiding, scenarios, played)
 def test_costs_go_by_the_truth(hiding, scenarios, played):
     """Somebody stands 8 m ahead of a car at 12 m/s, and isn't seen: the car is charged all the same."""
     (state, _), ahead = played, 8.0
-    car, leg, left = state.vehicle, state.pedestrian.leg, state.pedestrian.remaining[0]
-    end_x = leg.end_x.at[0].set(car.x + ahead * car.cos + leg.cos[0] * left)
-    end_y = leg.end_y.at[0].set(car.y + ahead * car.sin + leg.sin[0] * left)
-    nobody = jnp.zeros_like(state.perceived.now.seen)
+    car, leg, left = as_numpy((state.vehicle, state.pedestrian.leg, state.pedestrian.remaining))
+    end_x, end_y = leg.end_x.copy(), leg.end_y.copy()
+    end_x[0] = car.x + ahead * car.cos + leg.cos[0] * left[0]
+    end_y[0] = car.y + ahead * car.sin + leg.sin[0] * left[0]
+    nobody = np.zeros(left.shape, bool)
     fast = eqx.tree_at(
         lambda s: (s.vehicle.speed, s.pedestrian.leg.end_x, s.pedestrian.leg.end_y, s.pedestrian.going,
                    s.perceived.now.seen),
-        state, (jnp.full(BATCH, 12.0), end_x, end_y, jnp.zeros_like(state.pedestrian.going), nobody),
+        state, (np.full(BATCH, 12.0, np.float32), end_x, end_y, nobody, nobody),
     )  # fmt: skip
 
-    @eqx.filter_jit
+    @compiled
     def charged(state):
         step = Transition(hiding.world, scenarios, state, state, None)
         truth = foresee(hiding.world, scenarios, state.vehicle, state.pedestrian)
         seen = foresee(hiding.world, scenarios, state.vehicle, state.pedestrian, state.perceived)
         return counted(("critical_time",), step)["critical_time"], truth.conflict[HOLD], seen.conflict[HOLD]
 
-    cost, true, seen = map(np.asarray, charged(fast))
+    cost, true, seen = charged(fast)
     np.testing.assert_allclose(cost, 0.1 * (true < 1.5), rtol=1e-6)
     # 2.25 m to the bumper, 0.25 m of body, 0.3 m of margin: 5.2 m in 0.43 s; it is looked at after 0.4 and 0.55 s
     assert (true[true < 1.5] == np.float32(0.55)).all()
@@ -106,7 +107,7 @@ def test_costs_go_by_the_truth(hiding, scenarios, played):
 def test_where_nobody_is_hidden_critics_and_actors_share_what_they_see():
     street = Street.create(config=SimConfig(pedestrians=3))
     scenario = drawn(street)
-    state = eqx.filter_jit(street.reset)(scenario)
+    state = street.reset(scenario)
     assert street.unhidden(scenario, state) is state
     views = jax.jit(partial(gather_views, street, whole(replace(FAST.train, environments=BATCH))))(scenario, state)
     assert {name: list(seen) for name, seen in views.items()} == {
@@ -123,7 +124,7 @@ def seen_by(street, scenarios, state, name, feature):
 def test_who_was_last_seen_is_shown_where_that_was_and_fades(hiding, scenarios, played):
     """Against plain arithmetic in the map's axes, for everybody who was lost in the last three seconds."""
     state, _ = played
-    knows, car = jax.tree.map(np.asarray, (state.perceived, state.vehicle))
+    knows, car = as_numpy((state.perceived, state.vehicle))
     lost = knows.last.seen & ~knows.now.seen
     assert lost.any(axis=0).sum() > 3
     rows = seen_by(hiding, scenarios, state, MEMORY, "last_seen").reshape(NEIGHBOURS, 5, BATCH)
@@ -143,13 +144,14 @@ def test_hidden_sides_are_those_that_no_line_reaches(hiding, scenarios, played):
     state, _ = played
     hidden = seen_by(hiding, scenarios, state, AWARE, "hidden_sides").reshape(len(POINTS), 2, BATCH)
     assert 0.05 < hidden.mean() < 0.95
+    seen_from = compiled(in_sight)
     at = np.round(np.asarray(state.vehicle.along) / ROUTE_SPACING).astype(int)
     for point, ahead in enumerate(POINTS):
         index = at + int(ahead * POINT_SPACING / ROUTE_SPACING)
         beside = np.asarray(hiding.world.kerbsides)[scenarios.map, scenarios.route, index]
         for side in range(2):
-            x, y = jnp.array(beside[:, 2 * side])[None], jnp.array(beside[:, 2 * side + 1])[None]
-            seen = np.asarray(eqx.filter_jit(in_sight)(hiding.world, scenarios, state.vehicle, x, y))[0]
+            x, y = beside[:, 2 * side][None], beside[:, 2 * side + 1][None]
+            seen = seen_from(hiding.world, scenarios, state.vehicle, x, y)[0]
             assert (hidden[point, side] == ~seen).mean() > 0.95
     usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
     everybody, _ = eqx.filter_jit(play_on)(usual, scenarios)

@@ -4,22 +4,36 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import jax
-import jax.numpy as jnp
+import equinox as eqx
 import numpy as np
 import pytest
+from jax import device_put
 
 from jaxwalk import Street
 from jaxwalk.maps.network import Lane, LaneRoute
 from jaxwalk.maps.network_routes import sampled_route
+from jaxwalk.sim import vehicle
 from jaxwalk.sim.map_tables import speed_limits
 from jaxwalk.sim.sim_config import WORLDS, SimConfig
-from jaxwalk.sim.vehicle import course, drive, goal, place, throttle
 from maps.networks import bend
 from sim.maps import rectangles
-from sim.play import ENVIRONMENTS, STEPS, actions, everything, inside, play, reset, with_car
+from sim.play import (
+    ENVIRONMENTS,
+    STEPS,
+    actions,
+    as_numpy,
+    compiled,
+    everything,
+    goal,
+    inside,
+    play,
+    reset,
+    with_car,
+)
 
 CONFIG = SimConfig()
+place, drive = eqx.filter_jit(vehicle.place), eqx.filter_jit(vehicle.drive)
+course, throttle = compiled(vehicle.course), compiled(vehicle.throttle)
 PLACES = np.array([(10, 56), (30, 56), (90, 56), (110, 56), (56, 10), (56, 30), (56, 100), (56, 110), (80, 86),
                    (100, 86)])  # fmt: skip
 
@@ -145,7 +159,8 @@ def test_the_smallest_turning_circle(street, scenarios):
 
 
 def test_it_starts_in_the_right_hand_lane_and_is_sent_to_one(street, scenarios):
-    pairs = np.asarray(street.world.maps.route_places[0])[scenarios.route]
+    maps = as_numpy(street.world.maps)
+    pairs = maps.route_places[0][scenarios.route]
     start = reset(street, scenarios).vehicle
     x, y, cos, sin = (np.asarray(v, float) for v in (start.x, start.y, start.cos, start.sin))
     assert np.isin(np.round(np.stack([cos, sin]), 5), (-1, 0, 1)).all()
@@ -153,10 +168,10 @@ def test_it_starts_in_the_right_hand_lane_and_is_sent_to_one(street, scenarios):
     np.testing.assert_allclose(x - PLACES[pairs[:, 0], 0], 2 * sin, atol=1e-4)
     np.testing.assert_allclose(y - PLACES[pairs[:, 0], 1], -2 * cos, atol=1e-4)
     assert (np.asarray(start.speed) == 0).all()
-    goal_x, goal_y = (np.asarray(v) for v in goal(street.world, scenarios))
-    end = np.round(np.asarray(street.world.maps.route_length[0])[scenarios.route] / 0.5).astype(int)
+    goal_x, goal_y = goal(street.world, scenarios)
+    end = np.round(maps.route_length[0][scenarios.route] / 0.5).astype(int)
     where = (scenarios.route, end)
-    cos, sin = np.asarray(street.world.maps.route_cos[0])[where], np.asarray(street.world.maps.route_sin[0])[where]
+    cos, sin = maps.route_cos[0][where], maps.route_sin[0][where]
     np.testing.assert_allclose(goal_x - PLACES[pairs[:, 1], 0], 2 * sin, atol=1e-3)
     np.testing.assert_allclose(goal_y - PLACES[pairs[:, 1], 1], -2 * cos, atol=1e-3)
 
@@ -178,25 +193,25 @@ def test_progress_never_jumps(driven):
 def test_progress_keeps_up(scenarios, config, steps, travelled):
     """Straight ahead at full throttle, by more than a metre a step."""
     world = Street.create(config=config).world
-    car, step = place(world, scenarios), jax.jit(drive)
-    ahead = course(world, scenarios, jnp.full(ENVIRONMENTS, 20.0))
-    straight = np.hypot(ahead.x - car.x, ahead.y - car.y) > 20 - 1e-3
+    car = place(world, scenarios)
+    ahead = course(world, scenarios, np.full(ENVIRONMENTS, 20.0, np.float32))
+    straight = np.hypot(ahead.x - np.asarray(car.x), ahead.y - np.asarray(car.y)) > 20 - 1e-3
     assert straight.mean() > 0.3
     full = actions((1.0, 0.0))["driver"]
     for _ in range(steps):
-        car = step(world, scenarios, car, full)
+        car = drive(world, scenarios, car, full)
     np.testing.assert_allclose(np.asarray(car.along)[straight], travelled, atol=1e-3)
 
 
 def test_a_town_car_brakes_harder_than_it_accelerates(scenarios):
     world = Street.create(config=WORLDS["town"]).world
-    car, step = place(world, scenarios), jax.jit(drive)
+    car = place(world, scenarios)
     speeds = []
     for pedal in (1.0, 1.0, 0.5, -0.25, -1.0):
-        car = step(world, scenarios, car, actions((pedal, 0.0))["driver"])
-        speeds.append(float(car.speed[0]))
+        car = drive(world, scenarios, car, actions((pedal, 0.0))["driver"])
+        speeds.append(float(np.asarray(car.speed)[0]))
     np.testing.assert_allclose(speeds, [0.3, 0.6, 0.75, 0.56, 0.0], atol=1e-5)
-    assert float(car.acceleration[0]) == pytest.approx(-7.6)
+    assert float(np.asarray(car.acceleration)[0]) == pytest.approx(-7.6)
     np.testing.assert_allclose(throttle(world, car), -1.0, rtol=1e-6)
 
 
@@ -217,12 +232,13 @@ def test_speed_limits_are_those_of_lanes_and_bends():
 
 
 def test_no_speed_limit_binds_on_the_papers_street(street):
-    assert (np.asarray(street.world.tables.course[..., 4]) > street.config.max_speed).all()
+    assert (np.asarray(street.world.tables.course)[..., 4] > street.config.max_speed).all()
 
 
 def test_a_car_above_the_limit_brakes(scenarios):
     world = Street.create(config=replace(WORLDS["town"], max_lateral=0.01)).world  # it may hardly move in a bend
-    car = replace(place(world, scenarios), speed=jnp.full(ENVIRONMENTS, 10.0))
-    car = replace(car, course=replace(car.course, limit=jnp.full(ENVIRONMENTS, 5.0)))
+    ten, five = (device_put(np.full(ENVIRONMENTS, speed, np.float32)) for speed in (10, 5))
+    car = replace(place(world, scenarios), speed=ten)
+    car = replace(car, course=replace(car.course, limit=five))
     after = drive(world, scenarios, car, actions((1.0, 0.0))["driver"])
     np.testing.assert_allclose(after.speed, 10 - 0.76, rtol=1e-6)

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy import stats
 
 from jaxwalk import SimConfig, Street
-from jaxwalk.sim import pedestrian
-from jaxwalk.sim.scenario import dimensions, from_uniforms
-from jaxwalk.sim.walking_groups import chances, groups_drawn, leaders
+from jaxwalk.sim import scenario, walking_groups
+from jaxwalk.sim.scenario import Scenario, dimensions
+from jaxwalk.sim.walking_groups import chances, groups_drawn
 from jaxwalk.sim.walking_paths import walking_paths
+from sim.passersby import drawn, walked
+from sim.play import columns, compiled
 
 RULES = SimConfig(horizon=200, grouped=0.5)
 BATCH, STEPS = 256, 150
+leaders, from_uniforms = compiled(walking_groups.leaders), eqx.filter_jit(scenario.from_uniforms)
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +30,7 @@ def grouped():
 
 @pytest.fixture(scope="module")
 def scenarios(grouped):
-    return jax.vmap(grouped.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
+    return drawn(grouped, BATCH)
 
 
 @pytest.mark.parametrize(
@@ -40,11 +43,11 @@ def test_as_many_people_are_in_groups_as_asked_for(grouped, three, two):
 
 def test_leaders_by_hand():
     """Of half of the people: all three below 0.3, two of three below 0.6; two who are left over below 0.5."""
-    draws = jnp.array([0.29, 0.59, 0.61])
+    draws = np.array([0.29, 0.59, 0.61], np.float32)
     assert leaders(draws, 9, 0.5).tolist() == [0, 0, 0, 3, 3, 5, 6, 7, 8]
     assert leaders(draws, 8, 0.5).tolist() == [0, 0, 0, 3, 3, 5, 6, 7]
-    assert leaders(draws.at[2].set(0.49), 8, 0.5).tolist() == [0, 0, 0, 3, 3, 5, 6, 6]
-    assert leaders(draws.at[2].set(0.0), 7, 0.5).tolist() == [0, 0, 0, 3, 3, 5, 6]
+    assert leaders(np.array([*draws[:2], 0.49], np.float32), 8, 0.5).tolist() == [0, 0, 0, 3, 3, 5, 6, 6]
+    assert leaders(np.array([*draws[:2], 0.0], np.float32), 7, 0.5).tolist() == [0, 0, 0, 3, 3, 5, 6]
     assert leaders(draws[:1], 1, 1.0).tolist() == [0]
     assert [groups_drawn(people) for people in (1, 2, 3, 7, 12)] == [1, 1, 1, 3, 4]
 
@@ -74,7 +77,7 @@ def test_members_have_their_leaders_way_and_pace_and_their_own_last_traits(scena
 
 def test_groups_take_the_last_numbers_and_leave_leaders_as_they_are(grouped):
     plain = Street.create(config=replace(RULES, grouped=0.0)).world
-    numbers = jnp.asarray(np.random.default_rng(0).random(dimensions(grouped.world)), jnp.float32)
+    numbers = np.random.default_rng(0).random(dimensions(grouped.world)).astype(np.float32)
     assert dimensions(grouped.world) == dimensions(plain) + 4
     found, alone = from_uniforms(grouped.world, numbers), from_uniforms(plain, numbers[:-4])
     assert alone.leader is None
@@ -87,24 +90,19 @@ def test_groups_take_the_last_numbers_and_leave_leaders_as_they_are(grouped):
 
 def test_members_walk_one_behind_the_other(grouped, scenarios):
     """Whoever always goes walks its leader's path at one speed, 0.7 m or 1.4 m behind."""
-    some = jax.tree.map(lambda x: x[..., :16], scenarios)
-    world, people = grouped.world, pedestrian.place(grouped.world, some)
-
-    def step(people, _):
-        people = pedestrian.walk(world, some, people, jnp.ones(people.going.shape, bool))
-        return people, (people.x, people.y)
-
-    x, y = (np.asarray(z) for z in jax.jit(lambda p: jax.lax.scan(step, p, None, length=STEPS)[1])(people))
-    paths, speed = walking_paths(world, some, reach=60.0), np.asarray(some.walking_speed(world))
+    some, world = columns(scenarios, slice(16)), grouped.world
+    frames = walked(grouped, some)
+    x, y = np.asarray(frames.x)[:STEPS], np.asarray(frames.y)[:STEPS]
+    paths, speed = walking_paths(world, some, reach=60.0), compiled(Scenario.walking_speed)(some, world)
     leader = np.asarray(some.leader)
     checked = 0
     for ped, e in zip(*np.nonzero(leader != np.arange(12)[:, None]), strict=True):
         place = ped - leader[ped, e]
-        walked = np.arange(1, STEPS + 1) * 0.1 * speed[ped, e] - 0.7 * place
+        metres_walked = np.arange(1, STEPS + 1) * 0.1 * speed[ped, e] - 0.7 * place
         px, py = paths.x[:, leader[ped, e], e], paths.y[:, leader[ped, e], e]
         metres = np.concatenate([[0], np.cumsum(np.hypot(np.diff(px), np.diff(py)))])
-        np.testing.assert_allclose(x[:, ped, e], np.interp(walked, metres, px), atol=2e-2)
-        np.testing.assert_allclose(y[:, ped, e], np.interp(walked, metres, py), atol=2e-2)
+        np.testing.assert_allclose(x[:, ped, e], np.interp(metres_walked, metres, px), atol=2e-2)
+        np.testing.assert_allclose(y[:, ped, e], np.interp(metres_walked, metres, py), atol=2e-2)
         checked += place == 2
     assert checked > 5
 
