@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -218,3 +218,27 @@ def test_depth_is_counted(code, depth):
 
 def test_a_circle_is_found():
     assert _circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == [{"b", "c"}]
+
+
+def _names_bound(file: Path) -> Iterator[str]:
+    """The names that a module gives to values, one after the other."""
+    for node in _tree(file).body:
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
+        yield from (x.id for target in targets for x in ast.walk(target) if _is_bound(x))
+
+
+def _is_bound(x: ast.AST) -> bool:
+    return isinstance(x, ast.Name) and isinstance(x.ctx, ast.Store)
+
+
+def test_a_module_gives_a_name_to_one_thing_only():
+    """The second one silently takes the place of the first."""
+    again = {
+        f"{file.name}: {name}"
+        for file in [*FILES, *sorted((SRC.parent / "tests").rglob("*.py"))]
+        for name, times in Counter(_names_bound(file)).items()
+        if times > 1
+    }
+    assert again == set()

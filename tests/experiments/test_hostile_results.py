@@ -27,7 +27,7 @@ from report.material import material
 CASES = 20
 ENDINGS = {"goal_rate": 0.5, "collision_rate": 0.25, "timeout_rate": 0.25}
 MATERIAL = material(1)
-GOOD = {
+MADE = {
     "plan": asdict(Plan(seed=5, updates=8, episodes=3)),
     "results": MATERIAL.results.as_dict(),
     "ablation": MATERIAL.ablation.as_dict(),
@@ -36,7 +36,7 @@ GOOD = {
     "gallery": gallery_document(),
     "episode": asdict(MATERIAL.episode),
 }
-GOOD = json.loads(json.dumps(GOOD, allow_nan=False))
+GOOD = json.loads(json.dumps(MADE, allow_nan=False))
 METRICS = "".join(
     json.dumps({"update": n, "steps": 64 * n, "seconds": 1.0 * n, "episodes": float(n)} | ENDINGS) + "\n"
     for n in range(1, 9)

@@ -113,10 +113,10 @@ ROUTE = (
     + "".join(f'<Waypoint routeStrategy="shortest">{world(*point)}</Waypoint>' for point in POINTS)
     + "</Route></AssignRouteAction></RoutingAction></PrivateAction>"
 )
-DOUBLED = "".join(
+SUMS = "".join(
     f'<ParameterDeclaration name="p{n}" value="${{$p{n + 1} + $p{n + 1}}}"/>' for n in range(40)
 )  # 2 to the power of 40 sums, if each is done anew
-DOUBLED = f'<ParameterDeclarations>{DOUBLED}<ParameterDeclaration name="p40" value="0"/></ParameterDeclarations>'
+DOUBLED = f'<ParameterDeclarations>{SUMS}<ParameterDeclaration name="p40" value="0"/></ParameterDeclarations>'
 COSTLY = {
     "vertices": (document(event([follow(POINTS), speed(2)])), "Vertex: 6,000 in one way; at most 5,000 are read"),
     "waypoints": (document(event([ROUTE, speed(2)])), "Waypoint: 6,000 in one way; at most 5,000 are read"),

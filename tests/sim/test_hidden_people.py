@@ -20,7 +20,7 @@ from jaxwalk.sim.perception import first_perceived, perceive
 from jaxwalk.sim.sim_config import WORLDS
 
 PEOPLE, BATCH, STEPS, AWAY = 24, 16, 25, 25.0
-RULES = replace(WORLDS["blind-corner"], pedestrians=PEOPLE, horizon=STEPS)
+WORLD = replace(WORLDS["blind-corner"], pedestrians=PEOPLE, horizon=STEPS)
 VIEWS = [name for name in OBSERVATIONS["driver"] if name not in PRIVILEGED_SETS]
 SAME = ("belief-planner-chance", "belief-planner-cvar")
 """Drivers that see and foresee what another one does, and take long to compile."""
@@ -103,7 +103,7 @@ def test_whatever_hidden_people_do_no_driver_notices(dials):
 
     Bit for bit, with the beliefs, ages and last seen places that go from step to step.
     """
-    street = Street.create(["validation-1000000003"], replace(RULES, **dials), jaywalk_multiplier=2.0)
+    street = Street.create(["validation-1000000003"], replace(WORLD, **dials), jaywalk_multiplier=2.0)
     scenarios = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), BATCH))
     cars, people = drive(street, scenarios)
     as_it_was = watch(street, scenarios, cars, people)
