@@ -15,7 +15,6 @@ from jaxwalk import Street
 from jaxwalk.interfaces import Box, Discrete, Moment, Outcome, RoleSpec
 from jaxwalk.metrics import METRICS, Metric
 from jaxwalk.policies import DRIVERS, POPULATIONS, Random, RouteFollower, load_policy, shipped_policy
-from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import (
     ContractError,
@@ -24,7 +23,6 @@ from jaxwalk.testing import (
     check_metric,
     check_pedestrians,
     check_policy,
-    check_source,
 )
 from metrics.scenes import ghosts_of, random_trajectory
 
@@ -199,10 +197,6 @@ def test_a_broken_metric_is_told_what_it_breaks(recorded, broken, message):
         check_metric(replace(LENGTH, **broken), *recorded)
 
 
-def test_our_sources_pass(small):
-    check_source(Drawn(small, 3, 6))
-
-
 def test_a_sound_environment_and_policy_pass():
     for sound in ("", "no cost"):
         check_environment(Line(sound), {"walker": ["place"], "dog": ["place"]})
@@ -258,45 +252,3 @@ def test_a_view_must_be_hashable_and_have_a_name():
         check_policy(Sleepy(view=Loose()), Line(), "walker")
     with pytest.raises(ContractError, match="view: it must have a name"):
         check_policy(Sleepy(view=Place(name="")), Line(), "walker")
-
-
-keys_of = jax.jit(jax.vmap(jax.random.key))
-
-
-class Numbers:
-    """A source of plain numbers; ``broken`` names what is wrong with it."""
-
-    def __init__(self, broken=""):
-        self.broken, self.hashed = broken, 0
-
-    def __len__(self):
-        return 6
-
-    def take(self, numbers):
-        if self.broken != "range" and ((numbers < 0) | (numbers >= 6)).any():
-            raise ValueError("no such number")
-        values = numbers + (np.arange(len(numbers)) if self.broken == "place" else 0)
-        return jax.device_put(values), keys_of(numbers)
-
-    def hash(self):
-        self.hashed += 1
-        return "0" * 15 + (str(self.hashed) if self.broken == "hash" else "z" if self.broken == "digits" else "f")
-
-    def describe(self):
-        return {"kind": {1} if self.broken == "json" else "numbers"}
-
-
-@pytest.mark.parametrize(
-    ("broken", "message"),
-    [
-        ("range", r"take: it must raise ValueError for -1, which isn't in \[0, 6\)"),
-        ("place", "take: a scenario must not depend on what is taken with it"),
-        ("hash", "hash: it must always be the same"),
-        ("digits", "hash: it must be 16 hexadecimal digits"),
-        ("json", "describe: it must return plain JSON"),
-    ],
-)
-def test_a_broken_source_is_told_what_it_breaks(broken, message):
-    check_source(Numbers())
-    with pytest.raises(ContractError, match=message):
-        check_source(Numbers(broken))
