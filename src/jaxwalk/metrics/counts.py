@@ -20,7 +20,7 @@ FEW = 10
 """With fewer events, or fewer trials without the event, than this, the interval of a share is exact, not Wilson's."""
 
 ROUNDING = 1e-20
-"""Resamples of a share that vary less than this are equal but for rounding: 10^20 trials would vary more."""
+"""Resamples of a share with a smaller variance are equal but for rounding."""
 
 
 def proportion(successes: SupportsInt, trials: SupportsInt) -> Rate:
