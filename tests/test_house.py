@@ -221,7 +221,7 @@ def test_a_circle_is_found():
 
 
 def _names_bound(file: Path) -> Iterator[str]:
-    """The names that a module gives to values, one after the other."""
+    """The names that a module gives to values outside of blocks, one after the other."""
     for node in _tree(file).body:
         targets = (
             node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
@@ -236,7 +236,7 @@ def _is_bound(x: ast.AST) -> bool:
 def test_a_module_gives_a_name_to_one_thing_only():
     """The second one silently takes the place of the first."""
     again = {
-        f"{file.name}: {name}"
+        f"{file.relative_to(SRC.parent)}: {name}"
         for file in [*FILES, *sorted((SRC.parent / "tests").rglob("*.py"))]
         for name, times in Counter(_names_bound(file)).items()
         if times > 1

@@ -113,11 +113,12 @@ def typed(tree: Any) -> Any:
     What is made of Python numbers alone, as by ``jnp.full(shape, 2.0)``, has a weak type, and what comes of it a step
     later has not: so whatever goes on from it would be compiled twice.
     """
-    return jax.tree.map(lambda x: jax.lax.convert_element_type(x, x.dtype) if _is_weak(x) else x, tree)
+    return jax.tree.map(lambda x: jax.lax.convert_element_type(x, x.dtype) if is_weak(x) else x, tree)
 
 
-def _is_weak(x: Any) -> bool:
-    return isinstance(x, Array) and x.weak_type
+def is_weak(x: Any) -> bool:
+    """Return whether this is an array with a weak type; random keys have none."""
+    return isinstance(x, Array) and getattr(x, "weak_type", False)
 
 
 def step_key(keys: Key[Array, "*batch"], number: Int[Array, "*#batch"]) -> Key[Array, "*batch"]:

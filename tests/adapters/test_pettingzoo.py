@@ -29,7 +29,7 @@ def test_pettingzoo_finds_seeds_to_mean_what_they_say():
 
 
 def test_only_those_who_collided_have_terminated(env):
-    """Full throttle among people who always go: in this scenario somebody is hit in the 32nd step."""
+    """Full throttle among people who always go: in this scenario somebody is hit early."""
     go = {name: 1 for name in env.possible_agents} | {"driver": np.array([1, 0], np.float32)}
     env.reset(seed=0, options={"scenario": 25})
     while env.agents:

@@ -8,10 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxwalk.acting import typed
 from jaxwalk.evaluation import play, with_jaywalk_multiplier
 from jaxwalk.evaluation.playing import begin, play_block
 from jaxwalk.metrics import WAITING, measure, summarise
-from jaxwalk.policies import POPULATIONS, AlwaysGo, ConstantSpeed
+from jaxwalk.policies import DRIVERS, POPULATIONS, AlwaysGo, ConstantSpeed
 from jaxwalk.policies.shields.shield_scene import Around
 from jaxwalk.scenarios import Drawn, Scripted
 from jaxwalk.scenarios.crash_file import load_crash_suite
@@ -47,7 +48,7 @@ def per_frame(trajectory):
 def types_of(tree):
     """Shapes and types of arrays, by their places; weak types count as others."""
     found = jax.tree_util.tree_leaves_with_path(tree)
-    return {jax.tree_util.keystr(path): (x.shape, x.dtype, x.weak_type) for path, x in found}
+    return {jax.tree_util.keystr(path): (x.shape, x.dtype, getattr(x, "weak_type", False)) for path, x in found}
 
 
 def check_types(street, policies, batch):
@@ -58,8 +59,23 @@ def check_types(street, policies, batch):
 
 
 @pytest.mark.parametrize("people", POPULATIONS)
-def test_whoever_plays_the_second_block_is_no_other_program(short, batch, people):
+def test_whichever_people_walk_the_second_block_is_no_other_program(short, batch, people):
     check_types(short, {"driver": ConstantSpeed(), "pedestrian": POPULATIONS[people]()}, batch)
+
+
+@pytest.mark.parametrize("name", ["careful-human", "fuzzy-safety", "crosswalk-yield", "belief-planner"])
+def test_whichever_driver_remembers_neither(short, batch, name):
+    check_types(short, {"driver": DRIVERS[name](), "pedestrian": AlwaysGo()}, batch)
+
+
+def test_arrays_get_types_of_their_own_and_all_else_stays():
+    tree = {"key": jax.random.key(1), "none": None, "number": 2.0, "weak": jnp.full(3, 2.0), "own": jnp.zeros(2, int)}
+    found = typed(tree)
+    assert (
+        (found["none"], found["number"]) == (None, 2.0) and found["key"] is tree["key"] and found["own"] is tree["own"]
+    )
+    assert tree["weak"].weak_type and not found["weak"].weak_type
+    np.testing.assert_array_equal(found["weak"], np.full(3, 2, np.float32))
 
 
 def test_of_scripted_people_neither():

@@ -207,7 +207,7 @@ def test_a_sound_environment_and_policy_pass():
     ("broken", "message"),
     [
         ("batch", r"reset:  has shape \(4, 1\); arrays must end in the batch axis"),
-        ("weak", "reset: the state has no type of its own; give it one"),
+        ("weak", "reset: the state has no type of its own; give it one, such as jnp.full"),
         ("view", "view: it must raise ValueError for a name that there isn't"),
         ("observe", r"observe: walker place has shape \(1, 5, 4\)"),
         ("unhidden", "unhidden, observe: walker place has a number that isn't finite"),

@@ -21,7 +21,7 @@ import optax
 from jax.sharding import Mesh, PartitionSpec
 from jaxtyping import Array, Float, Int, Key
 
-from jaxwalk.acting import fresh_memory
+from jaxwalk.acting import fresh_memory, typed
 from jaxwalk.interfaces import Environment, Policy, Roles
 from jaxwalk.learning.actor import GATED, Actor, make_actor
 from jaxwalk.learning.advantages import normalised
@@ -123,7 +123,7 @@ def _untrained(
         planned=jnp.zeros((), jnp.int32),  # `init` sets it
         multipliers=fresh_multipliers(config),
     )
-    return jax.tree.map(_strongly_typed, learner)
+    return typed(learner)
 
 
 def update(environment: Environment, config: TrainConfig, learner: Learner) -> tuple[Learner, dict[str, Array]]:
@@ -211,12 +211,6 @@ def _partition_specs(learner: Learner) -> Any:
     return eqx.tree_at(
         lambda x: x.stream, specs, by_environment(learner.stream), is_leaf=lambda x: isinstance(x, PartitionSpec)
     )
-
-
-def _strongly_typed(x: Any) -> Any:
-    """Return the array without JAX's weak type: the first `update` would lose it, and the second compile again."""
-    numeric = eqx.is_array(x) and not jnp.issubdtype(x.dtype, jax.dtypes.prng_key)
-    return x.astype(x.dtype) if numeric else x
 
 
 def _shuffle_keys(learner: Learner, kind: int, count: int) -> Key[Array, " count"]:

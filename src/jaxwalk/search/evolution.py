@@ -79,9 +79,9 @@ class _Strategy(NamedTuple):
     """Its state at first."""
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=8)
 def _strategy(count: int, dimensions: int) -> _Strategy:
-    """Return the strategy: always the same one, since evosax compiles each one's steps anew."""
+    """Return the strategy, the one that was made before if it is kept: evosax compiles each one's steps anew."""
     from evosax.algorithms import SNES
 
     method = SNES(population_size=count, solution=jnp.zeros(dimensions))

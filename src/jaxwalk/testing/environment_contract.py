@@ -91,9 +91,9 @@ def _check_batch(where: str, tree: Any) -> None:
 
 def _check_types(state: Any) -> None:
     """Raise if an array has a weak type."""
-    for name in weak(state):
-        rule = "give it one, such as jnp.full(shape, 2.0, jnp.float32), or what goes on from it is compiled twice"
-        raise ContractError(f"reset: {name or 'the state'} has no type of its own; {rule}")
+    rule = "give it one, such as jnp.full(shape, 2.0, jnp.float32), or what goes on from it is compiled twice"
+    names = weak(state)
+    require(not names, f"reset: {', '.join(names) or 'the state'} has no type of its own; {rule}")
 
 
 def _check_unknown_view(environment: Environment) -> None:

@@ -8,7 +8,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from jaxwalk.acting import part_of
+from jaxwalk.acting import is_weak, part_of
 
 
 class ContractError(AssertionError):
@@ -36,8 +36,8 @@ def form(tree: Any) -> Any:
 
 def weak(tree: Any) -> list[str]:
     """Return the names of arrays whose type isn't their own: such as ``jnp.full(shape, 2.0)``, made of a number."""
-    leaves = jax.tree_util.tree_leaves_with_path(eqx.filter(tree, eqx.is_array))
-    return [jax.tree_util.keystr(path) for path, x in leaves if getattr(x, "weak_type", False)]
+    leaves = jax.tree_util.tree_leaves_with_path(tree)
+    return [jax.tree_util.keystr(path) for path, x in leaves if is_weak(x)]
 
 
 def plain(x: Any) -> np.ndarray:
