@@ -143,7 +143,7 @@ ARENAS, _M_ARENA_MAX = 2, -8
 class Relief:
     """Keeps a process small: gives freed memory back, and forgets compiled programs when they take too much."""
 
-    TRIM, FORGET, GROWTH = 150, 1000, 250
+    TRIM, FORGET, GROWTH = 75, 1000, 250
     """In MB: growth after which freed memory is given back; size above which programs are forgotten, if the process has
     grown by that much since it last forgot them (fixtures stay, and what they need isn't worth compiling again)."""
 

@@ -185,17 +185,17 @@ def scenarios(draw):
     return draw()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def always_go(street, scenarios):
-    """Everybody walks for 500 steps; the car stands."""
+    """Everybody walks for 500 steps; the car stands. 70 MB: each file of tests plays its own."""
     from sim.play import play
 
     return play(street, scenarios)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def driven(street, scenarios):
-    """500 random actions each: the car jerks about, people go or wait."""
+    """500 random actions each: the car jerks about, people go or wait. As large, and played as often."""
     from sim.play import play, random_actions
 
     actions = random_actions(0)

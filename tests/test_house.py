@@ -48,6 +48,13 @@ def _tree(file: Path) -> ast.Module:
     return ast.parse(file.read_text(encoding="utf-8"))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def trees_are_forgotten():
+    """All trees together take 200 MB."""
+    yield
+    _tree.cache_clear()
+
+
 def _module(file: Path) -> str:
     """The name that imports it."""
     parts = file.relative_to(SRC).with_suffix("").parts
