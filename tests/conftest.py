@@ -146,6 +146,9 @@ READERS = ("evaluation.batches", "cli.evaluate")
 @pytest.fixture(scope="session", autouse=True)
 def small_batches():
     """Evaluations play a few episodes at once."""
+    import jaxwalk.evaluation
+
+    assert jaxwalk.evaluation.BATCH > AT_ONCE  # the package takes it when it is first asked for: not a changed one
     with pytest.MonkeyPatch.context() as patch:
         for module in READERS:
             patch.setattr(f"jaxwalk.{module}.BATCH", AT_ONCE)

@@ -120,3 +120,17 @@ def test_areas_may_have_a_byte_order_mark(mark, place):
     document = {"type": "FeatureCollection", "features": [road]}
     (place / "areas.geojson").write_bytes(mark + json.dumps(document).encode())
     assert read_areas(place / "areas.geojson").roadway.area > 0
+
+
+def test_a_training_starts_without_what_it_does_not_need():
+    """Statistics and metrics took half a second of every command's start."""
+    code = "import sys, jaxwalk.cli.train, jaxwalk.runs.entry; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "jaxwalk.learning.mappo" in loaded
+    assert not {"scipy.stats", "scipy.sparse", "jaxwalk.metrics", "jaxwalk.evaluation.batches"} & {*loaded}
+
+
+def test_options_are_read_without_geometry_or_arrays():
+    code = "import sys, jaxwalk.cli.options; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "jaxwalk.maps.generated.splits" in loaded and not {"numpy", "shapely", "scipy", "jax"} & {*loaded}

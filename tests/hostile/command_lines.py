@@ -29,7 +29,7 @@ WORKERS = (
     "jaxwalk.cli.play._page", "jaxwalk.cli.play._drawing", "jaxwalk.experiments.driver_report.play_rounds",
     "jaxwalk.exports.sharing.evaluate_grid", "jaxwalk.cli.tracks.record_tracks", "jaxwalk.cli.scenario.export_scenario",
     "jaxwalk.exports.onnx_policy.met", "jaxwalk.cli.bench.benchmark", "jaxwalk.cli.bench.planned",
-    "jaxwalk.maps.generated.splits.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
+    "jaxwalk.maps.generated.town_street.make_street", "jaxwalk.cli.crashtest.run_crash_tests",
     "jaxwalk.cli.search.search_failures", "jaxwalk.cli.search.estimate_rate",
     "jaxwalk.cli.evaluation_asked.read_archive",
     "jaxwalk.cli.importing_streets.read_source",

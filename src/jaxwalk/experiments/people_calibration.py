@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float
-from scipy.optimize import minimize
-from scipy.special import expit
 
 from jaxwalk.experiments.real_recordings import Watched
 from jaxwalk.formats.clip_grounds import ClipGrounds
@@ -62,12 +61,12 @@ def fit_gap_acceptance(gaps: Float[np.ndarray, "gap"], accepted: Bool[np.ndarray
 
     def unlikeliness(curve: np.ndarray) -> tuple[float, np.ndarray]:
         odds = sign * (curve[0] - curve[1] * scaled)
-        slope = sign * expit(odds)
+        slope = sign * scipy.special.expit(odds)
         return float(np.logaddexp(0.0, odds).sum()), np.array([slope.sum(), -(slope * scaled).sum()])
 
     # The scaled problem is convex, and as steep in both directions, whatever the unit and the origin of the gaps.
     share = float(accepted.mean())
-    found = minimize(unlikeliness, np.array([np.log(1 / share - 1), 0.0]), method="BFGS", jac=True)
+    found = scipy.optimize.minimize(unlikeliness, np.array([np.log(1 / share - 1), 0.0]), method="BFGS", jac=True)
     per_second = float(found.x[1]) / spread
     return float(found.x[0]) + per_second * middle, per_second
 

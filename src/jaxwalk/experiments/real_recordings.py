@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 import shapely
 from jaxtyping import Bool, Float, Int
-from scipy.stats import wasserstein_distance
 
 from jaxwalk.formats.areas import Areas
 from jaxwalk.formats.clip_grounds import ClipGrounds
@@ -219,4 +219,4 @@ def distances(real: Watched, ours: dict[str, Watched]) -> dict[str, dict[str, Fl
 def _away_from(sample: np.ndarray) -> Callable[[np.ndarray], float]:
     """Return a function that says how far values are from a sample; NaN for a sample of nothing."""
     known = sample[~np.isnan(sample)]
-    return lambda values: float(wasserstein_distance(known, values)) if len(known) else np.nan
+    return lambda values: float(scipy.stats.wasserstein_distance(known, values)) if len(known) else np.nan

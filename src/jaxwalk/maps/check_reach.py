@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from jaxwalk.maps.navigation import Graph, goal_choices, shortest_ways
 
@@ -20,7 +20,7 @@ def reach_faults(graph: Graph, names: Sequence[str], goal_spacing: float, *, joi
         join: what joins two nodes, in words.
     """
     distance, _ = shortest_ways(graph)
-    groups, group = connected_components(np.isfinite(distance), directed=False)
+    groups, group = scipy.sparse.csgraph.connected_components(np.isfinite(distance), directed=False)
     # The largest connected part counts as the map; the other parts are the mistake.
     connected = group == np.bincount(group, minlength=groups).argmax()
     cut = np.flatnonzero(~connected[: len(names)]).tolist()

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from jaxwalk.maps.network import Lane
 
@@ -60,5 +59,5 @@ def _crossings(lanes: tuple[Lane, ...]) -> np.ndarray:
 
 def _components(pairs: np.ndarray, count: int) -> np.ndarray:
     """Return the number of each node's component, int (count,); ``pairs`` are joined."""
-    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
+    graph = scipy.sparse.coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    return scipy.sparse.csgraph.connected_components(graph, directed=False)[1]

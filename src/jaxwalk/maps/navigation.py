@@ -6,8 +6,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
+import scipy
 
 from jaxwalk.maps.file import MapFile
 
@@ -58,8 +57,8 @@ def shortest_ways(graph: Graph) -> tuple[np.ndarray, np.ndarray]:
     nodes = len(graph.points)
     first, second = graph.edges.T
     lengths = np.linalg.norm(graph.points[first] - graph.points[second], axis=1)
-    matrix = csr_array((lengths, (first, second)), shape=(nodes, nodes))
-    distance, before = dijkstra(matrix, directed=False, return_predecessors=True)
+    matrix = scipy.sparse.csr_array((lengths, (first, second)), shape=(nodes, nodes))
+    distance, before = scipy.sparse.csgraph.dijkstra(matrix, directed=False, return_predecessors=True)
     # On the way from a goal, the node before another one is the next hop on the way to the goal.
     next_hop = np.where(before.T >= 0, before.T, np.arange(nodes)[:, None])
     return distance.T, next_hop

@@ -10,8 +10,7 @@ from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
+import scipy
 
 from jaxwalk.maps.file import MapFile, Rectangle
 from jaxwalk.maps.navigation import NEARLY
@@ -113,8 +112,10 @@ def _shortest(points: np.ndarray, neighbours: dict[tuple[int, int], Road], place
     """Run Dijkstra's algorithm from each place: int (place, point), the previous point."""
     pairs = np.array(list(neighbours), int).reshape(-1, 2)
     lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
-    matrix = csr_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
-    _, before = dijkstra(matrix, directed=False, indices=np.arange(places), return_predecessors=True)
+    matrix = scipy.sparse.csr_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
+    _, before = scipy.sparse.csgraph.dijkstra(
+        matrix, directed=False, indices=np.arange(places), return_predecessors=True
+    )
     return before
 
 

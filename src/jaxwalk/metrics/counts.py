@@ -11,8 +11,8 @@ import math
 from typing import SupportsInt
 
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy import stats
 
 from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, Rate
 
@@ -43,13 +43,13 @@ def share_ends(successes: int | float, trials: int | float) -> tuple[float, floa
 def exact_share_ends(successes: int | float, trials: int | float) -> tuple[float, float]:
     """Return Clopper and Pearson's exact interval: it covers at least 95 %, whatever the share."""
     tail, failures = (1 - CONFIDENCE) / 2, trials - successes
-    low = stats.beta.ppf(tail, successes, failures + 1) if successes > 0 else 0.0
-    high = stats.beta.ppf(1 - tail, successes + 1, failures) if failures > 0 else 1.0
+    low = scipy.stats.beta.ppf(tail, successes, failures + 1) if successes > 0 else 0.0
+    high = scipy.stats.beta.ppf(1 - tail, successes + 1, failures) if failures > 0 else 1.0
     return float(low), float(high)
 
 
 def _wilson_ends(successes: int | float, trials: int | float) -> tuple[float, float]:
-    z2, share = float(stats.norm.ppf((1 + CONFIDENCE) / 2)) ** 2 / trials, successes / trials
+    z2, share = float(scipy.stats.norm.ppf((1 + CONFIDENCE) / 2)) ** 2 / trials, successes / trials
     centre, half = share + z2 / 2, math.sqrt(z2 * (share * (1 - share) + z2 / 4))
     return (centre - half) / (1 + z2), (centre + half) / (1 + z2)
 
@@ -74,7 +74,7 @@ def clustered_share(draws: Float[np.ndarray, "draw"], count: int | float, cluste
     if clusters > 1 and share * (1 - share) > 0 and variance > ROUNDING:
         # so few episodes tell the variance itself no better than a t-distribution's degrees of freedom say
         tail = (1 + CONFIDENCE) / 2
-        known = float(stats.norm.ppf(tail) / stats.t.ppf(tail, clusters - 1)) ** 2
+        known = float(scipy.stats.norm.ppf(tail) / scipy.stats.t.ppf(tail, clusters - 1)) ** 2
         trials = min(share * (1 - share) / variance * known, max(float(count), clusters))
     return Estimate(share, *share_ends(share * trials, trials), int(count))
 
@@ -110,8 +110,8 @@ def clustered_rate(draws: Float[np.ndarray, "draw"], exposure: int | float) -> E
 
 def _rate_ends(count: int | float, exposure: int | float) -> tuple[float, float]:
     tail = (1 - CONFIDENCE) / 2
-    low = stats.chi2.ppf(tail, 2 * count) / 2 if count else 0.0
-    high = stats.chi2.ppf(1 - tail, 2 * count + 2) / 2
+    low = scipy.stats.chi2.ppf(tail, 2 * count) / 2 if count else 0.0
+    high = scipy.stats.chi2.ppf(1 - tail, 2 * count + 2) / 2
     return float(low / exposure), float(high / exposure)
 
 

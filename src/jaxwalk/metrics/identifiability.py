@@ -13,8 +13,8 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from jaxtyping import Float, Int
-from scipy import special, stats
 
 from jaxwalk.metrics.crossings import Crossings
 from jaxwalk.metrics.statistics import ratio
@@ -94,11 +94,11 @@ def _after(crossings: int, multiplier: float, prior: _Prior) -> tuple[float, flo
     """Return expected posterior deviation and variance, and mutual information [bit], after a number of crossings."""
     tau, weight = prior
     jaywalks = np.arange(crossings + 1)
-    chance = stats.binom.pmf(jaywalks, crossings, np.minimum(1, multiplier * tau)[:, None])
+    chance = scipy.stats.binom.pmf(jaywalks, crossings, np.minimum(1, multiplier * tau)[:, None])
     seen = weight @ chance
     mean, square = (ratio((weight * tau**power) @ chance, seen) for power in (1, 2))
     variance = np.where(seen > 0, np.maximum(square - mean**2, 0), 0)
-    information = weight @ special.rel_entr(chance, seen).sum(axis=1) / np.log(2)
+    information = weight @ scipy.special.rel_entr(chance, seen).sum(axis=1) / np.log(2)
     return float(seen @ np.sqrt(variance)), float(seen @ variance), float(information)
 
 

@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from jaxtyping import Float, Shaped
-from scipy import stats
 
 from jaxwalk.metrics.counts import FEW
 from jaxwalk.metrics.metric import Metric, NoRows, Rows, Sums
@@ -74,7 +74,7 @@ def tail_mean(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> Es
     if count < FEW or np.ptp(parts) == 0:
         return Estimate(mean, None, None, count)
     error = float(parts.std(ddof=1)) / math.sqrt(len(parts))
-    half = float(stats.t.ppf((1 + CONFIDENCE) / 2, count - 1)) * error / mean
+    half = float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, count - 1)) * error / mean
     return Estimate(mean, mean * math.exp(-half), mean * math.exp(half), count)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from jaxtyping import Float, Int
-from scipy import sparse
 
 from jaxwalk.metrics.crossings import ROAD, TYPES, RoadSteps
 from jaxwalk.metrics.encounters import encounter_starts
@@ -151,7 +151,7 @@ def _resampled(
     seed: int,
 ) -> Float[np.ndarray, "draw cell type"]:
     """Return sums of the values at places (episode, cell): over all episodes (row 0), and over resampled episodes."""
-    columns = sparse.csr_array((values, place), shape=shape)
+    columns = scipy.sparse.csr_array((values, place), shape=shape)
     sums = np.zeros((1 + resamples, shape[1]))
     for some, times in episode_draws(shape[0], resamples=resamples, seed=seed):
         sums += times @ columns[some]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy
 from jaxtyping import Float, Shaped
-from scipy import special, stats
 
 from jaxwalk.metrics.counts import proportion, rate
 from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, finite_or_none, ratio
@@ -46,12 +46,12 @@ class CrossedMean:
 
     def ends(self) -> tuple[float, float]:
         """Return the 95 % t-interval."""
-        half = float(stats.t.ppf((1 + CONFIDENCE) / 2, self.freedom)) * self.error
+        half = float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, self.freedom)) * self.error
         return self.value - half, self.value + half
 
     def p(self) -> float:
         """Return the two-sided p-value of the t-test that the mean is 0; the standard error must not be 0."""
-        return float(2 * stats.t.sf(abs(self.value) / self.error, self.freedom))
+        return float(2 * scipy.stats.t.sf(abs(self.value) / self.error, self.freedom))
 
 
 def crossed_mean(values: Shaped[np.ndarray, "seed scenario"]) -> CrossedMean:
@@ -131,7 +131,7 @@ def _ends(
         half = (high - mean) / mean
         return mean * math.exp(-half), mean * math.exp(half)
     half, odds = (high - mean) / (mean * (1 - mean)), math.log(mean / (1 - mean))
-    return float(special.expit(odds - half)), float(special.expit(odds + half))
+    return float(scipy.special.expit(odds - half)), float(scipy.special.expit(odds + half))
 
 
 def interquartile_mean(values: Float[np.ndarray, "*step seed"]) -> Float[np.ndarray, "*step"]:
@@ -141,5 +141,5 @@ def interquartile_mean(values: Float[np.ndarray, "*step seed"]) -> Float[np.ndar
     statistical precipice*.
     """
     values = np.asarray(values, np.float64)
-    mean = stats.trim_mean(values, 0.25, axis=-1)
+    mean = scipy.stats.trim_mean(values, 0.25, axis=-1)
     return np.where(np.isnan(values).any(axis=-1), np.nan, mean)  # an older SciPy treats NaN as the largest value

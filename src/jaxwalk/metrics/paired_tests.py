@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from jaxtyping import Bool
-from scipy import stats
 
 from jaxwalk.metrics.statistics import CONFIDENCE, Estimate
 
@@ -20,7 +20,7 @@ def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float
     only_a, only_b = _discordant(a, b)
     if only_a + only_b == 0:
         return 1.0
-    return float(stats.binomtest(only_a, only_a + only_b, 0.5).pvalue)
+    return float(scipy.stats.binomtest(only_a, only_a + only_b, 0.5).pvalue)
 
 
 def paired_difference(
@@ -34,7 +34,7 @@ def paired_difference(
     only_a, only_b = _discordant(a, b)
     trials = len(a)
     more, less = (only_b + 1) / (trials + 2), (only_a + 1) / (trials + 2)
-    z = float(stats.norm.ppf((1 + confidence) / 2))
+    z = float(scipy.stats.norm.ppf((1 + confidence) / 2))
     half = z * math.sqrt((more + less - (more - less) ** 2) / (trials + 2))
     low, high = max(more - less - half, -1.0), min(more - less + half, 1.0)
     return Estimate((only_b - only_a) / trials, low, high, trials)

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy import optimize, special, stats
 
 from jaxwalk.metrics.statistics import CONFIDENCE
 
@@ -53,7 +53,7 @@ def fit(excesses: Excesses, threshold: float) -> ParetoFit:
     around = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
     found, _ = _largest(lambda at: _profile(y, at)[0], around)
     top, shape = _profile(y, found)
-    allowed = top - float(stats.chi2.ppf(CONFIDENCE, 1)) / 2
+    allowed = top - float(scipy.stats.chi2.ppf(CONFIDENCE, 1)) / 2
     low, high = (_where(y, allowed, found, end) for end in RATIOS)
     return ParetoFit(
         ratio=math.exp(found),
@@ -72,7 +72,9 @@ def _profile(y: Excesses, log_ratio: float) -> tuple[float, float]:
 
 def _largest(function: Callable[[float], float], bounds: tuple[float, float]) -> tuple[float, float]:
     """Return where a function is largest between two bounds, and how large."""
-    found: Any = optimize.minimize_scalar(lambda x: -function(x), bounds=bounds, method="bounded", options=PRECISELY)
+    found: Any = scipy.optimize.minimize_scalar(
+        lambda x: -function(x), bounds=bounds, method="bounded", options=PRECISELY
+    )
     return float(found.x), -float(found.fun)
 
 
@@ -82,7 +84,7 @@ def _log_likelihood(y: Excesses, log_ratio: float, shape: float) -> float:
     The parameters are the shape and S / (1 - S), S being the chance of an excess of 1 or more: S = (1 + a)^(-1 / shape)
     with a = shape / scale.
     """
-    log_beyond, log_within = special.log_expit(log_ratio), special.log_expit(-log_ratio)
+    log_beyond, log_within = scipy.special.log_expit(log_ratio), scipy.special.log_expit(-log_ratio)
     if abs(shape) < 1e-6:
         return len(y) * (math.log(-log_beyond) - log_within) + log_beyond * float(y.sum())
     a = math.expm1(-shape * log_beyond)
@@ -93,15 +95,15 @@ def _where(y: Excesses, allowed: float, found: float, end: float) -> float | Non
     """Return where the profile falls to what is allowed, between the likeliest value and an end; None if nowhere."""
     if _profile(y, end)[0] >= allowed:
         return None
-    fallen: Any = optimize.brentq(lambda at: _profile(y, at)[0] - allowed, found, end, xtol=1e-3)
+    fallen: Any = scipy.optimize.brentq(lambda at: _profile(y, at)[0] - allowed, found, end, xtol=1e-3)
     return float(fallen)
 
 
 def _fit_p(y: Excesses, log_ratio: float, shape: float) -> float:
     """Return the p-value of the chi-square test of the fit; two parameters were fitted."""
-    log_beyond = float(special.log_expit(log_ratio))
+    log_beyond = float(scipy.special.log_expit(log_ratio))
     scaled = math.expm1(-shape * log_beyond) if abs(shape) >= 1e-6 else 0.0
     survival = np.exp(-np.log1p(scaled * y) / shape) if scaled else np.exp(log_beyond * y)
     within = (1 - survival) / -math.expm1(log_beyond)
     counts = np.histogram(within, CELLS, (0, 1))[0]
-    return float(stats.chi2.sf(((counts - len(y) / CELLS) ** 2).sum() / (len(y) / CELLS), CELLS - 3))
+    return float(scipy.stats.chi2.sf(((counts - len(y) / CELLS) ** 2).sum() / (len(y) / CELLS), CELLS - 3))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from scipy import stats
+import scipy
 
 ROUNDING = 1e-9
 """Shares may add up to this much more than 1."""
@@ -34,6 +34,6 @@ def scenarios_needed(a: float, b: float, *, both: float | None = None, power: fl
     if a == b:
         raise ValueError(f"rates that are equal ({a}) can't be told apart by any number of scenarios")
     difference, single = b - a, a + b - 2 * both
-    found = stats.norm.ppf(1 - alpha / 2) * math.sqrt(single)
-    found += stats.norm.ppf(power) * math.sqrt(max(single - difference**2, 0.0))
+    found = scipy.stats.norm.ppf(1 - alpha / 2) * math.sqrt(single)
+    found += scipy.stats.norm.ppf(power) * math.sqrt(max(single - difference**2, 0.0))
     return math.ceil((found / difference) ** 2)

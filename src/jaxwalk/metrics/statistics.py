@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float, Shaped
-from scipy import stats
 
 Key = TypeVar("Key", bound=Hashable)
 RESAMPLES = 1000
@@ -162,7 +162,7 @@ def mean_of(
     if np.ptp(values) == 0:
         return Estimate(value, None, None, len(values))
     error = float(values.std(ddof=1)) / math.sqrt(len(values))
-    half = float(stats.t.ppf((1 + confidence) / 2, len(values) - 1)) * error
+    half = float(scipy.stats.t.ppf((1 + confidence) / 2, len(values) - 1)) * error
     return Estimate(value, max(value - half, within[0]), min(value + half, within[1]), len(values))
 
 
@@ -172,7 +172,7 @@ def quantile(values: Shaped[np.ndarray, "observation"], p: float, *, confidence:
         return Estimate(None, None, None, 0)
     values = np.asarray(values, np.float64)
     # quantile_test tests against q; any q gives the same interval
-    ends = stats.quantile_test(values, q=0, p=p).confidence_interval(confidence_level=confidence)
+    ends = scipy.stats.quantile_test(values, q=0, p=p).confidence_interval(confidence_level=confidence)
     return Estimate(float(np.quantile(values, p)), finite_or_none(ends.low), finite_or_none(ends.high), len(values))
 
 
@@ -190,7 +190,7 @@ def kaplan_meier_median(
     times, observed = np.asarray(times, np.float64), np.asarray(observed, bool)
     if not observed.any():
         return Estimate(None, None, None, len(times))
-    curve: Any = stats.ecdf(stats.CensoredData.right_censored(times, ~observed)).sf
+    curve: Any = scipy.stats.ecdf(scipy.stats.CensoredData.right_censored(times, ~observed)).sf
     value = _comes_down(curve.quantiles, curve.probabilities)
     low, high = _band(times, observed, curve.quantiles, curve.probabilities, confidence)
     return Estimate(value, _comes_down(curve.quantiles, low), _comes_down(curve.quantiles, high), len(times))
@@ -205,7 +205,7 @@ def _band(times, observed, at, survival, confidence) -> tuple[np.ndarray, np.nda
     inside = (survival > 0) & (survival < 1)
     terms = np.nan_to_num(ratio(events, at_risk * (at_risk - events)))
     log_survival = np.log(survival, out=np.full(len(at), -1.0), where=inside)
-    width = stats.norm.ppf((1 + confidence) / 2) * np.sqrt(np.cumsum(terms)) / -log_survival
+    width = scipy.stats.norm.ppf((1 + confidence) / 2) * np.sqrt(np.cumsum(terms)) / -log_survival
     low = np.where(inside, survival ** np.exp(width), survival)
     high = np.where(inside, survival ** np.exp(-width), np.nan)
     return low, high

@@ -11,8 +11,8 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+import scipy
 from jaxtyping import Float, Int
-from scipy import special, stats
 
 from jaxwalk.metrics.statistics import CONFIDENCE
 
@@ -42,7 +42,7 @@ def fit(counts: Float[np.ndarray, "*sample pair 3"], items: int, *, ridge: float
     total = found.sum(axis=2)
     x = np.zeros((len(found), items + 1))
     for _ in range(MOST_STEPS):
-        share = special.softmax(np.einsum("sd,pkd->spk", x, features), axis=2)
+        share = scipy.special.softmax(np.einsum("sd,pkd->spk", x, features), axis=2)
         mean = np.einsum("spk,pkd->spd", share, features)
         slope = np.einsum("spk,pkd->sd", found - total[:, :, None] * share, features) - ridge * x
         curve = np.einsum("spk,pkde->sde", total[:, :, None] * share, products)
@@ -82,5 +82,5 @@ def ends(samples: Float[np.ndarray, "sample *item"], raters: int) -> Float[np.nd
     bootstrap*).
     """
     tail = (1 - CONFIDENCE) / 2
-    level = stats.norm.cdf(np.sqrt(raters / (raters - 1)) * stats.t.ppf(tail, raters - 1))
+    level = scipy.stats.norm.cdf(np.sqrt(raters / (raters - 1)) * scipy.stats.t.ppf(tail, raters - 1))
     return np.quantile(samples[1:], [level, 1 - level], axis=0)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float, Int
-from scipy.special import ndtr, ndtri
 
 EDGE = 2.0**-24
 """Numbers closer to 0 or 1 than this count as if they were this far away: 1 - EDGE is the largest float below 1."""
@@ -52,12 +52,12 @@ class Scored(Protocol):
 
 def to_normal(points: Float[np.ndarray, "point number"]) -> Float[np.ndarray, "point number"]:
     """Return the normal scores of points, in double precision."""
-    return ndtri(np.clip(points.astype(np.float64), EDGE, 1 - EDGE))
+    return scipy.special.ndtri(np.clip(points.astype(np.float64), EDGE, 1 - EDGE))
 
 
 def to_uniform(scores: Float[np.ndarray, "point number"]) -> Float[np.ndarray, "point number"]:
     """Return the points of normal scores, in single precision; the inverse of `to_normal`, to the last bit."""
-    return np.clip(ndtr(scores), EDGE, 1 - EDGE).astype(np.float32)
+    return np.clip(scipy.special.ndtr(scores), EDGE, 1 - EDGE).astype(np.float32)
 
 
 def ordinary(rng: np.random.Generator, count: int, dimensions: int) -> Float[np.ndarray, "point number"]:

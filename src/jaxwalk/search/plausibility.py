@@ -13,9 +13,8 @@ from dataclasses import dataclass
 
 import jax
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float, Int
-from scipy.special import ndtri
-from scipy.stats import chi2
 
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.person_kind import begins
@@ -69,7 +68,7 @@ def equivalent_squares(probabilities: Sequence[float]) -> Float[np.ndarray, "out
     chance = np.asarray(probabilities, np.float64)
     rarer = (chance[None] < chance[:, None] - 1e-12) @ chance
     alike = (np.abs(chance[None] - chance[:, None]) <= 1e-12) @ chance
-    return chi2.isf(rarer + alike / 2, 1)
+    return scipy.stats.chi2.isf(rarer + alike / 2, 1)
 
 
 def draws_used(
@@ -163,7 +162,7 @@ def _scores(traits: Float[np.ndarray, "trait ped"], correlation: float) -> Float
 
 
 def _normal(uniform: np.ndarray) -> np.ndarray:
-    return ndtri(np.clip(np.asarray(uniform, np.float64), FINEST, 1 - FINEST))
+    return scipy.special.ndtri(np.clip(np.asarray(uniform, np.float64), FINEST, 1 - FINEST))
 
 
 def _yes_or_no(chance: Float[np.ndarray, "choice"], came: Bool[np.ndarray, "choice"]) -> Iterator[ChoiceMade]:

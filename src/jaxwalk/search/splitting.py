@@ -15,8 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float
-from scipy.stats import t as student
 
 from jaxwalk.search.cube import Candidates, Scored, ordinary, stepped
 
@@ -79,7 +79,7 @@ class RareRate:
     def of(estimates: list[float], levels: tuple[Level, ...], simulations: int) -> RareRate:
         """Return the rate by two or more estimates."""
         mean, count = float(np.mean(estimates)), len(estimates)
-        half = float(student.ppf(0.975, count - 1) * np.std(estimates, ddof=1) / math.sqrt(count))
+        half = float(scipy.stats.t.ppf(0.975, count - 1) * np.std(estimates, ddof=1) / math.sqrt(count))
         return RareRate(mean, max(0.0, mean - half), mean + half, tuple(estimates), levels, simulations)
 
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from jaxwalk.maps.generated.refusal import Refusal
 from jaxwalk.maps.generated.town import ARTERIAL, PARKED, TOWN, UNSEEN, Town
-from jaxwalk.maps.generated.town_street import TownStreet, make_street
+
+if TYPE_CHECKING:
+    from jaxwalk.maps.generated.town_street import TownStreet
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class Split:
 
     def street(self, number: int, refused: Counter[str] | None = None) -> TownStreet | None:
         """Return the street of a number, or None, with its reason counted, if the number is refused."""
+        from jaxwalk.maps.generated.town_street import make_street  # here: every command's options list the splits
+
         try:
             return make_street(self.family, number)
         except Refusal as refusal:
