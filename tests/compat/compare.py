@@ -3,7 +3,7 @@
     .venv/bin/python tests/compat/compare.py                      # everything: half an hour on two cores
     .venv/bin/python tests/compat/compare.py --quick              # a slice of each part
     .venv/bin/python tests/compat/compare.py scenarios updates    # some parts
-    .venv/bin/python tests/compat/compare.py --record all sampled # evaluations that are meant to change, recorded again
+    .venv/bin/python tests/compat/compare.py --record all "paper co-trained on 1"   # what is meant to change, again
 
 Prints a line for each comparison and exits with 1 if any of them differs:
 
@@ -114,7 +114,10 @@ def evaluation_with_0_1(options: dict[str, tuple], *, folder: Path) -> dict:
 
 
 def record_again(name: str, *, folder: Path) -> None:
-    """Record an evaluation again: of its document, the parts that 0.1 had."""
+    """Record a training again, or an evaluation: of its document, the parts that 0.1 had."""
+    if name in TRAININGS:
+        write(updates_file(RECORDED, name), updates_of_0_1(name, folder=folder))
+        return
     found = evaluation_with_0_1(EVALUATIONS[name], folder=folder)
     found["document"] = {part: found["document"][part] for part in ("schema", "scenarios", "cells")}
     write(evaluation_file(RECORDED, name), found)
@@ -255,7 +258,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", help=", ".join(PARTS))
     parser.add_argument("--quick", action="store_true", help="a slice of each part")
-    parser.add_argument("--record", nargs="+", choices=EVALUATIONS, default=[], help="record these evaluations again")
+    again = {"nargs": "+", "choices": (*EVALUATIONS, *TRAININGS), "metavar": "NAME", "default": []}
+    parser.add_argument("--record", **again, help="record again: " + ", ".join((*EVALUATIONS, *TRAININGS)))
     options = parser.parse_args()
     different = 0
     with tempfile.TemporaryDirectory(prefix="jaxwalk-compare-") as scratch:
