@@ -148,7 +148,7 @@ def small_batches():
     """Evaluations play a few episodes at once."""
     import jaxwalk.evaluation
 
-    assert jaxwalk.evaluation.BATCH > AT_ONCE  # the package takes it when it is first asked for: not a changed one
+    assert jaxwalk.evaluation.BATCH > AT_ONCE  # bound on first use, so before it is patched
     with pytest.MonkeyPatch.context() as patch:
         for module in READERS:
             patch.setattr(f"jaxwalk.{module}.BATCH", AT_ONCE)

@@ -123,7 +123,7 @@ def test_areas_may_have_a_byte_order_mark(mark, place):
 
 
 def test_a_training_starts_without_what_it_does_not_need():
-    """Statistics and metrics took half a second of every command's start."""
+    """Statistics and metrics would take most of a second."""
     code = "import sys, jaxwalk.cli.train, jaxwalk.runs.entry; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "jaxwalk.learning.mappo" in loaded
