@@ -182,6 +182,10 @@ BAD = {
         "hidden-intent --out r --time-weights 1 -2",
         "time_weights must lie in [0, 1000], not -2",
     ),
+    "intent too well shown": (
+        "hidden-intent --out r --pace-correlation 1.5",
+        "pace_correlation must lie in [-1, 1], not 1.5",
+    ),
     "intent half a seed": ("hidden-intent --out r --seed 0.5", "0.5"),
     "co-training of one seed": (
         "co-training --out r --seeds 1",

@@ -177,3 +177,13 @@ def test_with_other_prices_of_time_cars_are_compared_at_equal_delay(tiny, tmp_pa
     ]
     assert "`-time-4` stands for 4 times the recipe's price of time" in page
     assert "equally quick" in page
+
+
+def test_pace_that_tells_is_there_in_trainings_and_evaluations(tiny, tmp_path, quiet):
+    plan = replace(PLAN, episodes=4, seeds=1, cars=("blind", "told"), pace_correlation=0.9)
+    page = hidden_intent(tmp_path / "out", plan, base=single_agent(tiny), console=quiet).read_text("utf-8")
+    for name in plan.cars:
+        assert Run.open(tmp_path / "out/runs" / name / "seed-3").experiment.sim.pace_correlation == 0.9
+    streets = json.loads((tmp_path / "out" / "hidden-intent.json").read_text("utf-8"))["streets"]
+    assert [one["street"]["sim"]["pace_correlation"] for one in streets] == [0.9, 0.9]
+    assert "People's pace tells of their tendency (`pace_correlation` 0.9)" in page

@@ -14,5 +14,6 @@ def run(options: HiddenIntent) -> int:
         plan = IntentEffort(
             updates=options.updates, episodes=options.episodes, seed=options.seed, seeds=options.seeds,
             recipe=options.recipe, cars=options.cars, time_weights=options.time_weights,
+            pace_correlation=options.pace_correlation,
         )  # fmt: skip
     return until_interrupted(lambda: f"Read {hidden_intent(options.out, plan)}")

@@ -69,6 +69,8 @@ class IntentEffort(Effort):
     """The cars to train; none: all."""
     time_weights: tuple[float, ...] = (1.0,)
     """Prices of time, as multiples of the recipe's: each car is trained with each of them."""
+    pace_correlation: float = 0.0
+    """How far people's pace tells of their tendency (`SimConfig`), in trainings and evaluations."""
 
     def __post_init__(self) -> None:
         """Raise ValueError for an impossible value."""
@@ -85,6 +87,7 @@ class IntentEffort(Effort):
         for weight in self.time_weights:
             if not 0 <= weight <= MOST_TIME:
                 raise ValueError(f"time_weights must lie in [0, {MOST_TIME:g}], not {weight:g}")
+        telling(RECIPES[self.recipe], self.pace_correlation)
 
 
 class IntentWork(Work[IntentEffort]):
@@ -118,7 +121,7 @@ def hidden_intent(
     ``base``: what to train instead of only the car of the plan's recipe; its driver's observation set is replaced.
     """
     base = base or acquainted(single_agent(RECIPES[plan.recipe]))
-    work = IntentWork(folder, plan, console or Console(stderr=True), base)
+    work = IntentWork(folder, plan, console or Console(stderr=True), telling(base, plan.pace_correlation))
     work.do(
         [
             ("training cars that know more or less", _train),
@@ -137,6 +140,11 @@ def acquainted(experiment: Experiment) -> Experiment:
     if not experiment.sim.perception:
         return experiment
     return replace(experiment, sim=replace(experiment.sim, earlier_decisions=1))
+
+
+def telling(experiment: Experiment, pace_correlation: float) -> Experiment:
+    """Return the experiment where people's pace tells of their tendency. Raise ValueError for an impossible number."""
+    return replace(experiment, sim=replace(experiment.sim, pace_correlation=pace_correlation))
 
 
 def cars_of(experiment: Experiment, chosen: Sequence[str] = ()) -> dict[str, str]:
@@ -248,5 +256,8 @@ def _write(work: IntentWork) -> None:
     files = [work.folder / _file(setting) for setting in work.settings()]
     streets = [as_intent_street(work.json(file.name), plan.seeds, Origin(file, again)) for file in files]
     work.keep(RESULT, {"plan": asdict(plan), "streets": [street.as_dict() for street in streets]})
-    text = page(streets, recipe=plan.recipe, updates=plan.updates, time_weights=plan.time_weights)
+    text = page(
+        streets, recipe=plan.recipe, updates=plan.updates, time_weights=plan.time_weights,
+        pace_correlation=plan.pace_correlation,
+    )  # fmt: skip
     write_whole(work.folder / PAGE, text)

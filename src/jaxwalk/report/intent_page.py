@@ -43,6 +43,10 @@ ABOUT = (
     "Delay: seconds beyond untouchable full throttle on the same scenario, where the car arrives; of two cars, where "
     "both arrive."
 )
+SHOWING = (
+    " People's pace tells of their tendency (`pace_correlation` {:g}), in the trainings and everywhere below; what "
+    "could be known is of crossings alone, without pace."
+)
 EQUAL_ABOUT = (
     "A car that hurries may touch more people, whatever it sees. Here each was trained with several prices of time, "
     "and the difference is moved to the delay at which both are equally quick, by the change per second of delay "
@@ -57,10 +61,18 @@ def compared(cars: Sequence[str]) -> list[tuple[str, str]]:
     return others + [(NOTHING_MORE, car) for car in TOLD if {NOTHING_MORE, car} <= set(cars)]
 
 
-def page(streets: Sequence[IntentStreet], *, recipe: str, updates: int, time_weights: Sequence[float]) -> str:
+def page(
+    streets: Sequence[IntentStreet],
+    *,
+    recipe: str,
+    updates: int,
+    time_weights: Sequence[float],
+    pace_correlation: float,
+) -> str:
     """Return the answer and all tables, for each setting.
 
-    ``recipe``, ``updates`` and ``time_weights`` (prices of time, as multiples of the recipe's) are of the trainings.
+    ``recipe``, ``updates`` and ``time_weights`` (prices of time, as multiples of the recipe's) are of the trainings,
+    ``pace_correlation`` (`jaxwalk.sim.sim_config.SimConfig`) is of the people in them and in all settings.
     """
     results = streets[0].results
     cars = [cell.driver for cell in results.cells if cell.driver in KNOWS]
@@ -77,6 +89,7 @@ def page(streets: Sequence[IntentStreet], *, recipe: str, updates: int, time_wei
         + " ".join(f"`{name}` {KNOWS[name]}." for name in dict.fromkeys(cars))
         + " What the critic sees is the same for all."
         + "".join(prices)
+        + (SHOWING.format(pace_correlation) if pace_correlation else "")
         + f" `{CLEARANCE}` is a rule.",
         f"Training seeds: {seeds}; {counted(updates, 'update')} each. Brackets are 95 % intervals for other training "
         "seeds and other scenarios of the same streets; of the rule, for other scenarios.",

@@ -128,6 +128,9 @@ class HiddenIntent:
     time_weights: Annotated[tuple[float, ...], option("1", "W [W ...]")] = (1.0,)
     """Prices of time, as multiples of the recipe's, 1 among them: train each car with each, and compare cars at equal
     delay (docs: metrics)."""
+    pace_correlation: Annotated[float, option("0", "R")] = 0.0
+    """How far people's pace tells of their jaywalking tendency, from -1 to 1, in trainings and evaluations
+    (docs: people)."""
     seeds: Annotated[int, option("5", "N")] = 5
     """Number of training seeds: seed, seed + 1, and so on."""
     updates: Annotated[int, option("200", "N")] = 200
