@@ -87,7 +87,7 @@ class IntentEffort(Effort):
         for weight in self.time_weights:
             if not 0 <= weight <= MOST_TIME:
                 raise ValueError(f"time_weights must lie in [0, {MOST_TIME:g}], not {weight:g}")
-        telling(RECIPES[self.recipe], self.pace_correlation)
+        telling(RECIPES[self.recipe], self.pace_correlation)  # only for its ValueError
 
 
 class IntentWork(Work[IntentEffort]):
@@ -118,7 +118,8 @@ def hidden_intent(
 ) -> Path:
     """Make whatever is missing in the folder; return the page's path. Raise Interrupted on Ctrl-C.
 
-    ``base``: what to train instead of only the car of the plan's recipe; its driver's observation set is replaced.
+    ``base``: what to train instead of only the car of the plan's recipe; its driver's observation set is replaced,
+    and how far people's pace tells of their tendency.
     """
     base = base or acquainted(single_agent(RECIPES[plan.recipe]))
     work = IntentWork(folder, plan, console or Console(stderr=True), telling(base, plan.pace_correlation))
