@@ -10,6 +10,7 @@ from jaxwalk.interfaces import Box, Discrete
 from jaxwalk.learning import losses
 from jaxwalk.learning.actor import make_actor
 from jaxwalk.learning.config import RoleConfig
+from pytrees import floats
 
 # Compiled as wholes: one operation after the other, each would be a program.
 actor_loss, critic_loss, make_small_actor = map(eqx.filter_jit, (losses.actor_loss, losses.critic_loss, make_actor))
@@ -19,10 +20,6 @@ approximate_kl, beyond_clip, clipped_surrogate = map(
 explained_variance, log_ratio, weighted_mean, weighted_sum = map(
     jax.jit, (losses.explained_variance, losses.log_ratio, losses.weighted_mean, losses.weighted_sum)
 )
-
-
-def floats(*numbers):
-    return jax.device_put(np.array(numbers, np.float32))
 
 
 def surrogate(ratio, advantage):

@@ -20,6 +20,7 @@ from jaxwalk.learning.experience import gather_views
 from jaxwalk.learning.mappo import init, update
 from jaxwalk.shards import ShardsError
 from learning import games
+from pytrees import the_same
 
 SHARED = pytest.param("shared", marks=pytest.mark.long)
 ROLE = RoleConfig(actor_hidden=(16,), critic_hidden=(16,), entropy=0.003)
@@ -54,11 +55,6 @@ def judged(game, config, critic, stream):
 def values(game, config, learner, critic):
     """What a critic says of its environments' present states."""
     return np.asarray(judged(game, config, learner.critics[critic], learner.stream))
-
-
-def the_same(one, other):
-    """Whether two learners hold the same, compared on the host, where little is compiled for it (for keys)."""
-    return eqx.tree_equal(*jax.device_get((one, other)))
 
 
 class AlwaysGo(eqx.Module):

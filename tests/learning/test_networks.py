@@ -10,14 +10,11 @@ from jaxwalk.learning import actor as actors
 from jaxwalk.learning import networks
 from jaxwalk.learning.config import RoleConfig
 from jaxwalk.learning.networks import MLP
+from pytrees import floats
 
 make_actor, make_mlp, orthogonal = map(eqx.filter_jit, (actors.make_actor, networks.make_mlp, networks.orthogonal))
 applied = eqx.filter_jit(lambda network, seen: network(seen))
 normal = jax.jit(lambda seed, shape: jax.random.normal(jax.random.key(seed), shape), static_argnums=(0, 1))
-
-
-def floats(*numbers):
-    return jax.device_put(np.array(numbers, np.float32))
 
 
 def test_by_hand():

@@ -21,6 +21,7 @@ from jaxwalk.learning.risk import fresh_multipliers
 from jaxwalk.learning.turns import init_in_turns, update_in_turns
 from learning import games
 from learning.fined_games import HASTE, TOLL, made
+from pytrees import the_same
 
 LIMIT = CostLimit("fine", limit=0.5)
 ROLE = RoleConfig(actor_hidden=(16,), critic_hidden=(16,), entropy=0.02, initial_std=0.3)
@@ -35,11 +36,6 @@ charge, constrained, controlled, measured, normalised, tracked = map(
     eqx.filter_jit,
     (risk.charge, risk.constrained, risk.controlled, risk.measured, advantages.normalised, risk.tracked),
 )
-
-
-def the_same(one, other):
-    """Whether two pytrees hold the same, compared on the host, where little is compiled for it (for keys)."""
-    return eqx.tree_equal(*jax.device_get((one, other)))
 
 
 def limited(*limits, **changes):

@@ -21,6 +21,7 @@ from jaxwalk.sim.corridor import NEARING
 from jaxwalk.sim.person_kind import in_shares
 from jaxwalk.sim.sim_config import WORLDS
 from jaxwalk.testing import check_driver
+from pytrees import as_numpy
 
 PLANNERS = ["belief-planner", "belief-planner-chance", "belief-planner-cvar"]
 BESIDE, DT = 1.15, 0.1
@@ -44,11 +45,6 @@ act = eqx.filter_jit(lambda planner, *now: planner.act(*now))
 def column(*values):
     """An array of one episode."""
     return jnp.asarray(np.array(values, np.float32)[:, None])
-
-
-def in_numpy(found):
-    """These results as NumPy's arrays, whose single numbers cost no program."""
-    return jax.tree.map(np.asarray, found)
 
 
 def people(*rows):
@@ -93,7 +89,7 @@ def test_a_constant_acceleration_ends_at_a_stand_or_at_the_top_speed(speed, acce
 
 
 def test_a_plan_is_driven_by_hand():
-    way, speed = in_numpy(plans_at(plans_from(6.0, max_acceleration=2.0), np.float32(1.5)))
+    way, speed = as_numpy(plans_at(plans_from(6.0, max_acceleration=2.0), np.float32(1.5)))
     braking = plan(-1.0, 0.4, 1.0)  # 0.4 s at -3 m/s2 to 4.8 m/s, then 1.1 s at 2 m/s2
     np.testing.assert_allclose((way[braking, 0], speed[braking, 0]), (2.16 + 4.8 * 1.1 + 1.21, 7.0), rtol=1e-6)
     gentle = plan(-0.4, 2.0, 0.0)  # -1.2 m/s2
@@ -102,7 +98,7 @@ def test_a_plan_is_driven_by_hand():
 
 def test_who_walks_on_is_in_the_way_from_edge_to_edge():
     seen = people((10, 3, 0, -1), (10, 1, 0, -1), (10, 0, 0, 0), (10, 2, 0, 0), (10, 3, 0, 1), (10, -3, 0, 2))
-    found = in_numpy(walk_on(PeopleBelief(), seen))
+    found = as_numpy(walk_on(PeopleBelief(), seen))
     np.testing.assert_allclose(found.enters[:, 0], [1.85, 0, 0, NEVER, 0, 0.925], atol=1e-6)
     np.testing.assert_allclose(found.leaves[:, 0], [4.15, 2.15, NEVER, 0, -1.85, 2.075], atol=1e-5)
     assert (found.weight == 1).all()
@@ -111,7 +107,7 @@ def test_who_walks_on_is_in_the_way_from_edge_to_edge():
 def test_futures_of_somebody_are_all_that_may_happen():
     belief = PeopleBelief(futures=8, within=4.0, hazard=0.5, takes_crosswalk=0.4)
     seen = replace(people((10, 4, 1, 0)), jaywalks=column(0.3), to_crosswalk=column(2.0))
-    walking, stepping = in_numpy((walk_on(belief, seen), step_out(belief, seen)))
+    walking, stepping = as_numpy((walk_on(belief, seen), step_out(belief, seen)))
     takes = 0.4 * 0.7
     assert walking.weight.item() == pytest.approx((1 - takes) * np.exp(-0.5 * 0.3 * 4))
     assert (walking.weight.sum() + stepping.weight.sum()).item() == pytest.approx(1)
@@ -134,15 +130,15 @@ def test_runners_come_at_the_quartiles_of_their_speeds():
 
 def test_contacts_with_somebody_who_crosses_by_hand():
     """Somebody is in the way, 20 m ahead, from 1.85 to 4.15 s; a car at 8 m/s touches bodies 2.5 m ahead: at 2.19 s."""
-    walking = in_numpy(walk_on(PeopleBelief(), people((20, 3, 0, -1))))
+    walking = as_numpy(walk_on(PeopleBelief(), people((20, 3, 0, -1))))
     plans = plans_from(8.0)
-    meets, speed, when = in_numpy(met(PLAIN, plans, jax.tree.map(lambda x: x[0], walking)))
+    meets, speed, when = as_numpy(met(PLAIN, plans, jax.tree.map(lambda x: x[0], walking)))
     held, braking = plan(0.0, 0.4, 1.0), plan(-1.0, 0.4, -1.0)
     assert meets[held, 0] and speed[held, 0] == pytest.approx(8)
     assert when[held, 0] == pytest.approx(1.85 + 2.3 * (20 - 2.5 - 14.8) / (8 * 2.3), abs=1e-3)
     assert not meets[braking, 0]  # it stands after 64 / 6 = 10.67 m, and 17.5 m are free
-    near = in_numpy(walk_on(PeopleBelief(), people((8, 0, 0, 0))))
-    meets, _, _ = in_numpy(met(PLAIN, plans, jax.tree.map(lambda x: x[0], near)))
+    near = as_numpy(walk_on(PeopleBelief(), people((8, 0, 0, 0))))
+    meets, _, _ = as_numpy(met(PLAIN, plans, jax.tree.map(lambda x: x[0], near)))
     assert meets.all()  # nobody stops within 5.5 m
 
 
@@ -153,10 +149,10 @@ def test_contacts_with_somebody_who_steps_out_by_hand(along, speed):
     Whoever is 12 m ahead runs into its side; whoever is 16 m ahead, before its front.
     """
     belief, seen = PeopleBelief(futures=1, within=1.0, hazard=1.0), people((along, 1.65, 0, 1.0))
-    stepping = in_numpy(step_out(belief, replace(seen, jaywalks=column(1.0))))
+    stepping = as_numpy(step_out(belief, replace(seen, jaywalks=column(1.0))))
     future = jax.tree.map(lambda x: x[1], stepping)
     assert (future.seen.item(), future.enters.item()) == pytest.approx((0.5, 1.5))  # 2.15 m to the side by then
-    meets, impact, _ = in_numpy(met_braking(PLAIN, plans_from(8.0), future))
+    meets, impact, _ = as_numpy(met_braking(PLAIN, plans_from(8.0), future))
     held = plan(0.0, 0.4, 1.0)
     assert meets[held, 0]
     assert impact[held, 0] == pytest.approx(speed, rel=1e-4)
@@ -164,7 +160,7 @@ def test_contacts_with_somebody_who_steps_out_by_hand(along, speed):
 
 def test_the_cost_of_a_plan_by_hand():
     """Held top speed costs nothing but contacts; these cost v2 + standing times the contact cost, discounted."""
-    judged = in_numpy(judge(PLAIN, scene(people((100, 5, 0, 0)))))
+    judged = as_numpy(judge(PLAIN, scene(people((100, 5, 0, 0)))))
     held, braking = plan(0.0, 0.4, 1.0), plan(-1.0, 0.4, -1.0)
     assert judged[held, 0] == pytest.approx(0, abs=1e-6)
     lost = PLAIN.discount ** np.arange(1, 16)
@@ -192,7 +188,7 @@ def test_the_tail_is_the_mean_of_the_worst_futures(tail):
 
 
 def test_plans_with_too_many_contacts_are_excluded():
-    judged = in_numpy(judge(replace(PLAIN, tolerated=0.01), scene(people((20, 3, 0, -1)))))
+    judged = as_numpy(judge(replace(PLAIN, tolerated=0.01), scene(people((20, 3, 0, -1)))))
     assert judged[plan(0.0, 0.4, 1.0), 0] >= EXCLUDED > judged[plan(-1.0, 0.4, -1.0), 0]
 
 

@@ -17,6 +17,7 @@ from jaxwalk.sim import pedestrian, vehicle
 from jaxwalk.sim.observation import INFERRED, OBSERVATIONS, PRIVILEGED_SETS
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.state import State
+from pytrees import as_numpy
 
 ENVIRONMENTS, STEPS, PEOPLE = 256, 500, 12
 SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in PRIVILEGED_SETS | INFERRED]
@@ -29,11 +30,6 @@ AS_SHIPPED = {
     "xla_cpu_use_fusion_emitters": True,
 }
 """How users' programs are compiled: for what is called often, and what is compared with recorded numbers."""
-
-
-def as_numpy(tree):
-    """Results as NumPy arrays: looking at a part of another array compiles a program."""
-    return jax.tree.map(np.asarray, tree)
 
 
 def compiled(function):

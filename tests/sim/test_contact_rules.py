@@ -16,7 +16,8 @@ from jaxwalk.policies import AlwaysGo, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import events, manoeuvres, prediction
 from jaxwalk.sim.sim_config import WORLDS, SimConfig, rules_of
-from sim.play import as_numpy, compiled
+from pytrees import as_numpy
+from sim.play import compiled
 
 EPISODES = 64
 clearance_by = compiled(prediction.clearance_by)

@@ -14,8 +14,9 @@ from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.events import arrives, closes_in, closing_speed, touches
 from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
+from pytrees import as_numpy
 from sim import play
-from sim.play import ENVIRONMENTS, actions, alike, as_numpy, columns, goal, reset, with_car
+from sim.play import ENVIRONMENTS, actions, alike, columns, goal, reset, with_car
 
 BRAKE = (-1.0, 0.0)
 COAST = (0.0, 0.0)

@@ -20,7 +20,8 @@ from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.state import Course, Motion, VehicleState
-from sim.play import as_numpy, compiled
+from pytrees import as_numpy
+from sim.play import compiled
 
 AWAY = np.array(POINTS) * POINT_SPACING
 RULES = SimConfig(contact="footprint")

@@ -20,8 +20,9 @@ from jaxwalk.sim.observation import Observation, bounds
 from jaxwalk.sim.person_kind import CALM, CAMPUS, CHILD, HURRIED, KINDS, RUNNER, PersonKind, begins, in_shares
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.sim_config import WORLDS
+from pytrees import as_numpy
 from sim.passersby import drawn, walked
-from sim.play import as_numpy, compiled
+from sim.play import compiled
 
 SHARES = {"calm": 0.4, "hurried": 0.25, "runner": 0.2, "child": 0.15}
 RULES = SimConfig(horizon=300, kinds=in_shares(**SHARES), jaywalk_multiplier=1.0)

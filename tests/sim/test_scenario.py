@@ -11,7 +11,8 @@ import pytest
 
 from jaxwalk.rollout import EVALUATION, TRAINING, draw_batch, environment_keys, seed_key
 from jaxwalk.sim import scenario
-from sim.play import ENVIRONMENTS, as_numpy, columns, compiled, play, reset
+from pytrees import as_numpy
+from sim.play import ENVIRONMENTS, columns, compiled, play, reset
 
 
 @pytest.fixture(scope="module")

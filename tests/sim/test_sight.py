@@ -20,8 +20,9 @@ from jaxwalk.maps.walls import walls
 from jaxwalk.sim import occluders, sight, vehicle
 from jaxwalk.sim.sim_config import SimConfig
 from maps.networks import bend
+from pytrees import as_numpy
 from sim.passersby import drawn
-from sim.play import as_numpy, compiled
+from sim.play import compiled
 
 STREETS = ("validation-1000000004", "validation-1000000001")
 """One with many parked vehicles, one with many rounded buildings."""

@@ -25,8 +25,9 @@ from jaxwalk.sim.prediction import DISTANCE, NEIGHBOURS, foresee
 from jaxwalk.sim.reward import Transition
 from jaxwalk.sim.sight import in_sight
 from jaxwalk.sim.sim_config import SimConfig
+from pytrees import as_numpy
 from sim.hiding import BATCH, drawn, drive, hiding_street, look, play_on, x_ray
-from sim.play import as_numpy, compiled
+from sim.play import compiled
 
 
 @pytest.fixture(scope="module")

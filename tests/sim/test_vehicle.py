@@ -16,12 +16,12 @@ from jaxwalk.sim import vehicle
 from jaxwalk.sim.map_tables import speed_limits
 from jaxwalk.sim.sim_config import WORLDS, SimConfig
 from maps.networks import bend
+from pytrees import as_numpy
 from sim.maps import rectangles
 from sim.play import (
     ENVIRONMENTS,
     STEPS,
     actions,
-    as_numpy,
     compiled,
     everything,
     goal,
