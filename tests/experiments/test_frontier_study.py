@@ -88,12 +88,10 @@ def test_another_plan_needs_another_folder(made, quiet):
         frontier_study(made[0], replace(PLAN, episodes=9), console=quiet)
 
 
-def test_a_folder_of_an_older_version_needs_its_plan_completed(tmp_path, quiet):
+def test_a_folder_of_an_older_version_goes_on_as_it_began(tmp_path, quiet):
     older = {name: value for name, value in asdict(PLAN).items() if name != "own_settings"}
     (tmp_path / "plan.json").write_text(json.dumps(older))
-    said = "another version of jaxwalk began it: plan.json has no own_settings; name another folder"
-    with pytest.raises(RunError, match=said):
-        frontier_study(tmp_path, PLAN, console=quiet)
-    (tmp_path / "plan.json").write_text(json.dumps(older | {"own_settings": False}))
+    with pytest.raises(RunError, match="was begun with another value of own_settings"):
+        frontier_study(tmp_path, replace(PLAN, own_settings=True), console=quiet)
     FrontierWork(tmp_path, PLAN, quiet, RECIPES["fast"]).do([])
     assert json.loads((tmp_path / "plan.json").read_text())["own_settings"] is False

@@ -179,6 +179,17 @@ def test_with_other_prices_of_time_cars_are_compared_at_equal_delay(tiny, tmp_pa
     assert "equally quick" in page
 
 
+def test_evaluated_as_trained_alone_the_same_folder_goes_on_with_the_other_settings(tiny, tmp_path, quiet):
+    plan = replace(PLAN, episodes=4, seeds=1, cars=("blind", "told"), only_as_trained=True)
+    found = []
+    for asked in (plan, replace(plan, only_as_trained=False)):
+        hidden_intent(tmp_path / "out", asked, base=single_agent(tiny), console=quiet)
+        found.append(json.loads((tmp_path / "out" / "hidden-intent.json").read_text("utf-8"))["streets"])
+    (alone,), both = found
+    assert [one["setting"] for one in both] == ["jaywalk multiplier 0.25", "jaywalk multiplier 1"]
+    assert alone == both[0]
+
+
 def test_pace_that_tells_is_there_in_trainings_and_evaluations(tiny, tmp_path, quiet):
     plan = replace(PLAN, episodes=4, seeds=1, cars=("blind", "told"), pace_correlation=0.9)
     page = hidden_intent(tmp_path / "out", plan, base=single_agent(tiny), console=quiet).read_text("utf-8")

@@ -14,6 +14,6 @@ def run(options: HiddenIntent) -> int:
         plan = IntentEffort(
             updates=options.updates, episodes=options.episodes, seed=options.seed, seeds=options.seeds,
             recipe=options.recipe, cars=options.cars, time_weights=options.time_weights,
-            pace_correlation=options.pace_correlation,
+            pace_correlation=options.pace_correlation, only_as_trained=options.only_as_trained,
         )  # fmt: skip
     return until_interrupted(lambda: f"Read {hidden_intent(options.out, plan)}")

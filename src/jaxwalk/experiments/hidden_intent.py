@@ -71,6 +71,8 @@ class IntentEffort(Effort):
     """Prices of time, as multiples of the recipe's: each car is trained with each of them."""
     pace_correlation: float = 0.0
     """How far people's pace tells of their tendency (`SimConfig`), in trainings and evaluations."""
+    only_as_trained: bool = False
+    """Whether to evaluate in the setting of the trainings alone."""
 
     def __post_init__(self) -> None:
         """Raise ValueError for an impossible value."""
@@ -94,21 +96,23 @@ class IntentWork(Work[IntentEffort]):
     """The experiment in a folder."""
 
     command = "hidden-intent"
+    may_change = ("only_as_trained",)
 
     def maps(self) -> tuple[str, ...]:
         """Return the maps to evaluate on: streets that no training has, if there are many."""
         return self.base.maps if self.base.maps == FAST.maps else SUITES[self.plan.recipe].maps
 
     def settings(self) -> dict[str, SimConfig]:
-        """Return the rules of the trainings, and other ones, by names for readers."""
+        """Return the rules of the trainings, and other ones if they are asked for, by names for readers."""
         rules = self.base.sim
         if self.base.maps != FAST.maps:
             rules = replace(rules, pedestrians=SUITES[self.plan.recipe].people or rules.pedestrians)
+        others = () if self.plan.only_as_trained else MULTIPLIERS
         found = {
             f"jaywalk multiplier {multiplier:g}": replace(rules, jaywalk_multiplier=multiplier)
-            for multiplier in dict.fromkeys((rules.jaywalk_multiplier, *MULTIPLIERS))
+            for multiplier in dict.fromkeys((rules.jaywalk_multiplier, *others))
         }
-        if rules.parked > FEW_PARKED:
+        if others and rules.parked > FEW_PARKED:
             found[f"vehicles parked in {100 * FEW_PARKED:.0f} of 100 slots"] = replace(rules, parked=FEW_PARKED)
         return found
 

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
@@ -47,6 +48,8 @@ class Work(Generic[P]):
 
     command: ClassVar[str]
     """Name of the command that fills the folder."""
+    may_change: ClassVar[tuple[str, ...]] = ()
+    """Fields of the plan that may be asked for otherwise later: what is finished stays right."""
 
     folder: Path
     plan: P
@@ -135,16 +138,24 @@ class Work(Generic[P]):
         """Raise RunError unless the folder can be started or continued. Writes nothing."""
         folder, other = self.folder, "name another folder"
         filled = folder.is_dir() and not is_empty(folder)  # before the plan is read: another process may just write it
-        asked, there = json.loads(json.dumps(asdict(self.plan))), self.json(PLAN)
+        there = self.json(PLAN)
         if there is None and filled:
             raise RunError(f"{folder}: the folder is not empty and no `jaxwalk {self.command}` made it; {other}")
-        if there is not None and there != asked:
-            there = there if isinstance(there, dict) else {}
-            name = next((n for n in asked if n not in there or there[n] != asked[n]), "plan")
-            if there and name in asked and name not in there:
-                raise RunError(f"{folder}: another version of jaxwalk began it: plan.json has no {name}; {other}")
+        if there is not None and (name := self._asked_otherwise(there)):
             raise RunError(f"{folder}: was begun with another value of {name}; ask for the same again, or {other}")
         check_writable(folder)
+
+    def _asked_otherwise(self, there: Any) -> str | None:
+        """Return the first field of the plan, as it is in the folder, that isn't as asked for now; None if all are.
+
+        A field that an older version didn't have yet is read as its default: what that version did.
+        """
+        asked, usual = (json.loads(json.dumps(asdict(plan))) for plan in (self.plan, type(self.plan)()))
+        there = there if isinstance(there, dict) else {}
+        there = {name: usual[name] for name in usual if name not in asdict(Effort())} | there
+        differ = (name for name in asked if name not in there or there[name] != asked[name])
+        unknown = ("plan" for _ in there.keys() - asked.keys())
+        return next((name for name in chain(differ, unknown) if name not in self.may_change), None)
 
     def _count_minutes(self, step: Callable[[Self], None], begun: float) -> None:
         """Add the time of this part to that of earlier sessions."""

@@ -131,6 +131,8 @@ class HiddenIntent:
     pace_correlation: Annotated[float, option("0", "R")] = 0.0
     """How far people's pace tells of their jaywalking tendency, from -1 to 1, in trainings and evaluations
     (docs: people)."""
+    only_as_trained: Flag = False
+    """Evaluate in the setting of the trainings alone. Without it, the same folder goes on with the others."""
     seeds: Annotated[int, option("5", "N")] = 5
     """Number of training seeds: seed, seed + 1, and so on."""
     updates: Annotated[int, option("200", "N")] = 200
