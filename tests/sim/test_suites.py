@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,13 @@ def test_no_training_has_the_streets_of_a_suite():
     streets = {street for suite in SUITES.values() for street in suite.maps if street != "paper"}
     tests = ("test", "unseen-ranges", "arterial", "parked-test")
     assert streets and all(street.rpartition(":")[0] in tests for street in streets)
+
+
+def test_a_suite_is_the_same_whatever_a_car_was_trained_in(tmp_path):
+    trained = replace(RECIPES["blind-corner"], sim=SimConfig(earlier_decisions=1, max_speed=11.0, offroad_margin=2.0))
+    run = Run.create(tmp_path / "run", replace(trained, maps=("parked-training:1",)))
+    there = world_of([str(run.path)], SUITES["blind-corner"])
+    assert there.config == replace(WORLDS["blind-corner"], pedestrians=48)
 
 
 def test_a_named_crowd_and_world_win_over_those_of_a_run_folder(tmp_path):

@@ -13,6 +13,8 @@ SHIPPED: Final[dict[str, dict[str, str]]] = {
         "single-agent-0.2": "fast-0.2-single-agent",
         "town": "town-0.2-co-trained",
         "town-0.2": "town-0.2-co-trained",
+        "blind-corner": "blind-corner-0.2-single-agent",
+        "blind-corner-0.2": "blind-corner-0.2-single-agent",
         "co-trained-0.1": "fast-0.1-co-trained",
         "single-agent-0.1": "fast-0.1-single-agent",
         "paper-co-trained": "paper-co-trained",

@@ -32,7 +32,7 @@ from jaxwalk.runs.folder import Run
 from jaxwalk.runs.kept_maps import to_stderr
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import SimConfig, rules_of
-from jaxwalk.sim.suites import Where
+from jaxwalk.sim.suites import SUITES, Where
 
 ANYWHERE = Where()
 """No place is asked for: the run folders decide."""
@@ -43,13 +43,16 @@ MADE = {"driver": DRIVERS, "pedestrian": POPULATIONS}
 def world_of(names: Sequence[str], where: Where = ANYWHERE, tell: Callable[[str], None] = to_stderr) -> Street:
     """Return the street to evaluate on: the given maps and rules, else those that the named run folders keep.
 
-    ``tell`` is called with a warning for each folder that keeps no maps. Raise ContestantError if the folders differ in
-    what ``where`` leaves out, and ValueError for a world or a number of people that doesn't exist.
+    A suite decides everything, whatever the folders have. ``tell`` is called with a warning for each folder that keeps
+    no maps. Raise ContestantError if the folders differ in what ``where`` leaves out, and ValueError for a world or a
+    number of people that doesn't exist.
     """
     maps, world = where.maps, where.world
     runs = [Run.open(name) for name in run_folders(names)]
     for run in runs:
         check_intact(run)
+    if where in SUITES.values():
+        return Street.create(where.maps, _crowded(where, rules_of(where.world, where.maps)))
     trained = [] if maps else list(dict.fromkeys(run.maps(tell) for run in runs))
     if len(trained) > 1:
         labels = map_labels([x for each in trained for x in each])

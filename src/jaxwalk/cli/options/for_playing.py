@@ -24,7 +24,7 @@ class Evaluate:
     """Rules (random, constant-speed, rule-based, rule-based-braking, route-follower, clearance, cautious,
     careful-human, careful-human-aeb, fuzzy-safety, crosswalk-yield, idm-yield, belief-planner, belief-planner-chance,
     belief-planner-cvar, oracle), trained policies that come with jaxwalk (co-trained, single-agent, town,
-    paper-co-trained, paper-single-agent), run folders or policy files; or your own: my_module:MyDriver,
+    blind-corner, paper-co-trained, paper-single-agent), run folders or policy files; or your own: my_module:MyDriver,
     file.py:MyDriver, driver.onnx, driver.pt, ppo.zip (docs: drivers)."""
     pedestrians: Annotated[tuple[str, ...], option("always-go", "P [P ...]")] = ("always-go",)
     """Rules (always-go, gap-acceptance, diffusion, distracted, pedsumo, campus); learned, town-learned and
