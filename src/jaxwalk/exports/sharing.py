@@ -9,7 +9,6 @@ from typing import Any
 
 from jaxwalk.evaluation import evaluate_grid
 from jaxwalk.evaluation.document_parts import Interval, StreetOrigin
-from jaxwalk.evaluation.results import HEADLINE
 from jaxwalk.policies import POPULATIONS, SHIPPED, load_policy, read_metadata, save_policy
 from jaxwalk.policies.mixture_names import mixture_of
 from jaxwalk.report.table import shown
@@ -21,6 +20,12 @@ from jaxwalk.wording import counted, first_of
 from jaxwalk.writing import current, together, write_whole
 
 Results = dict[str, Any]
+
+FIGURES = {
+    "goal %": "goal_rate", "collision %": "collision_rate", "timeout %": "timeout_rate",
+    "time to goal [s]": "mean_time_to_goal", "delay [s]": "mean_delay",
+}  # fmt: skip
+"""The columns of a card's results, and the numbers of a cell's headline that stand there."""
 
 
 @dataclass(frozen=True)
@@ -119,10 +124,10 @@ def _result_lines(results: Results) -> list[str]:
     return [
         f"{head}; 95 % intervals over scenarios:",
         "",
-        "| among | goal % | collision % | timeout % | time to goal [s] | delay [s] |",
-        "| --- | --- | --- | --- | --- | --- |",
+        f"| among | {' | '.join(FIGURES)} |",
+        f"| --- |{' --- |' * len(FIGURES)}",
         *(
-            f"| {name} | {' | '.join(shown(Interval(**cell[x]), _scale(x)) for x in HEADLINE)} |"
+            f"| {name} | {' | '.join(shown(Interval(**cell[x]), _scale(x)) for x in FIGURES.values())} |"
             for name, cell in results["among"].items()
         ),
     ]

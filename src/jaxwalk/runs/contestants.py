@@ -43,7 +43,7 @@ MADE = {"driver": DRIVERS, "pedestrian": POPULATIONS}
 def world_of(names: Sequence[str], where: Where = ANYWHERE, tell: Callable[[str], None] = to_stderr) -> Street:
     """Return the street to evaluate on: the given maps and rules, else those that the named run folders keep.
 
-    A suite decides everything, whatever the folders have. ``tell`` is called with a warning for each folder that keeps
+    A suite decides them all, whatever the folders have. ``tell`` is called with a warning for each folder that keeps
     no maps. Raise ContestantError if the folders differ in what ``where`` leaves out, and ValueError for a world or a
     number of people that doesn't exist.
     """
@@ -51,7 +51,7 @@ def world_of(names: Sequence[str], where: Where = ANYWHERE, tell: Callable[[str]
     runs = [Run.open(name) for name in run_folders(names)]
     for run in runs:
         check_intact(run)
-    if where in SUITES.values():
+    if any(where is suite for suite in SUITES.values()):
         return Street.create(where.maps, _crowded(where, rules_of(where.world, where.maps)))
     trained = [] if maps else list(dict.fromkeys(run.maps(tell) for run in runs))
     if len(trained) > 1:
