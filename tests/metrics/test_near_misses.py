@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
 
 from jaxwalk.metrics import NEAR_MISSES, Estimate, measure
-from jaxwalk.metrics.near_misses import FEWEST, THRESHOLDS, Tail, _checked, extrapolate
-from jaxwalk.metrics.pareto_tail import fit
+from jaxwalk.metrics.near_misses import FEWEST, THRESHOLDS, UNLIKELY, Tail, _checked, _rate, extrapolate
+from jaxwalk.metrics.pareto_tail import ParetoFit, fit
 from jaxwalk.sim.crossing_kind import CROSSWALK
 from metrics.scenes import Scene, Walk, trajectory
 
@@ -27,6 +29,22 @@ def test_a_tail_is_found_again(shape, beyond):
     assert found.ratio == pytest.approx(beyond / (1 - beyond), rel=0.06)
     assert found.low < found.ratio < found.high < 3 * found.low
     assert found.p > 0.99
+
+
+def test_a_tail_of_another_form_fits_poorly():
+    clusters = np.concatenate([np.linspace(0.01, 0.02, 500), np.linspace(0.5, 0.51, 500)])
+    assert fit(clusters, 1.0).p < UNLIKELY
+
+
+def test_contacts_per_episode_by_hand():
+    """100 near misses in 1,000 episodes, a hundredth as many contacts; ends that a fit doesn't have."""
+    bounds_nothing = ParetoFit(ratio=0.01, low=0.0, high=None, shape=0.1, p=0.5)
+    found = _rate(100, 1000, bounds_nothing)
+    assert (found.value, found.low, found.high, found.count) == (pytest.approx(0.001), 0.0, None, 100)
+    found = _rate(100, 1000, replace(bounds_nothing, low=0.005, high=0.02))
+    # on the scale of logarithms, a factor of 2 and the share's own (Wilson: 8.291 to 12.015 %) add up as squares do
+    assert found.low == pytest.approx(0.001 * np.exp(-np.hypot(np.log(2), np.log(10 / 8.291))), rel=1e-3)
+    assert found.high == pytest.approx(0.001 * np.exp(np.hypot(np.log(2), np.log(12.015 / 10))), rel=1e-3)
 
 
 def test_the_unit_of_length_does_not_matter():
