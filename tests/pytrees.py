@@ -1,4 +1,4 @@
-"""Values that tests build and compare on the host: there each single number costs no program."""
+"""Make values for tests, and read and compare them on the host, where a single number costs no program."""
 
 from __future__ import annotations
 
