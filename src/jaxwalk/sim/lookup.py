@@ -29,21 +29,30 @@ def look_up_each(tables: Sequence[Array], *index: Array) -> list[Array]:
     flat = jnp.zeros((), jnp.int32)
     for size, i in zip(tables[0].shape, index, strict=True):
         flat = flat * size + i
-    places = _once(flat.reshape(-1))
+    places = once(flat.reshape(-1))
     return [table.reshape(-1).at[places].get(**IN_BOUNDS).reshape(flat.shape) for table in tables]
 
 
 def look_up_row(table: Array, *index: Array) -> Array:
     """Return ``table[index]`` for a table with one axis more than there are indices; that axis leads in the result."""
+    rows = _rows(table, *index)
+    return once(rows.reshape(-1, table.shape[-1]).T).reshape(-1, *rows.shape[:-1])  # not transposed by every reader
+
+
+def look_up_rows(table: Array, *index: Array) -> Array:
+    """Return the same with that axis last: no transposition, which takes longer than to look up a long row."""
+    return once(_rows(table, *index))
+
+
+def _rows(table: Array, *index: Array) -> Array:
     flat = jnp.zeros((), jnp.int32)
     for size, i in zip(table.shape[:-1], index, strict=True):
         flat = flat * size + i
-    rows = table.reshape(-1, table.shape[-1]).at[flat.reshape(-1)].get(**IN_BOUNDS)
-    return _once(rows.T).reshape(-1, *flat.shape)  # transposed once, not by every reader
+    return table.reshape(-1, table.shape[-1]).at[flat.reshape(-1)].get(**IN_BOUNDS).reshape(*flat.shape, -1)
 
 
-def _once(x: Array) -> Array:
-    """Return an array that a CPU computes once; on a GPU that would be a launch of its own."""
+def once(x: Any) -> Any:
+    """Return arrays that a CPU computes once, not in every reader; on a GPU that would be a launch of its own."""
     return x if few_launches() else jax.lax.optimization_barrier(x)
 
 

@@ -22,6 +22,8 @@ COLUMNS = 7
 """The columns of an occluder: centre, direction, half length and half width [m]; and its parking slot, `NO_SLOT` for a
 building."""
 NO_SLOT, PADDING = -1.0, -2.0
+LANES = 8
+"""Boxes that a step looks at in one turn: as many numbers as a processor core computes with at once."""
 EYES, TARGETS = 2.0, 2.0
 """Distances between the places of the eye and between those of people that are tried [m]."""
 WIDENED = 1.5
@@ -38,17 +40,18 @@ ROUNDING = 0.01
 
 
 def pack_occluders(maps: RoadMap, sight: float) -> Float[np.ndarray, "map row column entry"]:
-    """Return each cell's occluders, one after the other, `COLUMNS` numbers each; ``maps`` are stacked NumPy arrays.
+    """Return each cell's occluders, `COLUMNS` rows of as many numbers as boxes; ``maps`` are stacked NumPy arrays.
 
-    The first row and column lie at the map's south-western corner. ``sight`` is the range of sight [m].
+    The number of boxes is a multiple of `LANES`. The first row and column of the table lie at the
+    map's south-western corner. ``sight`` is the range of sight [m].
     """
     shape = tuple(rounded_up(int(np.ceil(float(np.max(extent)) / CELL)) + 1) for extent in (maps.height, maps.width))
     cells = {cell: boxes for number in range(len(maps.width)) for cell, boxes in _of_map(maps, number, shape, sight)}
-    most = rounded_up(max([1, *map(len, cells.values())]))
-    packed = np.zeros((len(maps.width), *shape, most, COLUMNS), np.float32)
-    packed[..., -1] = PADDING
+    most = LANES * rounded_up(-(-max([1, *map(len, cells.values())]) // LANES))
+    packed = np.zeros((len(maps.width), *shape, COLUMNS, most), np.float32)
+    packed[..., -1, :] = PADDING
     for cell, boxes in cells.items():
-        packed[cell][: len(boxes)] = boxes
+        packed[cell][:, : len(boxes)] = boxes.T
     return packed.reshape(*packed.shape[:3], -1)
 
 

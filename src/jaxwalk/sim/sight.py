@@ -2,58 +2,75 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import or_
+
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, UInt32
 
-from jaxwalk.sim.everybody import for_everybody
-from jaxwalk.sim.lookup import look_up_row
-from jaxwalk.sim.occluders import CELL, COLUMNS, NO_SLOT, meets
+from jaxwalk.sim.lookup import look_up_rows, once
+from jaxwalk.sim.occluders import CELL, COLUMNS, LANES, NO_SLOT, PADDING, meets
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import VehicleState
 from jaxwalk.sim.world import World
 
 BITS = 32
 """Slots of a word."""
+NOTHING = -1e6
+"""Half the length of what isn't there [m]."""
 
 
 def in_sight(
     world: World, scenario: Scenario, car: VehicleState, x: Float[Array, "ped *batch"], y: Float[Array, "ped *batch"]
 ) -> Bool[Array, "ped *batch"]:
-    """Return whether the line between the car's front axle and each place (x, y) [m] is free, and within ``sight``."""
+    """Return whether the line between the car's front axle and each place (x, y) [m] is free, and within ``sight``.
+
+    Here the batch leads and boxes come last, `LANES` at a time: so a box is worked out once for all places, and a row
+    of the table needs no transposition.
+    """
     eye_x = car.x + world.rules.wheelbase / 2 * car.cos
     eye_y = car.y + world.rules.wheelbase / 2 * car.sin
     dx, dy = x - eye_x[None], y - eye_y[None]
-    boxes, words = _boxes_near(world, scenario, eye_x, eye_y), _words(scenario)
+    to_x, to_y = (jnp.moveaxis(to, 0, -1)[..., None] for to in (dx, dy))
 
-    def look_past(box: tuple[Array, ...], hidden: Array) -> Array:
-        bx, by, cos, sin, half_length, half_width, slot = box
-        to_x, to_y = bx - eye_x[None], by - eye_y[None]
-        along, left = dx * cos + dy * sin, dy * cos - dx * sin
-        ahead, aside = to_x * cos + to_y * sin, to_y * cos - to_x * sin
-        return hidden | (_stands(words, slot) & meets(along, left, ahead, aside, half_length, half_width))
+    def is_behind(box: tuple[Array, ...]) -> Array:
+        ahead, aside, cos, sin, half_length, half_width = box
+        return meets(to_x * cos + to_y * sin, to_y * cos - to_x * sin, ahead, aside, half_length, half_width)
 
-    hidden = for_everybody(boxes, look_past, jnp.zeros(dx.shape, bool))
-    return ~hidden & (dx * dx + dy * dy <= world.rules.sight**2)
+    boxes = _boxes_near(world, scenario, eye_x, eye_y)
+    turns = zip(*(jnp.split(column, column.shape[-1] // LANES, axis=-1) for column in boxes), strict=True)
+    hidden = reduce(or_, map(is_behind, turns)).any(axis=-1)
+    return ~jnp.moveaxis(hidden, -1, 0) & (dx * dx + dy * dy <= world.rules.sight**2)
 
 
-def _boxes_near(world: World, scenario: Scenario, x: Array, y: Array) -> tuple[Float[Array, "box *batch"], ...]:
-    """Return the columns of the boxes that matter at a place (`jaxwalk.sim.occluders`)."""
+def _boxes_near(
+    world: World, scenario: Scenario, x: Float[Array, "*batch"], y: Float[Array, "*batch"]
+) -> tuple[Float[Array, "*batch 1 box"], ...]:
+    """Return the boxes that matter at a place (`jaxwalk.sim.occluders`), as seen from there.
+
+    The columns are where its centre is along the box and to the left, its direction, and half its length and width.
+    Where nothing stands, the length is below 0, and no line meets it.
+    """
     table = world.occluders
     assert table is not None
     rows, columns = table.shape[1:3]
     row, column = (jnp.clip((at / CELL).astype(jnp.int32), 0, most - 1) for at, most in ((y, rows), (x, columns)))
-    entries = look_up_row(table, scenario.map, row, column)
-    boxes = tuple(jnp.moveaxis(entries.reshape(-1, COLUMNS, *x.shape), 1, 0))
-    return boxes if scenario.script is None else _with_scripted(boxes, scenario.script.boxes)
+    entries = look_up_rows(table, scenario.map, row, column).reshape(*x.shape, COLUMNS, -1)
+    if scenario.script is not None:
+        entries = jnp.concatenate([entries, _scripted(scenario.script.boxes)], axis=-1)
+    box_x, box_y, cos, sin, half_length, half_width, slot = jnp.moveaxis(entries, -2, 0)
+    to_x, to_y = box_x - x[..., None], box_y - y[..., None]
+    half_length = jnp.where(_stands(_words(scenario), slot), half_length, NOTHING)
+    boxes = (to_x * cos + to_y * sin, to_y * cos - to_x * sin, cos, sin, half_length, half_width)
+    return tuple(column[..., None, :] for column in once(boxes))
 
 
-def _with_scripted(
-    boxes: tuple[Float[Array, "_ *batch"], ...], scripted: Float[Array, "box 6 *batch"]
-) -> tuple[Float[Array, "_ *batch"], ...]:
-    """Return the columns of boxes with those of a script after them."""
-    always = jnp.full(scripted[:, :1].shape, NO_SLOT)
-    columns = jnp.moveaxis(jnp.concatenate([scripted, always], axis=1), 1, 0)
-    return tuple(jnp.concatenate(pair) for pair in zip(boxes, columns, strict=True))
+def _scripted(boxes: Float[Array, "box 6 *batch"]) -> Float[Array, "*batch column lane"]:
+    """Return the boxes of a script as entries of the table, padded to whole turns."""
+    entries = jnp.moveaxis(boxes, (0, 1), (-1, -2))
+    kept = [(0, 0)] * (entries.ndim - 2)
+    entries = jnp.pad(entries, [*kept, (0, 1), (0, 0)], constant_values=NO_SLOT)
+    return jnp.pad(entries, [*kept, (0, 0), (0, -entries.shape[-1] % LANES)], constant_values=PADDING)
 
 
 def _words(scenario: Scenario) -> tuple[UInt32[Array, "*batch"], ...]:
@@ -67,10 +84,10 @@ def _words(scenario: Scenario) -> tuple[UInt32[Array, "*batch"], ...]:
     return tuple((bits * weights).sum(axis=1, dtype=jnp.uint32))
 
 
-def _stands(words: tuple[UInt32[Array, "*batch"], ...], slot: Float[Array, "1 *batch"]) -> Bool[Array, "1 *batch"]:
+def _stands(words: tuple[UInt32[Array, "*batch"], ...], slot: Float[Array, "*batch box"]) -> Bool[Array, "*batch box"]:
     """Return whether a building, or a vehicle in this slot, stands there."""
     number = jnp.maximum(slot, 0).astype(jnp.uint32)
     word = jnp.zeros(slot.shape, jnp.uint32)
     for index, bits in enumerate(words):
-        word = jnp.where(number // BITS == index, bits[None], word)
+        word = jnp.where(number // BITS == index, bits[..., None], word)
     return (slot == NO_SLOT) | ((slot >= 0) & ((word >> (number % BITS)) & 1 == 1))
