@@ -76,10 +76,9 @@ def test_boxes_block_what_polygons_block(seed):
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.integers(0, 4))
 @settings(max_examples=50, deadline=None)
 def test_boxes_that_matter_are_those_on_some_line(seed, eyes, people):
-    """Looked for box by box and eye by eye; in single precision, too, so that both round alike."""
+    """Looked for box by box and eye by eye. A box that a line only touches may count as either."""
     random, sight = np.random.default_rng(seed), 30.0
-    eyes = random.uniform(-6, 6, (eyes, 2)).astype(np.float32)
-    people = random.uniform(-50, 50, (people, 2)).astype(np.float32)
+    eyes, people = random.uniform(-6, 6, (eyes, 2)), random.uniform(-50, 50, (people, 2))
     angle = random.uniform(-np.pi, np.pi, 100)
     boxes = np.column_stack([
         random.uniform(-60, 60, (100, 2)), np.cos(angle), np.sin(angle), random.uniform(0, 3, (100, 2)), np.zeros(100)
@@ -87,14 +86,15 @@ def test_boxes_that_matter_are_those_on_some_line(seed, eyes, people):
     middle, most = eyes.mean(axis=0), sight + 2 * occluders.CELL  # farther than any line from one of the eyes
     near = people[np.hypot(*(people - middle).T) <= most]
 
-    def lies_on_a_line(box):
+    def lies_on_a_line(box, widened):
         if np.hypot(*(box[:2] - middle)) - np.hypot(box[4], box[5]) > most:
             return False
-        wide = (box[:6] + occluders.WIDENED * np.array([0, 0, 0, 0, 1, 1])).astype(np.float32)
+        wide = box[:6] + widened * np.array([0, 0, 0, 0, 1, 1])
         return any(occluders.blocked(wide[None], eye, near).any() for eye in eyes)
 
     found = occluders._matter(boxes, eyes, people, sight)
-    assert found.tolist() == [lies_on_a_line(box) for box in boxes]
+    less, more = ([lies_on_a_line(box, occluders.WIDENED + by) for box in boxes] for by in (-ROUNDING, ROUNDING))
+    assert (np.array(less) <= found).all() and (found <= np.array(more)).all()
 
 
 @pytest.fixture(scope="module", params=STREETS)

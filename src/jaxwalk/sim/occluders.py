@@ -7,6 +7,7 @@ the car there to a place where people may be, within the range of sight.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from jaxtyping import Bool, Float, Shaped
@@ -31,10 +32,8 @@ WIDENED = 1.5
 of the boxes between tried lines is missed."""
 BESIDE = 3.0
 """The eye is less than half of this beyond the roadway's edge, so a tried place is near it [m]."""
-AT_ONCE = 2_000_000
-"""Lines times boxes that are looked at at once."""
-FIRST = 2
-"""Number of eyes in a cell that are tried with every box; all of them are tried only with the undecided ones."""
+EYES_APART, PLACES_APART = 6, 8
+"""Every box is tried with the lines from each sixth eye of a cell to each eighth place."""
 ROUNDING = 0.01
 """More than single precision loses [m]."""
 
@@ -46,7 +45,9 @@ def pack_occluders(maps: RoadMap, sight: float) -> Float[np.ndarray, "map row co
     map's south-western corner. ``sight`` is the range of sight [m].
     """
     shape = tuple(rounded_up(int(np.ceil(float(np.max(extent)) / CELL)) + 1) for extent in (maps.height, maps.width))
-    cells = {cell: boxes for number in range(len(maps.width)) for cell, boxes in _of_map(maps, number, shape, sight)}
+    with ThreadPoolExecutor() as threads:
+        each = threads.map(lambda number: list(_of_map(maps, number, shape, sight)), range(len(maps.width)))
+        cells = {cell: boxes for cells_of_map in each for cell, boxes in cells_of_map}
     most = LANES * rounded_up(-(-max([1, *map(len, cells.values())]) // LANES))
     packed = np.zeros((len(maps.width), *shape, COLUMNS, most), np.float32)
     packed[..., -1, :] = PADDING
@@ -108,29 +109,43 @@ def _of_map(
 
 
 def _matter(boxes: np.ndarray, eyes: np.ndarray, people: np.ndarray, sight: float) -> Bool[np.ndarray, " box"]:
-    """Return which boxes lie on a line from one of the eyes to one of the places of people."""
-    matter = np.zeros(len(boxes), bool)
+    """Return which boxes, widened, lie on a line from one of the eyes to one of the places of people."""
     middle, spread = eyes.mean(axis=0), 2 * CELL
     reach = np.hypot(*(boxes[:, :2] - middle).T) - np.hypot(boxes[:, 4], boxes[:, 5]) <= sight + spread
-    near = people[np.hypot(*(people - middle).T) <= sight + spread].astype(np.float32)
-    wide = (boxes[:, :6] + np.array([0, 0, 0, 0, WIDENED, WIDENED])).astype(np.float32)
-    eyes, centre = eyes.astype(np.float32), middle.astype(np.float32)
-    for eye in eyes[:: max(1, len(eyes) // FIRST)]:
-        for part in _parts(reach & ~matter, near):
-            matter[part] = blocked(wide[part, None], eye, near).any(axis=1)
-    # no point of a line from an eye is farther than this from the line from the middle to the same place
-    farthest = np.hypot(*(eyes - centre).T).max() + ROUNDING
-    wider = wide + np.array([0, 0, 0, 0, farthest, farthest], np.float32)
-    for part in _parts(reach & ~matter, near):
-        for box, behind in zip(part, blocked(wider[part, None], centre, near), strict=True):
-            matter[box] = blocked(wide[box], eyes[:, None], near[behind]).any()
+    near = people[np.hypot(*(people - middle).T) <= sight + spread]
+    wide = boxes[reach, :6] + np.array([0, 0, 0, 0, WIDENED, WIDENED])
+    matter = np.zeros(len(boxes), bool)
+    matter[reach] = _on_lines(*(of.astype(np.float32) for of in (wide, eyes, near)))
     return matter
 
 
-def _parts(boxes: Bool[np.ndarray, " box"], places: np.ndarray) -> list[np.ndarray]:
-    """Return the numbers of the boxes that are True, in parts that can be looked at from all places at once."""
-    numbers = np.flatnonzero(boxes)
-    return np.array_split(numbers, max(1, len(numbers) * len(places) // AT_ONCE)) if len(numbers) else []
+def _on_lines(boxes: np.ndarray, eyes: np.ndarray, places: np.ndarray) -> Bool[np.ndarray, " box"]:
+    """Return which boxes lie on a line from an eye to a place: all lines are tried only where none of a few meets."""
+    middle = eyes.mean(axis=0, keepdims=True)
+    begin, centre, end = (_in_frames(boxes, points) for points in (eyes, middle, places))
+    half = boxes[:, 4:].T[..., None]
+    few = _between(begin[:, :, ::EYES_APART, None], end[:, :, None, ::PLACES_APART], half[..., None])
+    found = np.asarray(few.any(axis=(1, 2)))
+    rest = np.flatnonzero(~found)
+    # no point of a line from an eye is farther than this from the line from the middle to the same place
+    farthest = np.hypot(*(eyes - middle).T).max() + np.float32(ROUNDING)
+    which, place = np.nonzero(_between(centre[:, rest], end[:, rest], half[:, rest] + farthest))
+    box = rest[which]
+    eyes_first = begin.swapaxes(1, 2).take(box, axis=2)  # the long axis comes last, which is quicker
+    found[box[_between(eyes_first, end[:, None, box, place], half[:, None, box, 0]).any(axis=0)]] = True
+    return found
+
+
+def _in_frames(boxes: np.ndarray, points: np.ndarray) -> Shaped[np.ndarray, "2 box point"]:
+    """Return where points (point, 2) are from the boxes' centres, along the boxes and to the left."""
+    x, y, cos, sin = boxes[:, :4].T
+    directions = np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)])
+    return directions @ points.T - np.stack([x * cos + y * sin, y * cos - x * sin])[..., None]
+
+
+def _between(begin: np.ndarray, end: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Return whether boxes lie between places, each (2, ...) from the boxes' centres; ``half`` are lengths, widths."""
+    return meets(*(end - begin), *-begin, *half)
 
 
 def _places(maps: RoadMap, number: int) -> tuple[np.ndarray, np.ndarray]:
