@@ -91,7 +91,7 @@ def test_told_tendencies_are_of_perceived_people_only(hiding, scenarios, played)
 def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios):
     """Without occluders and with a long range, all views are those of a world without perception."""
     far = replace(hiding.world.rules, sight=jnp.float32(1000))
-    nothing = jnp.full_like(hiding.world.occluders, PADDING)
+    nothing = jax.tree.map(lambda table: jnp.full_like(table, PADDING), hiding.world.occluders)
     clear = replace(hiding, world=replace(hiding.world, rules=far, occluders=nothing))
     usual = replace(hiding, world=replace(hiding.world, rules=replace(far, perception=False)))
     (one, _), (other, _) = drive(clear, scenarios), eqx.filter_jit(play_on)(usual, scenarios)
@@ -111,7 +111,8 @@ def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios
 def test_all_crossings_count_if_everybody_is_in_sight(hiding, scenarios):
     """Against the frames: each decision that led onto the roadway counts once, also over an island."""
     rules = replace(hiding.world.rules, sight=jnp.float32(1000))
-    everywhere = replace(hiding.world, rules=rules, occluders=jnp.full_like(hiding.world.occluders, PADDING))
+    nothing = jax.tree.map(lambda table: jnp.full_like(table, PADDING), hiding.world.occluders)
+    everywhere = replace(hiding.world, rules=rules, occluders=nothing)
     state, (_, _, _, *frames) = drive(replace(hiding, world=everywhere), scenarios)
     on_roadway, crossing, decisions = map(np.asarray, frames)
     counted = state.perceived.crossings

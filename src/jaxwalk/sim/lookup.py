@@ -39,9 +39,9 @@ def look_up_row(table: Array, *index: Array) -> Array:
     return once(rows.reshape(-1, table.shape[-1]).T).reshape(-1, *rows.shape[:-1])  # not transposed by every reader
 
 
-def look_up_rows(table: Array, *index: Array) -> Array:
-    """Return the same with that axis last: no transposition, which takes longer than to look up a long row."""
-    return once(_rows(table, *index))
+def look_up_rows(tables: Sequence[Array], *index: Array) -> list[Array]:
+    """Return ``table[index]`` of each such table, with that axis last; all tables have one shape."""
+    return once([_rows(table, *index) for table in tables])
 
 
 def _rows(table: Array, *index: Array) -> Array:

@@ -13,18 +13,21 @@ import numpy as np
 from jaxtyping import Bool, Float, Shaped
 
 from jaxwalk.maps import RoadMap
+from jaxwalk.maps.parking_slots import SLOT_COLUMNS
 from jaxwalk.maps.road_field import BEYOND, UNIT
 from jaxwalk.maps.road_field import CELL as FIELD_CELL
 from jaxwalk.maps.tables import rounded_up
 
 CELL = 8.0
 """Side of a cell of the ground [m]."""
-COLUMNS = 7
-"""The columns of an occluder: centre, direction, half length and half width [m]; and its parking slot, `NO_SLOT` for a
-building."""
+COLUMNS = (*SLOT_COLUMNS, "slot")
+"""The columns of an occluder: its box, and its parking slot, `NO_SLOT` for a building."""
 NO_SLOT, PADDING = -1.0, -2.0
 LANES = 8
 """Boxes that a step looks at in one turn: as many numbers as a processor core computes with at once."""
+ENTRIES = 3 * LANES
+"""A cell has a multiple of this number. The rows of the tables compete for the same places of a cache, and take 1.3
+times as long, if their size is a power of two."""
 EYES, TARGETS = 2.0, 2.0
 """Distances between the places of the eye and between those of people that are tried [m]."""
 WIDENED = 1.5
@@ -38,22 +41,21 @@ ROUNDING = 0.01
 """More than single precision loses [m]."""
 
 
-def pack_occluders(maps: RoadMap, sight: float) -> Float[np.ndarray, "map row column entry"]:
-    """Return each cell's occluders, `COLUMNS` rows of as many numbers as boxes; ``maps`` are stacked NumPy arrays.
+def pack_occluders(maps: RoadMap, sight: float) -> tuple[Float[np.ndarray, "map row column box"], ...]:
+    """Return the occluders of each cell, a table for each of `COLUMNS`; ``maps`` are stacked NumPy arrays.
 
-    The number of boxes is a multiple of `LANES`. The first row and column of the table lie at the
-    map's south-western corner. ``sight`` is the range of sight [m].
+    The first row and column lie at the map's south-western corner. ``sight`` is the range of sight [m].
     """
     shape = tuple(rounded_up(int(np.ceil(float(np.max(extent)) / CELL)) + 1) for extent in (maps.height, maps.width))
     with ThreadPoolExecutor() as threads:
         each = threads.map(lambda number: list(_of_map(maps, number, shape, sight)), range(len(maps.width)))
         cells = {cell: boxes for cells_of_map in each for cell, boxes in cells_of_map}
-    most = LANES * rounded_up(-(-max([1, *map(len, cells.values())]) // LANES))
-    packed = np.zeros((len(maps.width), *shape, COLUMNS, most), np.float32)
-    packed[..., -1, :] = PADDING
+    most = ENTRIES * -(-max([1, *map(len, cells.values())]) // ENTRIES)
+    packed = np.zeros((len(COLUMNS), len(maps.width), *shape, most), np.float32)
+    packed[-1] = PADDING
     for cell, boxes in cells.items():
-        packed[cell][:, : len(boxes)] = boxes.T
-    return packed.reshape(*packed.shape[:3], -1)
+        packed[(slice(None), *cell, slice(len(boxes)))] = boxes.T
+    return tuple(packed)
 
 
 def blocked(
@@ -92,7 +94,7 @@ def meets(along, left, ahead, aside, half_length, half_width):
 def _of_map(
     maps: RoadMap, number: int, shape: tuple[int, ...], sight: float
 ) -> Iterator[tuple[tuple[int, int, int], np.ndarray]]:
-    """Yield the cells of a map where the car may be, as (map, row, column), with their boxes, (box, `COLUMNS`)."""
+    """Yield the cells of a map where the car may be, as (map, row, column), with their boxes, (box, column)."""
     slots, walls = (
         np.asarray(table[number])[: int(count[number])]
         for table, count in ((maps.slots, maps.slot_count), (maps.walls, maps.wall_count))

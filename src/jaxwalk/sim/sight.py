@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
 from operator import or_
 
@@ -9,7 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, UInt32
 
 from jaxwalk.sim.lookup import look_up_rows, once
-from jaxwalk.sim.occluders import CELL, COLUMNS, LANES, NO_SLOT, PADDING, meets
+from jaxwalk.sim.occluders import CELL, LANES, NO_SLOT, PADDING, meets
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import VehicleState
 from jaxwalk.sim.world import World
@@ -25,8 +26,8 @@ def in_sight(
 ) -> Bool[Array, "ped *batch"]:
     """Return whether the line between the car's front axle and each place (x, y) [m] is free, and within ``sight``.
 
-    Here the batch leads and boxes come last, `LANES` at a time: so a box is worked out once for all places, and a row
-    of the table needs no transposition.
+    Here the batch leads and boxes come last, `LANES` at a time: so each box is worked out once for all places, and the
+    rows of the tables aren't transposed, which would take longer than to look them up.
     """
     eye_x = car.x + world.rules.wheelbase / 2 * car.cos
     eye_y = car.y + world.rules.wheelbase / 2 * car.sin
@@ -51,26 +52,31 @@ def _boxes_near(
     The columns are where its centre is along the box and to the left, its direction, and half its length and width.
     Where nothing stands, the length is below 0, and no line meets it.
     """
-    table = world.occluders
-    assert table is not None
-    rows, columns = table.shape[1:3]
+    tables = world.occluders
+    assert tables is not None
+    rows, columns = tables[0].shape[1:3]
     row, column = (jnp.clip((at / CELL).astype(jnp.int32), 0, most - 1) for at, most in ((y, rows), (x, columns)))
-    entries = look_up_rows(table, scenario.map, row, column).reshape(*x.shape, COLUMNS, -1)
+    entries = look_up_rows(tables, scenario.map, row, column)
     if scenario.script is not None:
-        entries = jnp.concatenate([entries, _scripted(scenario.script.boxes)], axis=-1)
-    box_x, box_y, cos, sin, half_length, half_width, slot = jnp.moveaxis(entries, -2, 0)
+        entries = _with_scripted(entries, scenario.script.boxes)
+    box_x, box_y, cos, sin, half_length, half_width, slot = entries
     to_x, to_y = box_x - x[..., None], box_y - y[..., None]
     half_length = jnp.where(_stands(_words(scenario), slot), half_length, NOTHING)
     boxes = (to_x * cos + to_y * sin, to_y * cos - to_x * sin, cos, sin, half_length, half_width)
     return tuple(column[..., None, :] for column in once(boxes))
 
 
-def _scripted(boxes: Float[Array, "box 6 *batch"]) -> Float[Array, "*batch column lane"]:
-    """Return the boxes of a script as entries of the table, padded to whole turns."""
-    entries = jnp.moveaxis(boxes, (0, 1), (-1, -2))
-    kept = [(0, 0)] * (entries.ndim - 2)
-    entries = jnp.pad(entries, [*kept, (0, 1), (0, 0)], constant_values=NO_SLOT)
-    return jnp.pad(entries, [*kept, (0, 0), (0, -entries.shape[-1] % LANES)], constant_values=PADDING)
+def _with_scripted(
+    entries: Sequence[Float[Array, "*batch _"]], boxes: Float[Array, "box 6 *batch"]
+) -> list[Float[Array, "*batch _"]]:
+    """Return the columns of the table's entries with the boxes of a script after them, padded to whole turns."""
+    always = jnp.full_like(boxes[:, 0], NO_SLOT)
+    missing = [(0, 0)] * (boxes.ndim - 2) + [(0, -len(boxes) % LANES)]
+    scripted = (
+        jnp.pad(jnp.moveaxis(column, 0, -1), missing, constant_values=PADDING)
+        for column in (*jnp.unstack(boxes, axis=1), always)
+    )
+    return [jnp.concatenate(pair, axis=-1) for pair in zip(entries, scripted, strict=True)]
 
 
 def _words(scenario: Scenario) -> tuple[UInt32[Array, "*batch"], ...]:

@@ -119,8 +119,9 @@ class World(eqx.Module):
     """How many of the stacked maps are drawn from; further ones only round up their number."""
     map_texts: MapTexts = eqx.field(static=True)
     """Name, hash and text of each map."""
-    occluders: Float[Array, "map row column entry"] | None = None
-    """What can hide people, by the car's place (`jaxwalk.sim.occluders`); None where everybody sees everybody."""
+    occluders: tuple[Float[Array, "map row column box"], ...] | None = None
+    """What can hide people, by the car's place, a table for each of `jaxwalk.sim.occluders.COLUMNS`; None where
+    everybody sees everybody."""
     parked_gaps: Float[Array, "map side vehicle 5"] | None = None
     """Where parked vehicles are in the way of jaywalks (`jaxwalk.sim.parked_gaps`); None where nobody ever parks."""
     kerbsides: Float[Array, "map route point 5"] | None = None
