@@ -41,7 +41,7 @@ def in_sight(
     boxes = _boxes_near(world, scenario, eye_x, eye_y)
     turns = zip(*(jnp.split(column, column.shape[-1] // LANES, axis=-1) for column in boxes), strict=True)
     hidden = reduce(or_, map(is_behind, turns)).any(axis=-1)
-    return ~jnp.moveaxis(hidden, -1, 0) & (dx * dx + dy * dy <= world.rules.sight**2)
+    return ~jnp.moveaxis(once(hidden), -1, 0) & (dx * dx + dy * dy <= world.rules.sight**2)
 
 
 def _boxes_near(
@@ -63,7 +63,7 @@ def _boxes_near(
     to_x, to_y = box_x - x[..., None], box_y - y[..., None]
     half_length = jnp.where(_stands(_words(scenario), slot), half_length, NOTHING)
     boxes = (to_x * cos + to_y * sin, to_y * cos - to_x * sin, cos, sin, half_length, half_width)
-    return tuple(column[..., None, :] for column in once(boxes))
+    return tuple(column[..., None, :] for column in boxes)
 
 
 def _with_scripted(
