@@ -215,7 +215,7 @@ def test_a_recording_says_what_was_perceived_and_who_is_parked(hiding, scenarios
     now, age = recorded.perceived, recorded.last_seen_age
     assert 0.1 < now.mean() < 0.9
     for place, last in ((recorded.ped_x, recorded.last_seen_x), (recorded.ped_y, recorded.last_seen_y)):
-        np.testing.assert_allclose(last[now], place[now], atol=1e-4)  # the compiler may work out a place twice
+        np.testing.assert_allclose(last[now], place[now], atol=1e-4)  # rounded otherwise if worked out twice
         kept = ~now[1:]
         np.testing.assert_array_equal(last[1:][kept], last[:-1][kept])
     assert (age[now] == 0).all() and (age[~now] > 0).all()

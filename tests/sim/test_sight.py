@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import equinox as eqx
+import jax
 import numpy as np
 import pytest
 import shapely
@@ -155,6 +156,21 @@ def test_who_is_in_sight_is_whom_a_straight_line_reaches(hiding):
     assert (by_vehicle & ~by_building & (length < 60)).sum() > 50
     assert (by_building & ~by_vehicle & (length < 60)).sum() > 50
     assert expected.sum() > 300
+
+
+def test_a_batch_may_have_any_number_of_axes(hiding):
+    _, street = hiding
+    scenarios = drawn(street, 6)
+    (x, y, cos, sin), places = lines_of(street, np.random.default_rng(77), 6)
+    pose = {name: device_put(np.float32(at)) for name, at in {"x": x, "y": y, "cos": cos, "sin": sin}.items()}
+    car = replace(place(street.world, scenarios), **pose)
+    batch = (scenarios, car, *np.moveaxis(places.astype(np.float32), -1, 0))
+    found = in_sight(street.world, *batch)
+    assert 0 < found.sum() < found.size
+    two = jax.tree.map(lambda leaf: leaf.reshape(*leaf.shape[:-1], 2, 3), batch)
+    np.testing.assert_array_equal(in_sight(street.world, *two).reshape(found.shape), found)
+    alone = jax.tree.map(lambda leaf: leaf[..., 4], batch)
+    np.testing.assert_array_equal(in_sight(street.world, *alone), found[:, 4])
 
 
 def test_a_rectangular_building_is_a_box_and_others_are_walls():

@@ -29,19 +29,19 @@ def look_up_each(tables: Sequence[Array], *index: Array) -> list[Array]:
     flat = jnp.zeros((), jnp.int32)
     for size, i in zip(tables[0].shape, index, strict=True):
         flat = flat * size + i
-    places = once(flat.reshape(-1))
+    places = _once(flat.reshape(-1))
     return [table.reshape(-1).at[places].get(**IN_BOUNDS).reshape(flat.shape) for table in tables]
 
 
 def look_up_row(table: Array, *index: Array) -> Array:
     """Return ``table[index]`` for a table with one axis more than there are indices; that axis leads in the result."""
     rows = _rows(table, *index)
-    return once(rows.reshape(-1, table.shape[-1]).T).reshape(-1, *rows.shape[:-1])  # not transposed by every reader
+    return _once(rows.reshape(-1, table.shape[-1]).T).reshape(-1, *rows.shape[:-1])  # not transposed by every reader
 
 
 def look_up_rows(tables: Sequence[Array], *index: Array) -> list[Array]:
     """Return ``table[index]`` of each such table, with that axis last; all tables have one shape."""
-    return once([_rows(table, *index) for table in tables])
+    return _once([_rows(table, *index) for table in tables])
 
 
 def _rows(table: Array, *index: Array) -> Array:
@@ -51,7 +51,7 @@ def _rows(table: Array, *index: Array) -> Array:
     return table.reshape(-1, table.shape[-1]).at[flat.reshape(-1)].get(**IN_BOUNDS).reshape(*flat.shape, -1)
 
 
-def once(x: Any) -> Any:
+def _once(x: Any) -> Any:
     """Return arrays that a CPU computes once, not in every reader; on a GPU that would be a launch of its own."""
     return x if few_launches() else jax.lax.optimization_barrier(x)
 

@@ -6,6 +6,7 @@ the car there to a place where people may be, within the range of sight.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
@@ -24,10 +25,10 @@ COLUMNS = (*SLOT_COLUMNS, "slot")
 """The columns of an occluder: its box, and its parking slot, `NO_SLOT` for a building."""
 NO_SLOT, PADDING = -1.0, -2.0
 LANES = 8
-"""Boxes that a step looks at in one turn: as many numbers as a processor core computes with at once."""
+"""Boxes that a step looks at in one turn: as many numbers of single precision as 256 bits hold."""
 ENTRIES = 3 * LANES
-"""A cell has a multiple of this number. The rows of the tables compete for the same places of a cache, and take 1.3
-times as long, if their size is a power of two."""
+"""The boxes of a cell are padded to a multiple of this number. The rows of the tables compete for the same places of a
+cache, and take 1.3 times as long, if their size is a power of two."""
 EYES, TARGETS = 2.0, 2.0
 """Distances between the places of the eye and between those of people that are tried [m]."""
 WIDENED = 1.5
@@ -35,6 +36,8 @@ WIDENED = 1.5
 of the boxes between tried lines is missed."""
 BESIDE = 3.0
 """The eye is less than half of this beyond the roadway's edge, so a tried place is near it [m]."""
+AT_ONCE = 2_000_000
+"""Boxes times places that a thread looks at at once."""
 EYES_APART, PLACES_APART = 6, 8
 """Every box is tried with the lines from each sixth eye of a cell to each eighth place."""
 ROUNDING = 0.01
@@ -47,7 +50,7 @@ def pack_occluders(maps: RoadMap, sight: float) -> tuple[Float[np.ndarray, "map 
     The first row and column lie at the map's south-western corner. ``sight`` is the range of sight [m].
     """
     shape = tuple(rounded_up(int(np.ceil(float(np.max(extent)) / CELL)) + 1) for extent in (maps.height, maps.width))
-    with ThreadPoolExecutor() as threads:
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
         each = threads.map(lambda number: list(_of_map(maps, number, shape, sight)), range(len(maps.width)))
         cells = {cell: boxes for cells_of_map in each for cell, boxes in cells_of_map}
     most = ENTRIES * -(-max([1, *map(len, cells.values())]) // ENTRIES)
@@ -115,19 +118,24 @@ def _matter(boxes: np.ndarray, eyes: np.ndarray, people: np.ndarray, sight: floa
     middle, spread = eyes.mean(axis=0), 2 * CELL
     reach = np.hypot(*(boxes[:, :2] - middle).T) - np.hypot(boxes[:, 4], boxes[:, 5]) <= sight + spread
     near = people[np.hypot(*(people - middle).T) <= sight + spread]
-    wide = boxes[reach, :6] + np.array([0, 0, 0, 0, WIDENED, WIDENED])
-    matter = np.zeros(len(boxes), bool)
-    matter[reach] = _on_lines(*(of.astype(np.float32) for of in (wide, eyes, near)))
+    wide = boxes[:, :6] + np.array([0, 0, 0, 0, WIDENED, WIDENED])
+    wide, eyes, near = (of.astype(np.float32) for of in (wide, eyes, near))
+    matter, reached = np.zeros(len(boxes), bool), np.flatnonzero(reach)
+    for part in np.array_split(reached, 1 + len(reached) * len(near) // AT_ONCE):
+        matter[part] = _on_lines(wide[part], eyes, near)
     return matter
 
 
 def _on_lines(boxes: np.ndarray, eyes: np.ndarray, places: np.ndarray) -> Bool[np.ndarray, " box"]:
-    """Return which boxes lie on a line from an eye to a place: all lines are tried only where none of a few meets."""
+    """Return which boxes (box, 6) lie on a line from an eye (eye, 2) to a place (place, 2) [m].
+
+    All lines are tried only with the boxes that none of a few lines meets.
+    """
     middle = eyes.mean(axis=0, keepdims=True)
     begin, centre, end = (_in_frames(boxes, points) for points in (eyes, middle, places))
     half = boxes[:, 4:].T[..., None]
-    few = _between(begin[:, :, ::EYES_APART, None], end[:, :, None, ::PLACES_APART], half[..., None])
-    found = np.asarray(few.any(axis=(1, 2)))
+    on_few = _between(begin[:, :, ::EYES_APART, None], end[:, :, None, ::PLACES_APART], half[..., None])
+    found = np.asarray(on_few.any(axis=(1, 2)))
     rest = np.flatnonzero(~found)
     # no point of a line from an eye is farther than this from the line from the middle to the same place
     farthest = np.hypot(*(eyes - middle).T).max() + np.float32(ROUNDING)
@@ -138,7 +146,7 @@ def _on_lines(boxes: np.ndarray, eyes: np.ndarray, places: np.ndarray) -> Bool[n
     return found
 
 
-def _in_frames(boxes: np.ndarray, points: np.ndarray) -> Shaped[np.ndarray, "2 box point"]:
+def _in_frames(boxes: np.ndarray, points: np.ndarray) -> Float[np.ndarray, "2 box point"]:
     """Return where points (point, 2) are from the boxes' centres, along the boxes and to the left."""
     x, y, cos, sin = boxes[:, :4].T
     directions = np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)])
@@ -146,7 +154,10 @@ def _in_frames(boxes: np.ndarray, points: np.ndarray) -> Shaped[np.ndarray, "2 b
 
 
 def _between(begin: np.ndarray, end: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Return whether boxes lie between places, each (2, ...) from the boxes' centres; ``half`` are lengths, widths."""
+    """Return whether boxes lie between places, each (2, ...) from the boxes' centres [m].
+
+    ``half`` are half the boxes' lengths and widths, (2, ...) [m].
+    """
     return meets(*(end - begin), *-begin, *half)
 
 

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from functools import reduce
 from operator import or_
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, UInt32
 
-from jaxwalk.sim.lookup import look_up_rows, once
+from jaxwalk.platforms import few_launches
+from jaxwalk.sim.lookup import look_up_rows
 from jaxwalk.sim.occluders import CELL, LANES, NO_SLOT, PADDING, meets
 from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.state import VehicleState
@@ -26,8 +28,8 @@ def in_sight(
 ) -> Bool[Array, "ped *batch"]:
     """Return whether the line between the car's front axle and each place (x, y) [m] is free, and within ``sight``.
 
-    Here the batch leads and boxes come last, `LANES` at a time: so each box is worked out once for all places, and the
-    rows of the tables aren't transposed, which would take longer than to look them up.
+    Here the batch leads and boxes come last, `LANES` at a time, as in the rows of the tables: to transpose these would
+    take longer than to look them up.
     """
     eye_x = car.x + world.rules.wheelbase / 2 * car.cos
     eye_y = car.y + world.rules.wheelbase / 2 * car.sin
@@ -41,7 +43,7 @@ def in_sight(
     boxes = _boxes_near(world, scenario, eye_x, eye_y)
     turns = zip(*(jnp.split(column, column.shape[-1] // LANES, axis=-1) for column in boxes), strict=True)
     hidden = reduce(or_, map(is_behind, turns)).any(axis=-1)
-    return ~jnp.moveaxis(once(hidden), -1, 0) & (dx * dx + dy * dy <= world.rules.sight**2)
+    return ~jnp.moveaxis(hidden, -1, 0) & (dx * dx + dy * dy <= world.rules.sight**2)
 
 
 def _boxes_near(
@@ -61,8 +63,8 @@ def _boxes_near(
         entries = _with_scripted(entries, scenario.script.boxes)
     box_x, box_y, cos, sin, half_length, half_width, slot = entries
     to_x, to_y = box_x - x[..., None], box_y - y[..., None]
-    half_length = jnp.where(_stands(_words(scenario), slot), half_length, NOTHING)
-    boxes = (to_x * cos + to_y * sin, to_y * cos - to_x * sin, cos, sin, half_length, half_width)
+    standing = _standing(scenario.parked, slot, half_length)
+    boxes = (to_x * cos + to_y * sin, to_y * cos - to_x * sin, cos, sin, standing, half_width)
     return tuple(column[..., None, :] for column in boxes)
 
 
@@ -79,21 +81,29 @@ def _with_scripted(
     return [jnp.concatenate(pair, axis=-1) for pair in zip(entries, scripted, strict=True)]
 
 
-def _words(scenario: Scenario) -> tuple[UInt32[Array, "*batch"], ...]:
+def _words(parked: Bool[Array, "slot *batch"]) -> UInt32[Array, "word *batch"]:
     """Return which slots are occupied, as bits of words of `BITS` slots."""
-    if scenario.parked is None:
-        return ()
-    slots, *batch = scenario.parked.shape
+    slots, *batch = parked.shape
     short = -slots % BITS
-    bits = jnp.pad(scenario.parked, ((0, short), *((0, 0),) * len(batch))).reshape(-1, BITS, *batch)
+    bits = jnp.pad(parked, ((0, short), *((0, 0),) * len(batch))).reshape(-1, BITS, *batch)
     weights = (jnp.uint32(1) << jnp.arange(BITS, dtype=jnp.uint32)).reshape(-1, *(1,) * len(batch))
-    return tuple((bits * weights).sum(axis=1, dtype=jnp.uint32))
+    return (bits * weights).sum(axis=1, dtype=jnp.uint32)
 
 
-def _stands(words: tuple[UInt32[Array, "*batch"], ...], slot: Float[Array, "*batch box"]) -> Bool[Array, "*batch box"]:
-    """Return whether a building, or a vehicle in this slot, stands there."""
-    number = jnp.maximum(slot, 0).astype(jnp.uint32)
-    word = jnp.zeros(slot.shape, jnp.uint32)
-    for index, bits in enumerate(words):
-        word = jnp.where(number // BITS == index, bits[..., None], word)
-    return (slot == NO_SLOT) | ((slot >= 0) & ((word >> (number % BITS)) & 1 == 1))
+def _standing(
+    parked: Bool[Array, "slot *batch"] | None, slot: Float[Array, "*batch box"], half_length: Float[Array, "*batch box"]
+) -> Float[Array, "*batch box"]:
+    """Return half the lengths of boxes, `NOTHING` of those that pad a row and of free slots.
+
+    It is a loop, so that a CPU stores the result instead of working it out again for each person.
+    """
+    if parked is None:
+        return jnp.where(slot == NO_SLOT, half_length, NOTHING)
+    number, words = slot.astype(jnp.int32), _words(parked)
+
+    def clear(index: Array, found: Array) -> Array:
+        bits = words[index][..., None] >> (number % BITS).astype(jnp.uint32)
+        return jnp.where((number // BITS == index) & (bits & 1 == 0), NOTHING, found)
+
+    begin = jnp.where(slot == PADDING, NOTHING, half_length)
+    return jax.lax.fori_loop(0, len(words), clear, begin, unroll=few_launches())
