@@ -73,6 +73,13 @@ ROWS = {
         {"recipe": "fast", "train_steps_per_s": [10.0, 2.0, 8.0]},
         {"recipe": "town", "train_steps_per_s": [7.0, 1.2, 4.0]},
     ],
+    "suites": [
+        {"suite": suite, "pedestrians": people, "env_steps_per_s": speeds, "share_of_paper": shares}
+        for suite, people, speeds, shares in (
+            ("paper", 12, [1000.0, 2000.0, 4000.0], [1.0, 1.0, 1.0]),
+            ("blind-corner", 24, [200.0, 900.0, 1000.0], [0.2, 0.45, 0.25]),
+        )
+    ],
 }
 
 DOCUMENT = {
@@ -99,6 +106,9 @@ DOCUMENT = {
         ("only", ()),
         ("only", ("env", "sleep")),
         ("chunk_rows", 0),
+        ("suites", ("paper", "moon")),
+        ("suites", ()),
+        ("suite_pedestrians", (0,)),
     ],
 )
 def test_what_cannot_be_measured_is_refused_by_name(name, value):
@@ -111,6 +121,7 @@ def test_quick_is_less_of_everything():
     assert quick.only == whole.only
     for name in ("environments", "training_environments", "pedestrians", "products", "streets"):
         assert sum(getattr(quick, name)) < sum(getattr(whole, name))
+    assert set(quick.suites) < set(whole.suites)
 
 
 def test_an_exponent_is_a_slope():
@@ -156,6 +167,8 @@ def test_figures_of_rows():
     assert "env_share_256_streets_no_rays" not in found
     assert found["bytes_per_street"] == 2000
     assert found["train_share_town"] == 0.6  # of 0.7, 0.6 and 0.5
+    assert found["env_share_blind_corner_24"] == 0.25
+    assert "env_share_paper_12" not in found
 
 
 def test_what_was_not_measured_has_no_figure():
@@ -197,6 +210,7 @@ def test_the_folder_holds_everything(tmp_path):
     page = (tmp_path / "there" / "bench.md").read_text()
     assert "| `share_of_peak_fast` | 50.0 % |" in page
     assert "| 16,384 | every | 3,000 |" in page
+    assert "| blind-corner | 24 | 900 | 25.0 % [none, none] |" in page  # three turns give no interval
     assert "an abacus; commit abc; jax 0.10" in page
     assert "(scaling.svg)" in page
     assert "slope 2.00" in (tmp_path / "there" / "scaling.svg").read_text()
@@ -227,7 +241,7 @@ def test_a_document_of_parts(monkeypatch, quiet):
     monkeypatch.setattr(documents, "measure_apart", measured)
     monkeypatch.setattr(documents, "starts", lambda: {x["name"]: x["seconds"] for x in ROWS["starts"]})
     found = documents.benchmark(Settings(), quiet)
-    assert asked == ["machine", "env", "train-fast", "train-paper", "pedestrians", "streets", "train-streets"]
+    assert asked == ["machine", "env", "train-fast", "train-paper", "pedestrians", "streets", "train-streets", "suites"]
     assert found["figures"].keys() == DOCUMENT["figures"].keys()
     assert set(found["rows"]) == set(ROWS)
     told = quiet.file.getvalue()

@@ -20,10 +20,12 @@ from jaxwalk.evaluation import (
     with_jaywalk_multiplier,
 )
 from jaxwalk.evaluation.hits import find_hits
-from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
+from jaxwalk.evaluation.interventions import Brake, Since, TakeOver, Wait, on_the_crosswalk, with_changes
 from jaxwalk.metrics import OUTCOMES
 from jaxwalk.metrics.crossings import CROSSINGS
-from jaxwalk.policies import AlwaysGo, RouteFollower
+from jaxwalk.policies import AlwaysGo, Oracle, RouteFollower
+from jaxwalk.policies.careful_human import CarefulHuman
+from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.observation import Observation, part
@@ -195,6 +197,41 @@ def test_one_crossing_is_made_on_the_crosswalk(often, batch):
         np.testing.assert_array_equal(
             after.ped_x[: before.length[i], i, others], before.ped_x[: before.length[i], i, others]
         )
+
+
+def test_every_change_is_the_same_program(street):
+    """Only its arrays differ, so nothing is compiled anew."""
+    ped = np.arange(BATCH)
+    changes = Since(), Since(wait=ped), Since(brake=ped), Since(oracle=ped, human=0 * ped)
+    shapes = [jax.eval_shape(lambda x: x, with_changes(street, BLIND_ONE, ped, since)) for since in changes]
+    assert all(eqx.tree_equal(one, shapes[0]) for one in shapes)
+
+
+@pytest.mark.long
+def test_each_change_begins_at_its_step(often, batch, played):
+    """All four are around the policies, and one of them starts: each as it does alone, and none before."""
+    ped, begin = np.arange(BATCH) % 12, 10 + np.arange(BATCH)
+
+    def changed(since, until):
+        return play(often, with_changes(often, BLIND_ONE, ped, since), *batch, until=until)
+
+    unchanged = changed(Since(), played.length)
+    np.testing.assert_array_equal(unchanged.length, played.length)
+    assert_same_until(played.length, unchanged, played)
+    oracle, human = (with_limits(other, often.config) for other in (Oracle(), CarefulHuman()))
+    alone = {
+        "wait": {"pedestrian": Wait(WALKERS, jnp.asarray(ped), jnp.asarray(begin))},
+        "brake": {"driver": Brake(BLIND, jnp.asarray(begin))},
+        "oracle": {"driver": TakeOver(BLIND, oracle, jnp.asarray(begin))},
+        "human": {"driver": TakeOver(BLIND, human, jnp.asarray(begin))},
+    }
+    until = begin + 20
+    for change, policies in alone.items():
+        one, other = changed(Since(**{change: begin}), until), play(often, BLIND_ONE | policies, *batch, until=until)
+        assert_same_until(np.minimum(begin, one.length), one, unchanged)
+        np.testing.assert_array_equal(one.length, other.length)
+        assert_same_until(one.length, one, other)
+        assert (frames_before(one, one.length) != frames_before(unchanged, one.length)[: len(one.car_x)]).any()
 
 
 @pytest.mark.long

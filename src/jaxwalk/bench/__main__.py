@@ -19,6 +19,7 @@ PROGRAMS = {
     "pedestrians": ("simulation", "over_pedestrians"),
     "streets": ("streets", "simulated"),
     "train-streets": ("streets", "trained"),
+    "suites": ("over_suites", "simulated"),
     "train-fast": ("training_speed", "fast"),
     "train-paper": ("training_speed", "paper"),
     "plan": ("gpu_programs", "plan"),

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-PARTS = ("env", "train", "compile", "pedestrians", "streets")
-"""The parts: the simulator alone, training, the first minute, and the cost of a crowd and of many streets."""
-MOST = {"environments": 2**20, "training_environments": 2**20, "pedestrians": 1000, "streets": 1000}
+from jaxwalk.sim.suites import SUITES
+
+PARTS = ("env", "train", "compile", "pedestrians", "streets", "suites")
+"""The parts: the simulator alone, training, the first minute, the cost of a crowd, of many streets and of suites."""
+MOST = {
+    "environments": 2**20,
+    "training_environments": 2**20,
+    "pedestrians": 1000,
+    "streets": 1000,
+    "suite_pedestrians": 1000,
+}
 """Largest numbers of environments, of people in an episode, and of streets."""
 HERE = "here"
 """The plan for this machine's own GPU, on which its programs run, too."""
@@ -36,6 +44,12 @@ class Settings:
     """Numbers of generated streets; a row for each."""
     street_environments: int = 1024
     """Number of environments in those rows."""
+    suites: tuple[str, ...] = ("paper", "town", "blind-corner", "arterial")
+    """Suites whose world and streets are simulated; a row for each, with each of the following numbers of people."""
+    suite_pedestrians: tuple[int, ...] = (12, 24)
+    """Numbers of pedestrians in those rows."""
+    suite_environments: int = 1024
+    """Number of environments in those rows."""
     turns: int = 20
     """Turns that the programs take which are compared."""
     turn_seconds: float = 1.0
@@ -59,7 +73,7 @@ class Settings:
 
     def __post_init__(self) -> None:
         """Raise ValueError for an impossible value."""
-        for name in ("environments", "training_environments", "pedestrians", "streets"):
+        for name in ("environments", "training_environments", "pedestrians", "streets", "suite_pedestrians"):
             _require(len(getattr(self, name)) > 0, name, "needs at least one number")
             wrong = [number for number in getattr(self, name) if not 1 <= number <= MOST[name]]
             _require(not wrong, name, f"must lie in [1, {MOST[name]:,}], not {wrong[:1]}")
@@ -68,6 +82,9 @@ class Settings:
         _require(len(self.only) > 0, "only", f"needs at least one part: {', '.join(PARTS)}")
         unknown = [part for part in self.only if part not in PARTS]
         _require(not unknown, "only", f"knows {', '.join(PARTS)}, not {', '.join(unknown)}")
+        _require(len(self.suites) > 0, "suites", f"needs at least one suite: {', '.join(SUITES)}")
+        unknown = [suite for suite in self.suites if suite not in SUITES]
+        _require(not unknown, "suites", f"knows {', '.join(SUITES)}, not {', '.join(unknown)}")
         rows = self.chunk_rows
         _require(rows is None or 1 <= rows < 2**31, "chunk_rows", f"must lie in [1, 2^31), not {rows}")
 
@@ -80,6 +97,8 @@ QUICK = {
     "crowd_environments": 64,
     "streets": (1, 2),
     "street_environments": 64,
+    "suites": ("paper",),
+    "suite_environments": 64,
     "turns": 2,
     "turn_seconds": 0.1,
     "products": (512, 1024),

@@ -27,6 +27,7 @@ TITLES = {
     "compile": "the first minute",
     "pedestrians": "the cost of a crowd",
     "streets": "the cost of many streets",
+    "suites": "the cost of suites",
 }
 """Description of each part."""
 
@@ -89,5 +90,6 @@ MEASURES: dict[str, Callable[[Settings], dict[str, list[Any]]]] = {
     "compile": _starts,
     "pedestrians": lambda settings: {"pedestrians": measure_apart("pedestrians", settings)},
     "streets": _streets,
+    "suites": lambda settings: {"suites": measure_apart("suites", settings)},
 }
 """The function that measures each part and returns rows by name."""

@@ -59,6 +59,16 @@ FIGURES: dict[str, tuple[str, str]] = {
     "env_share_256_streets_no_rays": ("share", "The same on 256 streets, of its speed on 64."),
     "bytes_per_street": ("B", "The tables of a generated street; the largest of all rows."),
     "train_share_town": ("share", "Training with recipe town, of the speed of recipe fast; in turns."),
+    "env_share_paper_24": ("share", "The simulator on the paper's street: 24 people, of its speed with 12; in turns."),
+    "env_share_town_12": ("share", "The simulator in the suite town with 12 people, of the same speed."),
+    "env_share_town_24": ("share", "There with 24 people."),
+    "env_share_blind_corner_12": (
+        "share",
+        "The simulator in the suite blind-corner with 12 people, of the same speed.",
+    ),
+    "env_share_blind_corner_24": ("share", "There with 24 people."),
+    "env_share_arterial_12": ("share", "The simulator in the suite arterial with 12 people, of the same speed."),
+    "env_share_arterial_24": ("share", "There with 24 people."),
 }
 """Unit and meaning of every figure, in the order of display."""
 
@@ -179,6 +189,13 @@ def _trained_in_turns(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
     return {"train_share_town": _ratio(speeds.get("town"), speeds.get("fast"))}
 
 
+def _suites(rows: Sequence[Mapping[str, Any]]) -> dict[str, Value]:
+    return {
+        f"env_share_{row['suite'].replace('-', '_')}_{row['pedestrians']}": float(np.median(row["share_of_paper"]))
+        for row in rows
+    }
+
+
 def _ratio(speeds: Sequence[float] | None, others: Sequence[float] | None) -> float | None:
     """Return the median ratio of the speeds of two programs that took turns; None if one wasn't measured."""
     return None if not speeds or not others else float(np.median(np.divide(speeds, others)))
@@ -204,5 +221,6 @@ PARTS: dict[str, Callable[[Sequence[Mapping[str, Any]]], dict[str, Value]]] = {
     "pedestrians": _crowd,
     "streets": _streets,
     "train-streets": _trained_in_turns,
+    "suites": _suites,
 }
 """The function that computes the figures of each list of rows."""

@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from statistics import median
 from typing import Any
 
+import numpy as np
 from rich.box import SIMPLE
 from rich.table import Table
 
 from jaxwalk.bench.drawing import DRAWN, NAME
 from jaxwalk.bench.quantities import memory, microseconds
+from jaxwalk.metrics.statistics import quantile
 from jaxwalk.report.table import markdown_table
 
 COLUMNS = {
@@ -29,6 +31,7 @@ COLUMNS = {
     "products": ("matrices", "precision", "GFLOP/s"),
     "streets": ("observations", "streets", "env steps/s", "kB per street"),
     "train-streets": ("recipe", "train steps/s"),
+    "suites": ("suite", "pedestrians", "env steps/s", "of the paper's street with 12 people [95 %]"),
 }
 """Column titles of each list of rows."""
 
@@ -112,9 +115,16 @@ def _in_turns(row: Mapping[str, Any]) -> list[str]:
     return [row["recipe"], f"{median(row['train_steps_per_s']):,.0f}"]
 
 
+def _suites(row: Mapping[str, Any]) -> list[str]:
+    speed, share = median(row["env_steps_per_s"]), quantile(np.array(row["share_of_paper"]), 0.5)
+    ends = ", ".join("none" if end is None else f"{100 * end:.1f}" for end in (share.low, share.high))
+    of_paper = f"{100 * median(row['share_of_paper']):.1f} % [{ends}]"
+    return [row["suite"], f"{row['pedestrians']}", f"{speed:,.0f}", of_paper]
+
+
 _CELLS = {
     "env": _environments, "training": _training, "pedestrians": _crowd, "products": _products, "streets": _streets,
-    "train-streets": _in_turns,
+    "train-streets": _in_turns, "suites": _suites,
 }  # fmt: skip
 TITLES = {
     "env": "The simulator alone, over environments",
@@ -123,5 +133,6 @@ TITLES = {
     "products": "Matrix products",
     "streets": "The simulator alone, over generated streets, in turns",
     "train-streets": "Trainings on one street and on many, in turns",
+    "suites": "The simulator alone, in worlds and on streets of suites, in turns",
 }
 """Title of each list of rows."""

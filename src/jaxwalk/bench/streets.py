@@ -1,22 +1,16 @@
-"""The cost of many streets: simulations on few and on many, and a training on many beside one on a single street.
-
-They take turns of about a second. So a machine that is faster now and slower then treats all alike, and the ratio of
-two speeds in one turn says more than either speed.
-"""
+"""The cost of many streets: simulations on few and on many, and a training on many beside one on a single street."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
 from itertools import product
 from typing import Any
 
 import jax
-import numpy as np
 
 from jaxwalk.bench.benchmark_settings import Settings
-from jaxwalk.bench.processes import tell
-from jaxwalk.bench.simulation import EVERY, Sets, build, paid_street
+from jaxwalk.bench.in_turns import Turn, playing, take_turns
+from jaxwalk.bench.simulation import EVERY, paid_street
 from jaxwalk.bench.training_speed import own_size
 from jaxwalk.learning.turns import init_in_turns, update_in_turns
 from jaxwalk.recipes import RECIPES
@@ -25,8 +19,6 @@ from jaxwalk.runs.street import crowded, fixed_policies, make_street, on_devices
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.sim_config import WORLDS
 
-Turn = Callable[[], float]
-"""Works for about a second and returns the speed [steps/s]."""
 RECIPES_IN_TURNS = ("fast", "town")
 """The recipes whose speeds are compared."""
 SEEN = {"every": EVERY, "no rays": tuple(one for one in EVERY if one[1] != "surroundings")}
@@ -43,7 +35,10 @@ def simulated(settings: Settings) -> list[dict[str, Any]]:
     """
     streets = {n: paid_street(WORLDS["town"], (f"training:{n}",)) for n in settings.streets}
     cases = {f"{n} streets, observations: {seen}": (n, seen) for seen, n in product(SEEN, streets)}
-    programs = {name: _playing(streets[n], settings, SEEN[seen]) for name, (n, seen) in cases.items()}
+    programs = {
+        name: playing(streets[n], settings.street_environments, settings, SEEN[seen])
+        for name, (n, seen) in cases.items()
+    }
     turns = take_turns(programs, settings.turns)
     return [
         {
@@ -63,35 +58,10 @@ def trained(settings: Settings) -> list[dict[str, Any]]:
     return [{"recipe": name, "train_steps_per_s": turns[name]} for name in RECIPES_IN_TURNS]
 
 
-def take_turns(programs: Mapping[Any, Turn], turns: int) -> dict[Any, list[float]]:
-    """Return the speeds of all programs, turn by turn. Each is called once before, uncounted, to compile."""
-    for turn in programs.values():
-        turn()
-    speeds: dict[Any, list[float]] = {name: [] for name in programs}
-    for _ in range(turns):
-        for name, turn in programs.items():
-            speeds[name].append(turn())
-    for name, found in speeds.items():
-        tell(f"{name}: {np.median(found):,.0f} steps/s, the median of {turns} turns")
-    return speeds
-
-
 def bytes_per_street(street: Street) -> float:
     """Return the memory that the tables of a street take [B]: what all have, over the number of stacked maps."""
     arrays = jax.tree.leaves((street.world.maps, street.world.tables))
     return sum(x.nbytes for x in arrays) / len(street.world.maps.route_count)
-
-
-def _playing(street: Street, settings: Settings, sets: Sets) -> Turn:
-    program = build(street, settings.street_environments, settings.steps, settings.seed, sets)
-
-    def turn() -> float:
-        begun, played = time.perf_counter(), 0
-        while time.perf_counter() - begun < settings.turn_seconds:
-            played += int(program.play()[3].sum())
-        return played / (time.perf_counter() - begun)
-
-    return turn
 
 
 def _learning(recipe: str, settings: Settings) -> Turn:

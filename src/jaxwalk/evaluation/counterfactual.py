@@ -9,19 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
 from jaxwalk.evaluation.batches import Progress, episodes_at_once
 from jaxwalk.evaluation.hits import Hits
-from jaxwalk.evaluation.interventions import Brake, TakeOver, Wait, on_the_crosswalk
+from jaxwalk.evaluation.interventions import Since, on_the_crosswalk, with_changes
 from jaxwalk.evaluation.playing import play
 from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.metrics.outcomes import Episodes, measure_outcomes
-from jaxwalk.policies import Oracle
-from jaxwalk.policies.careful_human import CarefulHuman
-from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.relief import relieve
 from jaxwalk.scenarios import Source
 from jaxwalk.sim.crossing_kind import JAYWALK
@@ -177,30 +173,31 @@ def _replay(
     A change that doesn't apply avoids nothing.
     """
     scenarios, keys = source.take(hits.scenario)
-    unchanged = play(street, policies, scenarios, keys, until=hits.steps)
+
+    def replayed(since: Since, until: Int[np.ndarray, "collision"], scenarios: Scenario = scenarios) -> Trajectory:
+        return play(street, with_changes(street, policies, hits.ped, since), scenarios, keys, until=until)
+
+    unchanged = replayed(Since(), hits.steps)
     _check_same(measure_outcomes(unchanged, moving_speed=street.config.moving_speed), hits)
     crossing = unchanged.decisions[hits.steps, np.arange(len(hits.ped)), hits.ped] - 1
+    seen = first_seen_frame(street, unchanged, hits.ped, hits.steps)
     watched = hits.steps + round(WATCHED / street.world.rules.dt)
-    first_seen = first_seen_frame(street, unchanged, hits.ped, hits.steps)
 
-    def avoids(change: Roles[Policy], scenarios: Scenario = scenarios) -> Bool[np.ndarray, "collision"]:
-        return ~play(street, policies | change, scenarios, keys, until=watched).collision
+    def avoids(since: Since, scenarios: Scenario = scenarios) -> Bool[np.ndarray, "collision"]:
+        return ~replayed(since, watched, scenarios).collision
 
-    driver, people = policies["driver"], policies["pedestrian"]
-    oracle, human = (with_limits(other, street.config) for other in (Oracle(), CarefulHuman()))
-    ped, start, seen = (jnp.asarray(x, jnp.int32) for x in (hits.ped, hits.start, first_seen))
-    zero = jnp.zeros_like(start)
+    on_crosswalk = on_the_crosswalk(scenarios, hits.ped, crossing)
     return {
-        "seen_for": (hits.steps - first_seen) * hits.dt,
-        "crosswalk": avoids({}, on_the_crosswalk(scenarios, hits.ped, crossing)) & (hits.contact == JAYWALK),
-        "wait": avoids({"pedestrian": Wait(people, ped, start - 1)}) & hits.entered,
-        "brake": avoids({"driver": Brake(driver, start)}),
-        "planner": avoids({"driver": TakeOver(driver, oracle, start)}),
-        "planner_from_start": avoids({"driver": TakeOver(driver, oracle, zero)}),
-        "human_when_seen": avoids({"driver": TakeOver(driver, human, seen)}),
-        "human_from_start": avoids({"driver": TakeOver(driver, human, zero)}),
-        "brake_when_seen": avoids({"driver": Brake(driver, seen)}),
-        "planner_when_seen": avoids({"driver": TakeOver(driver, oracle, seen)}),
+        "seen_for": (hits.steps - seen) * hits.dt,
+        "crosswalk": avoids(Since(), on_crosswalk) & (hits.contact == JAYWALK),
+        "wait": avoids(Since(wait=hits.start - 1)) & hits.entered,
+        "brake": avoids(Since(brake=hits.start)),
+        "planner": avoids(Since(oracle=hits.start)),
+        "planner_from_start": avoids(Since(oracle=0 * hits.start)),
+        "human_when_seen": avoids(Since(human=seen)),
+        "human_from_start": avoids(Since(human=0 * hits.start)),
+        "brake_when_seen": avoids(Since(brake=seen)),
+        "planner_when_seen": avoids(Since(oracle=seen)),
     }
 
 

@@ -15,9 +15,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int, Key
 
-from jaxwalk.interfaces import Moment, Policy, View
+from jaxwalk.interfaces import Moment, Policy, Roles, View
+from jaxwalk.policies import Oracle
+from jaxwalk.policies.careful_human import CarefulHuman
+from jaxwalk.policies.world_numbers import with_limits
+from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import Scenario
 
+NEVER = 2**30
+"""A change whose first step is this one never starts."""
 FULL_BRAKING = -1.0
 """The first number of the action of a driver who brakes as hard as the car can."""
 WAIT = 0
@@ -96,6 +102,37 @@ class TakeOver(eqx.Module):
         )
         action, waiting = jax.tree.map(lambda new, old: jnp.where(drives, new, old), answer, (action, waiting))
         return action, (after, waiting)
+
+
+@dataclass(frozen=True)
+class Since:
+    """The first step of each change in each episode; None: never."""
+
+    wait: Int[np.ndarray, "episode"] | None = None
+    """One pedestrian stands."""
+    brake: Int[np.ndarray, "episode"] | None = None
+    """The car brakes fully."""
+    oracle: Int[np.ndarray, "episode"] | None = None
+    """The `Oracle` drives."""
+    human: Int[np.ndarray, "episode"] | None = None
+    """The `CarefulHuman` drives."""
+
+
+def with_changes(
+    street: Street, policies: Roles[Policy], ped: Int[np.ndarray, "episode"], since: Since
+) -> Roles[Policy]:
+    """Return the policies with all four changes around them; ``ped`` are those who are to wait.
+
+    Also a change that never starts is there: so replays with one change or another are one program, compiled once.
+    """
+    wait, brake, oracle, human = (
+        jnp.asarray(np.full(len(ped), NEVER) if step is None else step, jnp.int32)
+        for step in (since.wait, since.brake, since.oracle, since.human)
+    )
+    driver: Policy = Brake(policies["driver"], brake)
+    driver = TakeOver(driver, with_limits(Oracle(), street.config), oracle)
+    driver = TakeOver(driver, with_limits(CarefulHuman(), street.config), human)
+    return policies | {"driver": driver, "pedestrian": Wait(policies["pedestrian"], jnp.asarray(ped, jnp.int32), wait)}
 
 
 def on_the_crosswalk(

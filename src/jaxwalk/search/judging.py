@@ -5,24 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Int, Shaped
 
 from jaxwalk.evaluation.counterfactual import WATCHED, ReplayError, judgements
-from jaxwalk.evaluation.interventions import Brake, TakeOver
+from jaxwalk.evaluation.interventions import Since, with_changes
 from jaxwalk.evaluation.playing import play
-from jaxwalk.policies import Oracle
-from jaxwalk.policies.careful_human import CarefulHuman
-from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.scenarios.archived import keys_of, scenarios_at
 from jaxwalk.search.critical import CriticalMoments
 from jaxwalk.search.cube import Candidates
 from jaxwalk.search.driving import SMALL_PART, Driving
 from jaxwalk.sim.trajectory import Trajectory
-
-NEVER = np.int32(2**30)
-"""Nobody takes over at this step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,27 +63,23 @@ def _judge(
     game: Driving, failures: Candidates, moments: CriticalMoments, rows: Int[np.ndarray, "row"], batch: int
 ) -> Avoidability:
     full = np.resize(rows, batch)  # repeated to a full batch, so that nothing is compiled again
-    some, street, driver = moments.some(full), game.street, game.policies["driver"]
+    some, street = moments.some(full), game.street
     scenarios = scenarios_at(street, failures.points[full])
     keys = keys_of(game.seed, failures.keys[full])
-    oracle, human = (with_limits(other, street.config) for other in (Oracle(), CarefulHuman()))
-    seen, start, never = (jnp.asarray(x, jnp.int32) for x in (some.seen, 0 * some.seen, 0 * some.seen + NEVER))
     watched = some.frame + round(WATCHED / street.world.rules.dt)
 
-    def played(change: TakeOver | Brake, until: Int[np.ndarray, "row"]) -> Trajectory:
-        return play(street, game.policies | {"driver": change}, scenarios, keys, until=until)
+    def replayed(since: Since, until: Int[np.ndarray, "row"]) -> Trajectory:
+        return play(street, with_changes(street, game.policies, some.ped, since), scenarios, keys, until=until)
 
-    def avoids(change: TakeOver | Brake) -> Bool[np.ndarray, "row"]:
-        return ~played(change, watched).collision[: len(rows)]
+    def avoids(since: Since) -> Bool[np.ndarray, "row"]:
+        return ~replayed(since, watched).collision[: len(rows)]
 
-    again = played(TakeOver(driver, human, never), some.frame)
+    again = replayed(Since(), some.frame)
     touched = again.touched[np.arange(batch), some.ped]
     if not (again.collision & (again.length == some.frame) & touched).all():
         raise ReplayError("a failure doesn't recur when it is played again; is the driver the same in every run?")
+    seen, start = some.seen, 0 * some.seen
     return Avoidability(
-        judgements(
-            avoids(TakeOver(driver, human, seen)),
-            avoids(TakeOver(driver, oracle, seen)) | avoids(Brake(driver, seen)),
-        ),
-        judgements(avoids(TakeOver(driver, human, start)), avoids(TakeOver(driver, oracle, start))),
+        judgements(avoids(Since(human=seen)), avoids(Since(oracle=seen)) | avoids(Since(brake=seen))),
+        judgements(avoids(Since(human=start)), avoids(Since(oracle=start))),
     )

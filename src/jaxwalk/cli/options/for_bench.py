@@ -8,20 +8,20 @@ from typing import Annotated, Literal
 
 from jaxwalk.cli.options.declare import Flag, option
 
-BenchPart = Literal["env", "train", "compile", "pedestrians", "streets"]
+BenchPart = Literal["env", "train", "compile", "pedestrians", "streets", "suites"]
 """What `jaxwalk bench` can measure."""
 
 
 @dataclass(frozen=True)
 class Bench:
-    """How fast is jaxwalk on this machine? Simulator, training, first minute, crowds, streets: some minutes.
+    """How fast is jaxwalk on this machine? Simulator, training, first minute, crowds, streets, suites: some minutes.
 
     For example: jaxwalk bench --out bench
     """
 
     only: Annotated[tuple[BenchPart, ...], option("all", "PART [PART ...]")] = ()
     """env: the simulator alone; train: training and the machine's peak; compile: the first minute; pedestrians: the
-    cost of a crowd; streets: the cost of many streets."""
+    cost of a crowd; streets: the cost of many streets; suites: the cost of worlds where people can be hidden."""
     quick: Flag = False
     """Few sizes and short times: checks that everything can be measured, without precise numbers."""
     environments: Annotated[tuple[int, ...], option("64 to 16384", "N [N ...]")] = ()
