@@ -173,6 +173,19 @@ def test_a_batch_may_have_any_number_of_axes(hiding):
     np.testing.assert_array_equal(in_sight(street.world, *alone), found[:, 4])
 
 
+def test_copies_of_the_first_map_are_not_worked_out_again(hiding, monkeypatch):
+    """A stack is filled up with them, and another map is told apart by any of its numbers."""
+    one, asked, work_out = as_numpy(hiding[1].world.maps), [], occluders._of_map
+    bare = replace(one, slot_count=0 * one.slot_count)
+    maps = jax.tree.map(lambda *parts: np.concatenate(parts), one, bare, one)
+    monkeypatch.setattr(occluders, "_of_map", lambda maps, n, *rest: asked.append(n) or work_out(maps, n, *rest))
+    tables = occluders.pack_occluders(maps, 20.0)
+    assert sorted(asked) == [0, 1]
+    for table in tables:
+        np.testing.assert_array_equal(table[2], table[0])
+    assert (tables[-1][0] >= 0).any() and not (tables[-1][1] >= 0).any(), "slots are in the first, none in the second"
+
+
 def test_a_rectangular_building_is_a_box_and_others_are_walls():
     rectangle = Area(kind="building", outline=np.array([[0.0, 0], [10, 0], [10, 4], [0, 4]]))
     corner = Area(kind="building", outline=np.array([[20.0, 0], [30, 0], [30, 4], [24, 4], [24, 8], [20, 8]]))

@@ -50,15 +50,23 @@ def pack_occluders(maps: RoadMap, sight: float) -> tuple[Float[np.ndarray, "map 
     The first row and column lie at the map's south-western corner. ``sight`` is the range of sight [m].
     """
     shape = tuple(rounded_up(int(np.ceil(float(np.max(extent)) / CELL)) + 1) for extent in (maps.height, maps.width))
+    copies = [number for number in range(1, len(maps.width)) if _is_the_first(maps, number)]
+    different = sorted({*range(len(maps.width))} - {*copies})
     with ThreadPoolExecutor(os.cpu_count()) as threads:
-        each = threads.map(lambda number: list(_of_map(maps, number, shape, sight)), range(len(maps.width)))
+        each = threads.map(lambda number: list(_of_map(maps, number, shape, sight)), different)
         cells = {cell: boxes for cells_of_map in each for cell, boxes in cells_of_map}
     most = ENTRIES * -(-max([1, *map(len, cells.values())]) // ENTRIES)
     packed = np.zeros((len(COLUMNS), len(maps.width), *shape, most), np.float32)
     packed[-1] = PADDING
     for cell, boxes in cells.items():
         packed[(slice(None), *cell, slice(len(boxes)))] = boxes.T
+    packed[:, copies] = packed[:, :1]
     return tuple(packed)
+
+
+def _is_the_first(maps: RoadMap, number: int) -> bool:
+    """Return whether a map is the first one again, as those are that fill up a stack."""
+    return all((table[number] == table[0]).all() for table in vars(maps).values())
 
 
 def blocked(
