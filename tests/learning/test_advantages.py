@@ -130,3 +130,9 @@ def test_normalised_counts_only_what_has_weight():
     np.testing.assert_allclose(normalised(x, weight), [-(0.5**0.5), 2**0.5, 0, 0], atol=1e-6)
     assert normalised(floats(7), floats(1)).tolist() == [0]
     assert normalised(floats(7, 7, 7, 7), floats(1, 1, 1, 1)).tolist() == [0, 0, 0, 0]
+
+
+def test_normalised_by_the_deviation_of_something_else():
+    # the mean is 2; the unit's is 4, and its variance (2 x 9 + 1 x 36) / 3
+    x, weight, unit = floats(0, 6), floats(2, 1), floats(1, 10)
+    np.testing.assert_allclose(normalised(x, weight, unit=unit), [-2 / 18**0.5, 4 / 18**0.5], rtol=1e-6)

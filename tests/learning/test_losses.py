@@ -44,6 +44,7 @@ def test_ratios_never_overflow():
     ratio = log_ratio(np.float32(0.0), np.float32(-1e9))
     assert np.isfinite(clipped_surrogate(ratio, np.float32(-1.0), clip=0.2))
     assert np.isfinite(approximate_kl(ratio))
+    assert (float(ratio), float(log_ratio(np.float32(-1e9), np.float32(0.0)))) == (20, -20)
 
 
 @eqx.filter_jit
@@ -107,6 +108,7 @@ def test_kl_estimate_is_right_on_average_and_never_negative():
 
 def test_beyond_clip():
     assert beyond_clip(floats(*np.log([0.7, 0.9, 1.1, 1.3])), clip=0.2).tolist() == [1, 0, 0, 1]
+    assert beyond_clip(floats(0.0), clip=0.0).tolist() == [0]  # exactly at the clip
 
 
 def test_sums_ignore_what_has_no_weight():
@@ -114,6 +116,7 @@ def test_sums_ignore_what_has_no_weight():
     assert float(weighted_sum(x, floats([1], [0]))) == 3
     assert float(weighted_mean(x, floats([1], [0]))) == 1.5
     assert float(weighted_mean(floats(3), floats(0.25))) == 3
+    assert float(weighted_mean(floats(3), floats(0))) == 0
 
 
 def test_explained_variance():

@@ -28,6 +28,11 @@ def test_harsh_braking_is_counted_while_the_car_rolls():
     assert (found.harsh_per_km.value, found.harsh_per_km.count) == (pytest.approx(2 / metres * 1000), 2)
 
 
+def test_a_car_that_crawls_rolls():
+    table = measure(trajectory(Scene(5, [NOBODY], speed=0.5, acceleration={3: -2.5})))[COMFORT]
+    assert (table.harsh.tolist(), table.events.tolist()) == ([1], [1])
+
+
 def test_jerk_is_the_change_of_acceleration():
     # accelerations 0, -3, -3, 0 m/s2: changes of -30, 0 and 30 m/s3
     rows = measure(trajectory(Scene(4, [NOBODY], speed=[5.0, 5, 4.7, 4.4, 4.4]), Scene(9, [NOBODY])))

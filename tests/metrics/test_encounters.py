@@ -112,7 +112,12 @@ def scene(*, commands: dict[int, float], speed: float = 5.0, enter: int = 5, las
         (scene(commands={3: -3, 4: -3, 5: -3}), ALREADY, math.nan),
         (scene(commands={5: -3, 6: -3, 7: -3}), ALREADY, math.nan),
         (scene(commands={2: -3, 3: -3, 4: -3}), NEVER, 2.0),
+        # there is no command before the start
+        (scene(commands={1: -3, 2: -3, 3: -3}, enter=2), ALREADY, math.nan),
+        (scene(commands={1: -3, 2: -3}, enter=2), NEVER, 2.3),
+        (scene(commands={0: -3, 1: -3, 2: -3}, enter=2), NEVER, 2.3),
         (scene(commands={12: -3, 13: -3, 14: -3}, speed=1.0), STANDING, math.nan),
+        (scene(commands={12: -3, 13: -3, 14: -3}, speed=1.1), ONSET, 0.6),
         (scene(commands={12: -3, 13: -3, 14: -3}, enter=0), UNSEEN, math.nan),
     ],
 )
@@ -120,6 +125,12 @@ def test_braking(case, status, seconds):
     table = encountered(case)
     assert table.braking.tolist() == [status]
     assert table.braking_time == pytest.approx([seconds], nan_ok=True)
+
+
+@pytest.mark.parametrize(("dt", "status"), [(0.3, ONSET), (0.2, NEVER)])
+def test_one_command_may_last_long_enough(dt, status):
+    table = measure(changed(trajectory(scene(commands={12: -3})), dt=dt))[ENCOUNTERS]
+    assert table.braking.tolist() == [status]
 
 
 @pytest.mark.parametrize("slow", [0.8, 1.0])

@@ -43,6 +43,16 @@ def test_one_crossing_of_who_does_as_they_intend():
     assert found.bits == pytest.approx(1 - 1 / (2 * np.log(2)), abs=1e-6)
 
 
+def test_one_crossing_of_who_jaywalks_for_sure_from_half_the_tendency_on():
+    """With multiplier 2, by hand: after a jaywalk (3 in 4) tau has mean 11/18 and square 31/72, so variance 37/648;
+    else it is the lower half of a triangle, of variance 1/72. The mean is 3/4 x 37/648 + 1/4 x 1/72 = 5/108, and only
+    where tau is below a half is the outcome uncertain: 1 / (4 ln 2) bits on average."""
+    found = known(1, 2.0)
+    assert found.explained == pytest.approx(1 - 12 * 5 / 108, abs=1e-12)
+    assert found.deviation == pytest.approx(0.75 * (37 / 648) ** 0.5 + 0.25 * (1 / 72) ** 0.5, abs=1e-12)
+    assert found.bits == pytest.approx(2 - 0.75 * np.log2(3) - 1 / (4 * np.log(2)), abs=1e-6)
+
+
 @pytest.mark.parametrize("multiplier", MULTIPLIERS)
 @pytest.mark.parametrize("crossings", [1, 4, 9])
 def test_information_is_the_integral(crossings, multiplier):

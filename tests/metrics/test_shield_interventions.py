@@ -58,9 +58,15 @@ def test_infeasible_steps_are_a_share_of_all(bare):
     assert numbers.infeasible.value == pytest.approx(3 / (2 * STEPS))
 
 
+@pytest.mark.parametrize("known", ["shield_changed", "shield_infeasible"])
+def test_half_a_record_of_a_shield_is_none(bare, known):
+    half = replace(bare, **{known: np.ones(bare.car_x.shape, bool)})
+    assert measure(half)[SHIELD_INTERVENTIONS].shielded.tolist() == [False, False]
+
+
 def test_without_a_shield_there_are_no_numbers(bare):
     found = summarise(measure(bare), resamples=20)
-    assert all(number.value is None for number in vars(found[SHIELD_INTERVENTIONS]).values())
+    assert all((x.value, x.count) == (None, 0) for x in vars(found[SHIELD_INTERVENTIONS]).values())
     assert Summary.from_dict(json.loads(json.dumps(found.as_dict()))) == found
 
 

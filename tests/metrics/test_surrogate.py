@@ -15,6 +15,7 @@ from jaxwalk.metrics.footprint import required_deceleration, time_to_collision
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
 from jaxwalk.metrics.surrogate import Surrogates, surrogate_columns
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+from jaxwalk.sim.sim_config import SimConfig
 from metrics import reference
 from metrics.scenes import DISC, Scene, Walk, changed, trajectory
 from metrics.test_properties import few, trajectories
@@ -66,6 +67,46 @@ def test_a_car_that_comes_more_than_5_s_later_shares_no_conflict():
     walk = Walk(20, -4, vy=2, crossings=[(1, 39, CROSSWALK)])
     assert_measured(Scene(90, [walk], speed=[5.0] * 26 + [1.34] * 65), pet=4.8)
     assert_measured(Scene(120, [walk], speed=[5.0] * 26 + [1.25] * 95), pet=math.nan)
+
+
+def test_the_car_may_come_5_s_later_but_no_more():
+    # as before: at 1.28 m/s the car is at 18.64 m in frame 73, the pedestrian 0.6 m aside 50 frames before;
+    # at 1.27 m/s no two places within 1.5 m are nearer in time than 51 frames
+    walk = Walk(20, -4, vy=2, crossings=[(1, 39, CROSSWALK)])
+    assert_measured(Scene(90, [walk], speed=[5.0] * 26 + [1.28] * 65), pet=5.0)
+    assert_measured(Scene(90, [walk], speed=[5.0] * 26 + [1.27] * 65), pet=math.nan, t2=math.nan)
+
+
+def test_a_car_that_comes_in_the_next_frame_is_second():
+    # the pedestrian is 1.4 m aside in frame 27, the car at 13.5 m then and at 14 m, within 1.5 m, in the next frame
+    scene = Scene(80, [Walk(14.5, -4, vy=2, crossings=[(1, 39, CROSSWALK)])])
+    assert_measured(scene, pet=0.1, t2=0.1)
+
+
+def test_who_stands_in_the_way_is_there_already():
+    # the car is at 18.5 m in frame 37, not yet within 1.5 m, and at 19 m in frame 38
+    scene = Scene(38, [Walk(20, 0, crossings=[(1, 38, JAYWALK)])], touched=[0])
+    assert_measured(scene, pet=0, t2=0)
+
+
+@pytest.mark.parametrize(("aside", "pet"), [(1.5, math.nan), (1.25, 0.0)])
+def test_a_body_that_just_reaches_the_side_of_the_car_is_not_in_its_way(aside, pet):
+    # the car is 2 m wide and the body's radius is 0.5 m: 1 + 0.5 m aside is the limit
+    rules = SimConfig(car_length=4.0, car_width=2.0, body_radius=0.5)
+    recorded = trajectory(Scene(60, [Walk(10, aside, crossings=[(1, 60, JAYWALK)])]))
+    assert measure(recorded, config=rules)[SURROGATES].pet == pytest.approx([pet], nan_ok=True)
+
+
+@pytest.mark.parametrize(("x", "exposed"), [(3.1, 0.0), (3.0, 0.1)])
+def test_exposed_time_is_below_the_limit_and_not_at_it(x, exposed):
+    # the car stands, and the pedestrian is at x - 0.1 in its only frame on the roadway: (3 - 1.5) / 1 s, or less
+    assert_measured(Scene(5, [Walk(x, 0, vx=-1, crossings=[(1, 1, CROSSWALK)])], speed=0), exposed_time=exposed)
+
+
+@pytest.mark.parametrize(("speed", "impact"), [(0.5, 0.5), (0.4, math.nan)])
+def test_a_car_that_just_moves_hits(speed, impact):
+    scene = Scene(9, [Walk(1, 0, crossings=[(1, 9, CROSSWALK)])], speed=speed, touched=[0])
+    assert_measured(scene, impact_speed=impact, relative_speed=speed)
 
 
 def test_the_pedestrian_may_leave_the_roadway_before_the_car_arrives():
@@ -152,12 +193,32 @@ def test_turning_the_scene_by_90_degrees_changes_nothing(recorded):
         np.testing.assert_allclose(getattr(before, column.name), getattr(after, column.name), rtol=1e-5)
 
 
+def rows_of(episode, kind, **values) -> Rows:
+    """Encounters with some measures; the others don't exist."""
+    measures = {name: np.array(values.get(name, [np.nan] * len(kind)), float) for name in MEASURES}
+    table = Surrogates(episode=np.array(episode), type=np.array(kind), **measures)
+    return Rows(dt=0.1, episodes=max(episode) + 1, metrics=(SURROGATES,), tables={SURROGATES.name: table})
+
+
+def test_shares_count_encounters_and_their_intervals_the_episodes_that_have_some():
+    kinds = [CROSSWALK] * 6 + [JAYWALK]
+    rows = rows_of([0, 1, 1, 2, 2, 2, 3], kinds, drac=[0] * 7, exposed_time=[0] * 7)
+    found = summarise(rows, resamples=20)[SURROGATES]
+    crosswalk, jaywalk = found.crosswalk.drac_critical, found.jaywalk.drac_critical
+    assert (crosswalk.count, found.crosswalk.exposed_time.count, jaywalk.count) == (6, 6, 1)
+    # none of n trials: the exact interval ends at 1 - 0.025^(1 / n); the trials are 3 episodes, and 1
+    assert (crosswalk.high, jaywalk.high) == pytest.approx((1 - 0.025 ** (1 / 3), 0.975))
+
+
+def test_intervals_of_impacts_end_where_speeds_and_risks_do():
+    found = summarise(rows_of([0, 1], [CROSSWALK] * 2, impact_speed=[1, 40]), resamples=20)[SURROGATES].crosswalk
+    assert (found.impact_speed.value, found.impact_speed.low) == (20.5, 0)
+    assert [(risk.low, risk.high) for risk in (found.mais3, found.fatal, found.fatal_rosen_sander)] == [(0, 1)] * 3
+
+
 def test_limits_are_not_beyond_themselves_and_any_lead_is_one():
     values = {"ttc": [1.5, 1.4, 9], "pet": [0.1, 3.0, -1.5], "drac": [3.4, 3.5, 0]}
-    rest = {name: np.full(3, np.nan) for name in MEASURES if name not in values}
-    kinds = {"episode": np.zeros(3, int), "type": np.full(3, CROSSWALK)}
-    table = Surrogates(**kinds, **{name: np.array(x, float) for name, x in values.items()}, **rest)
-    rows = Rows(dt=0.1, episodes=1, metrics=(SURROGATES,), tables={SURROGATES.name: table})
+    rows = rows_of([0, 0, 0], [CROSSWALK] * 3, **values)
     found = {name: x[0, 0] for name, x in surrogate_columns(rows).items()}
     counts = {"met": 3, "ttc_critical": 1, "pet_critical": 1, "pet_close": 2, "drac_critical": 1}
     assert {name: found[name] for name in counts} == counts

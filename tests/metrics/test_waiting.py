@@ -88,6 +88,13 @@ def test_rates_by_distance_and_speed_and_predicted_miss():
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(("x", "y", "count"), [(0.0, 3.0, 0), (0.5, 0.0, 1), (39.9, 0.0, 1), (40.0, 0.0, 0)])
+def test_bins_hold_who_is_ahead_of_the_car_and_within_40_m(x, y, count):
+    table = measure(trajectory(Scene(5, [Walk(x, y, kerb=[0])], speed=0.0)))[WAITING]
+    assert (table.distance_moments.shape, table.speed_moments.shape) == ((1, 8, 4), (1, 4, 4))
+    assert (table.distance_moments.sum(), table.speed_moments.sum()) == (count, count)
+
+
 @few
 @given(trajectories)
 def test_counts_agree_with_the_reference(recorded):
@@ -132,6 +139,15 @@ def test_intervals_are_over_episodes():
     # an episode of 2.5 moments has 1.2 waits more or less than 60 % of its moments; of 100 moments apart, error 0.049
     error = 1.2 / 2.5 / 40**0.5
     assert (found.low, found.high) == pytest.approx((0.6 - 2 * error, 0.6 + 2 * error), abs=0.02)
+
+
+def test_the_trials_of_what_never_happened_are_the_episodes_in_which_it_could():
+    # none of n trials: the exact interval ends at 1 - 0.025^(1 / n)
+    danger = [Scene(steps, [Walk(20.0, 0.0, kerb=range(steps), miss=1.0)]) for steps in (1, 3, 7)]
+    found = waiting(*danger, Scene(20, [Walk(0.0, 9.0)]))
+    assert (found.danger.count, found.waited.count) == (1 + 3 + 7, 1 + 3 + 7 + 20)
+    assert found.danger.high == pytest.approx(1 - 0.025 ** (1 / 3))
+    assert found.waited.high == pytest.approx(1 - 0.025 ** (1 / 4))
 
 
 def test_what_never_happened_has_no_rate():

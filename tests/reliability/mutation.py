@@ -39,7 +39,7 @@ from rich.progress import track
 ROOT = Path(__file__).resolve().parents[2]
 GROUPS = {
     "events": (["sim/events.py"], ["tests/sim/test_events.py", "tests/metrics/test_encounters.py"]),
-    "rewards": (["sim/reward.py"], ["tests/sim/test_events.py"]),
+    "rewards": (["sim/reward.py"], ["tests/sim/test_reward.py", "tests/sim/test_events.py"]),
     "advantages": (["learning/advantages.py"], ["tests/learning/test_advantages.py"]),
     "losses": (["learning/losses.py"], ["tests/learning/test_losses.py", "tests/learning/test_mappo.py"]),
     "metrics": (["metrics"], ["tests/metrics"]),

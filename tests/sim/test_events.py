@@ -11,9 +11,10 @@ import pytest
 from jax import device_put
 
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from jaxwalk.sim.events import arrives, closes_in, closing_speed, touches
+from jaxwalk.sim.events import arrives, closes_in, closing_speed, contact_gap, touches, touching
 from jaxwalk.sim.manoeuvres import HOLD
 from jaxwalk.sim.reward import DRIVER_TERMS, PEDESTRIAN_TERMS
+from jaxwalk.sim.sim_config import SimConfig
 from pytrees import as_numpy
 from sim import play
 from sim.play import ENVIRONMENTS, actions, alike, columns, goal, reset, with_car
@@ -34,6 +35,16 @@ def test_distances_are_exact():
     assert touches(np.nextafter(1.5, 0), 0.0, 1.5)
     assert arrives(3.0, 0.0, 3.0)
     assert not arrives(np.nextafter(3.0, 4), 0.0, 3.0)
+    assert arrives(-3.0, 4.0, 5.0) and not arrives(3.0, -4.1, 5.0)
+
+
+def test_gaps_by_hand():
+    # of a car 4 m long and 2 m wide: 3 m before its bumper and 4 m beside its door are 5 m; then it faces north
+    car = SimConfig(contact="footprint", car_length=4.0, car_width=2.0, body_radius=0.25)
+    gaps = [contact_gap(car, 5, -5, 1, 0), contact_gap(car, -4, 2, 0, 1), contact_gap(car, 0.5, 0.5, 1, 0)]
+    assert gaps == [4.75, 2.75, -0.25]
+    assert touching(car, 2.24, 0, 1, 0) and not touching(car, 2.25, 0, 1, 0)
+    assert (contact_gap(SimConfig(), 3, 4, 1, 0), touching(SimConfig(), 1.5, 0, 1, 0)) == (3.5, False)
 
 
 def test_closing_in_by_hand():
