@@ -61,3 +61,10 @@ def test_the_car_has_its_speed_where_it_was_nearest():
     found = summarise(rows, resamples=20)[PASSING]
     assert [(one.near, one.far, one.speed.count) for one in found] == [(0, 0.5, 0), (0.5, 1, 0), (1, 2, 1), (2, 5, 1)]
     assert [one.speed.value for one in found] == [None, None, pytest.approx(3), pytest.approx(5)]
+
+
+def test_a_passing_is_in_the_bin_of_its_gap_or_in_none():
+    """Gaps of 5.35, 0.25 and 0.75 m: 1.15 m less than the distance to the side. The first is in no bin."""
+    scenes = [Scene(8, [Walk(4.5, y, crossings=[(1, 8, CROSSWALK)])]) for y in (6.5, 1.4, 1.9)]
+    found = summarise(measure(trajectory(*scenes)), resamples=20)[PASSING]
+    assert [one.speed.count for one in found] == [1, 1, 0, 0]

@@ -21,7 +21,7 @@ def test_head_on():
     walk = Walk(30, 0, vx=-1, crossings=[(3, 48, JAYWALK)])
     table = encountered(Scene(48, [walk], touched=[0]))
     assert [c.tolist() for c in (table.enter, table.start, table.end)] == [[3], [17], [48]]
-    assert table.min_distance == pytest.approx(1.2)
+    assert (table.min_distance, table.min_gap) == (pytest.approx([1.2]), pytest.approx([0]))
     assert (table.type[0], table.number[0], table.entry_speed[0], table.collided[0]) == (JAYWALK, 1, 5.0, True)
 
 
@@ -72,11 +72,21 @@ def test_a_crossing_under_way_at_the_end():
     rows = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 99, JAYWALK)])]), Scene(30, [Walk(99, 0)])))
     assert (rows[CROSSINGS].last.tolist(), rows[CROSSINGS].completed.tolist()) == ([20], [False])
     assert (rows[ENCOUNTERS].end.tolist(), rows[ENCOUNTERS].min_distance.tolist()) == ([20], [10.0])
+    assert rows[ENCOUNTERS].collided.tolist() == [False]
 
 
 def test_a_crossing_that_ends_in_the_last_frame_but_one_is_complete():
     crossings = measure(trajectory(Scene(20, [Walk(20, 0, crossings=[(5, 19, JAYWALK)])])))[CROSSINGS]
     assert crossings.completed.tolist() == [True]
+
+
+def test_who_goes_on_where_another_ended_begins_a_crossing_of_their_own():
+    people = [Walk(9, 0, crossings=[(1, 3, CROSSWALK)]), Walk(9, 3, crossings=[(4, 6, CROSSWALK)])]
+    later = [Walk(9, 0), Walk(9, 3, crossings=[(7, 8, CROSSWALK)])]
+    crossings = measure(trajectory(Scene(9, people), Scene(9, later)))[CROSSINGS]
+    assert [c.tolist() for c in (crossings.episode, crossings.ped)] == [[0, 0, 1], [0, 1, 1]]
+    assert [c.tolist() for c in (crossings.enter, crossings.last)] == [[1, 4, 7], [3, 6, 8]]
+    assert crossings.entry_seen.tolist() == [True, True, True]
 
 
 def test_nobody_decided_the_place_tells_the_type():

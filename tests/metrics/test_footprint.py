@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jaxwalk.metrics import measure, summarise
-from jaxwalk.metrics.contacts import MEASURED_CONTACTS
+from jaxwalk.metrics.contacts import MEASURED_CONTACTS, touched_while_moving
 from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, reach, time_to_contact, touched_part
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
 from jaxwalk.sim.sim_config import SimConfig
-from metrics.scenes import Scene, Walk, trajectory
+from metrics.scenes import Scene, Walk, changed, trajectory
 
 CAR = SimConfig()
 number = st.integers(-1000, 1000).map(lambda n: n / 100)
@@ -134,3 +134,50 @@ def test_without_contacts_there_are_no_speeds():
 def test_a_larger_body_reaches_further():
     assert reach(SimConfig(car_length=6.0, car_width=8.0, body_radius=1.0)) == 6
     assert contacts(Scene(60, [Walk(10, 1.6)]), config=SimConfig(body_radius=0.75)).rule.tolist() == [1]
+
+
+def test_the_relative_speed_is_that_of_both():
+    towards, away = (contacts(Scene(60, [Walk(10, 0, vx=vx)])).relative_speed for vx in (-1, 1))
+    assert (towards, away) == (pytest.approx([6, 6]), pytest.approx([4, 4]))
+
+
+def test_the_hit_point_is_that_of_the_last_step():
+    """The centres are 2.5 m apart in frame 15, so that the touch is at the beginning of the next step, 0.45 m to the
+    left. A step before, the body was on the right, and a step later it is in the middle."""
+    recorded = trajectory(Scene(60, [Walk(10, 0)]))
+    y = np.zeros_like(recorded.ped_y)
+    y[14], y[15] = -0.9, 0.45
+    table = measure(changed(recorded, ped_y=y))[MEASURED_CONTACTS]
+    assert (table.frame[table.rule == 1].tolist(), table.hit_point[table.rule == 1]) == ([16], pytest.approx([75]))
+
+
+def test_a_contact_in_the_first_step_comes_from_frame_0():
+    # from 2.75 to 2.25 m ahead, and from 0.45 m left to 0.45 m right: touched at 2.5 m, in the middle
+    table = contacts(Scene(1, [Walk(2.75, 0.45, vy=-9)]))
+    assert (table.frame.tolist(), table.hit_point) == ([1], pytest.approx([50]))
+
+
+def test_the_left_edge_is_in_the_last_part():
+    found = summary(Scene(60, [Walk(10, 1.0)]))
+    assert found.footprint.hit_points == (0, 0, 0, 0, 0, 0, 0, 0, 0, 1)
+
+
+def test_a_car_at_the_limit_moves():
+    limit, slower = (contacts(Scene(9, [Walk(2.5, 0)], speed=speed)).moving.tolist() for speed in (0.5, 0.49))
+    assert (limit, slower) == ([True], [False])
+
+
+def test_the_rules_are_told_apart():
+    rows = measure(trajectory(Scene(60, [Walk(10, 1.4)])))  # within 1.5 m of the centre, but 0.25 m beside the car
+    found = summarise(rows, resamples=20)[MEASURED_CONTACTS]
+    assert (found.disc.contacts, found.footprint.contacts) == (1, 0)
+    assert (touched_while_moving(rows, "disc").tolist(), touched_while_moving(rows).tolist()) == ([True], [False])
+
+
+def test_one_of_three_walked_into_a_standing_car():
+    walker = Scene(60, [Walk(0, 4, vy=-1)], speed=0)
+    hits = [Scene(60, [Walk(3, 0)], speed=speed) for speed in (1, 5)]
+    found = summary(walker, *hits).footprint
+    assert (found.contacts, found.standing, found.moving.successes) == (3, 1, 2)
+    # 3 -+ 12.7 * 2, and no speed is below 0
+    assert (found.car_speed.value, found.car_speed.low) == (pytest.approx(3), 0)

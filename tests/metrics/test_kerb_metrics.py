@@ -82,3 +82,35 @@ def test_a_slow_car_leaves_no_gap():
     slow = measure(trajectory(Scene(30, [PEOPLE["goes"]], speed=2.0)))
     assert np.isnan(slow[GAPS].accepted).all()
     assert summarise(slow, resamples=20)[GAPS].accepted.value is None
+
+
+def test_one_frame_on_the_roadway_is_enough_and_must_follow_at_once():
+    step = Walk(22.0, 0.0, kerb=range(4, 10), crossings=[(10, 10, CROSSWALK)], miss=1.0)
+    later = Walk(22.0, 0.0, kerb=range(4, 9), crossings=[(10, 30, CROSSWALK)], miss=1.0)
+    rows = measure(trajectory(Scene(30, [step]), Scene(30, [later])))
+    assert rows[APPROACHES].entered.tolist() == [True, False]
+    assert rows[APPROACHES].before.tolist() == [PERSON, NEITHER]
+    assert np.isnan(rows[GAPS].accepted).tolist() == [False, True]
+
+
+@pytest.mark.parametrize(("last", "before"), [(11, NEITHER), (12, CAR)])
+def test_a_car_abreast_has_passed(last, before):
+    """The car, at 0.5 k m, is 0.5 m before the person in frame 11, and abreast in frame 12."""
+    walk = Walk(6.0, 3.0, waits=range(5, 30), kerb=range(4, last + 1), miss=1.0)
+    assert measure(trajectory(Scene(30, [walk])))[APPROACHES].before.tolist() == [before]
+
+
+def test_a_stay_of_somebody_else_comes_to_no_other_kerb():
+    once = Walk(22.0, 3.0, kerb=range(4, 10), miss=1.0)
+    twice = Walk(
+        22.0, 0.0, kerb=[*range(4, 10), *range(20, 25)], crossings=[(10, 15, CROSSWALK), (25, 30, CROSSWALK)], miss=1.0
+    )
+    table = measure(trajectory(Scene(30, [once, twice], touched=[0, 1])))[APPROACHES]
+    assert table.hit.tolist() == [True, False, True]
+
+
+@pytest.mark.parametrize(("place", "gap"), [(6.75, np.nan), (7.25, 0.1), (44.25, 7.5), (44.5, np.nan)])
+def test_a_gap_is_before_the_front_and_within_40_m(place, gap):
+    """In frame 9 the car is at 4.5 m and its front at 6.75 m; the first is abreast of the front, the last 40 m away."""
+    table = measure(trajectory(Scene(30, [Walk(place, 0.0, **ENTERS)])))[GAPS]
+    assert table.accepted == pytest.approx([gap], nan_ok=True)

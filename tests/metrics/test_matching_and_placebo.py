@@ -7,7 +7,8 @@ import pytest
 
 from jaxwalk.metrics import PLACEBO, SPEED_DIFFERENTIAL, measure, summarise
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
-from metrics.scenes import Scene, Walk, changed, ghosts_of, trajectory
+from jaxwalk.sim.sim_config import SimConfig
+from metrics.scenes import Scene, Walk, changed, ghosts_of, trajectory, turned
 
 
 def meeting(kind: int, speed: float, *, initial: float = 6.0, place: float = 0.0) -> Scene:
@@ -36,11 +37,34 @@ def test_only_cars_as_fast_at_first_are_matched():
     assert near_six(meeting(JAYWALK, 3), meeting(CROSSWALK, 3, initial=6.4)).matched.count == 1
 
 
-def test_only_places_of_5_m_around_are_matched():
+@pytest.mark.parametrize("quarters", [0, 1])
+def test_only_places_of_5_m_around_are_matched(quarters):
     def matched(place):  # of the jaywalker's car; the other is at 0
-        return near_six(meeting(JAYWALK, 3, place=place), meeting(CROSSWALK, 3)).matched.count
+        recorded = turned(trajectory(meeting(JAYWALK, 3, place=place), meeting(CROSSWALK, 3)), quarters)
+        return summarise(measure(recorded), resamples=5)[SPEED_DIFFERENTIAL][2].matched.count
 
     assert [matched(place) for place in (1.2, 2.8, 5.5)] == [1, 0, 0]
+
+
+def test_place_and_speed_must_both_be_alike():
+    """The jaywalker's car is at another place than one car, and not within the same m/s as the other."""
+    others = meeting(CROSSWALK, 3, initial=6.4, place=40), meeting(CROSSWALK, 3, initial=7.0)
+    assert near_six(meeting(JAYWALK, 3, initial=6.4), *others).matched.count == 0
+
+
+def test_a_car_that_heads_halfway_between_two_quarters_is_matched_along_x():
+    recorded = trajectory(meeting(JAYWALK, 3), meeting(CROSSWALK, 3))
+    halfway = np.where(np.arange(2) == 1, 0.5**0.5, 1.0)
+    both = recorded.car_cos * halfway
+    other = changed(recorded, car_cos=both, car_sin=np.where(halfway < 1, both, 0.0))
+    assert summarise(measure(other), resamples=5)[SPEED_DIFFERENTIAL][2].matched.count == 1
+
+
+def test_resamples_without_a_match_at_one_place_use_the_others():
+    """Three of each at two places, always 5 against 4 m/s: whatever is drawn, the difference is 1."""
+    scenes = [meeting(kind, speed, place=place) for kind, speed in ((JAYWALK, 4), (CROSSWALK, 2)) for place in (0, 40)]
+    found = near_six(*3 * scenes).matched
+    assert (found.value, found.low, found.high) == pytest.approx((1, 1, 1))
 
 
 def test_cars_with_another_heading_are_not_matched():
@@ -76,3 +100,11 @@ def test_the_first_touch_of_either_ends_the_view_of_both():
         rows = measure(recorded, ghost)
         assert rows[PLACEBO].frames.sum() == min(frames, 10), place
         assert rows[SPEED_DIFFERENTIAL].frames.sum() == 10
+
+
+def test_a_ghost_is_touched_by_the_rule_of_the_world():
+    """4 m ahead of a car that is 2.25 m to its front, a body of 0.25 m is touched after 2 m: in frame 4."""
+    recorded = trajectory(Scene(9, [Walk(2, 2, crossings=[(0, 9, JAYWALK)])]))
+    ghost = ghosts_of(trajectory(Scene(9, [Walk(4, 0, crossings=[(0, 9, JAYWALK)])])))
+    rows = measure(recorded, ghost, config=SimConfig(contact="footprint"))
+    assert rows[PLACEBO].frames.sum() == 5

@@ -20,7 +20,7 @@ from jaxwalk.metrics import (
 from jaxwalk.metrics.outcomes import NO_CONTACT, SIDEWALK
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.sim_config import SimConfig
-from metrics.scenes import Scene, Walk, changed, pick, trajectory
+from metrics.scenes import Scene, Walk, changed, pick, trajectory, turned
 
 AWAY = Walk(90, 50)
 
@@ -61,7 +61,8 @@ def test_outcomes(recorded):
     # encounters: the three on a roadway who were hit; 40 m away nobody is encountered
     assert outcomes.encounters == 3
     assert outcomes.all.per_encounter.value == pytest.approx(4 / 3)
-    assert outcomes.impact_speed.value == pytest.approx(2.5)
+    # 2.5 -+ 3.18 * 2.08 / 2, and no speed is below 0
+    assert (outcomes.impact_speed.value, outcomes.impact_speed.low) == (pytest.approx(2.5), 0)
 
 
 def test_contacts(recorded):
@@ -90,12 +91,21 @@ def test_attribution(recorded):
         (pytest.approx(2 / r.exposure_crosswalk), 2, 1) for r in risks
     ]
     assert [r.ratio.value for r in risks] == pytest.approx([1.5, 1.0, (1 / 0.9) / (2 / 3), (1 / 0.9) / 1.0])
-    assert attribution.per_crossing.share.value == pytest.approx(0.25)
+    assert (attribution.per_crossing.share.value, attribution.per_crossing.share.count) == (pytest.approx(0.25), 4)
 
 
-def test_of_several_touched_the_nearest_counts():
+@pytest.mark.parametrize(("place", "seconds"), [(20.0, 0.2), (20.1, 0.0)])
+def test_a_car_20_m_away_is_near(place, seconds):
+    recorded = trajectory(Scene(1, [Walk(place, 0, crossings=[(0, 1, CROSSWALK)])], speed=0.0))
+    found = summarise(measure(recorded), resamples=0)[ATTRIBUTION]
+    assert found.per_second.exposure_crosswalk == pytest.approx(0.2)
+    assert found.per_second_near.exposure_crosswalk == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize("quarters", [0, 1])
+def test_of_several_touched_the_nearest_counts(quarters):
     people = [Walk(3.8, 0, crossings=[(1, 10, CROSSWALK)]), Walk(6, 0)]  # the car is at 5
-    rows = measure(trajectory(Scene(10, people, touched=[0, 1])))
+    rows = measure(turned(trajectory(Scene(10, people, touched=[0, 1])), quarters))
     assert (rows[OUTCOMES].contact.tolist(), rows[OUTCOMES].contact_ped.tolist()) == ([SIDEWALK], [1])
     assert rows[ENCOUNTERS].collided.tolist() == [True]
 

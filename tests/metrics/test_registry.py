@@ -23,7 +23,7 @@ from jaxwalk.metrics import (
     measure,
     summarise,
 )
-from jaxwalk.metrics.metric import with_needs
+from jaxwalk.metrics.metric import Finding, with_needs
 from jaxwalk.metrics.statistics import interval, ratio
 from jaxwalk.sim.crossing_kind import JAYWALK
 from metrics.scenes import Scene, Walk, ghosts_of, random_trajectory, trajectory
@@ -147,6 +147,24 @@ def test_rows_of_different_metrics_cannot_be_joined(recorded):
 def test_two_metrics_of_one_name_are_refused(recorded):
     with pytest.raises(ValueError, match="two metrics are named outcomes"):
         measure(recorded, metrics=[*METRICS, replace(TOP_SPEED, name="outcomes")])
+
+
+def test_headlines_come_first(everything):
+    assert list(everything.as_dict())[:5] == ["episodes", "outcomes", "speed_differential", "contacts", "attribution"]
+
+
+def test_the_parts_of_a_metric_are_given_by_name():
+    with pytest.raises(TypeError, match="positional"):
+        Finding("top_speed", _measure)
+    with pytest.raises(TypeError, match="positional"):
+        Metric(_summarise, name="top_speed", measure=_measure)
+
+
+def test_one_part_is_joined_to_itself(recorded):
+    rows = measure(recorded, metrics=[ENCOUNTERS])
+    joined = Rows.join([rows])
+    assert (joined.episodes, joined.metrics) == (3, rows.metrics)
+    assert joined[ENCOUNTERS].episode.tolist() == rows[ENCOUNTERS].episode.tolist() == [0, 1]
 
 
 def test_needs_come_first():

@@ -67,3 +67,10 @@ def test_intervals_resample_episodes():
     estimate = summarise(measure(trajectory(*scenes)), resamples=2000)[SPEED_DIFFERENTIAL][0].pooled.jaywalk
     assert estimate.value == pytest.approx(4.0)
     assert (estimate.low, estimate.high) == (pytest.approx(4 - 0.88, abs=0.15), pytest.approx(4 + 0.88, abs=0.15))
+
+
+def test_an_encounter_at_the_far_edge_of_the_last_bin_is_in_none():
+    at_12_m = bins(Scene(1, [Walk(12.5, 0, crossings=[(1, 1, JAYWALK)])]))
+    assert [one.by_encounter.jaywalk.count for one in at_12_m] == [0, 0, 0, 0]
+    nearer = bins(Scene(1, [Walk(12.4, 0, crossings=[(1, 1, JAYWALK)])]))
+    assert [one.by_encounter.jaywalk.count for one in nearer] == [0, 0, 0, 1]
