@@ -81,3 +81,38 @@ def test_the_interval_covers(common):
         found = at_equal_delay(each, (chance < rate[..., None]).astype(float))
         covered += found.low <= 0 <= found.high
     assert 180 < covered < 200, covered
+
+
+def test_each_drivers_slope_and_the_common_one():
+    """A's numbers fall by 2 and B's by 4 for each second; from 7 to 1 at 2, 3 and 4 s, B's mean is 4 and A's 6."""
+    numbers = _numbers()
+    numbers[1] = 13 - 4 * DELAY[1] + 2
+    found = at_equal_delay(DELAY, numbers)
+    assert (found.slopes, found.slope) == (pytest.approx((-2, -4)), pytest.approx(-3))
+    assert found.value == pytest.approx(3 - 6 + 3)  # a second slower, at 3 for each
+    assert found.low is None, "seeds don't differ"
+
+
+def test_delays_may_vary_little():
+    found = at_equal_delay(DELAY / 10, _numbers(np.arange(-2.0, 3.0)))
+    assert (found.value, found.slope) == (pytest.approx(-3), pytest.approx(-20))
+
+
+def test_what_a_seed_does_through_its_delay_does_not_count():
+    """B's seeds are quicker or slower by up to 2 s: at equal delay they lie -2, -1, 0, 1 and 2 from their mean."""
+    delay = DELAY.copy()
+    delay[1, :, :, 0] += np.arange(-2.0, 3.0)
+    numbers = _numbers(np.arange(-2.0, 3.0)) - 2 * (delay - DELAY)
+    found = at_equal_delay(delay, numbers)
+    assert (found.low, found.high) == (pytest.approx(-4.963, abs=0.001), pytest.approx(-1.037, abs=0.001))
+
+
+def test_a_seeds_own_slope_may_make_up_for_its_level():
+    """Seeds lie -2 to 2 from the mean, and their slopes -1 to 1: for a second, half of each difference remains."""
+    numbers = _numbers(np.arange(-2.0, 3.0))
+    numbers[..., 0] += np.array([-0.5, 0.0, 0.5])[:, None] * np.arange(-2.0, 3.0)
+    found = at_equal_delay(DELAY, numbers)
+    assert (found.low, found.high) == (
+        pytest.approx(-3 - 1.963 / 2, abs=0.001),
+        pytest.approx(-3 + 1.963 / 2, abs=0.001),
+    )

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from jaxwalk.metrics import clustered_share, proportion, rate, rate_ratio
-from jaxwalk.metrics.counts import exact_share_ends, share_ends
+from jaxwalk.metrics.counts import clustered_rate, exact_share_ends, share_ends
 from jaxwalk.metrics.statistics import Estimate, Rate, episode_sums, ratio
 
 
@@ -45,6 +45,13 @@ def test_garwoods_table():
         assert (found.value, found.count) == (count / 2, count)
         assert (found.low, found.high) == pytest.approx((low / 2, high / 2), rel=1e-3)
     assert rate(0, 0.0) == Estimate(None, None, None, 0)
+    assert rate(1, 0.5).value == 2
+
+
+def test_a_single_success_or_failure_has_an_exact_interval():
+    # 1 - 0.975^(1/10) is the lower end of one of ten
+    assert exact_share_ends(1, 10)[0] == pytest.approx(0.002529, abs=1e-6)
+    assert exact_share_ends(9, 10)[1] == pytest.approx(1 - 0.002529, abs=1e-6)
 
 
 def test_rate_ratio_is_the_conditional_binomial():
@@ -100,3 +107,45 @@ def test_equal_shares_that_rounding_tells_apart_count_clusters():
     rounded = equal + np.tile([0.0, 1e-16], 50)
     assert clustered_share(equal, 2000, 5) == Estimate(0.6, *exact_share_ends(3.0, 5.0), 2000)
     assert clustered_share(rounded, 2000, 5) == clustered_share(equal, 2000, 5)
+
+
+def test_a_clustered_share_by_hand():
+    """A variance of 0.01 is that of 0.25 / 0.01 = 25 trials; five episodes know it (1.95996 / 2.77645)^2 as well."""
+    trials = 25 * (1.959964 / 2.776445) ** 2
+    found = clustered_share(np.array([0.5, 0.4, 0.6, 0.4, 0.6]), 100, 5)
+    assert (found.value, found.count) == (0.5, 100)
+    assert (found.low, found.high) == pytest.approx(exact_share_ends(trials / 2, trials), abs=1e-6)
+    # two episodes: t with one degree of freedom is 12.7062
+    trials = 25 * (1.959964 / 12.7062) ** 2
+    found = clustered_share(np.array([0.5, 0.4, 0.6, 0.4, 0.6]), 100, 2)
+    assert (found.low, found.high) == pytest.approx(exact_share_ends(trials / 2, trials), abs=1e-5)
+
+
+def test_trials_count_once_at_most():
+    """A variance of 0.0001 would be that of 2,500 trials or, with 100 episodes, some fewer; there are 400."""
+    found = clustered_share(np.array([0.5, 0.49, 0.51]), 400, 100)
+    assert (found.low, found.high) == share_ends(200, 400)
+
+
+def test_without_a_spread_between_episodes_each_counts_as_one_trial():
+    varied, unknown = np.array([0.5, 0.4, 0.6]), np.array([0.5, np.nan, np.nan])
+    assert clustered_share(varied, 8, 1) == Estimate(0.5, *exact_share_ends(0.5, 1), 8)
+    assert clustered_share(unknown, 8, 4) == Estimate(0.5, *exact_share_ends(2, 4), 8)
+    for share in (0.0, 1.0):
+        assert clustered_share(np.array([share, 0.4, 0.6]), 8, 4) == Estimate(share, *exact_share_ends(4 * share, 4), 8)
+
+
+def test_a_clustered_rate_by_hand():
+    """Four events whose number varies by 16 are as one of four: Garwood's 0.02532 to 5.572 in a quarter of the time."""
+    found = clustered_rate(np.array([4.0, 0, 8, 0, 8]), 0.5)
+    assert (found.value, found.count) == (8, 4)
+    assert (found.low, found.high) == pytest.approx((0.02532 * 8, 5.572 * 8), rel=1e-3)
+    # one event whose number varies by 4 is as a quarter of one
+    found = clustered_rate(np.array([1.0, 0, 4, 0, 4]), 1.0)
+    assert (found.low, found.high) == pytest.approx(stats.chi2.ppf([0.025, 0.975], [0.5, 2.5]) / 2 * 4)
+
+
+def test_a_clustered_rate_is_the_plain_one_where_events_vary_less():
+    assert clustered_rate(np.array([4.0, 3, 5]), 0.5) == rate(4, 0.5)
+    assert clustered_rate(np.array([4.0]), 0.5) == rate(4, 0.5)
+    assert clustered_rate(np.zeros(3), 0.0) == Estimate(None, None, None, 0)

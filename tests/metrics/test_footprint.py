@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from jaxwalk.metrics import measure, summarise
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS, touched_while_moving
-from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, reach, time_to_contact, touched_part
+from jaxwalk.metrics.footprint import FRONT, REAR, SIDE, reach, time_to_collision, time_to_contact, touched_part
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
 from jaxwalk.sim.sim_config import SimConfig
@@ -52,6 +52,36 @@ def test_times_to_contact_by_hand():
     assert when(12.5, 1.16, -5, 0) == math.inf
 
 
+def test_times_to_contact_of_the_fast_and_the_slanting():
+    assert when(4.5, 0, -20, 0) == pytest.approx(0.1)  # and out again at the rear after 0.35 s
+    assert when(3.5, 1, -1, -1) == pytest.approx(1)  # at the middle of the front, far from its corners
+    assert when(3.5, 1, -0.5, -0.5) == pytest.approx(2)
+    assert when(3.6, 0, -1, 1) == math.inf  # 0.32 m past the corner
+    assert when(-4.5, 0, -20, 0) == math.inf  # it was touched before
+
+
+def test_who_just_touches_the_side_touches_it_now():
+    wide = SimConfig(car_width=2.0, body_radius=0.25)
+    now, never = (time_to_contact(*np.array([[0.0], [y], [0.0], [0.0]]), wide)[0] for y in (1.25, 1.2501))
+    assert (now, never) == (0, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("place", "velocity", "seconds"),
+    [
+        ((3, 1), (-1, 0), 3),  # it grazes the disc of 1 m
+        ((3, 0), (-0.1, 0), 20),
+        ((1.2, 0), (-1, 0), 0.2),
+        ((0.9, 0), (1, 0), 0),  # within it
+        ((1, 0), (1, 0), math.inf),  # at its edge, and off
+        ((3, 0), (0, 0), math.inf),
+    ],
+)
+def test_times_to_collision_of_discs_by_hand(place, velocity, seconds):
+    found = time_to_collision(*(np.array([float(x)]) for x in (*place, *velocity)), 1.0)[0]
+    assert found == pytest.approx(seconds)
+
+
 def test_a_body_beside_the_car():
     assert when(0, 3.15, 0, -1) == pytest.approx(2)
     assert when(0, -3.15, 0, 1) == pytest.approx(2)
@@ -83,12 +113,20 @@ def test_the_time_to_contact_is_that_of_small_steps(ahead, left, v_ahead, v_left
         ((-3, 0.45), (-2, 0.45), REAR, 75),
         ((0, 1.3), (0, 1.1), SIDE, math.nan),
         ((1, -2), (1.5, -1), SIDE, math.nan),
+        ((3, 1.3), (2, 1.1), SIDE, math.nan),  # in front after half of the way, but wide of the side until 3/4 of it
     ],
 )
 def test_which_part_is_touched_and_where(before, after, part, place):
     found, where = touched_part(*(np.array([float(x)]) for x in (*after, *before)), CAR)
     assert found[0] == part
     assert where[0] == pytest.approx(place, nan_ok=True)
+
+
+def test_a_corner_that_is_met_from_both_sides_at_once_belongs_to_the_front():
+    # the front and the body reach 2.5 m, the side and the body 1 m: both after half of the way
+    narrow = SimConfig(car_length=4.5, car_width=1.5, body_radius=0.25)
+    part, place = touched_part(*np.array([[2.0], [0.5], [3.0], [1.5]]), narrow)
+    assert (part[0], place[0]) == (FRONT, 100)
 
 
 def test_a_body_in_front_is_touched_before_the_disc_and_counts_once():

@@ -77,3 +77,11 @@ def test_of_recorded_episodes():
     assert found.worst_hundredth.count == 1
     assert found.exceeded_by_a_hundredth == pytest.approx(4.4)
     assert found.mean == pytest.approx(7.4 / 4)
+
+
+def test_slow_contacts_count_and_equal_ones_have_no_interval():
+    slow = np.zeros(400)
+    slow[:3] = 0.5  # the tail has room for four
+    assert tail_mean(slow).count == 3
+    equal = tail_mean(np.full(1000, 5.0))
+    assert (equal.value, equal.low, equal.high, equal.count) == (5, None, None, 10)

@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from jaxwalk.metrics import NEAR_MISSES, Estimate, measure
-from jaxwalk.metrics.near_misses import FEWEST, THRESHOLDS, UNLIKELY, Tail, _checked, _rate, extrapolate
+from jaxwalk.metrics.near_misses import FEWEST, THRESHOLDS, UNLIKELY, Tail, _checked, _overlap, _rate, extrapolate
 from jaxwalk.metrics.pareto_tail import ParetoFit, fit
 from jaxwalk.sim.crossing_kind import CROSSWALK
 from metrics.scenes import Scene, Walk, trajectory
@@ -92,6 +92,22 @@ def test_a_threshold_is_unstable_if_a_lower_one_finds_something_else():
     high, poor = tail(2.0, 0.001, 0.002), tail(1.5, 0.1, 0.2, "poor fit")
     assert [x.problem for x in _checked([high, tail(1.0, 0.0015, 0.01)])] == ["none", "none"]
     assert [x.problem for x in _checked([high, poor, tail(1.0, 0.01, 0.02)])] == ["unstable", "poor fit", "none"]
+    assert [x.problem for x in _checked([high, tail(1.0, 0.01, 0.02)])] == ["unstable", "none"]
+    assert [x.problem for x in _checked([high, tail(1.0, 0.002, 0.02)])] == ["none", "none"], "one end in common"
+
+
+def test_an_end_that_is_unknown_is_open():
+    rare, often = Estimate(0.0015, 0.001, 0.002, 200), Estimate(0.015, 0.01, 0.02, 200)
+    assert not _overlap(rare, often)
+    assert _overlap(replace(rare, high=None), often)
+    assert not _overlap(rare, replace(often, high=None))
+    assert _overlap(rare, replace(often, low=None))
+    assert not _overlap(replace(rare, low=None), often)
+
+
+def test_there_are_never_more_contacts_than_episodes():
+    found = _rate(1000, 1000, ParetoFit(ratio=3.0, low=2.0, high=4.0, shape=0.1, p=0.5))
+    assert (found.value, found.high) == (1.0, 1.0)
 
 
 def test_the_gap_is_the_smallest_while_the_car_moves():
@@ -100,3 +116,27 @@ def test_the_gap_is_the_smallest_while_the_car_moves():
     scenes = Scene(8, [near, far]), Scene(8, [touched, far]), Scene(8, [near, far], speed=slow), Scene(8, [far, far])
     gap = measure(trajectory(*scenes))[NEAR_MISSES].gap
     assert gap == pytest.approx([2.5 - 0.9 - 0.25, 0, np.nan, 4.0 - 0.9 - 0.25], nan_ok=True)
+
+
+def test_near_misses_are_counted_below_each_threshold_and_without_contacts():
+    gaps = np.array([0, 0.25, 0.5, 0.5, 0.75, 1.25, 2.0, 3.0, np.nan])
+    found = extrapolate(gaps)
+    assert [(tail.threshold, tail.rate.count) for tail in found.tails] == [
+        (2, 5),
+        (1.5, 5),
+        (1, 4),
+        (0.75, 3),
+        (0.5, 1),
+    ]
+    assert (found.observed.successes, found.observed.trials) == (1, 9)
+
+
+def test_a_hundred_near_misses_are_enough_and_the_largest_threshold_says_what_the_problem_is():
+    found = extrapolate(np.linspace(0.001, 1.999, 100))  # 75 of them below 1.5 m
+    assert [tail.problem for tail in found.tails] == ["no upper bound"] + ["few near misses"] * 4
+    assert (found.problem, found.extrapolated.count) == ("no upper bound", 100)
+
+
+def test_a_car_at_just_the_moving_speed_moves():
+    near = Walk(4.5, 2.5, crossings=[(1, 8, CROSSWALK)])
+    assert np.isfinite(measure(trajectory(Scene(8, [near], speed=0.5)))[NEAR_MISSES].gap).all()

@@ -10,6 +10,7 @@ from scipy import stats
 
 from jaxwalk.metrics import FEWEST_SEEDS, Estimate, crossed_mean, interquartile_mean, over_seeds
 from jaxwalk.metrics.counts import share_ends
+from jaxwalk.metrics.over_seeds import linear_part
 
 GRID = np.array([[3.0, 5, 4, 6], [1, 3, 3, 5], [2, 6, 3, 5]])
 """Three seeds, four scenarios; mean squares of seeds, scenarios and the rest: 7/3, 59/9, 5/9."""
@@ -24,6 +25,22 @@ def test_crossed_mean_by_hand():
     low, high = found.ends()
     assert (low + high) / 2 == pytest.approx(found.value)
     assert high - found.value == pytest.approx(stats.t(found.freedom).ppf(0.975) * found.error)
+
+
+def test_one_scenario_leaves_the_spread_of_the_seeds():
+    found = crossed_mean(np.array([[1.0], [2.0], [3.0]]))
+    assert (found.value, found.error, found.freedom) == (2, pytest.approx(1 / math.sqrt(3)), 2)
+
+
+def test_a_seed_that_matters_as_much_as_a_scenario():
+    """Mean squares of seeds and of scenarios are 1, and of the rest 0; with two scenarios, both have a part in it."""
+    found = crossed_mean(np.array([[0.0, 1], [1, 2]]))
+    assert (found.value, found.error, found.freedom) == (1, pytest.approx(math.sqrt(2 / 4)), pytest.approx(4))
+
+
+def test_the_linear_part_by_hand():
+    """A ratio of 10 / 4; the second scenario's 9 is 1.5 more than 2.5 x 3, over a mean denominator of 2."""
+    np.testing.assert_allclose(linear_part(np.array([[1.0, 9]]), np.array([[1.0, 3]])), [[2.5 - 0.75, 2.5 + 0.75]])
 
 
 def test_without_common_scenarios_it_is_the_t_test_over_seeds():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.metrics import holm, mcnemar, paired_difference
+from jaxwalk.metrics.paired_tests import SURE
 
 
 def test_mcnemar():
@@ -34,6 +35,7 @@ def test_agreement_in_all_pairs_leaves_doubt():
     assert (found.value, found.low) == (0, -found.high)
     assert found.high == pytest.approx(1.96 * 2**0.5 / 102, rel=1e-3)
     assert paired_difference(~never[:1], never[:1]).low == -1
+    assert paired_difference(never[:1], ~never[:1]).high == 1
 
 
 def test_holm_on_a_worked_example():
@@ -41,3 +43,4 @@ def test_holm_on_a_worked_example():
     assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx((0.03, 0.06, 0.06, 0.02))
     assert holm([0.9, 0.8]) == (1.0, 1.0)
     assert holm([]) == ()
+    assert max(holm([0.04])) < SURE < min(holm([0.03, 0.04])), "each alone is a difference, and together neither"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 
 from jaxwalk.metrics import SURROGATE_DISTRIBUTIONS, SURROGATES, measure, summarise
-from jaxwalk.metrics.severity import THRESHOLDS
+from jaxwalk.metrics.severity import THRESHOLDS, distribution_columns
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from metrics.scenes import DISC, Scene, Walk, trajectory
 from metrics.test_properties import few, trajectories
@@ -48,6 +49,16 @@ def test_a_touch_beside_a_near_miss():
     assert (jaywalk.pet.low[0], jaywalk.pet.high[0]) == pytest.approx((0, 1))  # two episodes
     assert found.crosswalk.ttc.count == 0
     assert set(found.crosswalk.ttc.value + found.crosswalk.ttc.low) == {None}
+
+
+def test_times_count_below_a_threshold_and_not_at_it():
+    rows = _rows(Scene(80, [Walk(20, -4, vy=2, crossings=[(1, 39, JAYWALK)])]))
+    table = rows[SURROGATES]
+    at = np.full_like(table.ttc, 2.0)
+    columns = distribution_columns(rows.having(SURROGATES, replace(table, ttc=at, pet=-at, drac=at)))
+    ttc, pet, drac = (columns[name][0, JAYWALK - 1].tolist() for name in ("ttc", "pet", "drac"))
+    assert ttc == pet == [0] * 6 + [1] * 4
+    assert drac == [1] * 4 + [0] * 9
 
 
 @few

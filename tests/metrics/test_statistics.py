@@ -2,23 +2,39 @@
 
 from __future__ import annotations
 
+import dataclasses
+import importlib
+import pkgutil
 import warnings
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from jaxwalk import metrics
 from jaxwalk.metrics import statistics
 from jaxwalk.metrics.statistics import (
     Estimate,
     bootstrap_by_episode,
     episode_sums,
+    finite_or_none,
     interval,
     kaplan_meier_median,
     mean_of,
     quantile,
     ratio,
+    sums_over_chunks,
 )
+
+MODULES = [importlib.import_module(f"jaxwalk.metrics.{found.name}") for found in pkgutil.iter_modules(metrics.__path__)]
+KINDS = {x for module in MODULES for x in vars(module).values() if isinstance(x, type)}
+DATACLASSES = {kind for kind in KINDS if "__dataclass_fields__" in vars(kind)}
+
+
+@pytest.mark.parametrize("kind", sorted(DATACLASSES, key=str))
+def test_numbers_and_tables_cannot_be_changed(kind):
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        object.__new__(kind).anything = None
 
 
 def test_bootstrap_of_a_mean_is_near_the_normal_interval():
@@ -66,6 +82,26 @@ def test_draws_of_many_episodes_are_made_in_parts_and_are_as_good(monkeypatch):
     assert (episode_sums(columns, resamples=20, seed=4)["x"][1:] != parts["x"][1:21]).any()
 
 
+def test_two_parts_and_two_episodes_are_drawn_from(monkeypatch):
+    assert set(episode_sums({"x": np.array([1.0, 2.0])}, resamples=50)["x"]) == {2, 3, 4}
+    monkeypatch.setattr(statistics, "CHUNK", 8)
+    sums = episode_sums({"one": np.ones(12)}, resamples=50)
+    assert sums["one"].tolist() == [12] * 51
+
+
+def test_columns_of_any_number_keep_their_shapes():
+    columns = {"a": np.ones(3), "b": np.arange(6.0).reshape(3, 2), "c": np.arange(3.0), "d": np.ones((3, 1, 2))}
+    sums = episode_sums(columns, resamples=4)
+    assert [sums[name][0].tolist() for name in "abcd"] == [3, [6, 9], 3, [[3, 3]]]
+
+
+@pytest.mark.parametrize("sizes", [[8], [8, 4, 4], [8, 3], [4, 8]])
+def test_chunks_that_are_not_those_of_the_episodes_are_refused(monkeypatch, sizes):
+    monkeypatch.setattr(statistics, "CHUNK", 8)  # 12 episodes are 8 and 4
+    with pytest.raises(ValueError):
+        sums_over_chunks([{"x": np.ones(size)} for size in sizes], 12, resamples=5)
+
+
 def test_ends_of_an_interval_are_percentiles_of_the_resamples():
     found = interval(np.concatenate([[7.0], np.arange(1001.0)]), 3)
     assert (found.value, found.low, found.high, found.count) == (7, pytest.approx(25), pytest.approx(975), 3)
@@ -74,6 +110,16 @@ def test_ends_of_an_interval_are_percentiles_of_the_resamples():
 def test_ratio_and_interval_of_what_is_undefined():
     assert np.isnan(ratio(np.array([1.0, 0.0]), np.zeros(2))).all()
     assert interval(np.array([np.nan, 1.0]), 3).value is None
+    assert [finite_or_none(x) for x in (2.5, np.inf, np.nan)] == [2.5, None, None]
+
+
+def test_an_interval_allows_as_many_undefined_resamples_as_a_tail_holds():
+    # of the middle half, a tail holds a quarter
+    three, two = np.array([7, 1, 2, 3, np.nan]), np.array([7, 1, 2, np.nan, np.nan])
+    assert interval(three, 5, confidence=0.5) == Estimate(7.0, 1.5, 2.5, 5)
+    assert interval(two, 5, confidence=0.5) == Estimate(7.0, None, None, 5)
+    assert interval(np.array([7.0, 6.0]), 5) == Estimate(7.0, 6.0, 6.0, 5)
+    assert interval(np.array([7.0]), 5) == Estimate(7.0, None, None, 5)
 
 
 def test_mean_of_has_the_t_interval():
