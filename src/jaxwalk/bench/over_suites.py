@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -16,7 +15,7 @@ from jaxwalk.sim.sim_config import WORLDS
 from jaxwalk.sim.suites import SUITES
 
 SEEN: Sets = (("driver", "route-footprint"), ("pedestrian", "kerb"))
-"""The observation sets that are computed: what the driver `co-trained` sees, and people who learned beside it."""
+"""The observation sets that are computed: what the recipe `fast` trains with."""
 BASE = ("paper", 12)
 """The suite and the number of people with whose speed the others are compared."""
 
@@ -24,8 +23,12 @@ BASE = ("paper", 12)
 def simulated(settings: Settings) -> list[dict[str, Any]]:
     """Return a row for each suite and number of people: the speed in each turn, and its ratio to the paper's street."""
     cases = list(dict.fromkeys([BASE, *product(settings.suites, settings.suite_pedestrians)]))
+    streets = {suite: _street(suite) for suite, _ in cases}
     names = {case: f"suite {case[0]}, {case[1]} people" for case in cases}
-    programs = {names[case]: playing(_street(*case), settings.suite_environments, settings, SEEN) for case in cases}
+    programs = {
+        names[suite, people]: playing(streets[suite].with_people(people), settings.suite_environments, settings, SEEN)
+        for suite, people in cases
+    }
     turns = take_turns(programs, settings.turns)
     return [
         {
@@ -39,6 +42,6 @@ def simulated(settings: Settings) -> list[dict[str, Any]]:
     ]
 
 
-def _street(suite: str, people: int) -> Street:
+def _street(suite: str) -> Street:
     where = SUITES[suite]
-    return paid_street(replace(WORLDS[where.world or BASE[0]], pedestrians=people), where.maps)
+    return paid_street(WORLDS[where.world or BASE[0]], where.maps)
