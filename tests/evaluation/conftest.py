@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from jaxwalk.evaluation import evaluate, evaluate_grid
+from jaxwalk.evaluation import evaluate, evaluate_grid, with_jaywalk_multiplier
 from jaxwalk.policies import AlwaysGo, Random, RouteFollower
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.observation import Observation
@@ -52,3 +52,9 @@ def compared(street, driver, undecided):
     drivers = {"route-follower": driver, "random": Random()}
     populations = {"undecided": undecided, "always-go": AlwaysGo()}
     return evaluate_grid(street, drivers, populations, Drawn(street, 7, 24), batch=BATCH)
+
+
+@pytest.fixture(scope="module")
+def often(street):
+    """Everybody jaywalks at least as often as not."""
+    return with_jaywalk_multiplier(street, 1.0)
