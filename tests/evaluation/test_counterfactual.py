@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from evaluation.blind import BLIND, BLIND_ONE, LURKERS, STANDING, WALKERS, Car
-from evaluation.conftest import BATCH
 from jaxwalk.evaluation import ActionError, Counterfactuals, ReplayError, counterfactuals, evaluate
 from jaxwalk.evaluation.hits import find_hits
 from jaxwalk.metrics import OUTCOMES
@@ -17,6 +16,7 @@ from jaxwalk.metrics.crossings import CROSSINGS
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 
+BATCH = 16
 COLUMNS = [field.name for field in dataclasses.fields(Counterfactuals) if field.name != "collisions"]
 
 

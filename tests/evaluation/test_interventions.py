@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from evaluation.blind import BLIND, BLIND_ONE, STANDING, WALKERS
-from evaluation.conftest import BATCH
 from jaxwalk.evaluation import play
 from jaxwalk.evaluation.interventions import Brake, Since, TakeOver, Wait, on_the_crosswalk, with_changes
 from jaxwalk.metrics import OUTCOMES
@@ -18,6 +17,8 @@ from jaxwalk.policies.careful_human import CarefulHuman
 from jaxwalk.policies.world_numbers import with_limits
 from jaxwalk.scenarios import Drawn
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
+
+BATCH = 16
 
 
 @pytest.fixture(scope="module")
