@@ -51,7 +51,7 @@ test: install  ## pytest, in JOBS processes (default: one for each core, at most
 coverage: install  ## the same and the long tests, and which lines and branches they reached
 	$(BIN)/pytest -n $(JOBS) -m "long or not long" --cov --cov-fail-under=95
 
-mutants: install  ## small mistakes are put into the definitions: do the tests notice? an hour
+mutants: install  ## small mistakes are put into the definitions: do the tests notice? some six hours
 	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt cosmic-ray==8.7.0
 	$(BIN)/python tests/reliability/mutation.py
 
