@@ -61,7 +61,7 @@ class Tracks:
     heading: Float[np.ndarray, "row"]
     """Heading, counter-clockwise from the x axis [rad]."""
     length: Float[np.ndarray, "row"]
-    """Size [m]; no metric reads it."""
+    """Size [m]; metrics read a car's."""
     width: Float[np.ndarray, "row"]
     known: Mapping[str, Shaped[np.ndarray, "row"]]
     """Optional columns that the recording has, by the names in `OPTIONAL`."""
