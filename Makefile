@@ -55,7 +55,7 @@ mutants: install  ## small mistakes are put into the definitions: do the tests n
 	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt cosmic-ray==8.7.0
 	$(BIN)/python tests/reliability/mutation.py
 
-reliability: install  ## thousands of bad files and policies, faults, millions of random steps, trainings killed 50 times, 0.1's behaviour again: an hour
+reliability: install  ## thousands of bad files and policies, faults, millions of random steps, trainings killed 50 times, 0.1's behaviour again: some hours
 	$(UV) pip install --quiet --python $(BIN)/python --constraint requirements/dev.txt -r pyproject.toml --extra cluster
 	$(BIN)/pytest -n $(JOBS) -m long
 	$(BIN)/python tests/reliability/coverage.py

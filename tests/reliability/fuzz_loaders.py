@@ -1,6 +1,6 @@
 """Thousands of bad files and command lines, none of which may end in a traceback, a hang or a half-written file.
 
-    python tests/reliability/fuzz_loaders.py                       10,000 cases: 15 minutes
+    python tests/reliability/fuzz_loaders.py                       10,000 cases: 5 to 15 minutes
     python tests/reliability/fuzz_loaders.py --only map --cases 500
     python tests/reliability/fuzz_loaders.py --guided map --minutes 5    guided by what code is reached: needs atheris
 

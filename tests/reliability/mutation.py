@@ -1,6 +1,6 @@
 """Do the tests bite? Small mistakes are put into the definitions, one at a time; each should fail a test of its module.
 
-    make mutants                                            # all of them: an hour on two cores
+    make mutants                                            # all of them: some six hours on two slow cores
     python tests/reliability/mutation.py losses --sample 50
     python tests/reliability/mutation.py losses --out survivors.json, then --again survivors.json: are they caught now?
 
