@@ -6,6 +6,7 @@ import os
 import platform
 import subprocess
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import ClassVar
@@ -43,8 +44,12 @@ def versions() -> dict[str, str]:
     return found
 
 
+@cache
 def commit() -> str | None:
-    """Return the git commit of the checkout that contains this code, with ``+`` if changed; None if there is none."""
+    """Return the git commit of the checkout that contains this code, with ``+`` if changed; None if there is none.
+
+    It is asked for once: a process goes on with the code that it began with, whatever is committed meanwhile.
+    """
     here = Path(__file__).resolve().parent
     known = _git(here, "ls-files", "--error-unmatch", __file__)  # else it is a wheel installed inside another checkout
     found = _git(here, "rev-parse", "--short=12", "HEAD") if known else None
@@ -64,8 +69,9 @@ def hardware() -> str:
     return f"{len(devices)} x {kind}"
 
 
+@cache
 def cores() -> int:
-    """Return the number of cores that this process may use."""
+    """Return the number of cores that this process may use, or might when this was first asked."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

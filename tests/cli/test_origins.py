@@ -83,6 +83,12 @@ def test_results_say_with_what_they_were_made_and_read_back(place, capsys):
     assert as_results(document, Origin(Path("results.json"), "evaluate again")).to_json() == text
 
 
+def test_what_is_committed_meanwhile_made_nothing(monkeypatch):
+    before = commit()
+    monkeypatch.setattr("jaxwalk.provenance._git", lambda *_: "what was committed meanwhile")
+    assert commit() == before
+
+
 def test_where_drivers_of_ones_own_come_from(place):
     for name in ("mine.py", "driver.onnx"):
         (place / name).write_text(name)

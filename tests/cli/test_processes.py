@@ -12,7 +12,7 @@ import time
 import pytest
 
 from jaxwalk.cli import launcher, main
-from jaxwalk.cli.group import Group, group_of
+from jaxwalk.cli.group import Group, group_of, take_cores
 from jaxwalk.cli.options import Train
 from jaxwalk.recipes import RECIPES, with_training
 from jaxwalk.runs.folder import CHECKPOINTS, METRICS, Run
@@ -128,6 +128,23 @@ def test_shards_of_a_run_are_divided(place):
     Run.create(place / "run", with_training(RECIPES["fast"], shards=4))
     options = Train(resume=place / "run", processes=2, coordinator="node1:7777", process=1)
     assert group_of(options) == Group("node1:7777", 1, 2, devices=2)
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="only Linux keeps threads on cores")
+@pytest.mark.parametrize(("process", "processes", "own"), [(0, 2, {0, 2}), (1, 2, {4, 5, 7}), (2, 6, None)])
+def test_processes_of_one_machine_have_cores_of_their_own(process, processes, own, monkeypatch):
+    """Five cores, some numbers are missing, as in a container; a scheduler divides them itself."""
+    kept = {}
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {7, 5, 4, 2, 0})
+    monkeypatch.setattr(os, "sched_setaffinity", lambda thread, cores: kept.update({thread: set(cores)}))
+    group = Group("localhost:7777", process, processes, devices=1)
+    monkeypatch.delenv(LAUNCHED, raising=False)
+    take_cores(group)
+    assert not kept
+    monkeypatch.setenv(LAUNCHED, "2")
+    take_cores(group)
+    assert kept.get(os.getpid()) == own
+    assert all(cores == own for cores in kept.values())
 
 
 def test_a_launched_process_accepts_the_words_of_its_launcher(place, monkeypatch):

@@ -73,7 +73,7 @@ def test_so_are_those_of_drivers_with_shields_and_memories(suite, name):
         "driver": contestant(street, "driver", name),
         "pedestrian": contestant(street, "pedestrian", "always-go"),
     }
-    assert_as_alone(street, policies, Drawn(street, 74, 56), 56)
+    assert_as_alone(street, policies, Drawn(street, 74, 40), 40)
 
 
 def test_columns_do_not_wait_for_the_longest_episode(short, driver, undecided, monkeypatch):

@@ -30,7 +30,7 @@ def footprint():
     return Street.create(config=WORLDS["paper-footprint"])
 
 
-def played(street, driver, episodes=EPISODES, **more):
+def played(street, driver, *, episodes, **more):
     scenarios, keys = Drawn(street, 77).take(np.arange(episodes))
     trajectory = play(street, {"driver": driver, "pedestrian": AlwaysGo()}, scenarios, keys, **more)
     return trajectory, measure(trajectory, config=street.config)
@@ -38,8 +38,8 @@ def played(street, driver, episodes=EPISODES, **more):
 
 def test_the_predictive_shield_keeps_random_actions_from_touching_anybody(footprint):
     """Nobody is faster than 2 m/s here, and everybody is seen: what the shield assumes."""
-    _, bare = played(footprint, Random())
-    trajectory, rows = played(footprint, shielded(Random(), "predictive"))
+    _, bare = played(footprint, Random(), episodes=128)
+    trajectory, rows = played(footprint, shielded(Random(), "predictive"), episodes=128)
     assert touched_while_moving(bare).sum() > 20
     assert not touched_while_moving(rows).any()
     assert rows[OUTCOMES].driven.sum() > 0.5 * bare[OUTCOMES].driven.sum()

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import pytest
 
 from jaxwalk.maps import MapError, MapText, each_map, load_map, read_map, reference, text_hash, text_of
+from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.generated import SPLITS
-from jaxwalk.maps.network_file import network_text
+from jaxwalk.maps.generated.check_town import DISTANCES
+from jaxwalk.maps.load import build_map
+from jaxwalk.maps.network_file import network_text, parse_network
 from jaxwalk.recipes import RECIPES
 from jaxwalk.runs.folder import Run
 
@@ -21,6 +25,21 @@ def test_a_name_is_that_of_the_street_of_its_number():
     assert street is not None
     assert (found.name, found.text) == (ONE, network_text(street.network))
     assert tuple(map(float, (load_map(ONE).width, load_map(ONE).height))) == pytest.approx(street.network.size)
+
+
+@pytest.mark.parametrize("split", SPLITS)
+def test_what_was_checked_when_it_was_made_has_no_faults_when_it_is_read(split):
+    """So a street's text isn't checked again."""
+    (name,) = each_map([f"{split}:1"])
+    found = parse_network(read_map(name).text, name)
+    assert network_faults(found, **DISTANCES) == []
+
+
+def test_a_text_that_only_has_the_name_of_a_generated_street_is_checked():
+    edited = json.loads(read_map(ONE).text)
+    edited["routes"] = []
+    with pytest.raises(MapError, match="routes: none"):
+        build_map(json.dumps(edited), ONE, **DISTANCES)
 
 
 def test_a_name_of_several_stands_for_the_first_that_are_not_refused():

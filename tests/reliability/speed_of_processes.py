@@ -24,6 +24,8 @@ from itertools import chain
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+from jaxwalk.cli.group import Group, join, take_cores
+from jaxwalk.runs.watchdog import LAUNCHED
 from reliability.speed_against import Turn, lower_bound, take_turns
 
 SHARDS = 2
@@ -41,8 +43,11 @@ def work(recipe: str, process: int, processes: int, port: int) -> None:
 
     jax.config.update("jax_num_cpu_devices", SHARDS // processes)
     if processes > 1:
-        address = f"127.0.0.1:{port}"
-        jax.distributed.initialize(address, processes, process, cluster_detection_method="deactivate")
+        os.environ[LAUNCHED] = ""  # as `jaxwalk train --processes` starts them
+        group = Group(f"127.0.0.1:{port}", process, processes, SHARDS // processes)
+        join(group)
+        jax.devices()
+        take_cores(group)
     from jaxwalk.learning import mappo
     from jaxwalk.recipes import RECIPES
     from jaxwalk.rollout import TRAINING, seed_key

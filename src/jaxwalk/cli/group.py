@@ -92,9 +92,15 @@ def shards_of(options: Train) -> int:
 
 
 def join(group: Group) -> None:
-    """Connect this process with the others; they wait for each other here."""
+    """Connect this process with the others; they wait for each other here.
+
+    On Linux its threads don't interrupt each other: the one that watches the connections would, all the time.
+    """
     import jax
 
+    if hasattr(os, "SCHED_BATCH"):
+        with suppress(OSError):  # a container may forbid it
+            os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))  # threads that begin later do as this one
     host, _, port = group.coordinator.rpartition(":")
     jax.config.update("jax_enable_preemption_service", False)  # it would take SIGTERM, which we act on ourselves
     first, launched = group.process * group.devices, LAUNCHED in os.environ
@@ -106,6 +112,23 @@ def join(group: Group) -> None:
         heartbeat_timeout_seconds=4 * SILENCE if launched else SILENCE,  # the launcher is quicker, and has better words
         shutdown_timeout_seconds=FAREWELL,
     )  # fmt: skip
+
+
+def take_cores(group: Group) -> None:
+    """Keep the threads of this process on cores of its own, if a command has started all processes on this machine.
+
+    Each process has as many threads as the machine has cores, since their number decides how sums are rounded: on the
+    same cores those of several processes would wait for each other. Only Linux can do it. Call it when JAX has started.
+    """
+    if LAUNCHED not in os.environ or not hasattr(os, "sched_setaffinity"):
+        return
+    cores = sorted(os.sched_getaffinity(0))
+    if group.processes > len(cores):
+        return
+    first, end = (number * len(cores) // group.processes for number in (group.process, group.process + 1))
+    for thread in os.listdir("/proc/self/task"):
+        with suppress(OSError):  # it has ended meanwhile, or a container forbids it
+            os.sched_setaffinity(int(thread), cores[first:end])
 
 
 def keep_in_touch() -> None:

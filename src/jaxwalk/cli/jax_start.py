@@ -6,13 +6,14 @@ import logging
 import os
 import subprocess
 import sys
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from jaxwalk.cli.group import Group, join
-from jaxwalk.provenance import cores
+from jaxwalk.cli.group import Group, join, take_cores
+from jaxwalk.provenance import commit, cores
 from jaxwalk.runs.folder import RunError, check_writable
 
 START = "import jax; jax.devices()"
@@ -71,12 +72,15 @@ def start_jax(set_here: set[str], group: Group | None = None) -> None:
         return
     if group is not None:
         os.environ[DEVICES] = str(group.devices)
+    threading.Thread(target=commit, daemon=True).start()  # the one that results will name; git answers meanwhile
     with _explained(set_here):
         with _flags_are_read():
             import jax
         if group is not None:
             join(group)
         jax.devices()
+        if group is not None:
+            take_cores(group)
 
 
 def try_jax(set_here: set[str]) -> None:

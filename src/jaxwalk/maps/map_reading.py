@@ -12,6 +12,7 @@ from jaxwalk.maps.check import find_faults
 from jaxwalk.maps.check_network import network_faults
 from jaxwalk.maps.check_size import size_faults
 from jaxwalk.maps.file import MapError, MapFile, parse
+from jaxwalk.maps.generated.check_town import DISTANCES
 from jaxwalk.maps.generated.named_streets import (
     FORMS,
     MOST_STREETS,
@@ -45,7 +46,10 @@ def checked(text: str, source: str, *, goal_spacing: float, start_clearance: flo
     """
     if _is_network(text):
         network = parse_network(text, source)
-        if faults := network_faults(network, goal_spacing=goal_spacing, start_clearance=start_clearance):
+        distances = {"goal_spacing": goal_spacing, "start_clearance": start_clearance}
+        if distances == DISTANCES and _is_made(text, source):
+            return network  # checked when it was made; checking takes as long as making the tables
+        if faults := network_faults(network, **distances):
             raise MapError(source, shortened(faults))
         return network
     file = parse(text, source)
@@ -117,6 +121,14 @@ def text_of(named: MapText) -> MapText:
 
 def _is_network(text: str) -> bool:
     return text.lstrip().startswith("{")  # TOML never does
+
+
+def _is_made(text: str, name: str) -> bool:
+    """Return whether a text is that of the generated street of this name."""
+    try:
+        return names_generated(name) and generated_text(name) == text
+    except MapError:  # a number that another version gave a street
+        return False
 
 
 def _is_known(found: MapText) -> bool:
