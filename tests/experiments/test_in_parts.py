@@ -12,8 +12,9 @@ import pytest
 from jaxwalk.evaluation.document_parts import EvaluationOptions
 from jaxwalk.evaluation.parts import PART, Part, PartError, complete, read_part
 from jaxwalk.evaluation.reading import DocumentError
+from jaxwalk.evaluation.row_files import no_rows
 from jaxwalk.evaluation.settings import with_jaywalk_multiplier
-from jaxwalk.evaluation.stored_rows import StoredRowsError, StoredTable, no_rows
+from jaxwalk.evaluation.stored_rows import StoredRowsError, StoredTable
 from jaxwalk.experiments.evaluating import Evaluation, evaluate_all
 from jaxwalk.experiments.in_parts import evaluate_part, merge_parts
 from jaxwalk.experiments.kept_parts import KeptParts
@@ -45,7 +46,7 @@ def patch():
 def work(patch):
     """An evaluation with two cells, by one compiled program."""
     patch.setattr("jaxwalk.evaluation.batches.BATCH", AT_ONCE)
-    for module in ("metrics.statistics", "experiments.in_parts"):
+    for module in ("metrics.statistics", "experiments.in_parts", "evaluation.parts", "evaluation.stored_rows"):
         patch.setattr(f"jaxwalk.{module}.CHUNK", CHUNK)
     multipliers, alike = (0.25, 1.0), ("constant-speed", "constant-speed")
     street = Street.create()
@@ -139,7 +140,7 @@ def test_a_part_that_is_not_wanted_is_not_kept(parts, work, tmp_path):
     with pytest.raises(PartError, match="/3: isn't what this evaluation needs there: it is part 2/3"):
         kept.keep("3/3", files["2"])
     with pytest.raises(DocumentError):  # of a worker with another jaxwalk
-        kept.keep("3/3", files["1"] | {PART: b'{"format": 1}'})
+        kept.keep("3/3", files["1"] | {PART: b'{"format": 2}'})
     assert KeptParts.of(work, tmp_path / "kept", PARTS, batch=BATCH).missing() == ["2/3", "3/3"]
     (tmp_path / "kept" / "mine").mkdir()
     kept.remove()
@@ -240,7 +241,7 @@ def test_damaged_rows_are_refused(damage, copied):
 
 
 def test_a_damaged_document_is_refused(copied):
-    for content, what in (("{", "no JSON"), ("[]", "of format None"), ('{"format": 1}', "damaged"), ("", "no JSON")):
+    for content, what in (("{", "no JSON"), ("[]", "of format None"), ('{"format": 2}', "damaged"), ("", "no JSON")):
         (copied / "1" / PART).write_text(content)
         with pytest.raises((PartError, DocumentError), match=what):
             read_part(copied / "1")

@@ -45,11 +45,19 @@ def briefly(words: list[str]) -> list[str]:
     words = [re.sub(r"^([a-z-]+):\d+$", r"\1:1", word) for word in words]
     if words[1] == "train" and "--recipe" in words and "--map" not in words:
         words += ["--map", "training:1"]
+    if "--scenario" in words:
+        words = _only_the_first(words, words.index("--scenario") + 1)
     if "splitting" in words:
         words += ["--particles", "64", "--repeats", "2"]
     if words[1] in EPISODES and not {"--episodes", "--again", "--scenarios"} & set(words):
         words += ["--episodes", "4"]
     return words
+
+
+def _only_the_first(words: list[str], at: int) -> list[str]:
+    """Return words with one number at a place: how many scenarios a brief search finds depends on rounding."""
+    end = next((each for each in range(at, len(words)) if not words[each].isdecimal()), len(words))
+    return words[: at + 1] + words[end:]
 
 
 def fewer_streets(file: str) -> str:

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from typing import TypeVar
 
 import numpy as np
+from jaxtyping import Int, Shaped
 
 from jaxwalk.evaluation.document_parts import ComparedEnding
-from jaxwalk.metrics import OUTCOMES, SURE, Rows, holm, mcnemar, scenarios_needed
+from jaxwalk.metrics import OUTCOMES, SURE, Rows, holm, scenarios_needed
+from jaxwalk.metrics.metric import added_up
 from jaxwalk.metrics.outcomes import Episodes
+from jaxwalk.metrics.paired_tests import mcnemar_of_counts
+from jaxwalk.metrics.values import Values
 from jaxwalk.wording import counted
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -51,21 +58,57 @@ def paired(rows_a: Rows, rows_b: Rows) -> PairedEndings:
     Raises:
         ValueError: the scenarios differ, or are in another order.
     """
-    check_same_scenarios(rows_a, rows_b)
-    a, b = rows_a[OUTCOMES], rows_b[OUTCOMES]
-    return PairedEndings(
-        scenarios=len(a.scenario),
-        goal=_ending_counts(a.goal, b.goal),
-        collision=_ending_counts(a.collision, b.collision),
-        timeout=_ending_counts(~a.goal & ~a.collision, ~b.goal & ~b.collision),
-        alike=_alike(a, b),
-    )
+    pairs = PairedRows(rows_a, rows_b)
+    counts = pairs.total(lambda a, b: np.stack([agreement(*both) for both in _endings(a[OUTCOMES], b[OUTCOMES])]))
+    goal, collision, timeout = (_ending_counts(pairs.episodes, *found) for found in counts.tolist())
+    alike = all(_alike(a[OUTCOMES], b[OUTCOMES]) for a, b in pairs.chunks())
+    return PairedEndings(pairs.episodes, goal, collision, timeout, alike)
+
+
+@dataclass(frozen=True)
+class PairedRows:
+    """Rows of the same scenarios in the same order. Raises ValueError if they aren't."""
+
+    a: Rows
+    b: Rows
+
+    def __post_init__(self) -> None:
+        check_same_scenarios(self.a, self.b)
+
+    @property
+    def episodes(self) -> int:
+        """Number of scenarios."""
+        return self.a.episodes
+
+    def chunks(self) -> Iterator[tuple[Rows, Rows]]:
+        """Yield the rows of the same scenarios, as `Rows.chunks` does."""
+        return zip(self.a.chunks(), self.b.chunks(), strict=True)
+
+    def total(self, formula: Callable[[Rows, Rows], T]) -> T:
+        """Return what `Rows.total` does, for a formula of both."""
+        return added_up(formula(a, b) for a, b in self.chunks())
+
+    def values(self, formula: Callable[[Rows, Rows], Shaped[np.ndarray, "_"]]) -> Values:
+        """Return what `Rows.values` does, for a formula of both."""
+        return Values(lambda: (formula(a, b) for a, b in self.chunks()))
 
 
 def check_same_scenarios(rows_a: Rows, rows_b: Rows) -> None:
     """Raise ValueError unless both are of the same scenarios in the same order."""
-    if not np.array_equal(rows_a[OUTCOMES].scenario, rows_b[OUTCOMES].scenario):
+    pairs = zip(rows_a.chunks(), rows_b.chunks(), strict=False)
+    same = (np.array_equal(a[OUTCOMES].scenario, b[OUTCOMES].scenario) for a, b in pairs)
+    if rows_a.episodes != rows_b.episodes or not all(same):
         raise ValueError("only evaluations of the same scenarios can be paired: use the same seed and episodes")
+
+
+def _endings(a: Episodes, b: Episodes) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return in which episodes of both there is a goal, a collision, a timeout."""
+    return [(a.goal, b.goal), (a.collision, b.collision), (~a.goal & ~a.collision, ~b.goal & ~b.collision)]
+
+
+def agreement(a: np.ndarray, b: np.ndarray) -> Int[np.ndarray, "3"]:
+    """Return in how many episodes something is so in both, in A alone, and in B alone."""
+    return np.array([(a & b).sum(), (a & ~b).sum(), (b & ~a).sum()])
 
 
 def _alike(a: Episodes, b: Episodes) -> bool:
@@ -75,15 +118,9 @@ def _alike(a: Episodes, b: Episodes) -> bool:
     )
 
 
-def _ending_counts(a: np.ndarray, b: np.ndarray) -> EndingCounts:
-    return EndingCounts(
-        scenarios=len(a),
-        both=int((a & b).sum()),
-        only_a=int((a & ~b).sum()),
-        only_b=int((b & ~a).sum()),
-        difference=float(b.mean() - a.mean()),
-        p=mcnemar(a, b),
-    )
+def _ending_counts(scenarios: int, both: int, only_a: int, only_b: int) -> EndingCounts:
+    difference = (both + only_b) / scenarios - (both + only_a) / scenarios
+    return EndingCounts(scenarios, both, only_a, only_b, difference, mcnemar_of_counts(only_a, only_b))
 
 
 SAID = {"collision": ("collides less", "collides more"), "goal": ("reaches the goal less", "reaches the goal more")}

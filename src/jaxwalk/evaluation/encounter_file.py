@@ -61,7 +61,11 @@ def write_encounters(path: str | Path, cells: Iterable[tuple[str, str, float, Ro
     check_parquet()
     from pyarrow.parquet import ParquetWriter
 
-    tables = (_table(*cell) for cell in cells)
+    tables = (
+        _table(driver, people, multiplier, chunk)
+        for driver, people, multiplier, rows in cells
+        for chunk in rows.chunks()
+    )
     first = next(tables)
     with whole(path) as unfinished, ParquetWriter(unfinished, first.schema, compression="zstd") as writer:
         for table in chain([first], tables):
@@ -69,7 +73,7 @@ def write_encounters(path: str | Path, cells: Iterable[tuple[str, str, float, Ro
 
 
 def _table(driver: str, people: str, multiplier: float, rows: Rows) -> Any:
-    """Return the encounters of a cell as a pyarrow table."""
+    """Return the encounters of a chunk of a cell as a pyarrow table."""
     import pyarrow
 
     columns = encounter_columns(rows)

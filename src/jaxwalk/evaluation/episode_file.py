@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable
 from decimal import Decimal
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,7 @@ def write_rows(path: str | Path, cells: Iterable[tuple[Any, ...]], *, names: tup
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("scenario", *names, *ENDING, "map"))
         for *values, rows in cells:
-            writer.writerows(_episode_rows(values, rows))
+            writer.writerows(chain.from_iterable(_episode_rows(values, chunk) for chunk in rows.chunks()))
 
 
 def _episode_rows(values: list[Any], rows: Rows) -> Iterable[tuple[Any, ...]]:

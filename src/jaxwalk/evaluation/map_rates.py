@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Shaped
 
 from jaxwalk.evaluation.document_parts import Interval
-from jaxwalk.metrics import OUTCOMES, Rows, bootstrap_by_episode, proportion
+from jaxwalk.metrics import OUTCOMES, Rows, proportion
 from jaxwalk.metrics.delay import delays
+from jaxwalk.metrics.statistics import interval, ratio, sums_over_chunks
 
 
 @dataclass(frozen=True)
@@ -29,22 +31,36 @@ class MapRates:
 
 def rates_by_map(rows: Rows) -> tuple[MapRates, ...]:
     """Return the rates on each map, by name; empty unless the episodes are on several maps."""
-    if rows.maps is None:
+    names = sorted({name for chunk in rows.chunks() if chunk.maps is not None for name in chunk.maps.tolist()})
+    if len(names) < 2:
         return ()
-    names = sorted(set(rows.maps.tolist()))
-    return tuple(_rates(name, rows, rows.maps == name) for name in names) if len(names) > 1 else ()
+    sums = sums_over_chunks((_columns(chunk, names) for chunk in rows.chunks()), rows.episodes)
+    return tuple(_rates(name, {key: found[:, at] for key, found in sums.items()}) for at, name in enumerate(names))
 
 
-def _rates(name: str, rows: Rows, here: np.ndarray) -> MapRates:
-    table, count = rows[OUTCOMES], int(here.sum())
-    goal, collision = table.goal[here], table.collision[here]
-    time, delay = np.where(goal, table.steps[here] * rows.dt, 0), delays(rows)[here]
+def _columns(rows: Rows, names: list[str]) -> dict[str, Shaped[np.ndarray, "episode map"]]:
+    """Return numbers of each episode on the map where it is, and 0 on the others; times in s."""
+    table, delay = rows[OUTCOMES], delays(rows)
+    numbers = {
+        "episodes": np.ones(rows.episodes, bool),
+        "goals": table.goal,
+        "collisions": table.collision,
+        "time": table.steps * table.goal * rows.dt,
+        "arrived": ~np.isnan(delay),
+        "delay": np.nan_to_num(delay),
+    }
+    here = np.asarray(rows.maps)[:, None] == np.array(names, object)
+    return {name: each[:, None] * here for name, each in numbers.items()}
+
+
+def _rates(name: str, sums: dict[str, Float[np.ndarray, "draw"]]) -> MapRates:
+    episodes, goals, collisions, arrived = (int(sums[key][0]) for key in ("episodes", "goals", "collisions", "arrived"))
     return MapRates(
         map=name,
-        episodes=count,
-        goal_rate=Interval.of(proportion(goal.sum(), count)),
-        collision_rate=Interval.of(proportion(collision.sum(), count)),
-        timeout_rate=Interval.of(proportion((~goal & ~collision).sum(), count)),
-        mean_time_to_goal=Interval.of(bootstrap_by_episode(time, goal)),
-        mean_delay=Interval.of(bootstrap_by_episode(np.nan_to_num(delay), ~np.isnan(delay))),
+        episodes=episodes,
+        goal_rate=Interval.of(proportion(goals, episodes)),
+        collision_rate=Interval.of(proportion(collisions, episodes)),
+        timeout_rate=Interval.of(proportion(episodes - goals - collisions, episodes)),
+        mean_time_to_goal=Interval.of(interval(ratio(sums["time"], sums["goals"]), goals)),
+        mean_delay=Interval.of(interval(ratio(sums["delay"], sums["arrived"]), arrived)),
     )

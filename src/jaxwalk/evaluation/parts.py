@@ -1,6 +1,6 @@
 """Parts of an evaluation: which scenarios each has, what it says about itself, and whether parts make a whole.
 
-A part is a folder with the files of `jaxwalk.evaluation.stored_rows` and part.json, a `PartDocument`.
+A part is a folder with the files of `jaxwalk.evaluation.row_files` and part.json, a `PartDocument`.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -22,7 +23,7 @@ from jaxwalk.wording import counted, first_of
 
 PART = "part.json"
 """Name of the file that says what a part is. It is written last."""
-FORMAT = 1
+FORMAT = 2
 """Version of the files of a part."""
 
 
@@ -83,7 +84,7 @@ class PartCell:
     driver_steps: int
     """Number of those steps, each for a batch."""
     sha256: str
-    """The digest of its rows (`jaxwalk.evaluation.stored_rows.RowDigest`)."""
+    """The digest of its rows (`jaxwalk.evaluation.row_files.RowDigest`)."""
 
     def about(self) -> dict[str, Any]:
         """Return the fields of a `Cell` that are the same in every part."""
@@ -106,7 +107,7 @@ class PartDocument:
     episodes: int
     """Number of scenarios of all parts together."""
     batch: int
-    """Episodes in a block: a part has whole ones, and its rows are kept block by block."""
+    """Episodes in a block: a part has whole ones."""
     dt: float
     """Duration of a step [s]."""
     street: StreetOrigin
@@ -135,8 +136,14 @@ class StoredPart:
 
     def cell(self, number: int) -> StoredCell:
         """Return where the rows of a cell are."""
-        blocks = -(-len(self.document.span) // self.document.batch)
-        return StoredCell(self.folder, number, blocks, self.document.dt)
+        sizes = tuple(map(len, pieces_of(self.document.span)))
+        return StoredCell(self.folder, number, sizes, self.document.dt)
+
+
+def pieces_of(span: range) -> list[range]:
+    """Return the pieces in which rows of scenarios are kept: they end where a chunk of all scenarios does."""
+    ends = [*range((span.start // CHUNK + 1) * CHUNK, span.stop, CHUNK), span.stop]
+    return [range(first, stop) for first, stop in pairwise([span.start, *ends])]
 
 
 def read_parts(folders: Sequence[Path]) -> list[StoredPart]:

@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from jaxtyping import Float
 
-from jaxwalk.evaluation.comparison import check_same_scenarios
-from jaxwalk.metrics import OUTCOMES, Estimate, Rows, mcnemar
+from jaxwalk.evaluation.comparison import PairedRows, agreement
+from jaxwalk.metrics import OUTCOMES, Estimate, Rows
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS, touched_while_moving, while_moving
 from jaxwalk.metrics.expected_injuries import PER, expected_injuries
 from jaxwalk.metrics.footprint import FRONT
 from jaxwalk.metrics.interventions_by_shield import SHIELD_INTERVENTIONS
+from jaxwalk.metrics.paired_tests import mcnemar_of_counts
 from jaxwalk.metrics.statistics import mean_of
+from jaxwalk.metrics.values import Values
 from jaxwalk.policies.shield_names import unshielded
 from jaxwalk.sim.sim_config import ContactRule
 from jaxwalk.wording import counted
@@ -83,18 +87,17 @@ def shield_effect(
     Raises:
         ValueError: the scenarios differ, or are in another order.
     """
-    check_same_scenarios(bare, behind)
+    pairs = PairedRows(bare, behind)
     driver, shield, people = names
-    before, after = (touched_while_moving(rows, contact) for rows in (bare, behind))
-    old, new = bare[OUTCOMES], behind[OUTCOMES]
-    arrive = old.goal & new.goal
-    time_added = mean_of((new.steps - old.steps)[arrive] * bare.dt)
-    avoided, caused = int((before & ~after).sum()), int((after & ~before).sum())
-    work = behind[SHIELD_INTERVENTIONS]
-    each = work.interventions.sum() / max(new.driven.sum() / 1000, 1e-9)
+    both, avoided, caused = pairs.total(
+        lambda old, new: agreement(touched_while_moving(old, contact), touched_while_moving(new, contact))
+    ).tolist()
+    time_added = mean_of(pairs.values(_time_added))
+    driven = behind.values(lambda chunk: chunk[OUTCOMES].driven).sum()
+    each = behind.total(lambda chunk: chunk[SHIELD_INTERVENTIONS].interventions.sum()) / max(driven / 1000, 1e-9)
     later = "" if time_added.value is None else f", and {time_added.value:+.1f} s where both arrive"
     bare_contacts, shielded_contacts = (_moving_contacts(rows, contact) for rows in (bare, behind))
-    added, front_added = (_injuries_added(bare, behind, contact, front) for front in (False, True))
+    added, front_added = (_injuries_added(pairs, contact, front_only=front) for front in (False, True))
     words = (
         f"{driver}+{shield} among {people}: {counted(avoided, 'contact')} of the moving car avoided and {caused:,} "
         f"caused in {counted(bare.episodes, 'scenario')}; {_harm(bare_contacts, shielded_contacts, added)}; "
@@ -106,18 +109,29 @@ def shield_effect(
         pedestrians=people,
         jaywalk_multiplier=multiplier,
         scenarios=bare.episodes,
-        both=int((before & after).sum()),
+        both=both,
         avoided=avoided,
         caused=caused,
-        p=mcnemar(before, after),
+        p=mcnemar_of_counts(avoided, caused),
         bare=bare_contacts,
         shielded=shielded_contacts,
         injuries_added=added,
         front_injuries_added=front_added,
         time_added=time_added,
-        metres_lost=mean_of(old.driven.astype(np.float64) - new.driven),
+        metres_lost=mean_of(pairs.values(_metres_lost)),
         in_words=words,
     )
+
+
+def _time_added(bare: Rows, behind: Rows) -> Float[np.ndarray, "scenario"]:
+    """Return how much later the shielded driver arrives where both do [s]."""
+    old, new = bare[OUTCOMES], behind[OUTCOMES]
+    return (new.steps - old.steps)[old.goal & new.goal] * bare.dt
+
+
+def _metres_lost(bare: Rows, behind: Rows) -> Float[np.ndarray, "scenario"]:
+    """Return how much further the bare driver drives [m]."""
+    return bare[OUTCOMES].driven.astype(np.float64) - behind[OUTCOMES].driven
 
 
 def _harm(bare: MovingContacts, shielded: MovingContacts, added: Estimate) -> str:
@@ -130,19 +144,26 @@ def _harm(bare: MovingContacts, shielded: MovingContacts, added: Estimate) -> st
     )
 
 
-def _injuries_added(bare: Rows, behind: Rows, contact: ContactRule, front_only: bool) -> Estimate:
-    before, after = (expected_injuries(rows, contact, front_only=front_only) for rows in (bare, behind))
-    return mean_of(PER * (after - before))
+def _injuries_added(pairs: PairedRows, contact: ContactRule, *, front_only: bool) -> Estimate:
+    each = partial(expected_injuries, contact=contact, front_only=front_only)
+    return mean_of(pairs.values(lambda bare, behind: PER * (each(behind) - each(bare))))
 
 
 def _moving_contacts(rows: Rows, contact: ContactRule) -> MovingContacts:
-    table, mine = rows[MEASURED_CONTACTS], while_moving(rows, contact)
+    def column(name: str) -> Values:
+        return rows.values(lambda chunk: getattr(chunk[MEASURED_CONTACTS], name)[while_moving(chunk, contact)])
+
+    def injuries(*, front_only: bool) -> float:
+        each = rows.values(partial(expected_injuries, contact=contact, front_only=front_only))
+        return PER * each.sum() / rows.episodes
+
+    part, speed = column("part"), column("car_speed")
     return MovingContacts(
-        contacts=int(mine.sum()),
-        front=int((table.part[mine] == FRONT).sum()),
-        car_speed=mean_of(table.car_speed[mine], within=(0.0, math.inf)),
-        injuries=PER * float(expected_injuries(rows, contact).mean()),
-        front_injuries=PER * float(expected_injuries(rows, contact, front_only=True).mean()),
+        contacts=part.count,
+        front=part.each(lambda piece: piece[piece == FRONT]).count,
+        car_speed=mean_of(speed, within=(0.0, math.inf)),
+        injuries=injuries(front_only=False),
+        front_injuries=injuries(front_only=True),
     )
 
 

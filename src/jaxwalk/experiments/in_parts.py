@@ -7,9 +7,9 @@ so a merge has the numbers of one evaluation of all, resampled intervals include
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import chain, islice, product
+from itertools import islice, product
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +18,20 @@ from jaxwalk.evaluation import BATCH, Cell, Results, acts_by, episodes_at_once, 
 from jaxwalk.evaluation.batches import evaluate_batches
 from jaxwalk.evaluation.document_parts import ScenarioSet, StreetOrigin
 from jaxwalk.evaluation.map_rates import rates_by_map
-from jaxwalk.evaluation.parts import FORMAT, PART, Part, PartCell, PartDocument, PartError, StoredPart, complete
+from jaxwalk.evaluation.parts import (
+    FORMAT,
+    PART,
+    Part,
+    PartCell,
+    PartDocument,
+    PartError,
+    StoredPart,
+    complete,
+    pieces_of,
+)
 from jaxwalk.evaluation.results import driver_cost, ms_per_step
-from jaxwalk.evaluation.stored_rows import RowDigest, RowWriter, StoredRowsError, stored_rows
+from jaxwalk.evaluation.row_files import RowDigest, RowWriter
+from jaxwalk.evaluation.stored_rows import StoredRowsError, stored_rows
 from jaxwalk.experiments.evaluating import Evaluation, Played, Tell, keep_evaluation, with_comparisons
 from jaxwalk.experiments.tournament import Scenarios
 from jaxwalk.interfaces import Policy
@@ -40,8 +51,8 @@ ADVICE = "merge with the same jaxwalk as that of the parts, or evaluate them aga
 def evaluate_part(work: Evaluation, part: Part, out: Path, tell: Tell, *, batch: int = BATCH) -> PartDocument:
     """Evaluate one part of drawn scenarios, and write it into a folder; return what it says about itself.
 
-    Memory doesn't grow with the number of episodes: a block of ``batch`` is written as soon as it is played. The files
-    appear together at the end, or none.
+    Memory doesn't grow with the number of episodes: a piece of at most `CHUNK` is written as soon as it is played. The
+    files appear together at the end, or none.
 
     Raises:
         PartError: there are fewer blocks than parts, or the scenarios aren't drawn ones.
@@ -123,8 +134,8 @@ def _played_cell(work: Evaluation, planned: PartDocument, number: int, writer: R
     batch = min(planned.batch, episodes_at_once(street, policies))  # as an evaluation of all plays
     played = evaluate_batches(street, policies, source, batch=batch, progress=progress, span=planned.span)
     with named({"driver": driver, "pedestrian": population}):
-        while some := list(islice(played, planned.batch // batch)):
-            rows = Rows.join(some)
+        for piece in pieces_of(planned.span):
+            rows = Rows.join([*islice(played, -(-len(piece) // batch))])
             writer.write(number, rows)
             digest.update(rows)
     seconds, steps = (driver_cost(car) - before).tolist()
@@ -163,6 +174,7 @@ def merge_parts(parts: Sequence[StoredPart], out: Path, tell: Tell) -> Merged:
     cells = []
     for number, about in enumerate(first.cells):
         tell(f"{about.driver} among {about.pedestrians}", number, len(first.cells))
+        _check(parts, number)
         rows = stored_rows([part.cell(number) for part in parts])
         groups[number * len(groups) // len(first.cells)][about.driver, about.pedestrians] = rows
         cells.append(_cell(parts, number, rows))
@@ -220,28 +232,23 @@ def _cell(parts: Sequence[StoredPart], number: int, rows: Rows) -> Cell:
     cost = np.sum([(cell.driver_seconds, cell.driver_steps) for cell in about], axis=0)
     return Cell(
         **about[0].about(),
-        summary=summarise(rows, chunks=_chunks(parts, number)),
+        summary=summarise(rows),
         driver_ms_per_step=ms_per_step(cost),
         by_map=rates_by_map(rows),
     )
 
 
-def _chunks(parts: Sequence[StoredPart], number: int) -> Iterator[Rows]:
-    """Yield the rows of a cell, `CHUNK` episodes at a time. Raise StoredRowsError for rows that were changed."""
-    blocks = chain.from_iterable(_checked(part, number) for part in parts)
-    while chunk := list(islice(blocks, CHUNK // parts[0].document.batch)):
-        yield Rows.join(chunk)
-
-
-def _checked(part: StoredPart, number: int) -> Iterator[Rows]:
-    """Yield the blocks of a part's cell. Raise StoredRowsError if they aren't what was written."""
-    digest, episodes = RowDigest(), 0
-    for rows in part.cell(number).rows():
-        digest.update(rows)
-        episodes += rows.episodes
-        yield rows
-    if digest.digits != part.document.cells[number].sha256 or episodes != len(part.document.span):
-        raise StoredRowsError(f"{part.folder}: its rows were changed after they were written; evaluate this part again")
+def _check(parts: Sequence[StoredPart], number: int) -> None:
+    """Raise StoredRowsError unless the rows of a cell are what was written."""
+    for part in parts:
+        digest, episodes = RowDigest(), 0
+        for rows in part.cell(number).rows():
+            digest.update(rows)
+            episodes += rows.episodes
+        if digest.digits != part.document.cells[number].sha256 or episodes != len(part.document.span):
+            raise StoredRowsError(
+                f"{part.folder}: its rows were changed after they were written; evaluate this part again"
+            )
 
 
 def _made(parts: Sequence[StoredPart]) -> Provenance:

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Int
 
 from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.kerb import DANGER, KERB, Kerb
-from jaxwalk.metrics.metric import Metric, Rows, Sums
+from jaxwalk.metrics.metric import Metric, Rows, Sums, episodes_with
 from jaxwalk.metrics.statistics import Estimate, ratio
 from jaxwalk.sim.crossing_kind import CROSSWALK
 from jaxwalk.sim.trajectory import Trajectory
@@ -97,10 +97,10 @@ def _chosen(table: ApproachRows) -> dict[str, Bool[np.ndarray, "approach"]]:
 
 def summarise_approaches(rows: Rows, sums: Sums) -> Approaches:
     """Return the shares of approaches."""
-    own, columns = sums[APPROACHES], approach_columns(rows)
+    own, episodes = sums[APPROACHES], episodes_with(rows, approach_columns)
 
     def share(name: str, over: str) -> Estimate:
-        return clustered_share(ratio(own[name], own[over]), own[over][0], np.count_nonzero(columns[over]))
+        return clustered_share(ratio(own[name], own[over]), own[over][0], episodes[over])
 
     return Approaches(
         waited=share("waited", "approaches"),

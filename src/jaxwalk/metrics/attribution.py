@@ -85,9 +85,7 @@ def summarise_attribution(rows: Rows, sums: Sums) -> Attribution:
     """Return jaywalking's share of the collisions, and the risks on each scale of exposure."""
     own, hits = sums[ATTRIBUTION], sums[OUTCOMES]["contacts"][0, : len(TYPES)]
     found = proportion(hits[JAYWALK - 1], hits.sum())
-    table = rows[ATTRIBUTION]
-    crossed, near = _episodes(table.crossings), _episodes(table.near_frames)
-    met = _episodes(count_by_type(rows[ENCOUNTERS].episode, rows[ENCOUNTERS].type, rows.episodes))
+    crossed, near, met = rows.total(_exposed).tolist()
     return Attribution(
         share=Estimate(found.value, found.low, found.high, found.trials),
         per_crossing=_risk(hits, own["crossings"], crossed),
@@ -97,9 +95,11 @@ def summarise_attribution(rows: Rows, sums: Sums) -> Attribution:
     )
 
 
-def _episodes(exposure: Int[np.ndarray, "episode type"]) -> int:
-    """Return the number of episodes with any exposure."""
-    return int(exposure.any(axis=1).sum())
+def _exposed(rows: Rows) -> Int[np.ndarray, "exposure"]:
+    """Return the number of episodes with any crossing, any frame near the car, any encounter."""
+    table = rows[ATTRIBUTION]
+    met = len(np.unique(rows[ENCOUNTERS].episode))
+    return np.array([*(np.any(x, axis=1).sum() for x in (table.crossings, table.near_frames)), met])
 
 
 def _risk(hits: Float[np.ndarray, "type"], exposure: Float[np.ndarray, "draw type"], episodes: int) -> Risk:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from jaxwalk.metrics.counts import clustered_rate, clustered_share
 from jaxwalk.metrics.crossings import real_frames
-from jaxwalk.metrics.metric import Metric, Rows, Sums
+from jaxwalk.metrics.metric import Metric, Rows, Sums, episodes_with
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim.trajectory import Trajectory
@@ -65,13 +65,13 @@ def measure_harshness(trajectory: Trajectory) -> Harshness:
 
 def comfort_columns(rows: Rows) -> dict[str, np.ndarray]:
     """Return the columns of `Harshness`."""
-    return dict(vars(rows[COMFORT]))
+    return {column.name: getattr(rows[COMFORT], column.name) for column in fields(Harshness)}
 
 
 def summarise_comfort(rows: Rows, sums: Sums) -> Comfort:
     """Return how harshly the car drives."""
     own, km = sums[COMFORT], sums[OUTCOMES]["km"][0]
-    episodes = np.count_nonzero(rows[COMFORT].steps)
+    episodes = episodes_with(rows, comfort_columns)["steps"]
     return Comfort(
         harsh=clustered_share(ratio(own["harsh"], own["steps"]), own["steps"][0], episodes),
         harsh_per_km=clustered_rate(own["events"], float(km)),

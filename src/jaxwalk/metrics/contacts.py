@@ -6,7 +6,8 @@ A pedestrian's first contact by each rule counts, and no later one.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import get_args
+from functools import partial
+from typing import Any, get_args
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -151,26 +152,38 @@ def summarise_contacts(rows: Rows, sums: Sums) -> BothRules:
 
 
 def _summarise_rule(rows: Rows, rule: int) -> ContactsByRule:
+    found = rows.total(partial(_counts, rule))
+    hit_points, (episodes, moving) = found.pop("hit_points"), found.pop("episodes")
+
+    def mean(name: str) -> Estimate:
+        speeds = rows.values(lambda chunk: getattr(chunk[MEASURED_CONTACTS], name)[while_moving(chunk, RULES[rule])])
+        return mean_of(speeds, within=(0.0, np.inf))
+
+    return ContactsByRule(
+        episodes=proportion(episodes, rows.episodes),
+        moving=proportion(moving, rows.episodes),
+        hit_points=tuple(hit_points.tolist()),
+        car_speed=mean("car_speed"),
+        relative_speed=mean("relative_speed"),
+        **{name: int(count) for name, count in found.items()},
+    )
+
+
+def _counts(rule: int, rows: Rows) -> dict[str, Any]:
+    """Return the counts of `ContactsByRule`; ``episodes`` are those with a contact, and with one of the moving car."""
     table = rows[MEASURED_CONTACTS]
     mine = table.rule == rule
     moving = mine & table.moving
     front = moving & (table.part == FRONT)
     cell = np.minimum(table.hit_point[front] / 100 * CELLS, CELLS - 1).astype(np.int64)
-
-    def mean(speeds: np.ndarray) -> Estimate:
-        return mean_of(speeds[moving], within=(0.0, np.inf))
-
-    return ContactsByRule(
-        episodes=proportion(len(np.unique(table.episode[mine])), rows.episodes),
-        moving=proportion(len(np.unique(table.episode[moving])), rows.episodes),
-        contacts=int(mine.sum()),
-        standing=int((mine & ~table.moving).sum()),
-        **{x.name.lower(): int((mine & (table.type == x)).sum()) for x in CONTACTS},
-        **{name: int((moving & (table.part == x)).sum()) for name, x in PARTS.items()},
-        hit_points=tuple(np.bincount(cell, minlength=CELLS).tolist()),
-        car_speed=mean(table.car_speed),
-        relative_speed=mean(table.relative_speed),
-    )
+    return {
+        "episodes": np.array([len(np.unique(table.episode[which])) for which in (mine, moving)]),
+        "contacts": mine.sum(),
+        "standing": (mine & ~table.moving).sum(),
+        **{x.name.lower(): (mine & (table.type == x)).sum() for x in CONTACTS},
+        **{name: (moving & (table.part == x)).sum() for name, x in PARTS.items()},
+        "hit_points": np.bincount(cell, minlength=CELLS),
+    }
 
 
 PARTS = {"front": FRONT, "side": SIDE, "rear": REAR}

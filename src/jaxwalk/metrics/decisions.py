@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -62,15 +63,24 @@ def find_decisions(trajectory: Trajectory) -> Decisions:
 
 def summarise_decisions(rows: Rows, sums: Sums) -> JaywalkRate:
     """Return jaywalk rates over the decisions of known type."""
-    table = rows[JAYWALK_RATE]
-    known = table.type != NO_CROSSING
-    jaywalk = table.type[known] == JAYWALK
-    quarter = np.clip(np.floor(table.tau[known] * QUARTERS), 0, QUARTERS - 1)
+    found = rows.total(_counts)
     return JaywalkRate(
-        all=proportion(jaywalk.sum(), len(jaywalk)),
-        quarters=tuple(proportion(jaywalk[quarter == q].sum(), (quarter == q).sum()) for q in range(QUARTERS)),
-        unknown=int(table.made.sum()) - len(jaywalk),
+        all=proportion(*found["all"]),
+        quarters=tuple(proportion(*counts) for counts in found["quarters"]),
+        unknown=int(found["made"] - found["all"][1]),
     )
+
+
+def _counts(rows: Rows) -> dict[str, Any]:
+    """Return the decisions to jaywalk and all of known type, together and by quarter of tau, and how many were made."""
+    table = rows[JAYWALK_RATE]
+    quarter = np.clip(np.floor(table.tau * QUARTERS), 0, QUARTERS - 1)
+    chosen = np.stack([table.type == JAYWALK, table.type != NO_CROSSING])
+    return {
+        "all": chosen.sum(axis=1),
+        "quarters": np.stack([(chosen & (quarter == q)).sum(axis=1) for q in range(QUARTERS)]),
+        "made": table.made.sum(dtype=np.int64),
+    }
 
 
 JAYWALK_RATE = Metric(

@@ -14,6 +14,7 @@ from jaxtyping import Float
 from jaxwalk.metrics.metric import Metric, Recording, Rows, Sums
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.statistics import Estimate, interval, quantile, ratio
+from jaxwalk.metrics.values import known
 
 
 @dataclass(frozen=True)
@@ -48,9 +49,9 @@ def delay_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_delay(rows: Rows, sums: Sums) -> Delay:
     """Return the mean delay, and a long one."""
-    found, own = delays(rows), sums[DELAY]
+    own = sums[DELAY]
     mean = interval(ratio(own["delay"], own["arrived"]), own["arrived"][0])
-    return Delay(mean=mean, long=quantile(found[~np.isnan(found)], 0.95))
+    return Delay(mean=mean, long=quantile(rows.values(lambda chunk: known(delays(chunk))), 0.95))
 
 
 def _measure(recording: Recording) -> Unhindered:

@@ -5,14 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Shaped
 
-from jaxwalk.metrics.braking import ALREADY, NEVER, ONSET, STANDING, UNSEEN, braking_times
+from jaxwalk.metrics.braking import ALREADY, NAMES, NEVER, ONSET, STANDING, UNSEEN, braking_times
 from jaxwalk.metrics.counts import proportion
 from jaxwalk.metrics.crossings import CROSSINGS, ROAD, TYPES, ByType, Crossings, RoadSteps, count_by_type
 from jaxwalk.metrics.footprint import in_car_frame
 from jaxwalk.metrics.metric import Finding, Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, Rate, interval, kaplan_meier_median, quantile, ratio
+from jaxwalk.metrics.values import Values
 from jaxwalk.sim.events import to_rectangle
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
@@ -140,24 +141,28 @@ def encounter_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_encounters(rows: Rows, sums: Sums) -> ByType[EncounterSummary]:
     """Return the numbers of encounters, by type."""
-    table, own = rows[ENCOUNTERS], sums[ENCOUNTERS]
+    own = sums[ENCOUNTERS]
     means = ratio(own["onset_time"], own["onsets"])
-    return ByType(*(_summarise_type(table, kind, means[:, kind - 1]) for kind in TYPES))
+    return ByType(*(_summarise_type(rows, kind, means[:, kind - 1]) for kind in TYPES))
 
 
-def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> EncounterSummary:
+def _summarise_type(rows: Rows, kind: int, mean: np.ndarray) -> EncounterSummary:
     """Summarise the encounters of one type; ``mean`` is the resampled mean time to an observed braking onset [s]."""
-    mine = table.type == kind
-    status = table.braking[mine]
-    watched = status <= ONSET
-    counts = {code: int((status == code).sum()) for code in (NEVER, ONSET, ALREADY, STANDING, UNSEEN)}
+
+    def of_kind(name: str, *, watched: bool = False) -> Values:
+        return rows.values(lambda chunk: _column(chunk, kind, name, watched=watched))
+
+    found = rows.total(lambda chunk: np.bincount(_column(chunk, kind, "braking"), minlength=len(NAMES)))
+    collided = rows.total(lambda chunk: _column(chunk, kind, "collided").sum())
+    onset = of_kind("braking", watched=True).each(lambda status: status == ONSET)
+    counts = found.tolist()
     return EncounterSummary(
-        count=len(status),
-        collided=proportion(table.collided[mine].sum(), len(status)),
-        minimum_approach=quantile(table.min_distance[mine], 0.05),
-        minimum_gap=quantile(table.min_gap[mine], 0.05),
+        count=sum(counts),
+        collided=proportion(collided, sum(counts)),
+        minimum_approach=quantile(of_kind("min_distance"), 0.05),
+        minimum_gap=quantile(of_kind("min_gap"), 0.05),
         braking=Braking(
-            median=kaplan_meier_median(table.braking_time[mine][watched], status[watched] == ONSET),
+            median=kaplan_meier_median(of_kind("braking_time", watched=True), onset),
             mean_observed=interval(mean, counts[ONSET]),
             observed=counts[ONSET],
             censored=counts[NEVER],
@@ -166,6 +171,15 @@ def _summarise_type(table: Encounters, kind: int, mean: np.ndarray) -> Encounter
             unseen=counts[UNSEEN],
         ),
     )
+
+
+def _column(rows: Rows, kind: int, name: str, *, watched: bool = False) -> Shaped[np.ndarray, "encounter"]:
+    """Return a column of the encounters of one type: all, or those in which the car could begin to brake."""
+    table = rows[ENCOUNTERS]
+    chosen = table.type == kind
+    if watched:
+        chosen &= table.braking <= ONSET
+    return getattr(table, name)[chosen]
 
 
 ROAD_GAPS = Finding(

@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from jaxwalk.metrics.kerb import FAST, KERB, NEAR, Kerb
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, quantile
+from jaxwalk.metrics.values import known
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -59,8 +60,8 @@ def find_gaps(trajectory: Trajectory, kerb: Kerb, config: SimConfig) -> Gaps:
 
 def summarise_gaps(rows: Rows, sums: Sums) -> GapAcceptance:
     """Return accepted and rejected gaps."""
-    table = rows[GAPS]
-    accepted, rejected = (x[~np.isnan(x)] for x in (table.accepted, table.rejected))
+    accepted = rows.values(lambda chunk: known(chunk[GAPS].accepted))
+    rejected = rows.values(lambda chunk: known(chunk[GAPS].rejected))
     return GapAcceptance(quantile(accepted, 0.5), quantile(accepted, 0.05), quantile(rejected, 0.5))
 
 

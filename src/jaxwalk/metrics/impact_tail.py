@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy
@@ -16,7 +17,8 @@ from jaxtyping import Float, Shaped
 from jaxwalk.metrics.counts import FEW
 from jaxwalk.metrics.metric import Metric, NoRows, Rows, Sums
 from jaxwalk.metrics.outcomes import OUTCOMES
-from jaxwalk.metrics.statistics import CONFIDENCE, Estimate
+from jaxwalk.metrics.statistics import CONFIDENCE, Estimate, standard_deviation
+from jaxwalk.metrics.values import Values
 
 LEVEL = 0.99
 """The tail is the worst 1 - this of the episodes."""
@@ -40,10 +42,10 @@ def impact_speeds(rows: Rows) -> Float[np.ndarray, "episode"]:
     return np.nan_to_num(rows[OUTCOMES].impact_speed.astype(np.float64))
 
 
-def value_at_risk(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> float:
+def value_at_risk(values: Shaped[np.ndarray, "episode"] | Values, level: float = LEVEL) -> float:
     """Return the smallest of the largest 1 - ``level`` of the values, at least one."""
-    edge = len(values) - _beyond(len(values), level)
-    return float(np.partition(values, edge)[edge])
+    values = Values.of(values)
+    return values.ordered([values.count - _beyond(values.count, level)])[0]
 
 
 def _beyond(count: int, level: float) -> int:
@@ -57,33 +59,37 @@ def tail_parts(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> F
     With v the value at risk: v + max(x - v, 0) / (1 - level) (Rockafellar and Uryasev 2000, theorem 1). A value at the
     edge of the tail counts by the share of it that is in the tail.
     """
-    edge = value_at_risk(values, level)
+    return _beyond_edge(value_at_risk(values, level), level, values)
+
+
+def _beyond_edge(edge: float, level: float, values: Shaped[np.ndarray, "value"]) -> Float[np.ndarray, "value"]:
     return edge + np.maximum(np.asarray(values, np.float64) - edge, 0) / (1 - level)
 
 
-def tail_mean(values: Shaped[np.ndarray, "episode"], level: float = LEVEL) -> Estimate:
+def tail_mean(values: Shaped[np.ndarray, "episode"] | Values, level: float = LEVEL) -> Estimate:
     """Return the mean of the largest 1 - ``level`` of independent values, which are 0 or more, with its interval.
 
     The count is the number of values above 0 among them. The interval is Student's of `tail_parts` on the scale of
     logarithms, with the degrees of freedom of that number: the rest of the values says nothing about the tail's spread.
     There is none for fewer than `FEW`.
     """
-    values = np.asarray(values, np.float64)
-    parts = tail_parts(values, level)
-    count, mean = min(int((values > 0).sum()), _beyond(len(values), level)), float(parts.mean())
-    if count < FEW or np.ptp(parts) == 0:
+    values = Values.of(values)
+    parts = values.each(partial(_beyond_edge, value_at_risk(values, level), level))
+    above = sum(int((piece > 0).sum()) for piece in values)
+    count, mean, (least, most) = min(above, _beyond(values.count, level)), parts.sum() / parts.count, parts.ends()
+    if count < FEW or least == most:
         return Estimate(mean, None, None, count)
-    error = float(parts.std(ddof=1)) / math.sqrt(len(parts))
+    error = standard_deviation(parts, mean) / math.sqrt(parts.count)
     half = float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, count - 1)) * error / mean
     return Estimate(mean, mean * math.exp(-half), mean * math.exp(half), count)
 
 
 def summarise_impacts(rows: Rows, sums: Sums) -> ImpactTail:
     """Return the speeds in the contacts of the worst episodes."""
-    speeds = impact_speeds(rows)
-    if not len(speeds):
+    speeds = rows.values(impact_speeds)
+    if not rows.episodes:
         return ImpactTail(Estimate(None, None, None, 0), None, None)
-    return ImpactTail(tail_mean(speeds), value_at_risk(speeds), float(speeds.mean()))
+    return ImpactTail(tail_mean(speeds), value_at_risk(speeds), speeds.sum() / rows.episodes)
 
 
 IMPACT_TAIL = Metric(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from jaxtyping import Bool, Int
@@ -10,7 +10,7 @@ from jaxtyping import Bool, Int
 from jaxwalk.metrics.counts import clustered_rate, clustered_share
 from jaxwalk.metrics.crossings import real_frames
 from jaxwalk.metrics.encounters import ENCOUNTERS
-from jaxwalk.metrics.metric import Metric, Recording, Rows, Sums
+from jaxwalk.metrics.metric import Metric, Recording, Rows, Sums, episodes_with
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.statistics import Estimate, ratio
 
@@ -65,14 +65,14 @@ def measure_shield_work(recording: Recording) -> ShieldWork:
 
 
 def _columns(rows: Rows) -> dict[str, np.ndarray]:
-    return dict(vars(rows[SHIELD_INTERVENTIONS]))
+    return {column.name: getattr(rows[SHIELD_INTERVENTIONS], column.name) for column in fields(ShieldWork)}
 
 
 def _summarise(rows: Rows, sums: Sums) -> ShieldInterventions:
-    own, found = sums[SHIELD_INTERVENTIONS], rows[SHIELD_INTERVENTIONS]
-    if not found.shielded.all() or not rows.episodes:
+    own, found = sums[SHIELD_INTERVENTIONS], episodes_with(rows, _columns)
+    if found["shielded"] < rows.episodes or not rows.episodes:
         return ShieldInterventions(UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN)
-    episodes, steps = np.count_nonzero(found.steps), own["steps"]
+    episodes, steps = found["steps"], own["steps"]
     met = float(sums[ENCOUNTERS]["encounters"][0].sum())
     return ShieldInterventions(
         per_km=clustered_rate(own["interventions"], float(sums[OUTCOMES]["km"][0])),

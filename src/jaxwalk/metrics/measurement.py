@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
+from itertools import chain
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,7 +15,7 @@ from pydantic_core import core_schema
 
 from jaxwalk.metrics.metric import Metric, MetricTable, Numbers, Recording, Rows, Sums, with_needs
 from jaxwalk.metrics.registry import METRICS
-from jaxwalk.metrics.statistics import RESAMPLES, episode_sums, sums_over_chunks
+from jaxwalk.metrics.statistics import RESAMPLES, sums_over_chunks
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
@@ -111,23 +112,18 @@ def measure(
     )
 
 
-def summarise(
-    rows: Rows, *, chunks: Iterable[Rows] | None = None, resamples: int = RESAMPLES, seed: int = 0
-) -> Summary:
+def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summary:
     """Return the numbers of all metrics.
 
     Args:
         rows: measured episodes.
-        chunks: the same rows, `jaxwalk.metrics.statistics.CHUNK` episodes at a time and the last chunk with the rest:
-            if ``rows`` read their tables only when they are asked for, no more are in memory.
         resamples: number of bootstrap resamples over episodes.
         seed: seed of the bootstrap.
     """
-    if chunks is not None:
-        summed = sums_over_chunks(map(_columns, chunks), rows.episodes, resamples=resamples, seed=seed)
-    else:
-        columns = _columns(rows)
-        summed = episode_sums(columns, resamples=resamples, seed=seed) if columns else {}
+    columns = map(_columns, rows.chunks())
+    first = next(columns)
+    all_of_them = chain([first], columns)
+    summed = sums_over_chunks(all_of_them, rows.episodes, resamples=resamples, seed=seed) if first else {}
     by_metric: dict[str, dict[str, np.ndarray]] = {metric.name: {} for metric in rows.metrics}
     for (metric, column), found in summed.items():
         by_metric[metric][column] = found

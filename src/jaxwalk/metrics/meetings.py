@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
@@ -11,7 +12,7 @@ from jaxtyping import Float, Int
 from jaxwalk.metrics.crossings import ROAD, TYPES, RoadSteps
 from jaxwalk.metrics.encounters import encounter_starts
 from jaxwalk.metrics.metric import MetricTable, Rows
-from jaxwalk.metrics.statistics import Estimate, episode_draws, interval, ratio
+from jaxwalk.metrics.statistics import Estimate, episode_slices, interval, ratio, resampled_sums
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -109,53 +110,68 @@ def matched_differences(rows: Rows, *, resamples: int, seed: int) -> tuple[Estim
     Haenszel 1959), so a stratum without one of them has no weight. Each count is the number of jaywalker encounters
     with a match.
     """
-    table = rows[MEETINGS]
-    stratum, of_bin = _strata(table)
-    jaywalk = table.type == JAYWALK
-    both = np.isin(np.arange(len(of_bin)), stratum[jaywalk]) & np.isin(np.arange(len(of_bin)), stratum[~jaywalk])
-    kept, of_bin = both[stratum], of_bin[both]
-    cell = (np.cumsum(both) - 1)[stratum[kept]] * len(TYPES) + table.type[kept] - 1
-    place, shape = (table.episode[kept], cell), (rows.episodes, len(of_bin) * len(TYPES))
-    count = _resampled(np.ones(len(cell)), place, shape, resamples, seed)
-    speed = _resampled(table.speed[kept], place, shape, resamples, seed)
+    ends = _ends(rows)
+    codes, of_bin = _matched(rows, ends)
+    shape = 1 + resamples, 2, len(codes), len(TYPES)
+    matrices = (_meetings_by_stratum(chunk, ends, codes) for chunk in rows.chunks())
+    some = (matrix[part] for matrix in matrices for part in episode_slices(matrix.shape[0]))
+    sums = resampled_sums(some, rows.episodes, resamples=resamples, seed=seed)
+    count, speed = np.moveaxis(sums.reshape(shape), 1, 0)
     weight = np.nan_to_num(ratio(count.prod(axis=2), count.sum(axis=2)))
     mean = ratio(speed, count)
     terms = np.where(weight > 0, weight * (mean[..., JAYWALK - 1] - mean[..., CROSSWALK - 1]), 0)
-    found = [(of_bin == i, (table.bin[kept] == i) & jaywalk[kept]) for i in range(BINS)]
+    bins = [of_bin == i for i in range(BINS)]
     return tuple(
-        interval(ratio(terms[:, mine].sum(axis=1), weight[:, mine].sum(axis=1)), int(rows.sum()))
-        for mine, rows in found
+        interval(ratio(terms[:, mine].sum(axis=1), weight[:, mine].sum(axis=1)), count[0, mine, JAYWALK - 1].sum())
+        for mine in bins
     )
 
 
-def _strata(table: Meetings) -> tuple[Int[np.ndarray, "meeting"], Int[np.ndarray, "stratum"]]:
-    """Return the stratum of each meeting, and the bin of each stratum."""
+def _kinds(table: Meetings) -> Int[np.ndarray, "5 meeting"]:
+    """Return what makes the stratum of each meeting: its bin, place (2), quarter of heading and step of speed."""
     # (rounding, unlike floor, treats the four directions alike)
     place = (np.rint(table.x / PLACE), np.rint(table.y / PLACE))
     quarter = np.where(np.abs(table.cos) >= np.abs(table.sin), np.sign(table.cos), 2 * np.sign(table.sin))
     speed = np.floor(table.initial_speed / SPEED_STEP)
+    return np.stack([table.bin, *place, quarter, speed]).astype(np.int64)
+
+
+def _ends(rows: Rows) -> Int[np.ndarray, "5 2"]:
+    """Return the smallest of each number of `_kinds`, and how many numbers there are from it to the largest."""
+    low, high = np.zeros(5, np.int64), np.zeros(5, np.int64)
+    for chunk in rows.chunks():
+        kinds = _kinds(chunk[MEETINGS])
+        low, high = np.minimum(low, kinds.min(axis=1, initial=0)), np.maximum(high, kinds.max(axis=1, initial=0))
+    return np.stack([low, high - low + 1], axis=1)
+
+
+def _codes(table: Meetings, ends: Int[np.ndarray, "5 2"]) -> Int[np.ndarray, "meeting"]:
+    """Return a number for the stratum of each meeting, those of a bin one after the other."""
     code = np.zeros(len(table.bin), np.int64)
-    for column in (table.bin, *place, quarter, speed):
-        values = column.astype(np.int64)
-        values -= values.min(initial=0)
-        code = code * (values.max(initial=0) + 1) + values
-    _, first, stratum = np.unique(code, return_index=True, return_inverse=True)
-    return stratum, table.bin[first]
+    for kind, (low, size) in zip(_kinds(table), ends, strict=True):
+        code = code * size + kind - low
+    return code
 
 
-def _resampled(
-    values: Float[np.ndarray, "meeting"],
-    place: tuple[np.ndarray, np.ndarray],
-    shape: tuple[int, int],
-    resamples: int,
-    seed: int,
-) -> Float[np.ndarray, "draw cell type"]:
-    """Return sums of the values at places (episode, cell): over all episodes (row 0), and over resampled episodes."""
-    columns = scipy.sparse.csr_array((values, place), shape=shape)
-    sums = np.zeros((1 + resamples, shape[1]))
-    for some, times in episode_draws(shape[0], resamples=resamples, seed=seed):
-        sums += times @ columns[some]
-    return sums.reshape(1 + resamples, -1, len(TYPES))
+def _matched(rows: Rows, ends: Int[np.ndarray, "5 2"]) -> tuple[Int[np.ndarray, "stratum"], Int[np.ndarray, "stratum"]]:
+    """Return the codes of the strata with meetings of both types, and their bins."""
+    seen = {kind: np.zeros(0, np.int64) for kind in TYPES}
+    for chunk in rows.chunks():
+        codes = _codes(chunk[MEETINGS], ends)
+        seen = {kind: np.union1d(found, codes[chunk[MEETINGS].type == kind]) for kind, found in seen.items()}
+    both = np.intersect1d(seen[CROSSWALK], seen[JAYWALK])
+    return both, both // ends[1:, 1].prod() + ends[0, 0]
+
+
+def _meetings_by_stratum(rows: Rows, ends: Int[np.ndarray, "5 2"], codes: Int[np.ndarray, "stratum"]) -> Any:
+    """Return the meetings of each episode in each of the strata by type, and then the sums of their speeds, sparse."""
+    table = rows[MEETINGS]
+    found = _codes(table, ends)
+    kept = np.isin(found, codes)
+    cell = np.searchsorted(codes, found[kept]) * len(TYPES) + table.type[kept] - 1
+    place, shape = (table.episode[kept], cell), (rows.episodes, len(codes) * len(TYPES))
+    values = np.ones(len(cell)), table.speed[kept]
+    return scipy.sparse.hstack([scipy.sparse.csr_array((each, place), shape=shape) for each in values], format="csr")
 
 
 MEETINGS = MetricTable(

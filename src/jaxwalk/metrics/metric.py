@@ -1,18 +1,23 @@
 """What a metric is, and the rows that metrics measure: ``docs/extending.md#a-metric`` shows how to add one.
 
 A *finding* is computed from recorded episodes once, for all metrics that need it. A *table* is a finding that is kept.
-A *metric* is a table with numbers: columns that are resampled by episode, and a summary of rows and sums.
+A *metric* is a table with numbers: columns that are resampled by episode, and a summary of rows and sums. Rows may be
+too many for memory, so a summary adds up (`Rows.total`) or lists (`Rows.values`) what it finds in each chunk of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial, reduce
 from typing import Any, Generic, TypeVar, get_type_hints
 
+import jax
 import numpy as np
 from jaxtyping import Float, Shaped
 
+from jaxwalk.metrics.values import Values
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
 
@@ -62,8 +67,8 @@ class Metric(MetricTable[T], Generic[T, Numbers]):
     """A table with numbers. ``name`` is also the metric's key in the summary and in its JSON."""
 
     summarise: Callable[[Rows, Sums], Numbers]
-    """Its annotated result is the type of the numbers: frozen dataclasses and tuples of numbers and None. It asks a
-    table for columns by their names, not by ``vars``: those of merged parts are read from files then."""
+    """Its annotated result is the type of the numbers: frozen dataclasses and tuples of numbers and None. It reads the
+    rows by `Rows.total` and `Rows.values` only."""
     columns: Callable[[Rows], Mapping[str, Shaped[np.ndarray, "episode ..."]]] = lambda rows: {}
     """The columns that are resampled by episode; `Sums` has their sums by the same names."""
     headline: bool = False
@@ -100,6 +105,18 @@ class Rows:
             raise KeyError(f"{table.name} was not measured; there are {', '.join(self.tables)}")
         return self.tables[table.name]
 
+    def chunks(self) -> Iterator[Rows]:
+        """Yield the rows of some episodes at a time: of all, unless they are too many for memory."""
+        yield self
+
+    def total(self, formula: Callable[[Rows], T]) -> T:
+        """Return the sum over all chunks of a formula's whole numbers: one, an array, or a dict of them."""
+        return added_up(map(formula, self.chunks()))
+
+    def values(self, formula: Callable[[Rows], Shaped[np.ndarray, "_"]]) -> Values:
+        """Return a formula's values in all chunks. They are computed whenever they are asked for."""
+        return Values(lambda: map(formula, self.chunks()))
+
     def having(self, table: MetricTable[T], found: T) -> Rows:
         """Return the same rows with this table in place of the measured one."""
         return replace(self, tables={**self.tables, table.name: found})
@@ -124,6 +141,18 @@ class Rows:
         maps = [part.maps for part in parts if part.maps is not None]
         known = np.concatenate(maps) if len(maps) == len(parts) else None
         return Rows(first.dt, sum(part.episodes for part in parts), first.metrics, tables, known)
+
+
+def added_up(found: Iterable[T]) -> T:
+    """Return the sum of numbers, of arrays, or of dicts of them; there is at least one."""
+    return reduce(partial(jax.tree.map, operator.add), found)
+
+
+def episodes_with(
+    rows: Rows, columns: Callable[[Rows], Mapping[str, Shaped[np.ndarray, "episode ..."]]]
+) -> dict[str, Any]:
+    """Return in how many episodes each column isn't 0: a number, or an array for a column with further axes."""
+    return rows.total(lambda chunk: {name: (found != 0).sum(axis=0) for name, found in columns(chunk).items()})
 
 
 def _join_tables(tables: Sequence[T], offsets: np.ndarray) -> T:

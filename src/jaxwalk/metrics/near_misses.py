@@ -11,19 +11,22 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from jaxwalk.metrics.counts import proportion, share_ends
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric, Recording, Rows, Sums
-from jaxwalk.metrics.pareto_tail import ParetoFit, fit
+from jaxwalk.metrics.pareto_tail import Excesses, ParetoFit, fit
 from jaxwalk.metrics.passing import PASSING
 from jaxwalk.metrics.statistics import Estimate, Rate
+from jaxwalk.metrics.values import Values
 
 THRESHOLDS = (2.0, 1.5, 1.0, 0.75, 0.5)
 """Gaps below which an encounter is a near miss [m]; the first that has no problem is extrapolated."""
 FEWEST = 100
 """Fewer near misses than this are not extrapolated."""
+RESOLUTION = 2**-15
+"""Gaps [m] are told apart by cells of this width (0.03 mm), so that a fit needs no more memory for more of them."""
 UNLIKELY = 0.05
 """A fit with a smaller p-value is a poor one."""
 
@@ -80,10 +83,13 @@ def nearest_gaps(recording: Recording) -> NearestGaps:
     return NearestGaps(np.where(np.isfinite(gap), gap, np.nan))
 
 
-def extrapolate(gaps: Float[np.ndarray, "episode"]) -> Extrapolation:
+def extrapolate(gaps: Float[np.ndarray, "episode"] | Values) -> Extrapolation:
     """Return the contact rate observed and extrapolated, from each episode's smallest gap (`NearestGaps`)."""
-    observed = proportion((gaps == 0).sum(), len(gaps))
-    tails = _checked([_tail(gaps, threshold) for threshold in THRESHOLDS])
+    gaps = Values.of(gaps)
+    observed = proportion(sum(int((piece == 0).sum()) for piece in gaps), gaps.count)
+    near = gaps.each(lambda piece: piece[(piece > 0) & (piece < max(THRESHOLDS))])
+    middles, times = near.each(lambda piece: (np.floor(piece / RESOLUTION) + 0.5) * RESOLUTION).distinct()
+    tails = _checked([_tail(middles, times, gaps.count, threshold) for threshold in THRESHOLDS])
     chosen = next((tail for tail in tails if tail.problem == "none"), None)
     if chosen is None:
         none = Estimate(None, None, None, tails[0].rate.count)
@@ -92,13 +98,16 @@ def extrapolate(gaps: Float[np.ndarray, "episode"]) -> Extrapolation:
     return Extrapolation(observed, chosen.rate, chosen.threshold, "none", agrees, tails)
 
 
-def _tail(gaps: Float[np.ndarray, "episode"], threshold: float) -> Tail:
+def _tail(
+    gaps: Float[np.ndarray, "different"], times: Int[np.ndarray, "different"], episodes: int, threshold: float
+) -> Tail:
     """Return the near misses below a threshold, extrapolated if there are enough of them."""
-    near = gaps[(gaps > 0) & (gaps < threshold)].astype(np.float64)
-    if len(near) < FEWEST:
-        return Tail(threshold, None, None, Estimate(None, None, None, len(near)), "few near misses")
-    found = fit(threshold - near, threshold)
-    rate = _rate(len(near), len(gaps), found)
+    near = gaps < threshold
+    excesses = Excesses(threshold - gaps[near], times[near])
+    if excesses.count < FEWEST:
+        return Tail(threshold, None, None, Estimate(None, None, None, excesses.count), "few near misses")
+    found = fit(excesses, threshold)
+    rate = _rate(excesses.count, episodes, found)
     problem = "poor fit" if found.p < UNLIKELY else "no upper bound" if found.high is None else "none"
     return Tail(threshold, found.shape, found.p, rate, problem)
 
@@ -135,7 +144,7 @@ def _overlap(a: Estimate | Rate, b: Estimate | Rate) -> bool:
 
 def summarise_near_misses(rows: Rows, sums: Sums) -> Extrapolation:
     """Return the contact rate observed and extrapolated."""
-    return extrapolate(rows[NEAR_MISSES].gap)
+    return extrapolate(rows.values(lambda chunk: chunk[NEAR_MISSES].gap))
 
 
 NEAR_MISSES = Metric(

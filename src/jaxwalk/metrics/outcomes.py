@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from jaxwalk.metrics.counts import proportion, rate
 from jaxwalk.metrics.crossings import crossing_type, real_frames
 from jaxwalk.metrics.encounters import ENCOUNTERS
 from jaxwalk.metrics.metric import Metric, Rows, Sums
-from jaxwalk.metrics.statistics import Estimate, Rate, interval, mean_of, ratio
+from jaxwalk.metrics.statistics import Estimate, Rate, interval, mean_of, ratio, standard_deviation
 from jaxwalk.sim import events
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, ContactKind
 from jaxwalk.sim.trajectory import Trajectory
@@ -157,16 +158,17 @@ def outcome_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_outcomes(rows: Rows, sums: Sums) -> Outcomes:
     """Return how the episodes ended."""
-    table, own, encounters = rows[OUTCOMES], sums[OUTCOMES], int(sums[ENCOUNTERS]["encounters"][0].sum())
-    episodes, goals, collisions = len(table.goal), int(table.goal.sum()), int(table.collision.sum())
-    spread = table.steps[table.goal].std(ddof=1) * rows.dt / np.sqrt(goals) if goals > 1 else None
+    own, encounters = sums[OUTCOMES], int(sums[ENCOUNTERS]["encounters"][0].sum())
+    episodes, goals, collisions = rows.episodes, int(own["goals"][0]), int(own["collisions"][0, 0])
+    steps = rows.values(lambda chunk: chunk[OUTCOMES].steps[chunk[OUTCOMES].goal])
+    spread = standard_deviation(steps, steps.sum() / goals) * rows.dt / np.sqrt(goals) if goals > 1 else None
     kilometres = float(own["km"][0])
     kinds = [_collision_rates(int(hits), episodes, kilometres, encounters) for hits in own["collisions"][0]]
-    contacts = [_contact(table, kind, collisions) for kind in CONTACTS]
+    contacts = [_contact(rows, kind, collisions) for kind in CONTACTS]
     return Outcomes(
         goal=proportion(goals, episodes),
         collision=proportion(collisions, episodes),
-        timeout=proportion((~table.goal & ~table.collision).sum(), episodes),
+        timeout=proportion(episodes - goals - collisions, episodes),
         time_to_goal=interval(ratio(own["goal_time"], own["goals"]), goals),
         time_to_goal_error=None if spread is None else float(spread),
         kilometres=kilometres,
@@ -174,7 +176,7 @@ def summarise_outcomes(rows: Rows, sums: Sums) -> Outcomes:
         all=kinds[0],
         moving=kinds[1],
         standing=kinds[2],
-        impact_speed=_speeds(table.impact_speed[table.collision]),
+        impact_speed=_speeds(rows, lambda table: table.collision),
         crosswalk=contacts[0],
         jaywalk=contacts[1],
         sidewalk=contacts[2],
@@ -186,16 +188,17 @@ def _collision_rates(count: int, episodes: int, kilometres: float, encounters: i
     return CollisionRates(proportion(count, episodes), rate(count, kilometres), rate(count, encounters))
 
 
-def _contact(table: Episodes, kind: int, collisions: int) -> Contact:
+def _contact(rows: Rows, kind: int, collisions: int) -> Contact:
     """Summarise the collisions of one contact type."""
-    mine = table.contact == kind
-    count, moving = int(mine.sum()), int((mine & table.moving).sum())
-    return Contact(proportion(count, collisions), moving, count - moving, _speeds(table.impact_speed[mine]))
+    speed = _speeds(rows, lambda table: table.contact == kind)
+    moving = int(rows.total(lambda chunk: (chunk[OUTCOMES].moving & (chunk[OUTCOMES].contact == kind)).sum()))
+    return Contact(proportion(speed.count, collisions), moving, speed.count - moving, speed)
 
 
-def _speeds(speed: Float[np.ndarray, "collision"]) -> Estimate:
-    """Return the mean of speeds [m/s]; there is at most one collision per episode, so they are independent."""
-    return mean_of(speed, within=(0.0, math.inf))
+def _speeds(rows: Rows, chosen: Callable[[Episodes], Bool[np.ndarray, "episode"]]) -> Estimate:
+    """Return the mean speed [m/s] in the chosen collisions: at most one per episode, so they are independent."""
+    speeds = rows.values(lambda chunk: chunk[OUTCOMES].impact_speed[chosen(chunk[OUTCOMES])])
+    return mean_of(speeds, within=(0.0, math.inf))
 
 
 OUTCOMES = Metric(

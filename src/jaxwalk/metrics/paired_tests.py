@@ -17,7 +17,11 @@ def mcnemar(a: Bool[np.ndarray, "trial"], b: Bool[np.ndarray, "trial"]) -> float
 
     Trials are independent: scenarios of one pair of policies, not those of several training seeds.
     """
-    only_a, only_b = _discordant(a, b)
+    return mcnemar_of_counts(*_discordant(a, b))
+
+
+def mcnemar_of_counts(only_a: int, only_b: int) -> float:
+    """Return the p-value of `mcnemar` from the trials in which only A, and only B, said yes."""
     if only_a + only_b == 0:
         return 1.0
     return float(scipy.stats.binomtest(only_a, only_a + only_b, 0.5).pvalue)

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import scipy
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from jaxwalk.metrics.statistics import CONFIDENCE
 
@@ -27,7 +27,18 @@ PRECISELY = {"xatol": 1e-3}
 CELLS = 10
 """The fit is tested by counts in this many equally likely parts."""
 
-Excesses = Float[np.ndarray, "excess"]
+
+@dataclass(frozen=True)
+class Excesses:
+    """Different excesses, and how often each was seen."""
+
+    size: Float[np.ndarray, "different"]
+    times: Int[np.ndarray, "different"]
+
+    @property
+    def count(self) -> int:
+        """How many were seen."""
+        return int(self.times.sum())
 
 
 @dataclass(frozen=True)
@@ -46,7 +57,7 @@ class ParetoFit:
 
 def fit(excesses: Excesses, threshold: float) -> ParetoFit:
     """Fit the tail of excesses in (0, threshold); there must be some tens of them."""
-    y = excesses / threshold
+    y = replace(excesses, size=excesses.size / threshold)
     grid = np.linspace(*RATIOS, 25)
     likely = [_profile(y, at)[0] for at in grid]
     best = int(np.argmax(likely))
@@ -86,9 +97,9 @@ def _log_likelihood(y: Excesses, log_ratio: float, shape: float) -> float:
     """
     log_beyond, log_within = scipy.special.log_expit(log_ratio), scipy.special.log_expit(-log_ratio)
     if abs(shape) < 1e-6:
-        return len(y) * (math.log(-log_beyond) - log_within) + log_beyond * float(y.sum())
+        return y.count * (math.log(-log_beyond) - log_within) + log_beyond * float(y.times @ y.size)
     a = math.expm1(-shape * log_beyond)
-    return len(y) * (math.log(a / shape) - log_within) - (1 / shape + 1) * float(np.log1p(a * y).sum())
+    return y.count * (math.log(a / shape) - log_within) - (1 / shape + 1) * float(y.times @ np.log1p(a * y.size))
 
 
 def _where(y: Excesses, allowed: float, found: float, end: float) -> float | None:
@@ -103,7 +114,7 @@ def _fit_p(y: Excesses, log_ratio: float, shape: float) -> float:
     """Return the p-value of the chi-square test of the fit; two parameters were fitted."""
     log_beyond = float(scipy.special.log_expit(log_ratio))
     scaled = math.expm1(-shape * log_beyond) if abs(shape) >= 1e-6 else 0.0
-    survival = np.exp(-np.log1p(scaled * y) / shape) if scaled else np.exp(log_beyond * y)
+    survival = np.exp(-np.log1p(scaled * y.size) / shape) if scaled else np.exp(log_beyond * y.size)
     within = (1 - survival) / -math.expm1(log_beyond)
-    counts = np.histogram(within, CELLS, (0, 1))[0]
-    return float(scipy.stats.chi2.sf(((counts - len(y) / CELLS) ** 2).sum() / (len(y) / CELLS), CELLS - 3))
+    counts, expected = np.histogram(within, CELLS, (0, 1), weights=y.times)[0], y.count / CELLS
+    return float(scipy.stats.chi2.sf(((counts - expected) ** 2).sum() / expected, CELLS - 3))

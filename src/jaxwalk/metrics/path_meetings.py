@@ -14,9 +14,10 @@ from jaxtyping import Bool, Float, Int
 from jaxwalk.metrics.conflict_areas import PET_LIMIT
 from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.encounters import ENCOUNTERS, Encounters
-from jaxwalk.metrics.metric import Metric, Rows, Sums
+from jaxwalk.metrics.metric import Metric, Rows, Sums, episodes_with
 from jaxwalk.metrics.statistics import Estimate, quantile, ratio
 from jaxwalk.metrics.surrogate import SURROGATES, Surrogates
+from jaxwalk.metrics.values import known
 from jaxwalk.sim.events import distance, to_rectangle
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
@@ -180,17 +181,21 @@ def meeting_sums(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_path_meetings(rows: Rows, sums: Sums) -> PathMeetingSummary:
     """Return the numbers of all meetings."""
-    own, table = sums[PATH_MEETINGS], rows[PATH_MEETINGS]
-    episodes = len(np.unique(table.episode))
+    own, episodes = sums[PATH_MEETINGS], episodes_with(rows, meeting_sums)["meetings"]
 
     def share(name: str) -> Estimate:
         return clustered_share(ratio(own[name], own["meetings"]), own["meetings"][0], episodes)
 
-    medians = {name: x[~np.isnan(x)] for name, x in measures(table).items() if name != "waited"}
+    def median(name: str) -> Estimate:
+        return quantile(rows.values(lambda chunk: known(measures(chunk[PATH_MEETINGS])[name])), 0.5)
+
     return PathMeetingSummary(
         waited=share("waited"),
         pedestrian_first=share("first"),
-        **{name: quantile(values, 0.5) for name, values in medians.items()},
+        accepted=median("accepted"),
+        crossing_speed=median("crossing_speed"),
+        pet=median("pet"),
+        min_distance=median("min_distance"),
     )
 
 

@@ -15,7 +15,7 @@ from jaxtyping import Int
 from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.crossings import TYPES, ByType, count_by_type
 from jaxwalk.metrics.encounters import ENCOUNTERS
-from jaxwalk.metrics.metric import Metric, NoRows, Rows, Sums
+from jaxwalk.metrics.metric import Metric, NoRows, Rows, Sums, episodes_with
 from jaxwalk.metrics.statistics import ratio
 from jaxwalk.metrics.surrogate import DRAC_CRITICAL, PET_CLOSE, PET_CRITICAL, SURROGATES, TTC_CRITICAL
 
@@ -76,8 +76,7 @@ def distribution_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_distributions(rows: Rows, sums: Sums) -> ByType[Distributions]:
     """Return the distributions of all encounters, by type."""
-    table = rows[SURROGATES]
-    met = count_by_type(table.episode, table.type, rows.episodes).astype(bool).sum(axis=0).tolist()
+    met = episodes_with(rows, distribution_columns)["met"].tolist()
     return ByType(
         *(
             Distributions(**{name: _distribution(name, kind, sums, met[kind - 1]) for name in THRESHOLDS})

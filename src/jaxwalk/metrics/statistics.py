@@ -10,11 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import reduce
+from itertools import chain
 from typing import Any, TypeVar
 
 import numpy as np
 import scipy
-from jaxtyping import Bool, Float, Shaped
+from jaxtyping import Float, Int, Shaped
+
+from jaxwalk.metrics.values import Values
 
 Key = TypeVar("Key", bound=Hashable)
 RESAMPLES = 1000
@@ -57,10 +61,7 @@ def episode_sums(
     the unit because steps, crossings and encounters of one episode are not independent. With fewer than two episodes
     the resamples are NaN.
     """
-    episodes = len(next(iter(columns.values())))
-    chunks = ({name: column[first : first + CHUNK] for name, column in columns.items()}
-              for first in range(0, max(episodes, 1), CHUNK))  # fmt: skip
-    return sums_over_chunks(chunks, episodes, resamples=resamples, seed=seed)
+    return sums_over_chunks([columns], len(next(iter(columns.values()))), resamples=resamples, seed=seed)
 
 
 def sums_over_chunks(
@@ -70,19 +71,41 @@ def sums_over_chunks(
     resamples: int = RESAMPLES,
     seed: int = 0,
 ) -> dict[Key, Float[np.ndarray, "draw ..."]]:
-    """Return what `episode_sums` returns, for columns in chunks of `CHUNK` episodes, the last one with the rest.
+    """Return what `episode_sums` returns, for columns in chunks: of a multiple of `CHUNK` episodes, but for the last.
 
-    Raise ValueError unless the chunks have that many episodes, and together ``episodes``.
+    Raise ValueError unless the chunks have such numbers of episodes, and together ``episodes``.
     """
     shapes: dict[Key, tuple[int, ...]] = {}
-    sums: Any = 0.0
-    for columns, (_, times) in zip(chunks, episode_draws(episodes, resamples=resamples, seed=seed), strict=True):
-        shapes = {name: np.shape(column)[1:] for name, column in columns.items()}
-        flat = [columns[name].reshape(times.shape[1], math.prod(shape)) for name, shape in shapes.items()]
-        sums = sums + times @ np.concatenate(flat, axis=1, dtype=np.float64)
+
+    def matrices(columns: Mapping[Key, np.ndarray]) -> Iterator[Float[np.ndarray, "episode column"]]:
+        shapes.update({name: column.shape[1:] for name, column in columns.items()})
+        for some in episode_slices(max(map(len, columns.values()))):
+            size = some.stop - some.start
+            flat = [column[some].reshape(size, math.prod(column.shape[1:])) for column in columns.values()]
+            yield np.concatenate(flat, axis=1, dtype=np.float64)
+
+    flat = chain.from_iterable(map(matrices, chunks))
+    sums = resampled_sums(flat, episodes, resamples=resamples, seed=seed)
     ends = np.cumsum([math.prod(shape) for shape in shapes.values()])[:-1]
     parts = np.split(sums, ends, axis=1)
     return {name: part.reshape(-1, *shape) for (name, shape), part in zip(shapes.items(), parts, strict=True)}
+
+
+def resampled_sums(
+    matrices: Iterable[Any], episodes: int, *, resamples: int = RESAMPLES, seed: int = 0
+) -> Float[np.ndarray, "draw column"]:
+    """Return the columns of matrices, dense or sparse, summed over all rows (row 0), and over rows drawn with
+    replacement.
+
+    Each matrix has a row for each episode of one of the `episode_slices`. Raise ValueError for others.
+    """
+    draws = episode_draws(episodes, resamples=resamples, seed=seed)
+    return reduce(np.add, (times @ matrix for matrix, (_, times) in zip(matrices, draws, strict=True)))
+
+
+def episode_slices(episodes: int) -> list[slice]:
+    """Return slices of `CHUNK` episodes, the last one with the rest; at least one."""
+    return [slice(begin, min(begin + CHUNK, episodes)) for begin in range(0, max(episodes, 1), CHUNK)]
 
 
 def episode_draws(
@@ -95,7 +118,7 @@ def episode_draws(
     fewer than two episodes the drawn rows are NaN.
     """
     rng = np.random.default_rng(seed)
-    parts = [slice(begin, min(begin + CHUNK, episodes)) for begin in range(0, max(episodes, 1), CHUNK)]
+    parts = episode_slices(episodes)
     shares = [(part.stop - part.start) / max(episodes, 1) for part in parts]
     drawn = rng.multinomial(episodes, shares, resamples) if len(parts) > 1 else np.full((resamples, 1), episodes)
     for part, draws in zip(parts, drawn.T, strict=True):
@@ -146,7 +169,7 @@ def bootstrap_by_episode(
 
 
 def mean_of(
-    values: Shaped[np.ndarray, "observation"],
+    values: Shaped[np.ndarray, "observation"] | Values,
     *,
     within: tuple[float, float] = (-math.inf, math.inf),
     confidence: float = CONFIDENCE,
@@ -155,56 +178,83 @@ def mean_of(
 
     A single value, or equal ones, have no interval: their spread is unknown.
     """
-    values = np.asarray(values, np.float64)
-    if len(values) == 0:
+    values = Values.of(values)
+    count = values.count
+    if count == 0:
         return Estimate(None, None, None, 0)
-    value = float(values.mean())
-    if np.ptp(values) == 0:
-        return Estimate(value, None, None, len(values))
-    error = float(values.std(ddof=1)) / math.sqrt(len(values))
-    half = float(scipy.stats.t.ppf((1 + confidence) / 2, len(values) - 1)) * error
-    return Estimate(value, max(value - half, within[0]), min(value + half, within[1]), len(values))
+    value, (least, most) = values.sum() / count, values.ends()
+    if least == most:
+        return Estimate(least, None, None, count)
+    error = standard_deviation(values, value) / math.sqrt(count)
+    half = float(scipy.stats.t.ppf((1 + confidence) / 2, count - 1)) * error
+    return Estimate(value, max(value - half, within[0]), min(value + half, within[1]), count)
 
 
-def quantile(values: Shaped[np.ndarray, "observation"], p: float, *, confidence: float = 0.95) -> Estimate:
-    """Return a quantile (linear between order statistics), with the exact interval for independent values."""
-    if len(values) == 0:
+def standard_deviation(values: Values, mean: float) -> float:
+    """Return the spread of at least two values about their mean, estimated without bias of the variance."""
+    return math.sqrt(values.each(lambda piece: (piece.astype(np.float64) - mean) ** 2).sum() / (values.count - 1))
+
+
+def quantile(
+    values: Shaped[np.ndarray, "observation"] | Values, p: float, *, confidence: float = CONFIDENCE
+) -> Estimate:
+    """Return a quantile (linear between order statistics), with the exact interval for independent values.
+
+    The ends of the interval are order statistics too: as many values lie below the quantile as a binomial number says.
+    """
+    values = Values.of(values)
+    count = values.count
+    if count == 0:
         return Estimate(None, None, None, 0)
-    values = np.asarray(values, np.float64)
-    # quantile_test tests against q; any q gives the same interval
-    ends = scipy.stats.quantile_test(values, q=0, p=p).confidence_interval(confidence_level=confidence)
-    return Estimate(float(np.quantile(values, p)), finite_or_none(ends.low), finite_or_none(ends.high), len(values))
+    below = scipy.stats.binom(count, p)
+    tail, at = (1 - confidence) / 2, (count - 1) * p
+    first = math.floor(at)
+    ranks = {"first": first, "second": min(first + 1, count - 1), "low": int(below.ppf(tail)) - 1,
+             "high": int(below.isf(tail))}  # fmt: skip
+    there = {name: rank for name, rank in ranks.items() if 0 <= rank < count}
+    found = dict(zip(there, values.ordered([*there.values()]), strict=True))
+    value = float(np.quantile([found["first"], found["second"]], at - first))
+    low, high = (finite_or_none(found.get(end, math.nan)) for end in ("low", "high"))
+    return Estimate(value, low, high, count)
 
 
 def kaplan_meier_median(
-    times: Shaped[np.ndarray, "subject"], observed: Bool[np.ndarray, "subject"], *, confidence: float = 0.95
+    times: Shaped[np.ndarray, "subject"] | Values,
+    observed: Shaped[np.ndarray, "subject"] | Values,
+    *,
+    confidence: float = CONFIDENCE,
 ) -> Estimate:
     """Return the first time by which half of the subjects had their event; None if the curve stays above one half.
 
     Args:
-        times: when the event came, or when the subject was last observed without it.
+        times: when the event came, or when the subject was last observed without it; few different ones, such as times
+            in steps.
         observed: whether the event came; else the time is right-censored.
         confidence: level of the interval: the times at which the log-log band of the curve falls to one half
             (Brookmeyer and Crowley, 1982); an end that is never reached is None.
     """
-    times, observed = np.asarray(times, np.float64), np.asarray(observed, bool)
-    if not observed.any():
-        return Estimate(None, None, None, len(times))
-    curve: Any = scipy.stats.ecdf(scipy.stats.CensoredData.right_censored(times, ~observed)).sf
-    value = _comes_down(curve.quantiles, curve.probabilities)
-    low, high = _band(times, observed, curve.quantiles, curve.probabilities, confidence)
-    return Estimate(value, _comes_down(curve.quantiles, low), _comes_down(curve.quantiles, high), len(times))
+    times, observed = Values.of(times), Values.of(observed)
+    at, subjects = times.distinct()
+    came, often = Values(lambda: (time[seen] for time, seen in zip(times, observed, strict=True))).distinct()
+    if not len(came):
+        return Estimate(None, None, None, times.count)
+    events = np.zeros(len(at), np.int64)
+    events[np.searchsorted(at, came)] = often
+    at_risk = subjects[::-1].cumsum()[::-1]
+    survival = np.cumprod((at_risk - events) / at_risk)
+    value, low, high = (_comes_down(at, curve) for curve in (survival, *_band(events, at_risk, survival, confidence)))
+    return Estimate(value, low, high, times.count)
 
 
-def _band(times, observed, at, survival, confidence) -> tuple[np.ndarray, np.ndarray]:
-    """Return Greenwood's log-log band of a survival curve at sorted times ``at``; its upper edge is NaN at 0 and 1."""
+def _band(
+    events: Int[np.ndarray, "time"], at_risk: Int[np.ndarray, "time"], survival: Float[np.ndarray, "time"],
+    confidence: float,
+) -> tuple[Float[np.ndarray, "time"], Float[np.ndarray, "time"]]:  # fmt: skip
+    """Return Greenwood's log-log band of a survival curve; its upper edge is NaN at 0 and 1."""
     # the same as scipy's ecdf().sf.confidence_interval, which warns wherever the curve is 0 or 1
-    at_risk = len(times) - np.searchsorted(np.sort(times), at, side="left")
-    ordered = np.sort(times[observed])
-    events = np.searchsorted(ordered, at, side="right") - np.searchsorted(ordered, at, side="left")
     inside = (survival > 0) & (survival < 1)
     terms = np.nan_to_num(ratio(events, at_risk * (at_risk - events)))
-    log_survival = np.log(survival, out=np.full(len(at), -1.0), where=inside)
+    log_survival = np.log(survival, out=np.full(len(survival), -1.0), where=inside)
     width = scipy.stats.norm.ppf((1 + confidence) / 2) * np.sqrt(np.cumsum(terms)) / -log_survival
     low = np.where(inside, survival ** np.exp(width), survival)
     high = np.where(inside, survival ** np.exp(-width), np.nan)

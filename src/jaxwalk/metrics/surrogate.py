@@ -18,8 +18,9 @@ from jaxwalk.metrics.crossings import TYPES, ByType, count_by_type
 from jaxwalk.metrics.encounters import ENCOUNTERS, Encounters
 from jaxwalk.metrics.footprint import required_deceleration, time_to_contact
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
-from jaxwalk.metrics.metric import Metric, Rows, Sums
+from jaxwalk.metrics.metric import Metric, Rows, Sums, episodes_with
 from jaxwalk.metrics.statistics import Estimate, interval, mean_of, quantile, ratio
+from jaxwalk.metrics.values import Values, known
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
@@ -174,12 +175,8 @@ def surrogate_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_surrogates(rows: Rows, sums: Sums) -> ByType[SurrogateSummary]:
     """Return the surrogates of all encounters, by type."""
-    table = rows[SURROGATES]
-    tried = {
-        name: count_by_type(table.episode, table.type, rows.episodes, trial).astype(bool).sum(axis=0)
-        for name, trial in _trials(table).items()
-    }
-    return ByType(*(_summarise_type(table, kind, sums[SURROGATES], tried) for kind in TYPES))
+    tried = episodes_with(rows, surrogate_columns)
+    return ByType(*(_summarise_type(rows, kind, sums[SURROGATES], tried) for kind in TYPES))
 
 
 def _trials(table: Surrogates) -> dict[str, np.ndarray]:
@@ -188,30 +185,32 @@ def _trials(table: Surrogates) -> dict[str, np.ndarray]:
 
 
 def _summarise_type(
-    table: Surrogates, kind: int, sums: Mapping[str, np.ndarray], episodes: Mapping[str, np.ndarray]
+    rows: Rows, kind: int, sums: Mapping[str, np.ndarray], episodes: Mapping[str, np.ndarray]
 ) -> SurrogateSummary:
     """Return the surrogates of one type; ``episodes`` is the number of those with a trial of each share, by type."""
     own = {name: column[:, kind - 1] for name, column in sums.items()}
-    mine = table.type == kind
-    hit = table.impact_speed[mine & ~np.isnan(table.impact_speed)]
+
+    def of_kind(name: str) -> Values:
+        return rows.values(lambda chunk: known(getattr(chunk[SURROGATES], name)[chunk[SURROGATES].type == kind]))
+
+    hit = of_kind("impact_speed")
 
     def share(name: str, over: str) -> Estimate:
         return clustered_share(ratio(own[name], own[over]), own[over][0], episodes[over][kind - 1])
 
-    def spread(values: np.ndarray, p: float) -> Spread:
-        known = values[mine & ~np.isnan(values)]
-        return Spread(median=quantile(known, 0.5), extreme=quantile(known, p))
+    def spread(values: Values, p: float) -> Spread:
+        return Spread(median=quantile(values, 0.5), extreme=quantile(values, p))
 
     return SurrogateSummary(
-        count=int(mine.sum()),
-        ttc=spread(table.ttc, 0.05),
-        pet=spread(np.abs(table.pet), 0.05),
-        t2=spread(table.t2, 0.05),
-        drac=spread(table.drac, 0.95),
+        count=int(own["met"][0]),
+        ttc=spread(of_kind("ttc"), 0.05),
+        pet=spread(of_kind("pet").each(np.abs), 0.05),
+        t2=spread(of_kind("t2"), 0.05),
+        drac=spread(of_kind("drac"), 0.95),
         exposed_time=interval(ratio(own["exposed_time"], own["met"]), own["met"][0]),
         impact_speed=mean_of(hit, within=(0.0, np.inf)),
         **{name: share(name, over) for name, over in SHARES.items()},
-        **{name: mean_of(curve(hit), within=(0.0, 1.0)) for name, curve in RISKS.items()},
+        **{name: mean_of(hit.each(curve), within=(0.0, 1.0)) for name, curve in RISKS.items()},
     )
 
 

@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from jaxwalk.metrics.counts import clustered_share
 from jaxwalk.metrics.crossings import real_frames, rows_of, runs
 from jaxwalk.metrics.kerb import DANGER, HARMLESS, KERB, NEAR, OTHER, SETTINGS, Kerb
-from jaxwalk.metrics.metric import Metric, Rows, Sums
+from jaxwalk.metrics.metric import Metric, Rows, Sums, episodes_with
 from jaxwalk.metrics.statistics import Estimate, interval, ratio
 from jaxwalk.sim import events
 from jaxwalk.sim.trajectory import Trajectory
@@ -150,33 +150,34 @@ def waiting_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_waiting(rows: Rows, sums: Sums) -> Waiting:
     """Return wait rates and the cost of waiting."""
-    own, table = sums[WAITING], rows[WAITING]
-    by_setting = _rates(own["waits"], own["moments"], table.moments)
+    own, episodes = sums[WAITING], episodes_with(rows, waiting_columns)
+    by_setting = _rates(own["waits"], own["moments"], episodes["moments"])
     steps = own["ped_steps"]
     return Waiting(
         danger=by_setting[DANGER],
         harmless=by_setting[HARMLESS],
         other=by_setting[OTHER],
-        by_distance=_bins(DISTANCES, own["distance_waits"], own["distance_moments"], table.distance_moments),
-        by_speed=_bins(SPEEDS, own["speed_waits"], own["speed_moments"], table.speed_moments),
+        by_distance=_bins(DISTANCES, own["distance_waits"], own["distance_moments"], episodes["distance_moments"]),
+        by_speed=_bins(SPEEDS, own["speed_waits"], own["speed_moments"], episodes["speed_moments"]),
         pace=interval(ratio(own["walked"], own["ped_time"]), own["walked"][0]),
-        waited=clustered_share(ratio(own["ped_waits"], steps), steps[0], (table.ped_steps > 0).sum()),
-        longest_stand=int(table.longest_stand.max(initial=0)),
+        waited=clustered_share(ratio(own["ped_waits"], steps), steps[0], episodes["ped_steps"]),
+        longest_stand=max(int(chunk[WAITING].longest_stand.max(initial=0)) for chunk in rows.chunks()),
     )
 
 
 def _rates(
-    waits: Float[np.ndarray, "draw bin"], moments: Float[np.ndarray, "draw bin"], each: Int[np.ndarray, "episode bin"]
+    waits: Float[np.ndarray, "draw bin"], moments: Float[np.ndarray, "draw bin"], episodes: Int[np.ndarray, "bin"]
 ) -> tuple[Estimate, ...]:
-    """Return the share of moments that were waited through, in each bin; ``each`` has the episodes' moments."""
-    episodes = (each > 0).sum(axis=0)
+    """Return the share of moments that were waited through, in each bin; ``episodes`` is how many have any."""
     return tuple(clustered_share(ratio(w, m), m[0], n) for w, m, n in zip(waits.T, moments.T, episodes, strict=True))
 
 
-def _bins(edges: tuple[float, ...], waits: np.ndarray, moments: np.ndarray, each: np.ndarray) -> tuple[WaitBin, ...]:
+def _bins(
+    edges: tuple[float, ...], waits: np.ndarray, moments: np.ndarray, episodes: np.ndarray
+) -> tuple[WaitBin, ...]:
     """Return wait rates between consecutive edges, from resampled sums of shape (draw, bin, miss)."""
     return tuple(
-        WaitBin(begin=edges[i], end=edges[i + 1], rates=_rates(waits[:, i], moments[:, i], each[:, i]))
+        WaitBin(begin=edges[i], end=edges[i + 1], rates=_rates(waits[:, i], moments[:, i], episodes[i]))
         for i in range(len(edges) - 1)
     )
 

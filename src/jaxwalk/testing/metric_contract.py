@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from jaxwalk.metrics import Rows, Summary, measure, summarise
@@ -35,6 +37,29 @@ def check_metric(metric: Metric[Any, Any], trajectory: Trajectory, ghosts: Ghost
     twice = Rows.join([rows, rows])
     doubled = summarise(twice, resamples=RESAMPLES)
     require(doubled.episodes == 2 * rows.episodes, f"{metric.name}: joined rows must have the episodes of both")
+    _check_chunks(metric, rows)
+
+
+@dataclass(frozen=True)
+class _InChunks(Rows):
+    """Rows that are in their chunk only, as those of merged parts are."""
+
+    chunk: Rows | None = None
+
+    def chunks(self) -> Iterator[Rows]:
+        if self.chunk is not None:
+            yield self.chunk
+
+
+def _check_chunks(metric: Metric[Any, Any], rows: Rows) -> None:
+    in_chunks = _InChunks(rows.dt, rows.episodes, rows.metrics, {}, chunk=rows)
+    try:
+        found = summarise(in_chunks, resamples=RESAMPLES)
+    except KeyError as error:
+        rule = "summarise must read rows a chunk at a time, by `Rows.total`, `Rows.values` or `Rows.chunks`"
+        raise ContractError(f"{metric.name}: {rule} ({error.args[0]})") from error
+    same_numbers = found[metric] == summarise(rows, resamples=RESAMPLES)[metric]
+    require(same_numbers, f"{metric.name}: its numbers must be the same for rows in chunks")
 
 
 def _check_summary(metric: Metric[Any, Any], rows: Rows) -> None:
