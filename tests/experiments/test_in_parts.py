@@ -27,8 +27,7 @@ from jaxwalk.sim.environment import Street
 from jaxwalk.sim.scenario import dimensions
 
 AT_ONCE, BATCH, CHUNK, EPISODES, PARTS = 4, 8, 16, 36, 3
-"""36 episodes are five blocks, of which the last one is half full; parts have one, two and two of them. Each is played
-in two batches, as where people are many."""
+"""36 episodes are five blocks, the last one half full; parts have one, two and two. Each is played in two batches."""
 FILES = ("results.json", "suite.md", "episodes-x0.25.csv", "episodes-x1.csv")
 
 
@@ -60,12 +59,14 @@ def work(patch):
 
 
 @pytest.fixture(scope="module")
-def parts(work, tmp_path_factory):
+def parts(work, tmp_path_factory, patch):
     """The folder of an evaluation of all, ``whole``, and of its parts ``1`` to ``3``."""
-    folder = tmp_path_factory.mktemp("parts")
+    folder, relieved = tmp_path_factory.mktemp("parts"), []
+    patch.setattr("jaxwalk.evaluation.batches.relieve", lambda: relieved.append(1))
     evaluate_all(replace(work, out=folder / "whole"), ignore)
     for number in range(1, PARTS + 1):
         evaluate_part(work, Part(number, PARTS), folder / str(number), ignore, batch=BATCH)
+    assert len(relieved) == len(work.streets) * (1 + PARTS), "the memory of old programs is given back after each cell"
     return folder
 
 
@@ -253,12 +254,9 @@ def test_a_damaged_document_is_refused(copied):
 @pytest.mark.parametrize(("field", "value"), [("episodes", 10**9), ("batch", 0), ("dt", -1.0), ("cells", [])])
 def test_impossible_numbers_of_a_document_are_refused(field, value, copied):
     change(copied / "1", lambda document: document.update({field: value}))
-    if field == "episodes":
-        with pytest.raises(PartError, match="isn't of the same evaluation"):
-            merged(copied, 2, 1, 3)
-        return
-    with pytest.raises(DocumentError, match="damaged"):
-        read_part(copied / "1")
+    error, message = (PartError, "isn't of the same evaluation") if field == "episodes" else (DocumentError, "damaged")
+    with pytest.raises(error, match=message):
+        merged(copied, 2, 1, 3)
 
 
 def test_chunks_of_columns_have_the_sums_of_all_of_them():

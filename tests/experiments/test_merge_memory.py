@@ -16,7 +16,7 @@ from jaxwalk.policies import AlwaysGo, RouteFollower
 
 pytestmark = pytest.mark.long
 CHUNKS = (4, 24)
-"""Both are enough for the most memory to have been in use: some grow by a few MB until the fourth."""
+"""Numbers of chunks. The most memory still grows by a few MB up to the fourth."""
 GROWTH = 0.05
 """Most growth [kB] with an episode, whose rows take 1.4 kB."""
 

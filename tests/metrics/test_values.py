@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from jaxwalk.metrics import values as module
 from jaxwalk.metrics.statistics import kaplan_meier_median, mean_of, quantile
-from jaxwalk.metrics.values import Values, known
+from jaxwalk.metrics.values import Values, without_nan
 
 
 def in_pieces(numbers, *cuts):
@@ -63,7 +63,7 @@ def test_counts_ends_and_different_values():
     assert values.each(lambda piece: piece[piece > 1]).count == 4
     with pytest.raises(ValueError):
         in_pieces([]).ends()
-    assert known(np.array([np.nan, 1.0])).tolist() == [1.0]
+    assert without_nan(np.array([np.nan, 1.0])).tolist() == [1.0]
 
 
 def test_numbers_of_values_are_those_of_one_array(at_once):

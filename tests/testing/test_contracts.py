@@ -190,7 +190,7 @@ LENGTH = Metric(name="length", measure=lambda r: Lengths(r.trajectory.length), s
     ("broken", "message"),
     [
         ({"summarise": _nothing}, "length: its numbers must be plain JSON, None where there is none"),
-        ({"summarise": _at_once}, "length: summarise must read rows a chunk at a time, by"),
+        ({"summarise": _at_once}, "length: summarise must read rows by `Rows.total`"),
         ({"summarise": _word}, "length: its numbers must have the types that it declares"),
         ({"columns": lambda rows: {"one": np.ones(2)}}, "column one must have a row for each of 4 episodes, not 2"),
         ({"measure": lambda r: Lengths(np.random.default_rng().uniform(size=4))}, "measure must be deterministic"),

@@ -59,7 +59,7 @@ def paired(rows_a: Rows, rows_b: Rows) -> PairedEndings:
         ValueError: the scenarios differ, or are in another order.
     """
     pairs = PairedRows(rows_a, rows_b)
-    counts = pairs.total(lambda a, b: np.stack([agreement(*both) for both in _endings(a[OUTCOMES], b[OUTCOMES])]))
+    counts = pairs.total(lambda a, b: np.stack([joint_counts(*both) for both in _endings(a[OUTCOMES], b[OUTCOMES])]))
     goal, collision, timeout = (_ending_counts(pairs.episodes, *found) for found in counts.tolist())
     alike = all(_alike(a[OUTCOMES], b[OUTCOMES]) for a, b in pairs.chunks())
     return PairedEndings(pairs.episodes, goal, collision, timeout, alike)
@@ -106,7 +106,7 @@ def _endings(a: Episodes, b: Episodes) -> list[tuple[np.ndarray, np.ndarray]]:
     return [(a.goal, b.goal), (a.collision, b.collision), (~a.goal & ~a.collision, ~b.goal & ~b.collision)]
 
 
-def agreement(a: np.ndarray, b: np.ndarray) -> Int[np.ndarray, "3"]:
+def joint_counts(a: np.ndarray, b: np.ndarray) -> Int[np.ndarray, "3"]:
     """Return in how many episodes something is so in both, in A alone, and in B alone."""
     return np.array([(a & b).sum(), (a & ~b).sum(), (b & ~a).sum()])
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Shaped
+import scipy
+from jaxtyping import Float
 
 from jaxwalk.evaluation.document_parts import Interval
 from jaxwalk.metrics import OUTCOMES, Rows, proportion
 from jaxwalk.metrics.delay import delays
-from jaxwalk.metrics.statistics import interval, ratio, sums_over_chunks
+from jaxwalk.metrics.statistics import episode_slices, interval, ratio, resampled_sums
+
+NUMBERS = ("episodes", "goals", "collisions", "time", "arrived", "delay")
+"""What is added up for each map."""
 
 
 @dataclass(frozen=True)
@@ -34,23 +40,26 @@ def rates_by_map(rows: Rows) -> tuple[MapRates, ...]:
     names = sorted({name for chunk in rows.chunks() if chunk.maps is not None for name in chunk.maps.tolist()})
     if len(names) < 2:
         return ()
-    sums = sums_over_chunks((_columns(chunk, names) for chunk in rows.chunks()), rows.episodes)
-    return tuple(_rates(name, {key: found[:, at] for key, found in sums.items()}) for at, name in enumerate(names))
+    sums = resampled_sums(_matrices(rows, names), rows.episodes).reshape(-1, len(names), len(NUMBERS))
+    return tuple(_rates(name, dict(zip(NUMBERS, sums[:, at].T, strict=True))) for at, name in enumerate(names))
 
 
-def _columns(rows: Rows, names: list[str]) -> dict[str, Shaped[np.ndarray, "episode map"]]:
-    """Return numbers of each episode on the map where it is, and 0 on the others; times in s."""
-    table, delay = rows[OUTCOMES], delays(rows)
-    numbers = {
-        "episodes": np.ones(rows.episodes, bool),
-        "goals": table.goal,
-        "collisions": table.collision,
-        "time": table.steps * table.goal * rows.dt,
-        "arrived": ~np.isnan(delay),
-        "delay": np.nan_to_num(delay),
-    }
-    here = np.asarray(rows.maps)[:, None] == np.array(names, object)
-    return {name: each[:, None] * here for name, each in numbers.items()}
+def _matrices(rows: Rows, names: list[str]) -> Iterator[Any]:
+    """Yield `NUMBERS` of some episodes in the columns of their map, sparse; times in s."""
+    for chunk in rows.chunks():
+        table, delay = chunk[OUTCOMES], delays(chunk)
+        seconds = table.steps * table.goal * chunk.dt
+        always = np.ones(chunk.episodes)
+        numbers = np.stack(
+            [always, table.goal, table.collision, seconds, ~np.isnan(delay), np.nan_to_num(delay)], axis=1
+        )
+        found, which = np.unique(np.asarray(chunk.maps), return_inverse=True)
+        first = np.searchsorted(names, found.astype(str))[which] * len(NUMBERS)
+        column = first[:, None] + np.arange(len(NUMBERS))
+        row = np.repeat(np.arange(chunk.episodes), len(NUMBERS))
+        shape = chunk.episodes, len(names) * len(NUMBERS)
+        matrix = scipy.sparse.csr_array((numbers.ravel(), (row, column.ravel())), shape=shape)
+        yield from (matrix[some] for some in episode_slices(chunk.episodes))
 
 
 def _rates(name: str, sums: dict[str, Float[np.ndarray, "draw"]]) -> MapRates:

@@ -1,4 +1,4 @@
-"""Rows of evaluations as Parquet files: a file for each table, and in it row groups for each piece of each cell.
+"""Rows of evaluations as Parquet files: a file for each table, and in it a row group for each piece of each cell.
 
     outcomes.parquet, encounters.parquet, ...   the tables of `jaxwalk.metrics.Rows`, with a column ``cell``
     maps.parquet                                the name of each episode's map

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float
 
-from jaxwalk.evaluation.comparison import PairedRows, agreement
+from jaxwalk.evaluation.comparison import PairedRows, joint_counts
 from jaxwalk.metrics import OUTCOMES, Estimate, Rows
 from jaxwalk.metrics.contacts import MEASURED_CONTACTS, touched_while_moving, while_moving
 from jaxwalk.metrics.expected_injuries import PER, expected_injuries
@@ -90,7 +90,7 @@ def shield_effect(
     pairs = PairedRows(bare, behind)
     driver, shield, people = names
     both, avoided, caused = pairs.total(
-        lambda old, new: agreement(touched_while_moving(old, contact), touched_while_moving(new, contact))
+        lambda old, new: joint_counts(touched_while_moving(old, contact), touched_while_moving(new, contact))
     ).tolist()
     time_added = mean_of(pairs.values(_time_added))
     driven = behind.values(lambda chunk: chunk[OUTCOMES].driven).sum()

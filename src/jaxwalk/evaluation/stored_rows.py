@@ -8,14 +8,16 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from jaxwalk.evaluation.row_files import CELL, MAPS, no_rows, tables_of
 from jaxwalk.metrics import Rows
+from jaxwalk.metrics.metric import MetricTable
 from jaxwalk.metrics.statistics import CHUNK
 
+T = TypeVar("T")
 ADVICE = "evaluate this part again, or copy it again"
 """What to do about a file that can't be used."""
 
@@ -164,10 +166,14 @@ class StoredTables(Mapping[str, Any]):
 
 @dataclass(frozen=True)
 class StoredRows(Rows):
-    """Rows that are read a chunk at a time, and within it column by column. They have no tables as a whole."""
+    """Rows that are read a chunk at a time, and within it column by column. As a whole they have no tables or maps."""
 
     pieces: tuple[StoredPiece, ...] = ()
     """In the order of their scenarios; none goes across a multiple of `CHUNK` episodes."""
+
+    def __getitem__(self, table: MetricTable[T]) -> T:
+        """Raise TypeError: a chunk has tables."""
+        raise TypeError(f"{table.name} of parts is read a chunk at a time: use chunks, total or values")
 
     def chunks(self) -> Iterator[Rows]:
         """Yield the rows of `CHUNK` episodes at a time. Raise StoredRowsError if a file can't be used."""

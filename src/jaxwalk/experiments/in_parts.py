@@ -138,6 +138,7 @@ def _played_cell(work: Evaluation, planned: PartDocument, number: int, writer: R
             rows = Rows.join([*islice(played, -(-len(piece) // batch))])
             writer.write(number, rows)
             digest.update(rows)
+        next(played, None)  # its end relieves the process of old programs
     seconds, steps = (driver_cost(car) - before).tolist()
     return replace(planned.cells[number], driver_seconds=seconds, driver_steps=int(steps), sha256=digest.digits)
 
@@ -174,7 +175,7 @@ def merge_parts(parts: Sequence[StoredPart], out: Path, tell: Tell) -> Merged:
     cells = []
     for number, about in enumerate(first.cells):
         tell(f"{about.driver} among {about.pedestrians}", number, len(first.cells))
-        _check(parts, number)
+        _check_rows(parts, number)
         rows = stored_rows([part.cell(number) for part in parts])
         groups[number * len(groups) // len(first.cells)][about.driver, about.pedestrians] = rows
         cells.append(_cell(parts, number, rows))
@@ -238,7 +239,7 @@ def _cell(parts: Sequence[StoredPart], number: int, rows: Rows) -> Cell:
     )
 
 
-def _check(parts: Sequence[StoredPart], number: int) -> None:
+def _check_rows(parts: Sequence[StoredPart], number: int) -> None:
     """Raise StoredRowsError unless the rows of a cell are what was written."""
     for part in parts:
         digest, episodes = RowDigest(), 0

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from jaxwalk.metrics.metric import Metric, Recording, Rows, Sums
 from jaxwalk.metrics.outcomes import OUTCOMES
 from jaxwalk.metrics.statistics import Estimate, interval, quantile, ratio
-from jaxwalk.metrics.values import known
+from jaxwalk.metrics.values import without_nan
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def summarise_delay(rows: Rows, sums: Sums) -> Delay:
     """Return the mean delay, and a long one."""
     own = sums[DELAY]
     mean = interval(ratio(own["delay"], own["arrived"]), own["arrived"][0])
-    return Delay(mean=mean, long=quantile(rows.values(lambda chunk: known(delays(chunk))), 0.95))
+    return Delay(mean=mean, long=quantile(rows.values(lambda chunk: without_nan(delays(chunk))), 0.95))
 
 
 def _measure(recording: Recording) -> Unhindered:

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from jaxwalk.metrics.kerb import FAST, KERB, NEAR, Kerb
 from jaxwalk.metrics.metric import Metric, Rows, Sums
 from jaxwalk.metrics.statistics import Estimate, quantile
-from jaxwalk.metrics.values import known
+from jaxwalk.metrics.values import without_nan
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.sim.trajectory import Trajectory
 
@@ -60,8 +60,8 @@ def find_gaps(trajectory: Trajectory, kerb: Kerb, config: SimConfig) -> Gaps:
 
 def summarise_gaps(rows: Rows, sums: Sums) -> GapAcceptance:
     """Return accepted and rejected gaps."""
-    accepted = rows.values(lambda chunk: known(chunk[GAPS].accepted))
-    rejected = rows.values(lambda chunk: known(chunk[GAPS].rejected))
+    accepted = rows.values(lambda chunk: without_nan(chunk[GAPS].accepted))
+    rejected = rows.values(lambda chunk: without_nan(chunk[GAPS].rejected))
     return GapAcceptance(quantile(accepted, 0.5), quantile(accepted, 0.05), quantile(rejected, 0.5))
 
 

@@ -76,10 +76,10 @@ def tail_mean(values: Shaped[np.ndarray, "episode"] | Values, level: float = LEV
     values = Values.of(values)
     parts = values.each(partial(_beyond_edge, value_at_risk(values, level), level))
     above = sum(int((piece > 0).sum()) for piece in values)
-    count, mean, (least, most) = min(above, _beyond(values.count, level)), parts.sum() / parts.count, parts.ends()
+    count, mean, (least, most) = min(above, _beyond(values.count, level)), parts.sum() / values.count, parts.ends()
     if count < FEW or least == most:
         return Estimate(mean, None, None, count)
-    error = standard_deviation(parts, mean) / math.sqrt(parts.count)
+    error = standard_deviation(parts, mean) / math.sqrt(values.count)
     half = float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, count - 1)) * error / mean
     return Estimate(mean, mean * math.exp(-half), mean * math.exp(half), count)
 

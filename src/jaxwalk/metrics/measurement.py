@@ -120,6 +120,12 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
         resamples: number of bootstrap resamples over episodes.
         seed: seed of the bootstrap.
     """
+    sums = _sums(rows, resamples, seed)
+    ordered = sorted(rows.metrics, key=lambda metric: not metric.headline)
+    return Summary(rows.episodes, {metric.name: metric.summarise(rows, sums) for metric in ordered})
+
+
+def _sums(rows: Rows, resamples: int, seed: int) -> Sums:
     columns = map(_columns, rows.chunks())
     first = next(columns)
     all_of_them = chain([first], columns)
@@ -127,9 +133,7 @@ def summarise(rows: Rows, *, resamples: int = RESAMPLES, seed: int = 0) -> Summa
     by_metric: dict[str, dict[str, np.ndarray]] = {metric.name: {} for metric in rows.metrics}
     for (metric, column), found in summed.items():
         by_metric[metric][column] = found
-    sums = Sums(resamples, seed, by_metric)
-    ordered = sorted(rows.metrics, key=lambda metric: not metric.headline)
-    return Summary(rows.episodes, {metric.name: metric.summarise(rows, sums) for metric in ordered})
+    return Sums(resamples, seed, by_metric)
 
 
 def _columns(rows: Rows) -> dict[tuple[str, str], np.ndarray]:

@@ -68,7 +68,8 @@ class Metric(MetricTable[T], Generic[T, Numbers]):
 
     summarise: Callable[[Rows, Sums], Numbers]
     """Its annotated result is the type of the numbers: frozen dataclasses and tuples of numbers and None. It reads the
-    rows by `Rows.total` and `Rows.values` only."""
+    rows by `Rows.total`, `Rows.values` and `Rows.chunks` only. Like ``columns``, it asks a table for columns by their
+    names, not by ``vars``: those of parts are read from files then."""
     columns: Callable[[Rows], Mapping[str, Shaped[np.ndarray, "episode ..."]]] = lambda rows: {}
     """The columns that are resampled by episode; `Sums` has their sums by the same names."""
     headline: bool = False
@@ -106,7 +107,7 @@ class Rows:
         return self.tables[table.name]
 
     def chunks(self) -> Iterator[Rows]:
-        """Yield the rows of some episodes at a time: of all, unless they are too many for memory."""
+        """Yield the rows of some episodes at a time, in their order. Rows in memory are one chunk."""
         yield self
 
     def total(self, formula: Callable[[Rows], T]) -> T:

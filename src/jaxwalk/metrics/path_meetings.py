@@ -17,7 +17,7 @@ from jaxwalk.metrics.encounters import ENCOUNTERS, Encounters
 from jaxwalk.metrics.metric import Metric, Rows, Sums, episodes_with
 from jaxwalk.metrics.statistics import Estimate, quantile, ratio
 from jaxwalk.metrics.surrogate import SURROGATES, Surrogates
-from jaxwalk.metrics.values import known
+from jaxwalk.metrics.values import without_nan
 from jaxwalk.sim.events import distance, to_rectangle
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
@@ -187,7 +187,7 @@ def summarise_path_meetings(rows: Rows, sums: Sums) -> PathMeetingSummary:
         return clustered_share(ratio(own[name], own["meetings"]), own["meetings"][0], episodes)
 
     def median(name: str) -> Estimate:
-        return quantile(rows.values(lambda chunk: known(measures(chunk[PATH_MEETINGS])[name])), 0.5)
+        return quantile(rows.values(lambda chunk: without_nan(measures(chunk[PATH_MEETINGS])[name])), 0.5)
 
     return PathMeetingSummary(
         waited=share("waited"),

@@ -74,9 +74,15 @@ def distribution_columns(rows: Rows) -> dict[str, np.ndarray]:
     }
 
 
+def _met(rows: Rows) -> dict[str, Int[np.ndarray, "episode type"]]:
+    """Return all encounters by type."""
+    table = rows[SURROGATES]
+    return {"met": count_by_type(table.episode, table.type, rows.episodes)}
+
+
 def summarise_distributions(rows: Rows, sums: Sums) -> ByType[Distributions]:
     """Return the distributions of all encounters, by type."""
-    met = episodes_with(rows, distribution_columns)["met"].tolist()
+    met = episodes_with(rows, _met)["met"].tolist()
     return ByType(
         *(
             Distributions(**{name: _distribution(name, kind, sums, met[kind - 1]) for name in THRESHOLDS})

@@ -10,13 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import reduce
 from itertools import chain
 from typing import Any, TypeVar
 
 import numpy as np
 import scipy
-from jaxtyping import Float, Int, Shaped
+from jaxtyping import Bool, Float, Int, Shaped
 
 from jaxwalk.metrics.values import Values
 
@@ -24,7 +23,8 @@ Key = TypeVar("Key", bound=Hashable)
 RESAMPLES = 1000
 """Default number of bootstrap resamples."""
 CHUNK = 2**14
-"""Number of episodes resampled at once: with 1,000 resamples, 125 MiB."""
+"""Number of episodes resampled at once: with 1,000 resamples, 125 MiB. Parts keep as many in a row group, so another
+number needs another ``FORMAT`` of `jaxwalk.evaluation.parts`."""
 CONFIDENCE = 0.95
 """Level of all intervals."""
 
@@ -71,7 +71,9 @@ def sums_over_chunks(
     resamples: int = RESAMPLES,
     seed: int = 0,
 ) -> dict[Key, Float[np.ndarray, "draw ..."]]:
-    """Return what `episode_sums` returns, for columns in chunks: of a multiple of `CHUNK` episodes, but for the last.
+    """Return what `episode_sums` returns, for columns in chunks.
+
+    Each chunk but the last has a multiple of `CHUNK` episodes.
 
     Raise ValueError unless the chunks have such numbers of episodes, and together ``episodes``.
     """
@@ -100,7 +102,10 @@ def resampled_sums(
     Each matrix has a row for each episode of one of the `episode_slices`. Raise ValueError for others.
     """
     draws = episode_draws(episodes, resamples=resamples, seed=seed)
-    return reduce(np.add, (times @ matrix for matrix, (_, times) in zip(matrices, draws, strict=True)))
+    sums: Any = 0.0
+    for matrix, (_, times) in zip(matrices, draws, strict=True):
+        sums = np.add(sums, found := times @ matrix, out=found)
+    return sums
 
 
 def episode_slices(episodes: int) -> list[slice]:
@@ -191,7 +196,7 @@ def mean_of(
 
 
 def standard_deviation(values: Values, mean: float) -> float:
-    """Return the spread of at least two values about their mean, estimated without bias of the variance."""
+    """Return the sample standard deviation (n - 1) of at least two values with this mean."""
     return math.sqrt(values.each(lambda piece: (piece.astype(np.float64) - mean) ** 2).sum() / (values.count - 1))
 
 
@@ -200,7 +205,7 @@ def quantile(
 ) -> Estimate:
     """Return a quantile (linear between order statistics), with the exact interval for independent values.
 
-    The ends of the interval are order statistics too: as many values lie below the quantile as a binomial number says.
+    The number of values below the quantile is binomial, so the ends of the interval are two order statistics.
     """
     values = Values.of(values)
     count = values.count
@@ -220,7 +225,7 @@ def quantile(
 
 def kaplan_meier_median(
     times: Shaped[np.ndarray, "subject"] | Values,
-    observed: Shaped[np.ndarray, "subject"] | Values,
+    observed: Bool[np.ndarray, "subject"] | Values,
     *,
     confidence: float = CONFIDENCE,
 ) -> Estimate:

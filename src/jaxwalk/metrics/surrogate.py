@@ -20,7 +20,7 @@ from jaxwalk.metrics.footprint import required_deceleration, time_to_contact
 from jaxwalk.metrics.injury import monfort_mueller_fatal, monfort_mueller_mais3, rosen_sander_fatal
 from jaxwalk.metrics.metric import Metric, Rows, Sums, episodes_with
 from jaxwalk.metrics.statistics import Estimate, interval, mean_of, quantile, ratio
-from jaxwalk.metrics.values import Values, known
+from jaxwalk.metrics.values import Values, without_nan
 from jaxwalk.sim.events import distance
 from jaxwalk.sim.geometry import to_frame
 from jaxwalk.sim.sim_config import SimConfig
@@ -175,8 +175,14 @@ def surrogate_columns(rows: Rows) -> dict[str, np.ndarray]:
 
 def summarise_surrogates(rows: Rows, sums: Sums) -> ByType[SurrogateSummary]:
     """Return the surrogates of all encounters, by type."""
-    tried = episodes_with(rows, surrogate_columns)
+    tried = episodes_with(rows, _tried)
     return ByType(*(_summarise_type(rows, kind, sums[SURROGATES], tried) for kind in TYPES))
+
+
+def _tried(rows: Rows) -> dict[str, np.ndarray]:
+    """Return how many encounters are counted below the line of each share, per episode and type."""
+    table = rows[SURROGATES]
+    return {name: count_by_type(table.episode, table.type, rows.episodes, x) for name, x in _trials(table).items()}
 
 
 def _trials(table: Surrogates) -> dict[str, np.ndarray]:
@@ -191,7 +197,7 @@ def _summarise_type(
     own = {name: column[:, kind - 1] for name, column in sums.items()}
 
     def of_kind(name: str) -> Values:
-        return rows.values(lambda chunk: known(getattr(chunk[SURROGATES], name)[chunk[SURROGATES].type == kind]))
+        return rows.values(lambda chunk: without_nan(getattr(chunk[SURROGATES], name)[chunk[SURROGATES].type == kind]))
 
     hit = of_kind("impact_speed")
 

@@ -71,7 +71,7 @@ class Values:
         return found, counts
 
 
-def known(values: Shaped[np.ndarray, "value"]) -> Shaped[np.ndarray, "_"]:
+def without_nan(values: Shaped[np.ndarray, "value"]) -> Shaped[np.ndarray, "_"]:
     """Return the values that aren't NaN."""
     return values[~np.isnan(values)]
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
+from jaxwalk.evaluation.stored_rows import StoredTable
 from jaxwalk.metrics import Rows, Summary, measure, summarise
 from jaxwalk.metrics.metric import Metric
 from jaxwalk.sim.trajectory import Ghosts, Trajectory
@@ -52,11 +54,12 @@ class _InChunks(Rows):
 
 
 def _check_chunks(metric: Metric[Any, Any], rows: Rows) -> None:
-    in_chunks = _InChunks(rows.dt, rows.episodes, rows.metrics, {}, chunk=rows)
+    tables = {name: StoredTable(table, partial(getattr, table)) for name, table in rows.tables.items()}
+    in_chunks = _InChunks(rows.dt, rows.episodes, rows.metrics, {}, chunk=replace(rows, tables=tables))
     try:
         found = summarise(in_chunks, resamples=RESAMPLES)
-    except KeyError as error:
-        rule = "summarise must read rows a chunk at a time, by `Rows.total`, `Rows.values` or `Rows.chunks`"
+    except (KeyError, TypeError) as error:
+        rule = "summarise must read rows by `Rows.total`, `Rows.values` or `Rows.chunks`, and columns by their names"
         raise ContractError(f"{metric.name}: {rule} ({error.args[0]})") from error
     same_numbers = found[metric] == summarise(rows, resamples=RESAMPLES)[metric]
     require(same_numbers, f"{metric.name}: its numbers must be the same for rows in chunks")
