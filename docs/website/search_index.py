@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 LEFT_OUT = (
-    "source/", "changelog.html", "evidence.html", "bench/", "testing.html", "architecture.html", "results-paper.html",
-    "frontier-results.html", "benchmark.html",
+    "source/", "changelog.html", "evidence.html", "bench/", "testing.html", "architecture.html", "extending.html",
+    "results-paper.html", "frontier-results.html", "benchmark.html",
 )  # fmt: skip
 """Beginnings of the addresses of pages that users don't search: files, tables of numbers, and what developers read."""
 NOT_SEARCHED = re.compile(
