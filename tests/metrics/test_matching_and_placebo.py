@@ -32,6 +32,16 @@ def test_matched_differences_are_averaged_over_places():
     assert found.count == 3
 
 
+def test_strata_that_are_resampled_one_after_the_other_have_the_same_numbers(monkeypatch):
+    here = [meeting(JAYWALK, 3), meeting(JAYWALK, 5), meeting(CROSSWALK, 2)]
+    there = [meeting(JAYWALK, 6, place=40), meeting(CROSSWALK, 0, place=40), meeting(CROSSWALK, 1, place=40)]
+    together = near_six(*here, *there).matched
+    monkeypatch.setattr("jaxwalk.metrics.meetings.AT_ONCE", 1)
+    found = near_six(*here, *there).matched
+    assert found.count == together.count == 3
+    assert (found.value, found.low, found.high) == pytest.approx((together.value, together.low, together.high))
+
+
 def test_only_cars_as_fast_at_first_are_matched():
     assert near_six(meeting(JAYWALK, 3), meeting(CROSSWALK, 3, initial=4.0)).matched.count == 0
     assert near_six(meeting(JAYWALK, 3), meeting(CROSSWALK, 3, initial=6.4)).matched.count == 1
