@@ -9,10 +9,12 @@ import os
 import platform
 import signal
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 from jaxtyping import install_import_hook
+from packaging.version import Version
 from rich.console import Console
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -27,10 +29,14 @@ install_import_hook(SHAPED, "beartype.beartype")  # before the first import of j
 # Most programs run a few times only: compiling them well takes longer than running them badly compiled. What runs
 # often, or is compared with recorded numbers, asks for more: `sim.play.AS_SHIPPED`. Processes that tests start inherit
 # both.
+CAN_EMIT_SIMPLY = Version(version("jaxlib")) < Version("0.11.1")
+"""Whether XLA knows the flag ``xla_cpu_use_fusion_emitters``, without which it compiles more quickly; it is always on
+in newer ones, and an unknown flag ends the process."""
 QUICKLY = {
     "JAX_DISABLE_MOST_OPTIMIZATIONS": "1",
     "JAX_TRACEBACK_IN_LOCATIONS_LIMIT": "0",
-    "XLA_FLAGS": "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1",
+    "XLA_FLAGS": "--xla_cpu_parallel_codegen_split_count=1"
+    + (" --xla_cpu_use_fusion_emitters=false" if CAN_EMIT_SIMPLY else ""),
 }
 os.environ.update(QUICKLY)
 
@@ -247,6 +253,12 @@ def tiny():
 def quiet():
     """A console that nobody reads."""
     return Console(file=io.StringIO(), width=100)
+
+
+@pytest.fixture
+def scenario_library():
+    """What writes OpenSCENARIO and OpenDRIVE; skips the test where it is missing."""
+    return pytest.importorskip("scenariogeneration", reason="no scenariogeneration: pip install jaxwalk[scenarios]")
 
 
 @pytest.fixture(scope="session")

@@ -35,6 +35,7 @@ def test_what_tracks_writes_measure_measures_as_evaluate_does(place, capsys):
     assert "Encounters of 40 cars" in shown and "Speed near jaywalkers" in shown and "Left out" not in shown
 
 
+@pytest.mark.usefixtures("scenario_library")
 def test_an_episode_for_other_simulators(place, capsys):
     assert _run("scenario --driver route-follower --scenario 3 --out there") == 0
     said = capsys.readouterr().out
@@ -44,6 +45,7 @@ def test_an_episode_for_other_simulators(place, capsys):
     assert header.get("description") == "jaxwalk: route-follower among always-go, scenario 3 of seed 0"
 
 
+@pytest.mark.usefixtures("scenario_library")
 def test_crash_tests_for_other_simulators(place, capsys):
     (place / "mine.toml").write_text(MINE)
     assert _run("scenario --tests mine.toml --out there") == 0
@@ -103,6 +105,7 @@ BAD = {
 }
 
 
+@pytest.mark.usefixtures("scenario_library")
 @pytest.mark.parametrize("command, message", BAD.values(), ids=BAD)
 def test_what_cannot_be_used_ends_in_one_message(place, capsys, command, message):
     for name in ("notes.txt", "07_tracks.csv", "a_traj_ped_filtered.csv"):

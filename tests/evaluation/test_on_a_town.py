@@ -76,6 +76,7 @@ def test_ghosts_walk_where_people_do_and_are_others(town, played, network):
     assert 0.05 < np.median(walked) < 0.2
 
 
+@pytest.mark.usefixtures("scenario_library")
 def test_files_of_an_episode(town, played, network, tmp_path):
     source = Drawn(town, 0, BATCH)
     draw_episode(town, BLIND, source, 3, tmp_path / "end.png")

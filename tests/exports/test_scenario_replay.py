@@ -17,6 +17,7 @@ WITHIN = 1e-3
 """How far anybody may be from where the file has them [m]."""
 
 
+@pytest.mark.usefixtures("scenario_library")
 def test_a_kept_failure_is_the_same_failure_again(street, tmp_path):
     export_scenario(street, POLICIES, kept_failure(street), 0, tmp_path, name="a failure")
     file = tmp_path / EPISODE

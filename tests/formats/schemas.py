@@ -5,7 +5,9 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from importlib.metadata import files
 
-import xmlschema
+import pytest
+
+xmlschema = pytest.importorskip("xmlschema", reason="no scenariogeneration: pip install jaxwalk[scenarios]")
 
 
 def valid(document, schema):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from functools import partial, wraps
 
@@ -27,8 +28,7 @@ TRACES = Counter()
 AS_SHIPPED = {
     "xla_backend_optimization_level": 3,
     "xla_llvm_disable_expensive_passes": False,
-    "xla_cpu_use_fusion_emitters": True,
-}
+} | ({"xla_cpu_use_fusion_emitters": True} if "fusion_emitters" in os.environ.get("XLA_FLAGS", "") else {})
 """How users' programs are compiled: for what is called often, and what is compared with recorded numbers."""
 
 
