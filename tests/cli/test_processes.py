@@ -12,9 +12,11 @@ import time
 import pytest
 
 from jaxwalk.cli import launcher, main
+from jaxwalk.cli.errors import LOST
 from jaxwalk.cli.group import Group, group_of, take_cores
 from jaxwalk.cli.options import Train
 from jaxwalk.recipes import RECIPES, with_training
+from jaxwalk.runs import entry, training
 from jaxwalk.runs.folder import CHECKPOINTS, METRICS, Run
 from jaxwalk.runs.watchdog import LAUNCHED
 from reliability.kill_training import board
@@ -199,6 +201,20 @@ def test_what_another_process_says_is_shown_if_it_fails(place, deed, capfd):
     deed("fails")
     code, said = launch(capfd=capfd)
     assert (code, said) == (2, "ready\njaxwalk: process 1 of 2 failed:\nready\na reason\n")
+
+
+@pytest.mark.parametrize(("words", "first"), [("--run new", True), ("--resume old", True), ("--resume old", False)])
+def test_one_that_is_lost_before_they_meet_ends_it_with_one_message(words, first, place, monkeypatch, capfd):
+    def refused():
+        raise RuntimeError("Gloo context initialization failed: timed out connecting: Connection refused")
+
+    Run.create(place / "old", RECIPES["fast"])
+    monkeypatch.setattr(entry, "is_first", lambda: first)
+    monkeypatch.setattr(training, "several", lambda: True)
+    monkeypatch.setattr(training, "wait_for_all", refused)
+    assert main(["train", *words.split()]) == LOST
+    said = "jaxwalk: another process of the training ended, or can't be reached any more; resume it\n"
+    assert capfd.readouterr().err == said
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -85,7 +85,7 @@ def plan(pedal, lasts, then):
 )
 def test_a_constant_acceleration_ends_at_a_stand_or_at_the_top_speed(speed, acceleration, time, way, after):
     found = drives(*(np.float32(x) for x in (speed, acceleration, time, 8.0)))
-    np.testing.assert_allclose(found, (way, after), rtol=1e-6)
+    np.testing.assert_allclose(found, (way, after), rtol=1e-6, atol=1e-6)
 
 
 def test_a_plan_is_driven_by_hand():

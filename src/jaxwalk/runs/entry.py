@@ -17,14 +17,14 @@ from rich.console import Console
 
 from jaxwalk.evaluation import SAMPLES, with_mode
 from jaxwalk.interfaces import Roles
-from jaxwalk.peers import is_first, several, wait_for_all
+from jaxwalk.peers import is_first, several
 from jaxwalk.policies import LearnedPolicy, load_policy, read_metadata
 from jaxwalk.recipes import RECIPES, Experiment, ExperimentFileError, load_experiment, with_training
 from jaxwalk.runs.folder import Run, RunError, check_writable
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.session import OnUpdate
 from jaxwalk.runs.street import make_street, shared_out, whole_minibatches
-from jaxwalk.runs.training import CHECKPOINT_MINUTES, TrainingEnd, train_in
+from jaxwalk.runs.training import CHECKPOINT_MINUTES, TrainingEnd, meet, train_in
 from jaxwalk.shards import mesh_of
 
 
@@ -98,7 +98,7 @@ def train(
     upkeep = upkeep or Upkeep()
     with _temporary() if folder is None else nullcontext(Path(folder)) as path:
         run = Run.create(path, experiment, street.maps)
-        wait_for_all()
+        meet()
         ended = train_in(
             run, street=street, on_update=on_update, display=upkeep.display(experiment),
             checkpoint_minutes=upkeep.checkpoint_minutes,
@@ -125,7 +125,7 @@ def resume(folder: str | Path, *, on_update: OnUpdate | None = None, upkeep: Upk
     street = make_street(run.experiment, run.maps(), run.archives)
     mesh_of(run.experiment.train.shards)
     check_writable(run.path)
-    wait_for_all()
+    meet()
     ended = train_in(
         run, resume=True, street=street, on_update=on_update, display=upkeep.display(run.experiment),
         checkpoint_minutes=upkeep.checkpoint_minutes,
@@ -135,7 +135,7 @@ def resume(folder: str | Path, *, on_update: OnUpdate | None = None, upkeep: Upk
 
 def _follow(folder: Path) -> Trained:
     """Train in the folder that the first process makes or resumes."""
-    wait_for_all()
+    meet()
     run = Run.open(folder)
     street = make_street(run.experiment, run.maps(), run.archives)
     return _trained(run, train_in(run, resume=True, street=street), kept=True)

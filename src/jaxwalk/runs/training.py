@@ -148,6 +148,12 @@ def _losing_no_peer() -> Iterator[None]:
         raise PeerLostError("another process of the training ended, or can't be reached any more; resume it") from error
 
 
+def meet() -> None:
+    """Wait until every process of the training is here. Raises PeerLostError if one can't be reached."""
+    with _losing_no_peer():
+        wait_for_all()
+
+
 @contextmanager
 def _saying_what_is_kept(run: Run) -> Iterator[None]:
     """Add to an OSError raised inside what has been saved and can be resumed."""
