@@ -9,13 +9,13 @@ import os
 import platform
 import signal
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 from jaxtyping import install_import_hook
-from packaging.version import Version
 from rich.console import Console
+
+from quickly import QUICKLY
 
 SOURCE = Path(__file__).parents[1] / "src"
 SHAPED = [
@@ -26,18 +26,6 @@ SHAPED = [
 """Modules that state shapes. Pyright checks the types of the others; checking each call took a third of their time."""
 install_import_hook(SHAPED, "beartype.beartype")  # before the first import of jaxwalk
 
-# Most programs run a few times only: compiling them well takes longer than running them badly compiled. What runs
-# often, or is compared with recorded numbers, asks for more: `sim.play.AS_SHIPPED`. Processes that tests start inherit
-# both.
-CAN_EMIT_SIMPLY = Version(version("jaxlib")) < Version("0.11.1")
-"""Whether XLA knows the flag ``xla_cpu_use_fusion_emitters``, without which it compiles more quickly; it is always on
-in newer ones, and an unknown flag ends the process."""
-QUICKLY = {
-    "JAX_DISABLE_MOST_OPTIMIZATIONS": "1",
-    "JAX_TRACEBACK_IN_LOCATIONS_LIMIT": "0",
-    "XLA_FLAGS": "--xla_cpu_parallel_codegen_split_count=1"
-    + (" --xla_cpu_use_fusion_emitters=false" if CAN_EMIT_SIMPLY else ""),
-}
 os.environ.update(QUICKLY)
 
 SMALL = {"environments": 8, "steps": 8, "minibatches": 2, "updates": 6}

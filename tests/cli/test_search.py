@@ -32,6 +32,7 @@ SEARCH = "search route-follower --people 4 --minimise 1 --out there --simulation
 
 
 @pytest.mark.long
+@pytest.mark.usefixtures("scenario_library")
 def test_a_driver_is_searched_and_its_failures_are_played_again(little, place, capsys):
     """Two generations, then interrupted in the third; it goes on, and every failure recurs in an evaluation."""
     assert main(f"{SEARCH} 32".split()) == 0

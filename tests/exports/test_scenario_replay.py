@@ -31,6 +31,7 @@ def test_a_kept_failure_is_the_same_failure_again(street, tmp_path):
 
 
 @pytest.mark.long
+@pytest.mark.usefixtures("scenario_library")
 @pytest.mark.parametrize("named", [True, False], ids=["on its street", "on a street along the way of the car"])
 @pytest.mark.parametrize("number", [0, 2, 5])
 def test_episodes_are_the_same_again(street, tmp_path, number, named):

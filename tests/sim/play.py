@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from functools import partial, wraps
 
@@ -19,16 +18,16 @@ from jaxwalk.sim.observation import INFERRED, OBSERVATIONS, PRIVILEGED_SETS
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.state import State
 from pytrees import as_numpy
+from quickly import CAN_EMIT_SIMPLY
 
 ENVIRONMENTS, STEPS, PEOPLE = 256, 500, 12
 SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets if name not in PRIVILEGED_SETS | INFERRED]
 """But for those that show the future (`test_future.py`), tendencies or a belief about them (`test_belief.py`)."""
 TRACES = Counter()
 """How often Python ran through each compiled function, by the shapes it was called with."""
-AS_SHIPPED = {
-    "xla_backend_optimization_level": 3,
-    "xla_llvm_disable_expensive_passes": False,
-} | ({"xla_cpu_use_fusion_emitters": True} if "fusion_emitters" in os.environ.get("XLA_FLAGS", "") else {})
+AS_SHIPPED = {"xla_backend_optimization_level": 3, "xla_llvm_disable_expensive_passes": False}
+if CAN_EMIT_SIMPLY:
+    AS_SHIPPED["xla_cpu_use_fusion_emitters"] = True
 """How users' programs are compiled: for what is called often, and what is compared with recorded numbers."""
 
 

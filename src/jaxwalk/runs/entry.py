@@ -85,7 +85,8 @@ def train(
 
     Raises:
         ValueError: no such recipe, an impossible seed or number of updates, a wrong file or map. The message names it.
-        RunError: the folder isn't empty or can't be written (before the training); `DivergedError`, `UnwrittenError`.
+        RunError: the folder isn't empty or can't be written (before the training); `DivergedError`, `UnwrittenError`,
+            `PeerLostError`.
         CallbackError: ``on_update`` returned something else than None or a truth value.
     """
     if several() and folder is None:
@@ -116,7 +117,7 @@ def resume(folder: str | Path, *, on_update: OnUpdate | None = None, upkeep: Upk
 
     Raises:
         RunError: no such folder, another process trains there, or its configuration was edited; `DivergedError`,
-            `UnwrittenError`.
+            `UnwrittenError`, `PeerLostError`.
         CallbackError: as in `train`.
     """
     if not is_first():
