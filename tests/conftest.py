@@ -11,8 +11,8 @@ import signal
 from dataclasses import replace
 from pathlib import Path
 
+import jaxtyping._import_hook
 import pytest
-from jaxtyping import install_import_hook
 from rich.console import Console
 
 from quickly import QUICKLY
@@ -24,7 +24,20 @@ SHAPED = [
     if "from jaxtyping import" in file.read_text()
 ]
 """Modules that state shapes. Pyright checks the types of the others; checking each call took a third of their time."""
-install_import_hook(SHAPED, "beartype.beartype")  # before the first import of jaxwalk
+
+
+class Outermost(jaxtyping._import_hook.JaxtypingTransformer):
+    """Checks functions of modules and classes. One inside another would be given its checks anew at each call."""
+
+    def visit_FunctionDef(self, node):
+        body, node.body = node.body, []
+        super().visit_FunctionDef(node)
+        node.body = body
+        return node
+
+
+jaxtyping._import_hook.JaxtypingTransformer = Outermost
+jaxtyping.install_import_hook(SHAPED, "beartype.beartype")  # before the first import of jaxwalk
 
 os.environ.update(QUICKLY)
 
