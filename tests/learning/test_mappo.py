@@ -197,15 +197,9 @@ def test_one_program_and_equal_seeds_equal_results(shards, monkeypatch, tmp_path
     assert first != other
 
 
-def test_chunks_change_nothing():
-    _, metrics = play(games.game("bandit"), updates=2)
-    _, whole = play(games.game("bandit"), in_one_chunk(), updates=2)
-    for name in metrics:
-        assert metrics[name] == pytest.approx(whole[name], rel=1e-3, abs=1e-4), name
-
-
 @pytest.mark.parametrize("credit", ["individual", SHARED])
 def test_shared_out_environments_learn_the_same(credit):
+    """With individual credit also in one chunk instead of many."""
     config = dataclasses.replace(CONFIG, credit=credit)
     learner, metrics = play(games.game("holding"), config, updates=3)
     halves = in_one_chunk(2) if credit == "individual" else dataclasses.replace(config, shards=2)
@@ -248,9 +242,9 @@ def test_nonsense_is_reported():
     assert (sound["finite"], unsound["finite"]) == (1, 0)
 
 
-@pytest.mark.parametrize("shards", [1, 2])
-def test_resumed_training_equals_uninterrupted_training(shards, tmp_path):
-    game, config = games.game("bandit", length=3), in_one_chunk(shards)
+@pytest.mark.parametrize("config", [CONFIG, in_one_chunk(shards=2)], ids=["alone", "two shards"])
+def test_resumed_training_equals_uninterrupted_training(config, tmp_path):
+    game = games.game("bandit", length=3)
     learner = init(game, config, jax.random.key(0))
     for number in range(1, 4):
         learner, _ = update(game, config, learner)
