@@ -117,7 +117,7 @@ def test_continuous_tracking(noise):
 @pytest.mark.parametrize("timeout", [True, False])
 def test_only_a_truncated_future_is_worth_something(timeout):
     game = games.game("steady", size=0.1, length=2, timeout=timeout, shows=False)
-    learner, metrics = play(game, updates=120)
+    learner, metrics = play(game, updates=80)
     # 0.1 / (1 - 0.9), against the mean of 0.19 and 0.1
     for role in ("driver", "pedestrian"):
         assert values(game, CONFIG, learner, role).mean() == pytest.approx(1 if timeout else 0.145, abs=0.03)

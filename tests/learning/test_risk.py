@@ -170,7 +170,7 @@ def test_what_pays_and_costs_is_done_as_often_as_the_limit_allows():
     is free, and in a fifth of the scenarios in which it costs 4: a reward of 0.5 + 0.5 x 0.2 = 0.6. There the
     multiplier makes up for the reward, 1 = lambda x 0.5 x 4.
     """
-    _, plain = play(TOLL, CONFIG)
+    _, plain = play(TOLL, CONFIG, updates=60, last=20)
     assert plain["reward/driver"] > 0.95
     learner, found = play(TOLL, AT_TIMES)
     assert found["cost/driver/fine"] == pytest.approx(0.4, abs=0.1)
