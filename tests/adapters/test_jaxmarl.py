@@ -1,7 +1,6 @@
 """The street in the manner of JaxMARL: one compiled program for many environments, the same as single ones."""
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -9,13 +8,14 @@ from jaxwalk.adapters.jaxmarl import StreetMARL
 from jaxwalk.adapters.players import AdapterError
 from jaxwalk.sim.sim_config import SimConfig
 
-HORIZON, COUNT = 40, 6
+HORIZON, COUNT, PEOPLE = 40, 6, 3
+RULES = SimConfig(horizon=HORIZON, pedestrians=PEOPLE)
 TRACES = []
 
 
 @pytest.fixture(scope="module")
 def env():
-    return StreetMARL(config=SimConfig(horizon=HORIZON))
+    return StreetMARL(config=RULES)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,8 @@ def played(env):
     return jax.device_get(compiled(jax.random.split(jax.random.key(0), COUNT)))
 
 
-def test_agents_and_spaces(env):
+def test_agents_and_spaces():
+    env = StreetMARL()
     assert env.agents == ["driver", *(f"pedestrian_{i}" for i in range(12))] and env.num_agents == 13
     assert env.action_space("driver").shape == (2,) and env.action_space("pedestrian_4").n == 2
     assert sorted(env.agent_classes) == ["driver", "pedestrian"]
@@ -72,9 +73,9 @@ def test_agents_and_spaces(env):
 
 @pytest.mark.parametrize("policies", [{"driver": "route-follower"}, {"pedestrians": "always-go"}])
 def test_agents_play_the_role_that_is_left_to_them(policies):
-    env = StreetMARL(config=SimConfig(horizon=HORIZON), **policies)
-    seen, state = env.reset(jax.random.key(0))
-    actions = {name: jnp.zeros(env.action_space(name).shape, int) for name in env.agents}
+    env = StreetMARL(config=RULES, **policies)
+    _, state = jax.jit(env.reset)(jax.random.key(0))
+    actions = {name: np.zeros(env.action_space(name).shape, np.int32) for name in env.agents}
     step = jax.jit(env.step)
     for _ in range(10):
         seen, state, rewards, dones, infos = step(jax.random.key(1), state, actions)
@@ -110,19 +111,19 @@ def test_episodes_end_for_all_and_begin_again(env, played):
     assert all(np.array_equal(dones[name], ended) for name in env.agents)
     assert np.array_equal(after, np.where(ended, 0, before + 1))
     how = infos["goal"] + infos["collision"] + infos["timeout"].astype(int)
-    assert how.shape == (*ended.shape, 13) and np.array_equal(how, np.repeat(ended[..., None], 13, 2))
+    assert how.shape == (*ended.shape, 1 + PEOPLE) and np.array_equal(how, np.repeat(ended[..., None], 1 + PEOPLE, 2))
     terms = sum(infos[name] for name in infos if "/" in name)
     assert np.allclose(np.stack([rewards[name] for name in env.agents], -1), terms, atol=1e-4)
 
 
 def test_keys_of_either_kind_and_a_given_next_state(env):
-    old, state = env.reset(jax.random.PRNGKey(5))
-    new, _ = env.reset(jax.random.key(5))
-    assert jnp.array_equal(old["driver"], new["driver"])
+    reset, step = jax.jit(env.reset), jax.jit(env.step)
+    old, state = reset(jax.random.PRNGKey(5))
+    new, _ = reset(jax.random.key(5))
+    assert np.array_equal(old["driver"], new["driver"])
     available = {name: mask.tolist() for name, mask in env.get_avail_actions(state).items()}
     assert available == {name: [True, True] for name in env.agents[1:]}
-    actions = {name: jnp.zeros(2) if name == "driver" else jnp.ones((), jnp.int32) for name in env.agents}
-    step = jax.jit(env.step)
+    actions = {name: np.zeros(2, np.float32) if name == "driver" else np.int32(1) for name in env.agents}
     for _ in range(HORIZON):
         _, state, _, dones, _ = step(jax.random.key(0), state, actions, state)
     assert bool(dones["__all__"]) and int(state.step) == HORIZON - 1  # it came back to the state before its last step

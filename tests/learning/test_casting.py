@@ -17,6 +17,7 @@ from jaxwalk.learning.experience import recording_act
 from jaxwalk.learning.mappo import init, update
 from jaxwalk.rollout import rollout
 from learning import games
+from pytrees import the_same
 
 ROLE = RoleConfig(actor_hidden=(8,), critic_hidden=(8,))
 CONFIG = TrainConfig(
@@ -49,13 +50,19 @@ def test_stand_ins_of_the_two_roles_are_at_different_ends():
     assert whole(games.with_roles(CONFIG, driver=ROLE)).columns["driver"].own == slice(0, 16)
 
 
-def test_each_plays_its_environments_and_only_the_learners_are_recorded():
-    game = games.game("bandit", length=3)
-    learner = init(game, CONFIG, jax.random.key(0), others=OTHERS)
+@eqx.filter_jit
+def two_steps(game, learner):
+    """What was played and recorded."""
     shard = whole(CONFIG)
     cast = learning_cast(game, shard, learner.actors, learner.early, OTHERS)
     act, memory = recording_act(game, shard, cast), fresh_memory(game, cast, (CONFIG.environments,))
     _, played = rollout(game, act, learner.stream, 2, fresh_memory=memory)
+    return played
+
+
+def test_each_plays_its_environments_and_only_the_learners_are_recorded():
+    game = games.game("bandit", length=3)
+    played = two_steps(game, init(game, CONFIG, jax.random.key(0), others=OTHERS))
     paid = {role: np.asarray(terms["pay"]) for role, terms in played.outcome.rewards.items()}
     assert not paid["driver"][:, :4].any()
     assert paid["pedestrian"][..., 8:].all()
@@ -79,10 +86,12 @@ def test_learning_goes_on_beside_stand_ins():
 
 
 def test_a_snapshot_follows_until_its_time_has_come():
-    first, second = (make_actor(jax.random.key(k), 3, Discrete(2), ROLE) for k in (0, 1))
-    until, after = (remember((first, first), second, jnp.int32(SNAPSHOTS[0] + more)) for more in (0, 1))
-    assert eqx.tree_equal(until, (second, second))
-    assert eqx.tree_equal(after, (first, second))
+    make, follow = eqx.filter_jit(make_actor), eqx.filter_jit(remember)
+    first, second = (make(jax.random.key(k), 3, Discrete(2), ROLE) for k in (0, 1))
+    until, after = (follow((first, first), second, np.int32(SNAPSHOTS[0] + more)) for more in (0, 1))
+    assert the_same(until, (second, second))
+    assert the_same(after, (first, second))
+    assert not the_same(first, second)
 
 
 @pytest.mark.parametrize(

@@ -108,15 +108,22 @@ class Dice(eqx.Module):
 def test_every_role_has_its_own_key_in_the_order_of_the_environments_roles():
     game, keys = Crossing(), jax.random.split(jax.random.key(3), 5)
     policies = {role: Dice(4, All(spec.agents)) for role, spec in game.roles.items()}
-    cast, scenario = cast_of(policies), jnp.ones(5)
-    memory, key = fresh_memory(game, cast, (5,)), step_key(keys, jnp.arange(5))
-    acted = act(game, cast, key, scenario, game.reset(scenario), memory)
-    drawn = [np.asarray(acted.actions[role]) for role in game.roles]
+    cast = cast_of(policies)
+
+    @eqx.filter_jit
+    def everybody_acts(keys):
+        """What all do together, each with its key, and keys by the rule of evaluations since 0.1 beside today's."""
+        memory, key, scenario = fresh_memory(game, cast, (5,)), step_key(keys, jnp.arange(5)), jnp.ones(5)
+        together = act(game, cast, key, scenario, game.reset(scenario), memory)
+        own = [role_key(key, place) for place in range(3)]
+        alone = [policies[role].act(k, memory[role][0], None)[0] for role, k in zip(game.roles, own, strict=True)]
+        split = jax.vmap(lambda k: jax.random.split(k, 3), out_axes=1)(key)
+        return together, alone, (jax.random.key_data(split[1]), jax.random.key_data(own[1]))
+
+    together, alone, (split, own) = everybody_acts(keys)
+    drawn = [np.asarray(together.actions[role]) for role in game.roles]
     assert len({x.tobytes() for x in drawn}) == 3
-    for place, role in enumerate(game.roles):
-        expected, _ = policies[role].act(role_key(key, place), memory[role][0], None)
-        np.testing.assert_array_equal(acted.actions[role], expected)
-        assert (np.asarray(acted.memory[role][0]) == 1).all()
-    # the rule of evaluations since 0.1: the step's key, split among the roles
-    split = jax.vmap(lambda k: jax.random.split(k, 3), out_axes=1)(key)
-    np.testing.assert_array_equal(jax.random.key_data(split[1]), jax.random.key_data(role_key(key, 1)))
+    for role, expected in zip(game.roles, alone, strict=True):
+        np.testing.assert_array_equal(together.actions[role], expected)
+        assert (np.asarray(together.memory[role][0]) == 1).all()
+    np.testing.assert_array_equal(split, own)  # the step's key, split among the roles

@@ -15,17 +15,23 @@ from jaxwalk.policies.shields.shield_scene import Around
 from jaxwalk.safety.bicycle import slip
 from jaxwalk.sim.events import to_rectangle
 from jaxwalk.sim.geometry import to_frame
+from jaxwalk.sim.prediction import AWAY
 from jaxwalk.sim.sim_config import WORLDS
 from jaxwalk.sim.state import Motion
 
 STREET = Street.create(config=WORLDS["paper-footprint"])
 RULES = STREET.config
 THROTTLE = np.array([1.0, 0.0], np.float32)
+PEOPLE, BATCH = 7, 64
+"""All scenes are of one shape, so that one program judges them; who isn't needed is away, so nobody perceives them."""
 
 
 def scenes(speed, people, steering=0.0):
     """A batch of scenes at the start of a route. ``people``: ahead, left and velocities, ``(4, ped, episode)``."""
-    return _scenes(*(np.asarray(x, np.float32) for x in (speed, people, steering)))
+    everybody = np.zeros((4, PEOPLE, BATCH), np.float32)
+    everybody[0] = AWAY
+    everybody[:, : np.shape(people)[1]] = people
+    return _scenes(np.float32(speed), everybody, np.float32(steering))
 
 
 @jax.jit
@@ -45,10 +51,15 @@ def judge(shield, action, scene):
     return shield.judge(action, scene)
 
 
+def judge_one(shield, action, scene):
+    """What a shield says of the first episode, if the car does the same in all of them."""
+    verdict = judge(shield, np.tile(np.float32(action)[:, None], BATCH), scene)
+    return jax.tree.map(lambda x: np.asarray(x)[..., 0], verdict)
+
+
 def alone(*person, speed, action=THROTTLE, shield):
     """What a shield says with one person around: ``person`` is ahead, left and velocities."""
-    scene = scenes(speed, np.array(person).reshape(4, 1, 1))
-    return judge(shield, jnp.asarray(action, jnp.float32)[:, None], scene)
+    return judge_one(shield, action, scenes(speed, np.reshape(person, (4, 1, 1))))
 
 
 def drive_past(shield, walk, *, speed, seconds=8.0):
@@ -57,7 +68,6 @@ def drive_past(shield, walk, *, speed, seconds=8.0):
     ``walk(t, (x, y))`` returns place and velocity of the person at a time [s], with the car's centre there.
     """
     x = y = heading = delta = 0.0
-    scene = scenes(speed, np.zeros((4, 1, 1)))
     for step in range(round(seconds / RULES.dt)):
         (px, py), (vx, vy) = walk(step * RULES.dt, (x, y))
         cos, sin = np.cos(heading), np.sin(heading)
@@ -66,10 +76,9 @@ def drive_past(shield, walk, *, speed, seconds=8.0):
             return True
         action = THROTTLE
         if shield:
-            people = Motion(*(jnp.full((1, 1), v, jnp.float32) for v in (*place, *to_frame(vx, vy, cos, sin))))
-            car = replace(scene.car, speed=jnp.full(1, speed, jnp.float32), steering=jnp.full(1, delta, jnp.float32))
-            verdict = judge(shield, jnp.asarray(action)[:, None], replace(scene, car=car, people=people))
-            action = action if bool(verdict.safe[0]) else np.asarray(verdict.instead)[:, 0]
+            person = np.reshape([*place, *to_frame(vx, vy, cos, sin)], (4, 1, 1))
+            verdict = judge_one(shield, action, scenes(speed, person, delta))
+            action = action if verdict.safe else verdict.instead
         speed = float(np.clip(speed + 3.0 * action[0] * RULES.dt, 0, RULES.max_speed))
         delta = RULES.max_steering * float(action[1])
         cos_slip, sin_slip = (float(v) for v in slip(jnp.float32(delta)))

@@ -15,6 +15,7 @@ from jaxwalk.sim.features import SPEED
 from jaxwalk.sim.map_tables import POINT_SPACING, POINTS
 from jaxwalk.sim.observation import OBSERVATIONS, part, size
 from jaxwalk.sim.prediction import DISTANCE, NEIGHBOURS
+from pytrees import as_numpy
 
 KEYS = jax.random.split(jax.random.key(3), 7)
 ONE = KEYS[0]
@@ -131,15 +132,23 @@ def moving(street):
     return scenarios, eqx.tree_at(lambda s: s.vehicle.speed, state, np.full(3, 4.0, np.float32))
 
 
-@eqx.filter_jit
-def observe(street, scenarios, state, view):
-    return street.observe(scenarios, state, view)
+SETS = [(role, name) for role, sets in OBSERVATIONS.items() for name in sets]
 
 
-@pytest.mark.parametrize(("role", "name"), [(role, name) for role, sets in OBSERVATIONS.items() for name in sets])
-def test_layouts_say_where_things_are(street, moving, role, name):
-    scenarios, state = moving
-    seen = np.asarray(observe(street, scenarios, state, street.view(role, name)))
+@pytest.fixture(scope="module")
+def observed(street, moving):
+    """What everybody sees there, by role and name of the set: one program for all."""
+
+    @eqx.filter_jit
+    def observe(street, scenarios, state):
+        return {(role, name): street.observe(scenarios, state, street.view(role, name)) for role, name in SETS}
+
+    return as_numpy(observe(street, *moving))
+
+
+@pytest.mark.parametrize(("role", "name"), SETS)
+def test_layouts_say_where_things_are(moving, observed, role, name):
+    (scenarios, state), seen = moving, observed[role, name]
     assert seen.shape[0] == size(role, name)
     if role == "pedestrian":
         shown = {"paper": [0, 1, 2, 3], "kerb": [0, 2, 3]}[name]  # the walking speed, 1, shows as a pace there

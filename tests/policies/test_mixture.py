@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -19,13 +19,15 @@ from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import check_pedestrians
+from pytrees import as_numpy
 
 
 def test_a_kind_is_a_range_of_the_trait():
-    traits = jnp.array([0.0, 0.4999, 0.5, 0.7999, 0.8, 0.99])
-    assert kinds_of(traits, (0.5, 0.3, 0.2)).tolist() == [0, 0, 1, 1, 2, 2]
-    even = jnp.linspace(0, 1, 1001)[:-1]
-    assert np.bincount(kinds_of(even, (0.1, 0.6, 0.3))).tolist() == [100, 600, 300]
+    kinds = eqx.filter_jit(kinds_of)
+    traits = np.float32([0.0, 0.4999, 0.5, 0.7999, 0.8, 0.99])
+    assert kinds(traits, (0.5, 0.3, 0.2)).tolist() == [0, 0, 1, 1, 2, 2]
+    even = np.linspace(0, 1, 1001, dtype=np.float32)[:-1]
+    assert np.bincount(kinds(even, (0.1, 0.6, 0.3))).tolist() == [100, 600, 300]
 
 
 def test_a_kind_is_no_odd_part_of_learned_people():
@@ -41,15 +43,25 @@ def test_everybody_acts_as_their_kind_does(street):
     mixed = Mixture((AlwaysGo(), contestant(street, "pedestrian", "learned"), GapAccepting()), (0.3, 0.5, 0.2))
     check_pedestrians(mixed, street)
     keys = jax.random.split(jax.random.key(1), 3)
+    traits, (trait, views) = as_numpy(_seen(street, keys, mixed.view))
+    np.testing.assert_allclose(trait, np.modf(traits[2] + traits[3])[0])
+    for choice in range(2):  # a kind that never goes, or always, among one that always does
+        played = np.asarray(_played(np.full(trait.shape, choice, np.int32), keys, (trait, views[:2])))
+        np.testing.assert_array_equal(played == 0, (trait >= 0.25) & (choice == 0))
+
+
+@eqx.filter_jit
+def _seen(street, keys, view):
+    """People's traits, and what they see as they set out."""
     scenario = draw_batch(street, keys)
-    state = street.reset(scenario)
-    trait, views = street.observe(scenario, state, mixed.view)
-    np.testing.assert_allclose(trait, np.modf(np.asarray(scenario.traits[2] + scenario.traits[3]))[0])
-    waits = [jnp.zeros_like(trait, jnp.int32), jnp.ones_like(trait, jnp.int32)]
-    for number, action in enumerate(waits):  # a kind that never goes among one that always does
-        given = Mixture((AlwaysGo(), _Always(action)), (0.25, 0.75))
-        played, _ = given.act(keys, given.init((12,), (3,)), (trait, views[:2]))
-        np.testing.assert_array_equal(played == 0, (trait >= 0.25) & (number == 0))
+    return scenario.traits, street.observe(scenario, street.reset(scenario), view)
+
+
+@eqx.filter_jit
+def _played(choice, keys, seen):
+    """What people do of whom three in four make this choice."""
+    given = Mixture((AlwaysGo(), _Always(choice)), (0.25, 0.75))
+    return given.act(keys, given.init((12,), (3,)), seen)[0]
 
 
 class _Always:

@@ -16,6 +16,7 @@ from jaxwalk.policies.shielding import SHIELDS, Shielded
 from jaxwalk.policies.shields.cbf_shield import CbfShield
 from jaxwalk.policies.shields.predictive_shield import PredictiveShield
 from jaxwalk.policies.shields.rss_shield import RssShield, _meets, response_of
+from jaxwalk.policies.shields.shield_scene import Around
 from jaxwalk.runs.contestant_names import ContestantError, check_name, run_folders
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
@@ -23,10 +24,10 @@ from jaxwalk.safety.rss import PERSON, braking_way, forward_way
 from jaxwalk.sim.prediction import AWAY
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import check_driver
-from policies.shield_scenes import RULES, STREET, alone, drive_past, judge, scenes
+from policies.shield_scenes import BATCH, RULES, STREET, THROTTLE, alone, drive_past, judge, judge_one, scenes
+from pytrees import the_same
 
 KINDS = [pytest.param(make(), id=name) for name, make in SHIELDS.items()]
-BATCH = 64
 
 
 class Says:
@@ -42,9 +43,25 @@ class Says:
         return self.action, memory
 
 
-@eqx.filter_jit
-def act(shield, action, scene):
+class Found:
+    """A shield that says what another one has found."""
+
+    def __init__(self, verdict):
+        self.verdict, self.view = verdict, Around()
+
+    def judge(self, action, scene):
+        return self.verdict
+
+
+def decide(shield, action, scene):
+    """What a shielded driver does, its memory, and what is recorded."""
     return Shielded(Says(action), shield).decide(jax.random.split(jax.random.key(0), BATCH), None, (None, scene))
+
+
+@eqx.filter_jit
+def decide_on(verdict, action, scene):
+    """The same, after this verdict: one program for all shields."""
+    return decide(Found(verdict), action, scene)
 
 
 def crowds(seed):
@@ -62,7 +79,7 @@ def test_what_is_safe_by_its_rule_is_never_changed(shield):
     for seed in range(3):
         action, scene = crowds(seed)
         verdict = judge(shield, action, scene)
-        does, _, record = act(shield, action, scene)
+        does, _, record = decide_on(verdict, action, scene)
         safe = np.asarray(verdict.safe)
         np.testing.assert_array_equal(np.asarray(does)[:, safe], action[:, safe])
         np.testing.assert_array_equal(np.asarray(does)[:, ~safe], np.asarray(verdict.instead)[:, ~safe])
@@ -72,12 +89,17 @@ def test_what_is_safe_by_its_rule_is_never_changed(shield):
     assert 0.05 < kept / (3 * BATCH) < 0.95
 
 
+def test_a_shield_is_asked_about_its_drivers_action_in_the_scene_that_it_sees():
+    action, scene = crowds(0)
+    assert the_same(
+        eqx.filter_jit(decide)(RssShield(), action, scene), decide_on(judge(RssShield(), action, scene), action, scene)
+    )
+
+
 @pytest.mark.parametrize("shield", KINDS)
 def test_without_anybody_every_action_is_safe(shield):
-    people = np.zeros((4, 4, BATCH))  # as many as in `crowds`, so that the same program judges
-    people[0] = AWAY
     action = np.random.default_rng(0).uniform(-1, 1, (2, BATCH)).astype(np.float32)
-    assert np.asarray(judge(shield, action, scenes(8.0, people)).safe).all()
+    assert np.asarray(judge(shield, action, scenes(8.0, np.zeros((4, 0, BATCH)))).safe).all()
 
 
 @pytest.mark.parametrize("shield", KINDS)
@@ -91,7 +113,7 @@ def test_a_broken_action_stays_broken(shield):
     """So that what plays it stops and says so."""
     action, scene = crowds(0)
     action[0, :5], action[1, 5:9] = np.nan, 1.5
-    does, _, record = act(shield, action, scene)
+    does, _, record = decide_on(judge(shield, action, scene), action, scene)
     np.testing.assert_array_equal(np.asarray(does)[:, :9], action[:, :9])
     assert not np.logical_or(record.changed, record.infeasible)[:9].any()
 
@@ -127,7 +149,7 @@ def test_the_same_if_people_change_their_velocity_steadily():
 
 def test_braking_as_before_is_what_the_step_before_made_sure_of():
     verdict = alone(4.0, 0, 0, 0, speed=1.0, action=[1, 0.5], shield=PredictiveShield())
-    assert np.asarray(verdict.instead)[:, 0].tolist() == [-1, 0]
+    assert verdict.instead.tolist() == [-1, 0]
     assert not verdict.infeasible
     assert alone(3.0, 0, 0, 0, speed=5.0, shield=PredictiveShield()).infeasible  # somebody fell from the sky
 
@@ -175,7 +197,7 @@ def test_rss_lets_a_braking_car_brake():
     assert braking.safe
     softly = alone(8.0, 0, 0, 0, speed=5.0, action=[-0.5, 0.2], shield=RssShield())
     assert not softly.safe
-    np.testing.assert_allclose(np.asarray(softly.instead)[:, 0], [-1, 0.2])
+    np.testing.assert_allclose(softly.instead, [-1, 0.2])
 
 
 def test_the_barrier_lets_a_car_brake_beside_somebody():
@@ -186,9 +208,9 @@ def test_the_barrier_lets_a_car_brake_beside_somebody():
 def test_where_no_action_is_feasible_the_barrier_takes_the_best_and_says_so():
     row = np.zeros((4, 7, 1))
     row[0], row[1, :, 0] = 6.0, np.arange(-6, 7, 2)
-    verdict = judge(CbfShield(), np.array([[1.0], [0.0]], np.float32), scenes(8.0, row))
+    verdict = judge_one(CbfShield(), THROTTLE, scenes(8.0, row))
     assert verdict.infeasible
-    assert np.asarray(verdict.instead)[0, 0] == -1
+    assert verdict.instead[0] == -1
     assert not alone(6.0, 0, 0, 0, speed=8.0, shield=CbfShield()).infeasible  # goes round one person
 
 

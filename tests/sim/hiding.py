@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -17,6 +19,7 @@ RULES = SimConfig(horizon=100, pedestrians=12, parked=0.6, perception=True, cont
 STREET, BATCH, STEPS = "validation-1000000003", 32, 60
 
 
+@cache
 def hiding_street():
     return Street.create([STREET], RULES, jaywalk_multiplier=1.0)
 
@@ -40,7 +43,9 @@ def drive(street, scenarios, steps=STEPS):
     return jax.lax.scan(step, street.reset(scenarios), None, steps)
 
 
+@eqx.filter_jit
 def play_on(street, scenarios):
+    """The same state in which nobody looked on the way, so also where nobody is hidden."""
     actions = {"driver": jnp.stack([jnp.full(BATCH, 0.2), jnp.zeros(BATCH)])}
     actions["pedestrian"] = jnp.ones((12, BATCH), int)
     return jax.lax.scan(

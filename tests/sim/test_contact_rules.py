@@ -17,7 +17,7 @@ from jaxwalk.scenarios import Drawn
 from jaxwalk.sim import events, manoeuvres, prediction
 from jaxwalk.sim.sim_config import WORLDS, SimConfig, rules_of
 from pytrees import as_numpy
-from sim.play import compiled
+from sim.play import compiled, reset
 
 EPISODES = 64
 clearance_by = compiled(prediction.clearance_by)
@@ -57,7 +57,7 @@ def test_episodes_end_at_the_first_contact_by_the_worlds_rule(played):
 @pytest.mark.parametrize("rule", RULES)
 def test_clearances_of_a_standing_car_by_hand(played, rule):
     street, scenarios, _ = played
-    state = street.reset(scenarios)
+    state = reset(street, scenarios)
     clearance, conflict = clearance_by(Moment(street.world, scenarios, state), rule)
     seen, config = as_numpy(state.foresight.people), street.config
     time = np.array(manoeuvres.MOMENTS[rule])[:, None, None]
@@ -77,7 +77,7 @@ def test_clearances_of_a_standing_car_by_hand(played, rule):
 
 def test_a_car_in_motion_comes_nearer_with_its_front_than_with_its_centre(played):
     street, scenarios, _ = played
-    moment = Moment(street.world, scenarios, street.reset(scenarios))
+    moment = Moment(street.world, scenarios, reset(street, scenarios))
     (centre, _), (front, _) = (clearance_by(moment, rule) for rule in RULES)
     assert (front <= centre).all()
     assert np.where(centre < 10, centre - front, 0).max() > 2.25, "ahead it is half a car's length and the body"

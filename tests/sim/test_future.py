@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from jaxwalk import Street
 from jaxwalk.evaluation import with_jaywalk_multiplier
+from jaxwalk.sim import vehicle
 from jaxwalk.sim.future import MOMENTS, PLACES, SPACING, STEPS, limits
 from jaxwalk.sim.manoeuvres import FAR
 from jaxwalk.sim.observation import PRIVILEGED, part
 from jaxwalk.sim.sim_config import WORLDS
-from jaxwalk.sim.vehicle import course
-from sim.play import ENVIRONMENTS, actions, everything, with_car
+from sim.play import ENVIRONMENTS, actions, columns, compiled, everything, reset, with_car
+
+course = compiled(vehicle.course)
 
 
 @jax.jit
@@ -74,7 +74,7 @@ def test_who_waits_is_taken_to_start_now(street, paid_street, scenarios, midway)
 
 
 def test_it_knows_jaywalks_that_nobody_has_decided_yet(street, scenarios):
-    start = eqx.filter_jit(street.reset)(scenarios)
+    start = reset(street, scenarios)
     never, always = (with_jaywalk_multiplier(street, x) for x in (0.0, 1e9))
     with_none, with_all = clearances(never, scenarios, start), clearances(always, scenarios, start)
     differs = (np.abs(with_none - with_all) > 1).any(axis=(0, 1))
@@ -83,8 +83,7 @@ def test_it_knows_jaywalks_that_nobody_has_decided_yet(street, scenarios):
 
 
 def test_one_scenario_alone_sees_the_same(street, scenarios, midway):
-    one, there = jax.tree.map(lambda x: x[..., 7], (scenarios, midway))
-    alone = street.observe(one, there, street.view("driver", PRIVILEGED))
+    alone = _observe(street, *columns((scenarios, midway), 7))
     np.testing.assert_allclose(alone, np.asarray(_observe(street, scenarios, midway))[:, 7], atol=1e-5)
 
 
@@ -95,7 +94,7 @@ def test_it_knows_the_speed_limits_ahead(scenarios, midway):
     state = with_car(midway, along=along)
     seen = np.asarray(jax.jit(limits)(world, scenarios, state))
     for place in (0, 7, 60, PLACES - 1):
-        expected = np.asarray(course(world, scenarios, jnp.asarray(along + SPACING * place)).limit)
+        expected = course(world, scenarios, along + np.float32(SPACING * place)).limit
         np.testing.assert_allclose(seen[place], np.minimum(expected, 13.9), rtol=1e-6)
     assert seen.min() < 6
     assert seen.max() == pytest.approx(13.9)

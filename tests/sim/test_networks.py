@@ -19,7 +19,7 @@ from jaxwalk.maps.network_scene import signed_distance
 from jaxwalk.sim import vehicle
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK
 from maps.networks import CENTRE, bend, island, turned
-from sim.play import ENVIRONMENTS, PEOPLE, STEPS, draw, play, random_actions, reset
+from sim.play import ENVIRONMENTS, PEOPLE, STEPS, compiled, draw, play, random_actions, reset
 
 ANGLE = 0.7
 NEAR = 0.06
@@ -146,10 +146,14 @@ def test_a_car_off_a_turned_street_is_put_back_within_a_hand(bent, bent_scenario
 
 def back(street, points):
     """Where points are put back to, and which are off the road."""
-    scenario = eqx.tree_at(lambda s: (s.map, s.route), draw(street, 3, 0, 0, 1), [jnp.zeros(len(points), int)] * 2)
-    car = vehicle.place(street.world, scenario)
-    x, y, off = jax.jit(vehicle.onto_road)(street.world, scenario, car, *jnp.asarray(points.T, jnp.float32))
-    return np.asarray(x), np.asarray(y), np.asarray(off)
+    first = np.zeros(len(points), np.int32)
+    scenario = eqx.tree_at(lambda s: (s.map, s.route), draw(street, 3, 0, 0, 1), (first, first))
+    return _back(street.world, scenario, *points.T.astype(np.float32))
+
+
+@compiled
+def _back(world, scenario, x, y):
+    return vehicle.onto_road(world, scenario, vehicle.place(world, scenario), x, y)
 
 
 @pytest.fixture(scope="module")

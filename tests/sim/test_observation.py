@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from jaxwalk.evaluation import with_jaywalk_multiplier
-from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import OBSERVATIONS, Observation, bounds, part, size
-from jaxwalk.sim.vehicle import goal
-from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, people, refreshed, reset, with_car
+from pytrees import as_numpy
+from sim.play import ENVIRONMENTS, PEOPLE, SETS, actions, everything, goal, people, reset, with_car
 
 DRIVER = [f"{role} {name}" for role, name in SETS if role == "driver"]
 
@@ -140,11 +138,12 @@ def test_people_can_be_permuted(paid_street, scenarios, moving, seen):
 
 def test_traits_plans_and_draws_do_not_show(paid_street, scenarios, moving, seen):
     """All that a scenario holds about people but where they start and how fast they walk."""
-    traits = scenarios.traits.at[0].set(1 - scenarios.traits[0]).at[2:].set(1 - scenarios.traits[2:])
+    drawn = as_numpy(scenarios)
+    traits = np.where(np.arange(len(drawn.traits))[:, None, None] == 1, drawn.traits, 1 - drawn.traits)
     hidden = eqx.tree_at(
         lambda s: (s.traits, s.goals, s.jaywalk_draw, s.zone_draw),
         scenarios,
-        (traits, scenarios.goals[::-1], 1 - scenarios.jaywalk_draw, 1 - scenarios.zone_draw),
+        (traits, drawn.goals[::-1], 1 - drawn.jaywalk_draw, 1 - drawn.zone_draw),
     )
     _, _, looked, _ = everything(paid_street, hidden, moving, actions())
     for name in DRIVER:
@@ -158,9 +157,9 @@ def test_what_people_have_in_mind_does_not_show(change, paid_street, scenarios):
     if change == "multiplier":
         other_street = with_jaywalk_multiplier(paid_street, 4.0)
     else:
-        other = eqx.tree_at(
-            lambda s: s.goals, scenarios, scenarios.goals.at[1:].set(jnp.roll(scenarios.goals[1:], 1, axis=0))
-        )
+        goals = np.asarray(scenarios.goals)
+        goals = np.concatenate([goals[:1], np.roll(goals[1:], 1, axis=0)])
+        other = eqx.tree_at(lambda s: s.goals, scenarios, goals)
     one = two = reset(paid_street, scenarios)
     secrets = 0
     for step in range(120):
@@ -181,19 +180,18 @@ def test_what_people_have_in_mind_does_not_show(change, paid_street, scenarios):
     assert secrets > (100 if change == "multiplier" else 10)
 
 
-def test_who_decides_at_the_kerb(scenarios, midway):
+def test_who_decides_at_the_kerb(paid_street, scenarios, midway):
     """The last metre before the roadway, on the leg that leads there, with the car within 40 m and not past."""
     random, walkers = np.random.default_rng(3), midway.pedestrian
     lead = random.choice([-0.5, 0.5], walkers.remaining.shape).astype(np.float32)  # from the leg's end to the roadway
     walkers = eqx.tree_at(
         lambda p: (p.leg.kerb_past_end, p.remaining),
         walkers,
-        (jnp.asarray(lead), jnp.asarray(random.uniform(0, 3, lead.shape), jnp.float32)),
+        (lead, random.uniform(0, 3, lead.shape).astype(np.float32)),
     )
     state = eqx.tree_at(lambda s: s.pedestrian, midway, walkers)
-    street = Street.create()
-    state = refreshed(street, scenarios, state)
-    decides = np.asarray(street.observe(scenarios, state, street.view("pedestrian", "kerb"))[0], bool)
+    _, _, seen, _ = everything(paid_street, scenarios, state, actions())
+    decides = np.asarray(seen["pedestrian kerb"][0], bool)
     to_kerb = lead + np.asarray(walkers.remaining)
     dx, dy = (np.asarray(of_all) - np.asarray(of_car) for of_all, of_car in
               ((walkers.x, midway.vehicle.x), (walkers.y, midway.vehicle.y)))  # fmt: skip

@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax import device_put
 
 from jaxwalk import Street
 from jaxwalk.evaluation import play
@@ -22,7 +23,9 @@ from jaxwalk.sim.perceived import KEPT, Sighting
 from jaxwalk.sim.perception import _arrive, chance
 from jaxwalk.sim.prediction import foresee
 from jaxwalk.sim.trajectory import part_of
+from sim import passersby
 from sim.hiding import BATCH, RULES, STEPS, drawn, drive, hiding_street, look, play_on, x_ray
+from sim.play import compiled
 
 VIEWS = [name for name in OBSERVATIONS["driver"] if name not in PRIVILEGED_SETS]
 
@@ -66,10 +69,10 @@ def test_no_driver_notices_what_hidden_people_do(hiding, scenarios, played):
     def shaken(values):
         values = np.asarray(values)
         other = random.permuted(values, axis=-1) + (random.random(values.shape) < 0.5).astype(values.dtype)
-        return jnp.asarray(np.where(hidden, other.astype(values.dtype), values))
+        return device_put(np.where(hidden, other.astype(values.dtype), values))
 
     moved = jax.tree.map(shaken, state.pedestrian)
-    strangers = replace(scenarios, traits=jnp.stack([shaken(trait) for trait in scenarios.traits]))
+    strangers = replace(scenarios, traits=device_put(np.stack([shaken(x) for x in np.asarray(scenarios.traits)])))
     seen = eqx.filter_jit(foresee)(hiding.world, strangers, state.vehicle, moved, state.perceived)
     other = replace(state, pedestrian=moved, foresight=seen)
     before, after = views(hiding, scenarios, state), views(hiding, strangers, other)
@@ -81,8 +84,9 @@ def test_no_driver_notices_what_hidden_people_do(hiding, scenarios, played):
 def test_told_tendencies_are_of_perceived_people_only(hiding, scenarios, played):
     state, _ = played
     told = "route-footprint-told"
-    strangers = jnp.where(state.perceived.now.seen, scenarios.traits[0], 1 - scenarios.traits[0])
-    others = replace(scenarios, traits=scenarios.traits.at[0].set(strangers))
+    traits = np.array(scenarios.traits)
+    traits[0] = np.where(state.perceived.now.seen, traits[0], 1 - traits[0])
+    others = replace(scenarios, traits=device_put(traits))
     one, other = (look(hiding, x, state, told) for x in (scenarios, others))
     np.testing.assert_array_equal(one, other)
 
@@ -94,7 +98,7 @@ def test_where_everybody_is_in_sight_drivers_see_what_they_saw(hiding, scenarios
     nothing = jax.tree.map(lambda table: jnp.full_like(table, PADDING), hiding.world.occluders)
     clear = replace(hiding, world=replace(hiding.world, rules=far, occluders=nothing))
     usual = replace(hiding, world=replace(hiding.world, rules=replace(far, perception=False)))
-    (one, _), (other, _) = drive(clear, scenarios), eqx.filter_jit(play_on)(usual, scenarios)
+    (one, _), (other, _) = drive(clear, scenarios), play_on(usual, scenarios)
     assert np.asarray(one.perceived.in_sight).all()
     assert other.perceived is None
     for name in VIEWS:
@@ -150,13 +154,16 @@ def test_people_who_dont_see_the_car_have_nothing_to_decide(hiding, scenarios, p
 
 def test_rewards_and_recordings_are_of_people_as_they_are(hiding, scenarios, played):
     state, _ = played
-    truth = eqx.filter_jit(foresee)(hiding.world, scenarios, state.vehicle, state.pedestrian)
-    crosswalk_user, jaywalker = eqx.filter_jit(prediction.people_ahead)(hiding.world, scenarios, state)
+
+    @compiled
+    def found(world, scenario, state):
+        ways = prediction.people_ahead, prediction.clearance_at_held_speed, prediction.motion_of_people
+        return foresee(world, scenario, state.vehicle, state.pedestrian), [way(world, scenario, state) for way in ways]
+
+    truth, ((crosswalk_user, jaywalker), held, motion) = found(hiding.world, scenarios, state)
     np.testing.assert_array_equal(crosswalk_user, truth.crosswalk_user)
     np.testing.assert_array_equal(jaywalker, truth.jaywalker)
-    held = eqx.filter_jit(prediction.clearance_at_held_speed)(hiding.world, scenarios, state)
     np.testing.assert_allclose(held, truth.clearance[1], atol=1e-5)
-    motion = eqx.filter_jit(prediction.motion_of_people)(hiding.world, scenarios, state)
     np.testing.assert_allclose(motion.ahead, truth.people.ahead, atol=1e-5)
 
 
@@ -191,10 +198,12 @@ def test_misses_noise_and_delay_are_as_large_as_they_say(hiding, scenarios):
 def test_a_crossing_counts_once_however_often_it_is_seen(hiding, played):
     """By hand: seen on a jaywalk, hidden, seen on it again, then on a crosswalk; one of each counts."""
     state, _ = played
-    world, before = hiding.world, jax.tree.map(lambda x: jnp.zeros((1,) * x.ndim, x.dtype), state.perceived)
+    before = jax.tree.map(lambda x: device_put(np.zeros((1,) * x.ndim, x.dtype)), state.perceived)
+    arrive, nought = eqx.filter_jit(_arrive), np.float32(0)
     for seen, crossing, decisions in ((True, 2, 1), (False, 2, 1), (True, 2, 1), (True, 0, 1), (True, 1, 2)):
-        one = [jnp.full((1, 1), value) for value in (seen, 0.0, 0.0, 0.0, 0.0, crossing > 0, crossing, decisions)]
-        before = _arrive(world, before, jnp.full((1, 1), seen), Sighting(*one))
+        values = (np.bool_(seen), *[nought] * 4, np.bool_(crossing > 0), np.int32(crossing), np.int32(decisions))
+        one = [device_put(np.full((1, 1), value)) for value in values]
+        before = arrive(hiding.world, before, one[0], Sighting(*one))
     assert (before.crossings.jaywalks.item(), before.crossings.crosswalks.item()) == (1, 1)
 
 
@@ -202,7 +211,7 @@ def test_a_view_without_perception_costs_nothing(scenarios):
     """The state of the paper's world has no leaf more than it had."""
     paper = Street.create()
     assert paper.world.occluders is None
-    state = paper.reset(paper.draw(jax.random.key(0)))
+    state = jax.eval_shape(lambda key: paper.reset(paper.draw(key)), jax.random.key(0))
     assert state.perceived is None
     assert len(jax.tree.leaves(state)) == len(
         jax.tree.leaves((state.step, state.vehicle, state.pedestrian, state.foresight))
@@ -229,9 +238,8 @@ def test_a_recording_says_what_was_perceived_and_who_is_parked(hiding, scenarios
 
 
 def test_where_everybody_is_perceived_nothing_of_it_is_recorded(street):
-    scenarios = jax.vmap(street.draw, out_axes=-1)(jax.random.split(jax.random.key(77), 4))
     keys = jax.random.split(jax.random.key(77), 4)
-    recorded = play(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, scenarios, keys)
+    recorded = play(street, {"driver": RouteFollower(), "pedestrian": AlwaysGo()}, passersby.drawn(street, 4), keys)
     some = part_of(recorded, frames=2, episodes=slice(1))
     for one in (recorded, some):
         assert one.parked is one.perceived is one.last_seen_x is one.last_seen_y is one.last_seen_age is None

@@ -23,7 +23,7 @@ from jaxwalk.sim.sim_config import SimConfig
 from maps.networks import bend
 from pytrees import as_numpy
 from sim.passersby import drawn
-from sim.play import compiled
+from sim.play import columns, compiled
 
 STREETS = ("validation-1000000004", "validation-1000000001")
 """One with many parked vehicles, one with many rounded buildings."""
@@ -167,10 +167,9 @@ def test_a_batch_may_have_any_number_of_axes(hiding):
     batch = (scenarios, car, *np.moveaxis(places.astype(np.float32), -1, 0))
     found = in_sight(street.world, *batch)
     assert 0 < found.sum() < found.size
-    two = jax.tree.map(lambda leaf: leaf.reshape(*leaf.shape[:-1], 2, 3), batch)
+    two = jax.tree.map(lambda leaf: leaf.reshape(*leaf.shape[:-1], 2, 3), as_numpy(batch))
     np.testing.assert_array_equal(in_sight(street.world, *two).reshape(found.shape), found)
-    alone = jax.tree.map(lambda leaf: leaf[..., 4], batch)
-    np.testing.assert_array_equal(in_sight(street.world, *alone), found[:, 4])
+    np.testing.assert_array_equal(in_sight(street.world, *columns(batch, 4)), found[:, 4])
 
 
 def test_copies_of_the_first_map_are_not_worked_out_again(hiding, monkeypatch):

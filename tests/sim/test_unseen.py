@@ -45,10 +45,22 @@ def played(hiding, scenarios):
     return drive(hiding, scenarios)
 
 
-def test_the_x_ray_set_is_what_a_car_sees_where_nobody_is_hidden(hiding, scenarios, played):
+@pytest.fixture(scope="module")
+def usual(hiding):
+    """The same street without perception: nobody is hidden."""
+    return replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
+
+
+@pytest.fixture(scope="module")
+def everybody(usual, scenarios):
+    """The state after the same steps there."""
+    state, _ = play_on(usual, scenarios)
+    return state
+
+
+def test_the_x_ray_set_is_what_a_car_sees_where_nobody_is_hidden(hiding, usual, scenarios, played, everybody):
     """Played again without perception: the same people, and so the same set, which hides nobody there."""
-    usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
-    (state, _), (everybody, _) = played, eqx.filter_jit(play_on)(usual, scenarios)
+    state, _ = played
     blind, sees_all = (as_numpy(look(usual, scenarios, x, FOOTPRINT)) for x in (state, everybody))
     np.testing.assert_allclose(x_ray(hiding, scenarios, state), sees_all, atol=2e-3)
     np.testing.assert_array_equal(x_ray(usual, scenarios, everybody), sees_all)
@@ -108,9 +120,14 @@ def test_costs_go_by_the_truth(hiding, scenarios, played):
 def test_where_nobody_is_hidden_critics_and_actors_share_what_they_see():
     street = Street.create(config=SimConfig(pedestrians=3))
     scenario = drawn(street)
-    state = street.reset(scenario)
-    assert street.unhidden(scenario, state) is state
-    views = jax.jit(partial(gather_views, street, whole(replace(FAST.train, environments=BATCH))))(scenario, state)
+    config = whole(replace(FAST.train, environments=BATCH))
+
+    def seen(scenario):
+        state = street.reset(scenario)
+        assert street.unhidden(scenario, state) is state
+        return gather_views(street, config, scenario, state)
+
+    views = jax.eval_shape(seen, scenario)
     assert {name: list(seen) for name, seen in views.items()} == {
         "driver": ["global", FOOTPRINT],
         "pedestrian": ["kerb"],
@@ -140,7 +157,7 @@ def test_who_was_last_seen_is_shown_where_that_was_and_fades(hiding, scenarios, 
         np.testing.assert_array_equal(rows[there:, :, episode], np.tile([1.0, 0, 0, 0, 0], (NEIGHBOURS - there, 1)))
 
 
-def test_hidden_sides_are_those_that_no_line_reaches(hiding, scenarios, played):
+def test_hidden_sides_are_those_that_no_line_reaches(hiding, usual, scenarios, played, everybody):
     """Places beyond the kerbs beside the points of the route ahead; where everybody is in sight none is hidden."""
     state, _ = played
     hidden = seen_by(hiding, scenarios, state, AWARE, "hidden_sides").reshape(len(POINTS), 2, BATCH)
@@ -154,7 +171,5 @@ def test_hidden_sides_are_those_that_no_line_reaches(hiding, scenarios, played):
             x, y = beside[:, 2 * side][None], beside[:, 2 * side + 1][None]
             seen = seen_from(hiding.world, scenarios, state.vehicle, x, y)[0]
             assert (hidden[point, side] == ~seen).mean() > 0.95
-    usual = replace(hiding, world=replace(hiding.world, rules=replace(hiding.world.rules, perception=False)))
-    everybody, _ = eqx.filter_jit(play_on)(usual, scenarios)
     assert not seen_by(usual, scenarios, everybody, AWARE, "hidden_sides").any()
     assert (seen_by(usual, scenarios, everybody, MEMORY, "last_seen").reshape(NEIGHBOURS, 5, BATCH)[:, 4] == 0).all()

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import jax
 import numpy as np
 import pytest
 
 from jaxwalk.sim.walking_paths import walking_paths
+from sim.play import columns
 
 EPISODES = 8
 
 
 @pytest.fixture(scope="module")
 def paths(street, scenarios):
-    some = jax.tree.map(lambda x: x[..., :EPISODES], scenarios)
-    return walking_paths(street.world, some, reach=100.0)
+    return walking_paths(street.world, columns(scenarios, slice(EPISODES)), reach=100.0)
 
 
 def along(x, y):

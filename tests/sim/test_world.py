@@ -12,6 +12,7 @@ import pytest
 
 from jaxwalk import SimConfig, Street
 from jaxwalk.sim import pedestrian, vehicle
+from sim.play import compiled
 
 OTHER = SimConfig(
     slowest_walk=0.8, fastest_walk=1.9, wheelbase=2.7, max_speed=13.9, max_steering=0.6, max_acceleration=7.0,
@@ -42,16 +43,20 @@ def test_other_rules_compile_nothing_anew(street):
         go = jnp.ones(people.going.shape, bool)
         return vehicle.drive(world, scenario, car, jnp.ones(2)), pedestrian.walk(world, scenario, people, go)
 
-    compiled = jax.jit(step)
+    @jax.jit
+    def start(street, world):
+        scenario = street.draw(jax.random.key(0))
+        return scenario, vehicle.place(world, scenario), pedestrian.place(world, scenario)
+
+    one_step, velocity = jax.jit(step), compiled(pedestrian.velocity)
     speeds, strides = [], []
     for config in (SimConfig(), keeps_the_shapes):
         world = street.world if config == SimConfig() else Street.create(config=config).world
-        scenario = street.draw(jax.random.key(0))
-        car, people = vehicle.place(world, scenario), pedestrian.place(world, scenario)
+        scenario, car, people = start(street, world)
         for _ in range(3):
-            car, people = compiled(world, scenario, car, people)
+            car, people = one_step(world, scenario, car, people)
         speeds.append(float(car.speed))
-        strides.append(np.asarray(pedestrian.velocity(world, scenario, people)).max())
+        strides.append(np.max(velocity(world, scenario, people)))
     assert traces["step"] == 1
     assert speeds == pytest.approx([3 * 0.1 * 3.0, 3 * 0.1 * 7.0])
     assert strides[0] != strides[1]

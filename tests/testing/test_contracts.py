@@ -119,13 +119,17 @@ class Sleepy(eqx.Module):
         return action, memory.astype(int) if self.broken == "memory" else memory
 
 
+VIEWS = {"driver": ["route", "paper"], "pedestrian": ["kerb"]}
+
+
+@pytest.mark.long
 def test_our_street_passes(small):
-    check_environment(small, {"driver": ["route", "paper"], "pedestrian": ["kerb"]}, steps=FEW)
+    check_environment(small, VIEWS, steps=FEW)
 
 
 def test_our_street_with_hidden_people_passes():
     street = Street.create(config=SimConfig(horizon=2, pedestrians=3, perception=True, sight=20.0))
-    check_environment(street, {"driver": ["route"], "pedestrian": ["kerb"]}, steps=FEW)
+    check_environment(street, VIEWS, steps=FEW)
 
 
 def test_our_policies_pass(small):
