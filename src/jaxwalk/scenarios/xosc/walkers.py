@@ -128,13 +128,10 @@ class PedestrianReader:
 
     def _trajectory(self, user: RoadUser, action: ET.Element) -> np.ndarray:
         points = points_of(self.positions, vertices(action, self.positions.catalogs))
-        if user.name in self.positions.begins:
-            begin = self.positions.begin(user.name)
-            away = float(np.hypot(*(points[0] - begin[:2])))
-            if away > OFF_PATH:
-                raise XoscRefusal(
-                    f"Trajectory: begins {away:.1f} m from where the pedestrian begins; correct one of them"
-                )
+        begin = self.positions.begin(user.name)
+        away = float(np.hypot(*(points[0] - begin[:2])))
+        if away > OFF_PATH:
+            raise XoscRefusal(f"Trajectory: begins {away:.1f} m from where the pedestrian begins; correct one of them")
         return points
 
     def _meeting(self, way: np.ndarray, steps: list[WalkerAction], changes: list[Change]) -> Walker:
