@@ -27,6 +27,9 @@ CYCLIST = PARKED.replace('vehicleCategory="van"', 'vehicleCategory="bicycle"')
 MOVING = f'<Private entityRef="van">{teleport(world(20, -3))}{speed(5)}</Private>'
 SPEEDS = by_car('<SpeedCondition value="3" rule="lessThan"/>')
 FUNCTION = '<ParameterDeclarations><ParameterDeclaration name="a" value="{}"/></ParameterDeclarations>'
+GOES_TO = (
+    "<PrivateAction><RoutingAction><AcquirePositionAction>{}</AcquirePositionAction></RoutingAction></PrivateAction>"
+)
 ROUTE = "<AssignRouteAction><Route name='empty'/></AssignRouteAction>"
 NOWHERE = f"<PrivateAction><RoutingAction>{ROUTE}</RoutingAction></PrivateAction>"
 REFUSED = {
@@ -47,6 +50,10 @@ REFUSED = {
     "no speed": (document(car=teleport(world(0, 0))), "nothing says how fast it drives; write a SpeedAction"),
     "too fast": (document(car=teleport(world(0, 0)) + speed(30)), "speeds: 108 km/h is above 72"),
     "no place": (document(walker=speed(1)), "no TeleportAction of Init says where it begins"),
+    "no place but a goal": (
+        document(walker=GOES_TO.format(world(43.5, 6)) + speed(1)),
+        "entity 'walker': no TeleportAction of Init says where it begins; add one",
+    ),
     "condition": (document(crossing(SPEEDS)), "SpeedCondition: isn't supported; wait for a time"),
     "mixed": (
         document(crossing(by_value(TIME.format(1)) + by_car('<TraveledDistanceCondition value="1"/>'))),
