@@ -127,6 +127,13 @@ def test_our_tables_say_by_which_rules_they_were_recorded(tmp_path):
     assert open_tracks(tmp_path / "t.parquet").rules == {"dt": 0.05, "moving_speed": 0.4}
 
 
+def test_a_rule_that_is_no_number_is_refused(tmp_path):
+    (tracks,) = open_tracks(_dut(tmp_path), frame_rate=23.976).recordings
+    write_tracks(tmp_path / "t.parquet", [tracks], about={"dt": "quick"})
+    with pytest.raises(TracksError, match=r"t\.parquet: its dt must be a number, not 'quick'; write it again"):
+        open_tracks(tmp_path / "t.parquet")
+
+
 def test_other_files(tmp_path):
     (tmp_path / "tracks.csv").write_text("")
     with pytest.raises(TracksError, match="unknown layout"):

@@ -16,7 +16,7 @@ import shapely
 
 from formats.schemas import valid
 from jaxwalk.formats.opendrive import opendrive
-from jaxwalk.formats.road_network import road_network
+from jaxwalk.formats.road_network import Connection, _ways, road_network
 from jaxwalk.formats.tracks import TracksError
 from jaxwalk.maps import load_network
 from jaxwalk.sim.sim_config import SimConfig
@@ -72,6 +72,28 @@ def test_a_lane_that_forks_into_the_ends_of_the_street_is_refused():
     lanes = (replace(one, line=one.line[: half + 1], successors=(1, 2)), *2 * [replace(one, line=one.line[half:])])
     with pytest.raises(TracksError, match=r"lanes\[0\] forks into a lane that ends the street"):
         road_network(replace(bend(), lanes=lanes))
+
+
+def test_lanes_that_lead_to_different_roads_at_one_place_are_refused():
+    """The street is cut in its middle; beyond it, only the way back is cut once more."""
+    whole, other = bend().lanes
+    line, back = whole.line, other.line[::-1]
+    cut, later = len(line) // 2, 3 * len(line) // 4
+    lanes = (
+        replace(whole, line=line[: cut + 1], successors=(1,)), replace(whole, line=line[cut:]),
+        replace(other, line=back[: cut + 1][::-1]), replace(other, line=back[cut : later + 1][::-1], successors=(2,)),
+        replace(other, line=back[later:][::-1], successors=(3,)),
+    )  # fmt: skip
+    with pytest.raises(TracksError, match=r"lanes \[0, 2\] lead to different roads at one place: cut them at the same"):
+        opendrive(road_network(replace(bend(), lanes=lanes)), "uneven")
+
+
+def test_a_way_through_a_junction_uses_each_of_its_lanes_once():
+    """Lanes 1 and 2 of the junction lead round to each other; lane 3 leads out of it."""
+    lane = bend().lanes[0]
+    lanes = tuple(replace(lane, successors=after) for after in ((1,), (2, 3), (1,), ()))
+    ways = _ways(replace(bend(), lanes=lanes), np.array([-1, 0, 0, -1]), 0)
+    assert list(ways) == [Connection(junction=0, incoming=0, outgoing=3, lanes=(1,))]
 
 
 def test_opendrive_is_valid(drive, road_plan):

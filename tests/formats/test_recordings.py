@@ -151,6 +151,21 @@ def test_what_cannot_be_told_is_left_out():
     json.dumps([found, blind], allow_nan=False)
 
 
+def test_endings_count_where_nothing_says_where_people_walk():
+    """One car in two reaches its goal; where those were walking whom cars touch isn't known."""
+    tracks = recording(car(0, 2, 0, 0, 10.0), person(0, 2, 60, 9))
+    known = {"touched": np.zeros(len(tracks.t), bool)}
+    both = [
+        (replace(tracks, episode=n, known=known | {"ending": np.full(len(tracks.t), ending)}), None)
+        for n, ending in enumerate(("goal", "timeout"))
+    ]
+    counted = []
+    found = measure_all(both, config=CONFIG, progress=counted.append).as_dict()
+    assert counted == [1, 2]
+    assert found["outcomes"]["goal"]["value"] == 0.5
+    assert not {"crosswalk", "jaywalk", "sidewalk"} & found["outcomes"].keys()
+
+
 def test_nobody_to_meet():
     found = measure_all([(recording(car(0, 6, 0, 0, 10.0)), GROUND)], config=CONFIG).as_dict()
     assert found["surrogates"]["jaywalk"]["count"] == 0

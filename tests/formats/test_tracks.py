@@ -128,6 +128,7 @@ def test_text_may_be_stored_as_categories(file, tmp_path, episodes):
 
 WRONG = {
     "no column": (lambda table: table.drop_columns(["heading", "vx"]), "has no column vx, heading"),
+    "a column twice": (lambda table: table.append_column("x", table["x"]), "has several columns x; keep one of each"),
     "empty values": (
         lambda table: table.set_column(4, "x", pyarrow.nulls(len(table), pyarrow.float32())),
         "column x has empty values",
@@ -164,6 +165,29 @@ def test_words_that_are_no_text_are_refused(file, tmp_path):
 
     with pytest.raises(TracksError, match="isn't UTF-8"):
         list(_rewritten(file, tmp_path / "garbled.parquet", garbled).recordings())
+
+
+def test_columns_of_other_programs_are_passed_over(file, tmp_path, episodes):
+    """Also one that could fill memory: it isn't read."""
+    back = _rewritten(
+        file, tmp_path / "more.parquet", lambda table: table.append_column("weather", [[["rain", "fog"]] * len(table)])
+    )
+    assert "weather" not in back.known
+    assert np.array_equal(next(back.recordings()).x, episodes[0].x)
+
+
+def test_a_column_of_words_may_be_empty(file, tmp_path, episodes):
+    """Nobody's ending is known then: the text is empty."""
+
+    def emptied(table):
+        return table.set_column(table.schema.get_field_index("ending"), "ending", pyarrow.nulls(len(table)))
+
+    first = next(_rewritten(file, tmp_path / "empty.parquet", emptied).recordings())
+    assert set(first.known["ending"].tolist()) == {""} and len(first.t) == len(episodes[0].t)
+
+
+def test_a_table_without_rows_has_no_recordings(file, tmp_path):
+    assert list(_rewritten(file, tmp_path / "none.parquet", lambda table: table.slice(0, 0)).recordings()) == []
 
 
 def test_no_parquet_file(tmp_path, episodes, monkeypatch):

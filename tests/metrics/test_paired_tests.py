@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxwalk.metrics import holm, mcnemar, paired_difference
-from jaxwalk.metrics.paired_tests import SURE
+from jaxwalk.metrics.paired_tests import SURE, _discordant
 
 
 def test_mcnemar():
@@ -17,6 +17,11 @@ def test_mcnemar():
     assert mcnemar(a, a) == 1.0
     with pytest.raises((ValueError, TypeError)):  # TypeError: where shapes are checked
         mcnemar(a, b[1:])
+
+
+def test_pairs_of_different_lengths_are_refused():
+    with pytest.raises(ValueError, match=r"paired outcomes need equal lengths, not \(3,\) and \(2,\)"):
+        _discordant(np.ones(3, bool), np.ones(2, bool))
 
 
 def test_paired_difference_of_bonett_and_price():

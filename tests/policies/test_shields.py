@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -13,7 +15,7 @@ from jaxwalk.adapters.players import player
 from jaxwalk.policies import RouteFollower, shielded
 from jaxwalk.policies.shield_names import SHIELD_NAMES, unshielded, with_shield
 from jaxwalk.policies.shielding import SHIELDS, Shielded
-from jaxwalk.policies.shields.cbf_shield import CbfShield
+from jaxwalk.policies.shields.cbf_shield import CbfShield, touching_radius
 from jaxwalk.policies.shields.predictive_shield import PredictiveShield
 from jaxwalk.policies.shields.rss_shield import RssShield, _meets, response_of
 from jaxwalk.policies.shields.shield_scene import Around
@@ -264,6 +266,16 @@ def test_wrong_shields_are_refused():
         shielded(RouteFollower(), "paper")
     with pytest.raises(ValueError, match="one shield at most"):
         shielded(shielded(RouteFollower(), "rss"), "cbf")
+
+
+def test_a_shield_can_be_given_as_itself():
+    shield = RssShield()
+    assert shielded(RouteFollower(), shield).shield is shield
+
+
+def test_where_contacts_are_of_discs_they_touch_at_the_distance_of_the_rules():
+    rules = replace(STREET.world.rules, contact="disc")
+    assert touching_radius(rules) is rules.collision_distance
 
 
 def test_a_shield_knows_nothing_of_people_but_what_the_car_perceives():

@@ -10,7 +10,7 @@ import pytest
 
 from jaxwalk.scenarios import Scripted
 from jaxwalk.scenarios.crash_file import load_crash_suite, parse_crash_suite
-from jaxwalk.scenarios.crash_suite import CrashFileError
+from jaxwalk.scenarios.crash_suite import CrashFileError, PassRule
 from jaxwalk.scenarios.rails import time_to_walk
 from jaxwalk.sim.script import Trigger
 from jaxwalk.sim.sim_config import WORLDS
@@ -85,6 +85,14 @@ def test_tests_are_timed_by_hand(scripted):
     np.testing.assert_allclose(script.boxes[0, :, 0], [117, 65.45, 1, 0, 2.2, 0.9], atol=1e-3)
 
 
+def test_scripted_people_have_the_paces_of_their_tests(scripted):
+    """3.6 km/h and, where nothing is said, 5 km/h; hurried ones 3 km/h more. On jaywalks they are no faster."""
+    paces = np.array([[3.6, 3.6, 6.6, 6.6], [5, 5, 8, 8]]) / 3.6
+    world, scenarios = scripted.street.world, scripted.scenarios
+    for pace in (scenarios.walking_speed(world), scenarios.jaywalking_speed(world)):
+        np.testing.assert_allclose(pace, paces, rtol=1e-6)
+
+
 @pytest.mark.parametrize(("way", "seconds"), [(0.0, 0.0), (0.25, 1.0), (1.0, 2.0), (4.0, 5.0)])
 def test_who_gathers_speed_evenly_is_half_as_fast_on_the_way_as_in_the_end(way, seconds):
     assert time_to_walk(way, 1.0, 1.0) == pytest.approx(seconds)
@@ -107,6 +115,9 @@ def test_each_kind_of_test_has_one_without_need_to_brake():
     assert kinds == {"CPNA", "CPFA", "CPNC", "CPLA", "CPTA"} == {test.name[:4] for test in tests if test.no_brake}
 
 
+LAST = "[[tests.parked]]\nat = [-8.0, -2.8]\n"
+STANDS = "[[tests.people]]\npath = [[9.0, 9.0]]\nspeed = 0.0\n"
+BOX = "[[tests.parked]]\nat = [-20.0, -2.8]\n"
 WRONG = {
     "not TOML": ("name = ", "name ", "own.toml: not TOML that can be read"),
     "unknown key": (
@@ -141,6 +152,16 @@ WRONG = {
         "people[0].beyond: counts only with distance or time_to",
     ),
     "begins faster": ("meets = 120.0", "meets = 120.0\nbegins = 25.0", "begins: 25 km/h is above a speed of the test"),
+    "too many people": (LAST, LAST + STANDS * 99, "crossing: people: 101 are too many; a test has at most 100"),
+    "too many boxes": (LAST, LAST + BOX * 100, "crossing: parked: 101 are too many; a test has at most 100"),
+    "far away": ("[0.0, 5.0]]", "[0.0, 5000.0]]", "path: more than 500 m away; is it in metres?"),
+    "a car on foot": ("speed = 3.6", "speed = 40.0", "speed: 40 km/h is above 36; choose a lower one"),
+    "walks from there": (
+        "hit = 50.0",
+        "walks = true",
+        "walks: the path must lead from behind the place of the meeting",
+    ),
+    "speeds of nothing": ("20 = 0, 30 = 10", "slow = 0", "passes.impact: its keys must be speeds [km/h], such as 30"),
     "negative": ("speed = 3.6", "speed = -1.0", "tests.0.people.0.speed"),
     "no line": ("meets = 120.0", "meets = { z = 3.0 }", "meets: write metres along the route"),
 }
@@ -151,6 +172,18 @@ STAGED = {
         "route: there is no north; write a number, or one of str",
     ),
     "route number": ('route = "straight"', "route = 9", "route: there is no 9; write a number from 0 to 4"),
+    "too short a way": (
+        "[[0.0, -4.0], [0.0, 5.0]]\nspeed = 3.6\nrun_up = 1.0\nhit = 50.0",
+        "[[-2.0, 0.0], [30.0, 0.0]]\nspeed = 3.6\nwalks = true",
+        "path: 4.0 m lead to the meeting, and only 2.0 m are there; begin earlier",
+    ),
+    "behind the car's start": (
+        'route = "straight"\nvariants = ["hurried"]\npasses = { impact = { 20 = 0, 30 = 10 } }\n'
+        "[[tests.people]]\npath = [[0.0, -4.0], [0.0, 5.0]]\nspeed = 3.6\nrun_up = 1.0\nhit = 50.0",
+        'route = "straight"\nheading = 90.0\n'
+        "[[tests.people]]\npath = [[-10.0, 300.0], [30.0, 300.0]]\nspeed = 3.6\nwalks = true",
+        "path: the car's front doesn't come there; correct it",
+    ),
     "begins too early": ("meets = 120.0", "meets = 30.0", "the car would begin 6 m before its route"),
     "starts beyond": ("meets = 120.0", "meets = 120.0\nstarts_at = 155.0", "starts_at: the route is only 155 m long"),
     "beyond the goal": ("meets = 120.0", "meets = 160.0", "meets: the route is only 155 m long"),
@@ -184,6 +217,18 @@ def test_an_unknown_suite_names_those_that_there_are(tmp_path):
         load_crash_suite("iihs")
     with pytest.raises(CrashFileError, match="cannot be read"):
         load_crash_suite(tmp_path / "none.toml")
+
+
+def test_a_file_of_a_megabyte_is_not_read(tmp_path):
+    (tmp_path / "own.toml").write_text("#" * 1_000_001)
+    with pytest.raises(CrashFileError, match=r"own\.toml: larger than 1,000,000 bytes, which no tests need"):
+        load_crash_suite(tmp_path / "own.toml")
+
+
+def test_a_speed_without_an_impact_of_its_own_asks_for_none():
+    rule = PassRule(impact={"20": 0.0, "30": 10.0})
+    assert [rule.most_impact(speed) for speed in (20.0, 30.0, 25.0)] == [0.0, 10.0, None]
+    assert PassRule(impact=5.0).most_impact(25.0) == 5.0
 
 
 def test_somebody_who_walks_already_is_met_after_the_test_s_time():

@@ -91,6 +91,20 @@ def test_errors_in_catalogs_name_file_and_entry(with_catalog, case):
     assert str(error.value).count("people.xosc") == 1
 
 
+@pytest.mark.parametrize("place", ["catalogs", "catalogs/people.xosc"], ids=["its folder", "the file itself"])
+def test_entries_are_found_wherever_their_file_is_named(with_catalog, place):
+    """A folder that isn't there is passed over. The van is an entry as well: 2 m long, its middle over its place."""
+    nowhere = '<CatalogLocations><VehicleCatalog><Directory path="nowhere"/></VehicleCatalog>'
+    places = PLACES.replace("<CatalogLocations>", nowhere).replace('"catalogs"', f'"{place}"')
+    van = PERSON.format(2).replace("Pedestrian", "Vehicle").replace('name="e"', 'name="van"')
+    entities = EGO + USER + USER.replace('"walker"', '"van"').replace('"e"', '"van"')
+    init = f'<Private entityRef="van">{teleport(world(23.5, -4))}</Private>'
+    text = document(crossing(NEAR), entities=entities, init=init, more=places)
+    (test,) = with_catalog(CATALOG.format(PERSON.format(1) + van), text).suite.tests
+    assert [(box.length, box.at) for box in test.parked] == [(2, pytest.approx((20, -4)))]
+    assert test.people[0].beyond == pytest.approx(43.5 - 0.25 - 5 - 3.5), "0.5 m wide, and it looks across"
+
+
 def test_a_number_that_no_test_can_have_is_refused_in_words(read):
     """A time to collision below 0."""
     arrival = (

@@ -191,46 +191,6 @@ def test_positions_on_lanes(read, tmp_path):
     np.testing.assert_allclose(same.suite.tests[0].people[0].path, oncoming.suite.tests[0].people[0].path, atol=1e-6)
 
 
-def synchronized(metres, target, final):
-    """The walker is `metres` along the way when the car's rear axle is at x = target."""
-    place = f"<TrajectoryPosition s='{metres}'><TrajectoryRef>{TRAJECTORY}</TrajectoryRef></TrajectoryPosition>"
-    return (
-        f'<PrivateAction><SynchronizeAction masterEntityRef="Ego"><TargetPositionMaster>{inner(world(target, 0))}'
-        f"</TargetPositionMaster><TargetPosition>{place}</TargetPosition><FinalSpeed>{final}</FinalSpeed>"
-        "</SynchronizeAction></PrivateAction>"
-    )
-
-
-def inner(position):
-    return position.removeprefix("<Position>").removesuffix("</Position>")
-
-
-WAY = follow([(43.5, -4), (43.5, 6)])
-TRAJECTORY = WAY[WAY.index("<Trajectory ") : WAY.index("<TimeReference")]
-STEADY = '<AbsoluteSpeed value="2"><TargetDistanceSteadyState distance="3"/></AbsoluteSpeed>'
-
-
-def test_people_who_meet_the_car_at_a_place(read):
-    """One metre at 1 m/s on average and three at 2 m/s: 2.5 s. The axle is at 40 when the centre is at 41.25."""
-    person, path = walker(read(document(event([synchronized(4, 40, STEADY)]), walker=WAY)))
-    assert person.time_to_collision == pytest.approx(2.5, abs=0.01)
-    assert person.beyond == pytest.approx(40)
-    np.testing.assert_allclose(np.interp([1, 2.5], person.times, path[:, 1]), [-3, 0], atol=0.02)
-    with pytest.raises(CrashFileError, match=r"would set out 0\.5 s before the start"):
-        read(document(event([synchronized(4, 20, STEADY)]), walker=WAY))
-    with pytest.raises(CrashFileError, match="TargetPosition: is where the way of the pedestrian begins"):
-        read(document(event([synchronized(0, 40, STEADY)]), walker=WAY))
-    stops = event([speed(0)], by_value(TIME.format(3)), name="stops")
-    for late in (stops, event([speed(1)], name="on")):
-        with pytest.raises(CrashFileError, match="SynchronizeAction: is read only alone"):
-            read(document(event([synchronized(4, 40, STEADY)]) + late, walker=WAY))
-
-
-def test_people_who_meet_the_car_from_init_on(read):
-    person, _ = walker(read(document(walker=WAY + synchronized(4, 40, STEADY))))
-    assert person.time_to_collision == pytest.approx(2.5, abs=0.01)
-
-
 def test_entries_of_catalogs(read, tmp_path):
     (tmp_path / "catalogs").mkdir()
     catalog = (

@@ -27,6 +27,11 @@ CYCLIST = PARKED.replace('vehicleCategory="van"', 'vehicleCategory="bicycle"')
 MOVING = f'<Private entityRef="van">{teleport(world(20, -3))}{speed(5)}</Private>'
 SPEEDS = by_car('<SpeedCondition value="3" rule="lessThan"/>')
 FUNCTION = '<ParameterDeclarations><ParameterDeclaration name="a" value="{}"/></ParameterDeclarations>'
+GOES_TO = (
+    "<PrivateAction><RoutingAction><AcquirePositionAction>{}</AcquirePositionAction></RoutingAction></PrivateAction>"
+)
+ROUTE = "<AssignRouteAction><Route name='empty'/></AssignRouteAction>"
+NOWHERE = f"<PrivateAction><RoutingAction>{ROUTE}</RoutingAction></PrivateAction>"
 REFUSED = {
     "version": (document(header='revMajor="2" revMinor="0"'), "FileHeader: version 2.0; versions 1.0 to 1.3"),
     "no scenario": ("<OpenDRIVE/>", "its first element is OpenDRIVE, not OpenSCENARIO"),
@@ -45,6 +50,10 @@ REFUSED = {
     "no speed": (document(car=teleport(world(0, 0))), "nothing says how fast it drives; write a SpeedAction"),
     "too fast": (document(car=teleport(world(0, 0)) + speed(30)), "speeds: 108 km/h is above 72"),
     "no place": (document(walker=speed(1)), "no TeleportAction of Init says where it begins"),
+    "no place but a goal": (
+        document(walker=GOES_TO.format(world(43.5, 6)) + speed(1)),
+        "entity 'walker': no TeleportAction of Init says where it begins; add one",
+    ),
     "condition": (document(crossing(SPEEDS)), "SpeedCondition: isn't supported; wait for a time"),
     "mixed": (
         document(crossing(by_value(TIME.format(1)) + by_car('<TraveledDistanceCondition value="1"/>'))),
@@ -84,6 +93,37 @@ REFUSED = {
     ),
     "no number": (document(walker=teleport(world("east", 0))), "WorldPosition: x 'east' is no number"),
     "far away": (document(walker=teleport(world(1e8, 0))), "span"),
+    "too large": (
+        document() + " " * 20_000_000,
+        "larger than 20,000,000 bytes, which no scenario needs; check the path",
+    ),
+    "no version": (document(header='revMajor="1"'), "FileHeader: revMinor is missing; add it"),
+    "no storyboard": (document().replace("Storyboard>", "Board>"), "OpenSCENARIO: has no Storyboard; add it"),
+    "an action of nothing": (
+        document(event(["<PrivateAction><RoutingAction/></PrivateAction>"])),
+        "RoutingAction: is empty; say what it does, or remove it",
+    ),
+    "an entity of another file": (
+        document(entities=EGO + '<ScenarioObject name="walker"><ExternalObjectReference name="x"/></ScenarioObject>'),
+        "ScenarioObject 'walker': is a ExternalObjectReference, which isn't read; write its element itself",
+    ),
+    "whoever triggers it": (
+        document(event([speed(1)]).replace('selectTriggeringEntities="false"', 'selectTriggeringEntities="true"')),
+        "ManeuverGroup 'walks group': selectTriggeringEntities isn't supported; name its actors",
+    ),
+    "traffic": (
+        document(init="<GlobalAction><TrafficAction/></GlobalAction>"),
+        "TrafficAction: other traffic isn't supported; remove it",
+    ),
+    "a long sum": (
+        document(walker=teleport(world("${" + "1+" * 500 + "1}", 0))),
+        "longer than 1000 characters; simplify it",
+    ),
+    "a route to nowhere": (document(event([NOWHERE, speed(1)])), "Route 'empty': has no Waypoint; add one"),
+    "the car's route to nowhere": (
+        document(car=teleport(world(0, 0)) + speed(10) + NOWHERE),
+        "Route 'empty': has no Waypoint; add one",
+    ),
     "runs": (document(event([speed(12)])), "times: faster than 36 km/h"),
 }
 

@@ -80,6 +80,57 @@ def test_a_way_walked_counts_from_where_it_was_reached(read):
     np.testing.assert_allclose(at(script, 2, 3.5, 9), [4, 5.5, 5.5], atol=2e-3)
 
 
+def test_what_follows_the_beginning_of_an_event_does_not_wait_for_its_end(read):
+    """Up to 4 m/s in 4 s, but 2 s after the beginning they stop: 2 m far, as 2 s at 1 m/s on average."""
+    started = by_value(DONE.format("walks").replace("completeState", "startTransition"), delay=2)
+    script = read(document(event([speed(4, LINEAR.format("time", 4))]) + event([speed(0)], started, name="stops")))
+    np.testing.assert_allclose(at(script, 1, 2, 5), [0.5, 2, 2], atol=2e-3)
+
+
+def test_a_change_after_the_longest_test_never_comes(read):
+    """No test lasts longer than 60 s: at 1 m/s they come 60 m far."""
+    stops = event([speed(0)], by_value(TIME.format(70)), name="stops")
+    np.testing.assert_allclose(at(read(document(event([speed(1)]) + stops)), 30, 60), [30, 60], atol=2e-3)
+
+
+@pytest.mark.parametrize("condition", [OWN.format(4), by_value(DONE.format("walks"), delay=2)], ids=["way", "event"])
+def test_who_waits_for_the_car_changes_their_speed_by_themselves_afterwards(read, condition):
+    """At 2 m/s, they stop after 4 m, or 2 s after the event that let them go."""
+    script = read(document(event([speed(2)], NEAR) + event([speed(0)], condition, name="stops")))
+    assert script.suite.tests[0].people[0].beyond == pytest.approx(12)
+    np.testing.assert_allclose(at(script, 1, 2, 5), [2, 4, 4], atol=2e-3)
+
+
+def test_the_delay_of_a_trigger_by_the_car_comes_before_the_times(read):
+    """They stand for 1.5 s after the car has come, and then walk 10 m in 5 s."""
+    way = follow([(43.5, -4), (43.5, 6)], (0, 5), RELATIVE)
+    script = read(document(event([way], NEAR.replace('delay="0"', 'delay="1.5"'))))
+    np.testing.assert_allclose(at(script, 0, 1.5, 4, 6.5), [0, 0, 5, 10], atol=2e-3)
+
+
+def test_who_follows_times_on_one_spot_stands(read):
+    script = read(document(event([follow([(43.5, -4), (43.5, -4)], (0, 5), RELATIVE)])))
+    assert script.suite.tests[0].people[0].stands
+
+
+@pytest.mark.parametrize("begin", [(), ((43.5, -4),)], ids=["from where they stand", "from their first waypoint"])
+def test_people_walk_along_a_route(read, begin):
+    """Two legs of 3 m and 4 m at 1 m/s."""
+    waypoints = "".join(f"<Waypoint>{world(*place)}</Waypoint>" for place in (*begin, (43.5, -1), (47.5, -1)))
+    route = PLANNED.format(f'<AssignRouteAction><Route name="r">{waypoints}</Route></AssignRouteAction>')
+    (person,) = read(document(event([route, speed(1)]))).suite.tests[0].people
+    np.testing.assert_allclose(person.times, [0, 3, 7], atol=1e-6)
+    np.testing.assert_allclose(person.path, [[40, -4], [40, -1], [44, -1]], atol=1e-6)
+
+
+def test_people_walk_straight_to_a_position(read):
+    """5 m, to the place 3 m farther and 4 m to the north, at 1 m/s."""
+    there = PLANNED.format(f"<AcquirePositionAction>{world(46.5, 0)}</AcquirePositionAction>")
+    (person,) = read(document(event([there, speed(1)]))).suite.tests[0].people
+    np.testing.assert_allclose(person.times, [0, 5], atol=1e-6)
+    np.testing.assert_allclose(person.path, [[40, -4], [43, 0]], atol=1e-6)
+
+
 def test_a_speed_in_init_that_is_gathered(read):
     """2 m/s² up to 2 m/s."""
     script = read(document(walker=BEGIN + speed(2, LINEAR.format("rate", 2))))
@@ -99,6 +150,8 @@ def test_who_stands_in_init_follows_times(read):
 
 
 TIMED = event([follow([(43.5, -4), (43.5, 6)], (0, 5), RELATIVE)])
+ABSOLUTE = RELATIVE.replace("relative", "absolute")
+PLANNED = "<PrivateAction><RoutingAction>{}</RoutingAction></PrivateAction>"
 CAR_WAY = follow([(0, 0), (100, 0)], (0, 10), RELATIVE)
 REFUSED = {
     "a stop within a timed trajectory": (
@@ -138,6 +191,55 @@ REFUSED = {
     "the car's times": (
         document(car=teleport(world(0, 0)) + CAR_WAY.replace('scale="1"', 'scale="2"')),
         "Timing: simulators differ on what scale 2 is",
+    ),
+    "another dimension": (
+        document(walker=BEGIN + speed(2, LINEAR.format("jerk", 4))),
+        "SpeedActionDynamics: dynamicsDimension jerk isn't supported; use time",
+    ),
+    "backwards": (document(walker=BEGIN + speed(-1)), "AbsoluteTargetSpeed: below 0; turn the entity round"),
+    "a profile": (
+        document(walker=BEGIN + speed(1).replace("SpeedAction>", "SpeedProfileAction>")),
+        "SpeedProfileAction: isn't supported; write a SpeedAction",
+    ),
+    "as fast as another": (
+        document(walker=BEGIN + speed(1).replace("AbsoluteTargetSpeed", "RelativeTargetSpeed")),
+        "RelativeTargetSpeed: isn't supported; write an AbsoluteTargetSpeed",
+    ),
+    "farther than the way": (
+        document(event([speed(2)]) + event([speed(0)], OWN.format(150), name="stops")),
+        "TraveledDistanceCondition: the person never walks 150 m; correct it",
+    ),
+    "after nobody's event": (
+        document(event([speed(2)]) + event([speed(0)], by_value(DONE.format("jumps")), name="stops")),
+        "StoryboardElementStateCondition: 'jumps' isn't an earlier event of the same person",
+    ),
+    "times that wait for the car": (
+        document(event([follow([(43.5, -4), (43.5, 6)], (0, 5), ABSOLUTE)], NEAR)),
+        "Timing: absolute times can't wait for the car; write relative ones",
+    ),
+    "times before the event": (
+        document(event([follow([(43.5, -4), (43.5, 6)], (1, 5), ABSOLUTE)], by_value(TIME.format(3)))),
+        "Timing: the trajectory begins before its event; write relative times",
+    ),
+    "times before the start": (
+        document(event([follow([(43.5, -4), (43.5, 6)], (-1, 5), RELATIVE)])),
+        "Polyline: begins before the time 0; correct its times",
+    ),
+    "times that fall": (
+        document(event([follow([(43.5, -4), (43.5, 6)], (5, 5), RELATIVE)])),
+        "Polyline: the times of its vertices don't rise; correct them",
+    ),
+    "times after nothing": (
+        document(event([follow([(43.5, -4), (43.5, 6)], (0, 5), RELATIVE)], by_value(DONE.format("jumps")))),
+        "FollowTrajectoryAction: waits for 'jumps', but nothing comes before",
+    ),
+    "far from the way": (
+        document(event([follow([(43.5, -8), (43.5, 6)]), speed(2)])),
+        "Trajectory: begins 4.0 m from where the pedestrian begins; correct one of them",
+    ),
+    "another way": (
+        document(event([PLANNED.format("<RandomRouteAction/>")])),
+        "RandomRouteAction: isn't supported; write a FollowTrajectoryAction",
     ),
     "init": (
         document(walker=BEGIN + "<PrivateAction><LateralAction><LaneOffsetAction/></LateralAction></PrivateAction>"),

@@ -36,10 +36,10 @@ def distance(value, to="walker", kind="longitudinal", freespace="true"):
     )
 
 
-def arrival(value, to):
+def arrival(value, to, kind="longitudinal", freespace="true"):
     return (
-        f'<TimeToCollisionCondition freespace="true" rule="lessThan" value="{value}" '
-        'relativeDistanceType="longitudinal">'
+        f'<TimeToCollisionCondition freespace="{freespace}" rule="lessThan" value="{value}" '
+        f'relativeDistanceType="{kind}">'
         f'<TimeToCollisionConditionTarget><EntityRef entityRef="{to}"/></TimeToCollisionConditionTarget>'
         "</TimeToCollisionCondition>"
     )
@@ -78,6 +78,27 @@ def test_a_distance_to_somebody_else(read):
     assert driven(read, distance(10, "Ego"), who="walker") == pytest.approx(43.5 - 0.4 - 10 - FRONT)
 
 
+def test_distances_without_freespace_count_between_reference_points(read):
+    """That of the car, its rear axle, begins at x = 0, and that of the walker is at x = 43.5."""
+    assert driven(read, distance(10, freespace="false")) == pytest.approx(43.5 - 10)
+    assert driven(read, arrival(2, "walker", freespace="false")) == pytest.approx(43.5)
+
+
+def test_a_position_has_no_size(read):
+    """The car's side is 0.9 m north of its middle, so the place is 3 m beside it: 4 m ahead, its front is 5 m away."""
+    place = f'<DistanceCondition freespace="true" rule="lessThan" value="5">{world(30, 3.9)}</DistanceCondition>'
+    assert driven(read, place) == pytest.approx(30 - 4 - FRONT, abs=1e-6)
+
+
+def test_one_of_several_conditions_may_come_at_once(read):
+    """From the time 0 on, or when the car has driven 12 m: they set out at the start."""
+    either = by_value(TIME.format(0)) + "</ConditionGroup><ConditionGroup>" + by_car(DRIVEN.format(12))
+    (person,) = read(document(crossing(either))).suite.tests[0].people
+    assert (person.time, person.distance, person.time_to_collision) == (None, None, None)
+
+
+DRIVEN = '<TraveledDistanceCondition value="{}"/>'
+STATE = '<StoryboardElementStateCondition storyboardElementRef="walks" state="{}"/>'
 CHILD = f'<Private entityRef="child">{teleport(world(30, -4))}{{}}</Private>'
 MEETS = '<PrivateAction><SynchronizeAction masterEntityRef="Ego"/></PrivateAction>'
 WALKS = event([speed(1)], by_value(TIME.format(1)), name="child walks", actor="child")
@@ -103,6 +124,26 @@ REFUSED = {
     "who walks": (to_child(speed(1)), "measures to 'child', who moves by then"),
     "who meets": (to_child(MEETS), "measures to 'child', who moves by then"),
     "lateral": (document(crossing(by_car(distance(9, kind="lateral")))), "a lateral distance isn't supported"),
+    "lateral arrival": (
+        document(crossing(by_car(arrival(2, "walker", kind="lateral")))),
+        "TimeToCollisionCondition: a lateral distance isn't supported; use longitudinal",
+    ),
+    "farther": (
+        document(crossing(by_car(distance(9).replace("lessThan", "greaterThan")))),
+        "RelativeDistanceCondition: rule greaterThan isn't supported; use lessThan",
+    ),
+    "until a time": (
+        document(crossing(by_value(TIME.format(3).replace("greaterThan", "lessThan")))),
+        "Condition 'c': SimulationTimeCondition with rule lessThan isn't supported; wait for a time or a distance",
+    ),
+    "a parameter": (
+        document(crossing(by_value('<ParameterCondition parameterRef="p" rule="equalTo" value="1"/>'))),
+        "Condition 'c': ParameterCondition isn't supported; wait for a time or a distance",
+    ),
+    "a state": (
+        document(event([speed(1)]) + event([speed(0)], by_value(STATE.format("standbyState")), name="stops")),
+        "Condition 'c': state standbyState isn't supported; wait for completeState",
+    ),
     "falling": (document(crossing(EDGED.format("falling"))), "Condition 'c': conditionEdge falling isn't supported"),
     "both edges": (document(crossing(EDGED.format("risingOrFalling"))), "conditionEdge risingOrFalling"),
     "a stop of the act": (

@@ -9,7 +9,7 @@ import equinox as eqx
 import jax
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 from scipy import stats
 
 from jaxwalk import SimConfig, Street
@@ -151,6 +151,12 @@ def test_a_file_from_before_there_were_kinds_is_read(hurried, kinds):
     old = {"hurried": hurried, "hurried_tendency": 0.9, "other_tendency": 0.02, "slowest_hurry": 2.2}
     found = TypeAdapter(SimConfig).validate_json(json.dumps({"dt": 0.2, **old, "fastest_hurry": 3.0}), strict=True)
     assert found == SimConfig(dt=0.2, kinds=kinds)
+
+
+def test_rules_that_are_no_object_are_refused_as_such():
+    """The error is that of the rules, and says nothing of kinds."""
+    with pytest.raises(ValidationError, match="Input should be an object"):
+        TypeAdapter(SimConfig).validate_json("[1, 2]", strict=True)
 
 
 def test_named_kinds_have_their_names():

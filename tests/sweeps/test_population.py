@@ -86,6 +86,11 @@ def test_a_resampled_value_may_be_any():
     assert min(found) < 2e-4 and max(found) > 5e-3 and len(set(found)) == 59
 
 
+def test_any_value_of_a_list_is_drawn():
+    chance = random.Random(0)
+    assert {drawn(ListedValues((1, [2, 3])), chance) for _ in range(40)} == {1, "[2, 3]"}
+
+
 def test_whole_numbers_are_drawn_evenly():
     chance = random.Random(0)
     found = [drawn(ValueRange(1, 3), chance) for _ in range(300)]

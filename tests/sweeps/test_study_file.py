@@ -9,8 +9,10 @@ import pytest
 from jaxwalk.cli import main
 from jaxwalk.recipes import RECIPES
 from jaxwalk.sweeps.study_file import load_sweep
-from jaxwalk.sweeps.varied import ListedValues, ValueRange, changes_of, grid_of
+from jaxwalk.sweeps.varied import ListedValues, ValueRange, VariedError, changes_of, grid_of
 
+EVALUATION = '[objective]\nmetric = "reward/driver"\n'
+EVALUATED = '[objective]\nof = "evaluation"\nmetric = "outcomes.goal"\n'
 WRONG = {
     "sampler": ("random", "bohb", "sampler: must be 'tpe', 'random', 'grid' or 'pbt', not 'bohb'"),
     "no trials": ("trials = 4", "", "trials is needed with random"),
@@ -26,6 +28,36 @@ WRONG = {
         '[objective]\nmetric = "reward/driver"',
         'prune = true\n[objective]\nof = "evaluation"\nmetric = "outcomes.goal"',
         "prune needs an objective of the training",
+    ),
+    "episodes": (EVALUATION, f"{EVALUATED}episodes = 0\n", "objective: episodes must lie in [1, 10,000,000], not 0"),
+    "seed of scenarios": (EVALUATION, f"{EVALUATED}seed = -1\n", "objective: seed must lie in [0, 2^31), not -1"),
+    "suite": (EVALUATION, f'{EVALUATED}suite = "moon"\n', "objective: suite must be one of paper, "),
+    "no trial": ("trials = 4", "trials = 0", "trials must lie in [1, 100,000], not 0"),
+    "sampler seed": ("trials = 4", "trials = 4\nsampler_seed = -1", "sampler_seed must lie in [0, 2^31), not -1"),
+    "last seed": (
+        "trials = 4",
+        "trials = 4\nseeds = 2\ntraining.seed = 4294967295",
+        "seeds: training.seed + seeds must be at most 2^32",
+    ),
+    "nothing varies": (
+        "[vary.driver_weights]\ntime = { low = -0.25, high = -0.02 }",
+        "[vary]",
+        "vary must name at least one field",
+    ),
+    "one point": (
+        "high = -0.02",
+        "high = -0.02, points = 1",
+        "vary.driver_weights.time: points must lie in [2, 10,000]",
+    ),
+    "tables": (
+        "{ low = -0.25, high = -0.02 }",
+        "[{ a = 1 }, { a = 2 }]",
+        "vary.driver_weights.time: a value can't be a table; name the fields inside it",
+    ),
+    "a grid without points": (
+        'sampler = "random"\ntrials = 4',
+        'sampler = "grid"',
+        "vary.driver_weights.time: a grid needs points, the number of values of the range",
     ),
     "training": ("updates = 10", "updats = 10", "training.train.updats: there is no such field; perhaps updates"),
     "minutes": ("[training.train]", "[training]\nminutes = 3.0\n[training.train]", "training.minutes: trials are"),
@@ -57,6 +89,11 @@ WRONG_POPULATION = {
     ),
     "truncation": ("members = 4", "members = 4\ntruncation = 0.6", "pbt: truncation must be above 0 and at most 0.5"),
     "factors": ("members = 4", "members = 4\nfactors = [1, 1.2]", "pbt: factors must be finite numbers above 0 other"),
+    "too many": (
+        "members = 4\ngenerations = 5",
+        "members = 1000\ngenerations = 1000",
+        "pbt has 1,000,000 trials, members x generations; at most 100,000",
+    ),
     "resample": ("members = 4", "members = 4\nresample = 2.0", "pbt: resample must lie in [0, 1], not 2"),
     "trials": ("[pbt]", "trials = 4\n[pbt]", "trials is decided by the population; leave it out"),
     "pruned": ("[pbt]", "prune = true\n[pbt]", "prune doesn't go with pbt"),
@@ -154,6 +191,12 @@ def test_a_grid_has_all_combinations():
     assert len(grid) == 6 and grid[-1] == {"train.roles.driver.actor_hidden": "[8, 8]", "x": 1e-2}
     nested = {"train": {"roles": {"driver": {"actor_hidden": [8, 8]}}}, "x": 1e-2}
     assert changes_of(fields, grid[-1]) == nested
+
+
+def test_a_grid_of_too_many_combinations_is_refused():
+    fields = {"a": ValueRange(0.0, 1.0, points=101), "b": ListedValues(tuple(range(100)))}
+    with pytest.raises(VariedError, match="a: the grid has 10,100 combinations; at most 10,000"):
+        grid_of(fields)
 
 
 def test_whole_ends_have_whole_numbers_between_them():

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from jaxwalk.sweeps.drawn_trials import share_of
 from jaxwalk.sweeps.study_file import load_sweep
 from jaxwalk.sweeps.sweep_page import sweep_page
 from jaxwalk.sweeps.sweep_results import SweepResults, TrialResult
 from jaxwalk.sweeps.trial_curves import TrialCurve, curve_of
+from jaxwalk.sweeps.varied import ListedValues, ValueRange
 
 
 @pytest.fixture
@@ -84,6 +86,26 @@ def test_a_curve_is_the_mean_over_seeds_and_updates(results):
     assert curve.updates == tuple(range(2, 121, 2))
     assert curve.values[:2] == (51.5, 53.5)
     assert curve_of([[]], objective) is None
+
+
+def test_updates_in_which_no_episode_ended_say_nothing_of_shares(results):
+    """None of the first update, though the file has a number there; and none of one without the number."""
+    objective = replace(results.plan.objective, metric="goal_rate")
+    lines = [{"update": 1, "episodes": 0, "goal_rate": 0.0}, {"update": 2, "episodes": 3, "goal_rate": 0.5}]
+    assert curve_of([[*lines, {"update": 3, "episodes": 2}]], objective) == TrialCurve((2,), (0.5,))
+
+
+@pytest.mark.parametrize(
+    ("varied", "value", "share"),
+    [
+        (ValueRange(1e-4, 1e-2, log=True), 1e-3, 0.5),
+        (ValueRange(0.0, 4.0), 1.0, 0.25),
+        (ListedValues(("a", "b", "c")), "b", 0.5),
+    ],
+    ids=["logarithm", "range", "list"],
+)
+def test_a_value_has_its_place_on_the_axis(varied, value, share):
+    assert share_of(varied, value) == pytest.approx(share)
 
 
 @pytest.fixture

@@ -16,10 +16,11 @@ from jaxwalk import writing
 from jaxwalk.learning.checkpoint import DamagedError
 from jaxwalk.policies.learned import PolicyError
 from jaxwalk.runs.folder import RunError
+from jaxwalk.runs.lock import held
 from jaxwalk.runs.study import Interrupted
 from jaxwalk.runs.training import UnwrittenError, is_finished
-from jaxwalk.sweeps import trial_work
-from jaxwalk.sweeps.journal import Journal
+from jaxwalk.sweeps import journal, trial_work
+from jaxwalk.sweeps.journal import Journal, OptunaError
 from jaxwalk.sweeps.study_file import load_sweep
 from jaxwalk.sweeps.sweep_results import read_results
 from jaxwalk.sweeps.sweeping import begin_sweep, sweep
@@ -174,6 +175,50 @@ def test_a_process_with_an_older_file_counts_all_trials(pretended, study, tmp_pa
     sweep(tmp_path / "out", many, console=quiet)
     results = read_results(Journal(tmp_path / "out", few))
     assert results.left == 0 and results.in_words() == "6 of 6 trials ended: 6 complete"
+
+
+def test_a_folder_that_was_only_begun_is_made_anew(pretended, study, tmp_path, quiet):
+    """A process was killed before it had written what a run begins with."""
+    plan, half = load_sweep(study(**{"trials = 4": "trials = 1"})), tmp_path / "out/trials/0/seed-0/half.json"
+    begin_sweep(tmp_path / "out", plan)
+    half.parent.mkdir(parents=True)
+    half.write_text("{")
+    assert sweep(tmp_path / "out", plan, console=quiet).left == 0
+    assert not half.exists() and half.parent.exists()
+
+
+def test_a_file_is_no_folder_of_a_sweep(study, tmp_path):
+    (tmp_path / "out").write_text("mine")
+    with pytest.raises(RunError, match="out: is a file, not a folder; name another one"):
+        begin_sweep(tmp_path / "out", load_sweep(study()))
+
+
+def test_without_optuna_the_message_says_what_to_install(monkeypatch):
+    monkeypatch.setattr(journal.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(OptunaError, match=r'install it with: pip install "jaxwalk\[sweep\]"'):
+        journal.check_optuna()
+
+
+def test_a_trial_that_ends_before_it_can_be_locked_is_left(study, tmp_path, monkeypatch):
+    """Its process tells its number and frees it between the look at the journal and the lock."""
+    one, other = (Journal(tmp_path, load_sweep(study(**{"trials = 4": "trials = 1"}))) for _ in range(2))
+    with one.claimed() as mine:
+        pass
+
+    def late(folder, **how):
+        if folder == other.trial_folder(0):
+            one.study.tell(mine.number, 1.0)
+        return held(folder, **how)
+
+    monkeypatch.setattr(journal, "held", late)
+    with other.claimed() as nothing:
+        assert nothing is None
+
+
+def test_a_range_between_whole_numbers_has_whole_numbers(study, tmp_path):
+    fields = "[vary.train.roles.driver]\nepochs = { low = 2, high = 5 }\n[vary.driver_weights]"
+    with Journal(tmp_path, load_sweep(study(**{"[vary.driver_weights]": fields}))).claimed() as trial:
+        assert trial.params["train.roles.driver.epochs"] in (2, 3, 4, 5)
 
 
 def test_a_map_that_was_changed_meanwhile_is_refused(pretended, study, tmp_path):

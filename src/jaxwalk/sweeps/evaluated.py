@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import Any, get_type_hints
 
 from jaxwalk.evaluation import evaluate
-from jaxwalk.metrics import METRICS, summarise
+from jaxwalk.metrics import METRICS, Summary, summarise
 from jaxwalk.metrics.statistics import Estimate, Rate
 from jaxwalk.runs.contestant_names import check_name
 from jaxwalk.runs.contestants import contestant, world_of
@@ -31,10 +31,15 @@ def evaluated(run: Run, objective: SweepObjective) -> float | None:
         "pedestrian": contestant(street, "pedestrian", objective.pedestrians),
     }
     rows = evaluate(street, policies, Drawn(street, seed=objective.seed, count=objective.episodes))
-    metric, *names = objective.metric.split(".")
-    found: Any = summarise(rows).numbers[metric]
-    for name in names:
-        found = getattr(found, name)
+    return number_named(summarise(rows), objective.metric)
+
+
+def number_named(summary: Summary, name: str) -> float | None:
+    """Return a number of a summary by its name with dots; of one with an interval, its value."""
+    metric, *names = name.split(".")
+    found: Any = summary.numbers[metric]
+    for each in names:
+        found = getattr(found, each)
     return getattr(found, "value", found)
 
 

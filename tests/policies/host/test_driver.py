@@ -106,6 +106,12 @@ def test_one_that_hangs_is_given_up():
     released.set()
 
 
+def test_a_driver_need_not_be_told_that_a_batch_begins():
+    driver = hosted(lambda observation: np.zeros((2, 2)))
+    driver.init((), (2,))
+    assert driver.failure is None and driver.steps_made == 0
+
+
 def test_reset_is_told_how_many_episodes_begin_and_may_fail_too():
     class Remembering:
         def reset(self, episodes):

@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+import sys
+from importlib import import_module
+
 import jax.numpy as jnp
 import pytest
 
 from jaxwalk.policies.host import DriverError, is_host_driver, load_host_driver
+from jaxwalk.policies.host.borrowed_modules import modules_of
 
 SOURCE = """
 import dataclasses
@@ -62,8 +66,8 @@ def place(tmp_path, monkeypatch):
     (tmp_path / "my_drivers.py").write_text(SOURCE)
     (tmp_path / "neighbour.py").write_text("THROTTLE = 0.5")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.delitem(__import__("sys").modules, "my_drivers", raising=False)
-    monkeypatch.delitem(__import__("sys").modules, "neighbour", raising=False)
+    monkeypatch.delitem(sys.modules, "my_drivers", raising=False)
+    monkeypatch.delitem(sys.modules, "neighbour", raising=False)
     return tmp_path
 
 
@@ -74,6 +78,17 @@ def test_a_class_is_found_in_a_module_or_a_file(place, home):
     driver = load_host_driver(name)
     assert (driver.name, driver.view.name) == (name, "route")
     assert driver.act(None, None, jnp.zeros((59, 2)))[0].tolist() == [[0.5, 0.5], [0.0, 0.0]]
+
+
+def test_installed_modules_stay_and_those_of_the_folder_are_forgotten(place, monkeypatch):
+    """Another folder's driver may have a neighbour of the same name; ``sched`` is one of Python's own."""
+    monkeypatch.delitem(sys.modules, "sched", raising=False)
+    monkeypatch.syspath_prepend(place)
+    with modules_of(place, place) as check:
+        assert import_module("neighbour").THROTTLE == 0.5
+        import_module("sched")
+        check()
+    assert "sched" in sys.modules and "neighbour" not in sys.modules
 
 
 def test_without_observes_it_is_paper(place):

@@ -14,7 +14,7 @@ from jaxwalk.scenarios.xosc.made_street import Strip
 from jaxwalk.scenarios.xosc.plain_roads import Pose
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, RoadUser, private_actions
-from jaxwalk.scenarios.xosc.trajectories import check_count, times_of, timing_of, vertices
+from jaxwalk.scenarios.xosc.trajectories import times_of, timing_of, vertices, waypoints
 from jaxwalk.scenarios.xosc.triggers import Beginning, Comes
 
 LANE_WIDTH = 3.5
@@ -92,10 +92,7 @@ def _line(car: RoadUser, positions: Positions) -> tuple[np.ndarray, np.ndarray]:
             poses = np.array([positions.at(part(one, "Position")) for one in corners])
             return _centres(poses, car.size[2]), _speeds(poses, kind, corners)
         if kind.tag == "AssignRouteAction":
-            route = positions.catalogs.resolved(only(kind))
-            waypoints = route.findall("Waypoint")
-            check_count(waypoints)
-            return _route(positions, car, waypoints), np.zeros(0)
+            return _route(positions, car, waypoints(kind, positions.catalogs)), np.zeros(0)
         if kind.tag == "AcquirePositionAction":
             return _on_from(positions, car, points_of(positions, [kind])), np.zeros(0)
     lane = positions.on_lane(positions.begins[car.name])
@@ -111,15 +108,15 @@ def _on_from(positions: Positions, car: RoadUser, points: np.ndarray) -> np.ndar
     return points[int(np.argmax(ahead > 0.5)) :] if (ahead > 0.5).any() else points[:0]
 
 
-def _route(positions: Positions, car: RoadUser, waypoints: list[ET.Element]) -> np.ndarray:
+def _route(positions: Positions, car: RoadUser, stops: list[ET.Element]) -> np.ndarray:
     """Return the points of a route ahead of the car. Raise XoscRefusal if roads lead from one to the next in bends."""
-    points = _on_from(positions, car, points_of(positions, waypoints))
-    poses = [positions.at(part(one, "Position")) for one in waypoints]
+    points = _on_from(positions, car, points_of(positions, stops))
+    poses = [positions.at(part(one, "Position")) for one in stops]
     path = np.concatenate([[positions.begin(car.name)[:2]], points])
     for (before, after), pose in zip(pairwise(path), poses[len(poses) - len(points) :], strict=True):
         step = after - before
         turn = np.arctan2(step[1], step[0]) - pose.heading
-        on_road = positions.on_lane(part(waypoints[-1], "Position")) is not None
+        on_road = positions.on_lane(part(stops[-1], "Position")) is not None
         if on_road and np.hypot(*step) > CLOSE and abs(np.angle(np.exp(1j * turn))) > BENT:
             raise XoscRefusal("Route: roads lead from one waypoint to the next in a bend; only straight ways are read")
     return points

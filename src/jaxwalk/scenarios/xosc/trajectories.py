@@ -1,4 +1,4 @@
-"""Polylines that a ``FollowTrajectoryAction`` or a ``TrajectoryPosition`` names."""
+"""Polylines that a ``FollowTrajectoryAction`` or a ``TrajectoryPosition`` names, and waypoints of routes."""
 
 from __future__ import annotations
 
@@ -8,13 +8,23 @@ from itertools import pairwise
 import numpy as np
 
 from jaxwalk.scenarios.xosc.catalog_entries import CatalogEntries
-from jaxwalk.scenarios.xosc.elements import XoscRefusal, number, only, part, word
+from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, number, only, part, word
 
 MOST_VERTICES = 5000
 """Most vertices of a polyline, and waypoints of a route."""
 
 
-def check_count(places: list[ET.Element]) -> None:
+def waypoints(action: ET.Element, catalogs: CatalogEntries) -> list[ET.Element]:
+    """Return the waypoints of an ``AssignRouteAction``. Raise XoscRefusal if it has none."""
+    route = catalogs.resolved(only(action))
+    found = route.findall("Waypoint")
+    if not found:
+        raise XoscRefusal(f"{called(route)}: has no Waypoint; add one")
+    _check_count(found)
+    return found
+
+
+def _check_count(places: list[ET.Element]) -> None:
     """Raise XoscRefusal for more places of a way than are read in seconds."""
     if len(places) > MOST_VERTICES:
         raise XoscRefusal(
@@ -44,7 +54,7 @@ def _corners(trajectory: ET.Element) -> list[ET.Element]:
     corners = shape.findall("Vertex")
     if len(corners) < 2:
         raise XoscRefusal("Polyline: needs two vertices or more; add one")
-    check_count(corners)
+    _check_count(corners)
     return corners
 
 

@@ -14,7 +14,7 @@ from jaxwalk.scenarios.xosc.elements import XoscRefusal, called, only, part, wor
 from jaxwalk.scenarios.xosc.meeting_people import MEETS, meeting_plan
 from jaxwalk.scenarios.xosc.positions import Positions, points_of
 from jaxwalk.scenarios.xosc.road_users import DRIVING, Happening, RoadUser
-from jaxwalk.scenarios.xosc.trajectories import check_count, times_of, timing_of, vertices
+from jaxwalk.scenarios.xosc.trajectories import times_of, timing_of, vertices, waypoints
 from jaxwalk.scenarios.xosc.triggers import WORDS, Beginning, Comes, Triggers, check_stops
 
 OFF_PATH = 2.0
@@ -122,22 +122,16 @@ class PedestrianReader:
         if kind.tag == "AcquirePositionAction":
             return np.concatenate([begin, points_of(self.positions, [kind])]), None
         if kind.tag == "AssignRouteAction":
-            route = self.positions.catalogs.resolved(only(kind))
-            waypoints = route.findall("Waypoint")
-            check_count(waypoints)
-            points = points_of(self.positions, waypoints)
+            points = points_of(self.positions, waypoints(kind, self.positions.catalogs))
             return np.concatenate([begin, points]) if np.abs(points[:1] - begin).max() > 0.01 else points, None
         raise XoscRefusal(f"{kind.tag}: isn't supported; write a FollowTrajectoryAction")
 
     def _trajectory(self, user: RoadUser, action: ET.Element) -> np.ndarray:
         points = points_of(self.positions, vertices(action, self.positions.catalogs))
-        if user.name in self.positions.begins:
-            begin = self.positions.begin(user.name)
-            away = float(np.hypot(*(points[0] - begin[:2])))
-            if away > OFF_PATH:
-                raise XoscRefusal(
-                    f"Trajectory: begins {away:.1f} m from where the pedestrian begins; correct one of them"
-                )
+        begin = self.positions.begin(user.name)
+        away = float(np.hypot(*(points[0] - begin[:2])))
+        if away > OFF_PATH:
+            raise XoscRefusal(f"Trajectory: begins {away:.1f} m from where the pedestrian begins; correct one of them")
         return points
 
     def _meeting(self, way: np.ndarray, steps: list[WalkerAction], changes: list[Change]) -> Walker:
