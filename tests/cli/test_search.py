@@ -24,7 +24,7 @@ SMALL = 16
 @pytest.fixture
 def little(monkeypatch):
     """Batches of 16, so that little is played."""
-    for module in ("jaxwalk.evaluation.batches", "jaxwalk.exports.replays", "jaxwalk.experiments.failure_search"):
+    for module in ("jaxwalk.evaluation.batches", "jaxwalk.experiments.failure_search"):
         monkeypatch.setattr(f"{module}.BATCH", SMALL)
 
 
