@@ -35,7 +35,7 @@ def training(tmp_path):
 
 def _make(watched, updates):
     watched._written = -math.inf  # as if nothing had been written for long
-    watched._pace.tell(updates)
+    watched._pace.made = updates
     watched.show(_line(updates))
 
 
@@ -55,7 +55,7 @@ def test_it_follows_a_training_from_start_to_end(training, open_file):
         assert page.get_by_role("progressbar").evaluate("bar => bar.value / bar.max") == 0.31
         assert page.get_by_text(re.compile("^goals 31.0 %$")).is_visible()
     page.get_by_text("Stopped: jaxwalk train --resume continues it").wait_for()
-    training._pace.tell(100)
+    training._pace.made = 100
     with training:
         pass
     page.get_by_text("Finished.").wait_for()
@@ -67,7 +67,7 @@ def test_it_follows_a_training_from_start_to_end(training, open_file):
 def test_every_rate_names_what_it_is_over(training, open_file):
     """Once 57.6 % and 75.0 % of goals stood there at the same time."""
     training._lines = [_line(u) for u in range(1, 200)]
-    training._pace.tell(99)
+    training._pace.made = 99
     with training:
         page = open_file(training.path)
         page.get_by_role("img").first.wait_for()

@@ -1,12 +1,19 @@
-"""The rate shown is that since the first update, or since the plan was changed."""
+"""The rate shown is that since the second update began, or the second one after the plan was changed."""
 
 import io
+import math
 import re
+from types import SimpleNamespace
 
+import pytest
 from rich.console import Console
 
-from jaxwalk.runs import progress
+from jaxwalk.runs import progress, session
+from jaxwalk.runs.folder import NoLog
 from jaxwalk.runs.progress import Display, Pace, TrainingProgress
+from jaxwalk.runs.session import Routine, Session
+from jaxwalk.runs.stop import Stop
+from jaxwalk.runs.training import _loop
 
 
 def test_a_new_plan_counts_from_there(monkeypatch):
@@ -15,14 +22,16 @@ def test_a_new_plan_counts_from_there(monkeypatch):
     shown = TrainingProgress(Display(Console(file=out, width=200)), Pace(0, 100, 1000))
     for second in range(1, 31):
         clock[0] = float(second)
+        shown.begin(second)
         shown.show(second, {})
     shown.restart(50)
-    clock[0] = 46.0
-    shown.show(46, {})
+    for second, updates in ((40, 44), (42, 45), (50, 49)):
+        clock[0] = float(second)
+        shown.begin(updates)
+    shown.show(50, {})
     rates = [float(rate) for rate in re.findall(r"([\d.]+) k steps/s", out.getvalue())]
     assert "50 updates planned, not 100, to end in time" in out.getvalue()
-    assert len(rates) == 2
-    assert set(rates) == {1.0}
+    assert rates == [1.0, 0.5]
 
 
 def test_a_terminal_shows_a_bar_that_leaves_when_it_is_done():
@@ -40,8 +49,35 @@ def test_what_the_first_update_compiles_counts_for_nothing(monkeypatch):
     clock = [0.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
     pace = Pace(10, 50, 1000)
-    assert (pace.rate, pace.left) == (None, None)
-    for second, updates in ((60.0, 11), (64.0, 13)):
+    for second, updates in ((0.0, 10), (60.0, 11)):
         clock[0] = second
-        pace.tell(updates)
+        pace.begin(updates)
+        assert (pace.rate, pace.left) == (None, None)
+    clock[0] = 64.0
+    pace.begin(13)
+    pace.made = 13
     assert (pace.rate, pace.left) == (500.0, 74.0)
+
+
+@pytest.mark.parametrize(("updates", "rates"), [(2, []), (3, ["0.2"]), (9, ["0.2", "0.2", "0.2"])])
+def test_few_updates_are_not_told_as_too_fast(updates, rates, monkeypatch):
+    """A CPU is busy for 5 s with each update of 1000 steps, when it begins; 60 s of compiling come before the first."""
+    clock, out = [0.0], io.StringIO()
+
+    def make(_turns, _config, learner, made):
+        clock[0] += 5.0 if made else 65.0
+        return learner, {"finite": 1.0}
+
+    monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(session, "update_in_turns", make)
+    monkeypatch.setattr(session, "on_devices", lambda *_: ())
+    monkeypatch.setattr(Session, "save", lambda *_: None)
+    experiment = SimpleNamespace(train=SimpleNamespace(roles=()), steps_per_update=1000)
+    shown = TrainingProgress(Display(Console(file=out, width=200)), Pace(0, updates, 1000))
+    run = SimpleNamespace(experiment=experiment)
+    _loop(
+        Session(run, None, NoLog(), shown, Stop(), routine=Routine(math.inf)),
+        SimpleNamespace(updates=0, planned=updates),
+        math.inf,
+    )
+    assert re.findall(r"([\d.]+) k steps/s", out.getvalue()) == rates

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass
 from functools import reduce
 from importlib import import_module
@@ -14,8 +15,11 @@ import tyro
 from jaxwalk.cli import options
 from jaxwalk.cli.arguments import gathered
 from jaxwalk.cli.early import check_names
+from jaxwalk.cli.errors import LOST
 from jaxwalk.cli.group import group_of, keep_in_touch
 from jaxwalk.cli.jax_start import prepare_machine, start_jax, try_jax
+from jaxwalk.runs.peer_lost import PeerLostError
+from jaxwalk.runs.watchdog import LAUNCHED
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,7 @@ def _as_one_word(arguments: list[str]) -> list[str]:
 
 
 def run(options: Any) -> int:
-    """Run the command that the options belong to, and return its exit code."""
+    """Run the command that the options belong to, and return its exit code: 3 if another process of it was lost."""
     command = next(each for each in COMMANDS if each.options is type(options))
     keep_in_touch()
     group = group_of(options)
@@ -102,8 +106,13 @@ def run(options: Any) -> int:
     if getattr(options, "cluster", None) is not None:  # as its workers: another device may round otherwise
         os.environ.setdefault("JAX_PLATFORMS", "cpu")
     set_here = prepare_machine()
-    if command.processes:
-        try_jax(set_here)
-    else:
-        start_jax(set_here, group)
-    return import_module(command.module).run(options)
+    try:
+        if command.processes:
+            try_jax(set_here)
+        else:
+            start_jax(set_here, group)
+        return import_module(command.module).run(options)
+    except PeerLostError as error:
+        if LAUNCHED not in os.environ:  # else the launcher knows more about it
+            print(f"jaxwalk: {error}", file=sys.stderr)
+        return LOST

@@ -9,12 +9,13 @@ import sys
 import threading
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 
 from jaxwalk.cli.group import Group, join, take_cores
 from jaxwalk.provenance import commit, cores
 from jaxwalk.runs.folder import RunError, check_writable
+from jaxwalk.runs.peer_lost import losing_no_peer
 
 START = "import jax; jax.devices()"
 """A program that fails if JAX can't start."""
@@ -64,7 +65,8 @@ def for_workers() -> tuple[tuple[str, str], ...]:
 def start_jax(set_here: set[str], group: Group | None = None) -> None:
     """Start JAX, and join the group of processes if there is one.
 
-    ``set_here``: environment variables that the user did not set. Raises MachineError if it can't start.
+    ``set_here``: environment variables that the user did not set. Raises MachineError if it can't start, and
+    PeerLostError if another process of the group ended meanwhile.
     """
     if "jax" in sys.modules:
         if group is not None:
@@ -73,7 +75,7 @@ def start_jax(set_here: set[str], group: Group | None = None) -> None:
     if group is not None:
         os.environ[DEVICES] = str(group.devices)
     threading.Thread(target=commit, daemon=True).start()  # the one that results will name; git answers meanwhile
-    with _explained(set_here):
+    with losing_no_peer() if group is not None else nullcontext(), _explained(set_here):
         with _flags_are_read():
             import jax
         if group is not None:

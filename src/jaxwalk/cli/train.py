@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
-from jaxwalk.cli.errors import INTERRUPTED, LOST, UsageError, bad_values
+from jaxwalk.cli.errors import INTERRUPTED, UsageError, bad_values
 from jaxwalk.cli.options import Train
 from jaxwalk.peers import leave_together
 from jaxwalk.recipes import LONGEST, RECIPES, Experiment, load_experiment, single_agent, with_training
@@ -18,8 +16,6 @@ from jaxwalk.runs.entry import Upkeep, resume, train
 from jaxwalk.runs.folder import check_new
 from jaxwalk.runs.progress import Display
 from jaxwalk.runs.street import shared_out, whole_minibatches
-from jaxwalk.runs.training import PeerLostError
-from jaxwalk.runs.watchdog import LAUNCHED
 from jaxwalk.sim.sim_config import rules_of
 from jaxwalk.wording import counted
 
@@ -35,15 +31,10 @@ GOES_WITH_RESUME = (
 
 
 def run(options: Train) -> int:
-    """Train or resume; return 130 if Ctrl-C ended it, 3 if another process of the training was lost."""
-    try:
-        code = _follow(options) if options.process else _lead(options)
-        leave_together()
-        return code
-    except PeerLostError as error:
-        if LAUNCHED not in os.environ:  # else the launcher knows more about it
-            print(f"jaxwalk: {error}", file=sys.stderr)
-        return LOST
+    """Train or resume; return 130 if Ctrl-C ended it."""
+    code = _follow(options) if options.process else _lead(options)
+    leave_together()
+    return code
 
 
 def _follow(options: Train) -> int:

@@ -32,31 +32,38 @@ class Display:
 
 @dataclass
 class Pace:
-    """How far a training is and how fast it goes. Excludes compiling, which is part of the first update."""
+    """How far a training is and how fast it goes.
+
+    Updates are counted when they begin, as that is even: on a CPU, one is recorded only when the next one has been
+    made, too, and the last two are recorded at once. The first doesn't count, as it may compile.
+    """
 
     made: int
     """Updates made by all sessions."""
     planned: int
     steps_per_update: int
+    _begun: tuple[float, int] | None = None
+    """Time [s] at which the newest update began, and number of those before it."""
     _since: tuple[float, int] | None = None
-    """Time [s] and number of updates when counting began."""
+    """The same of the second one that began."""
 
     def restart(self, planned: int) -> None:
-        """Take a new plan, and restart the count of time and updates."""
-        self.planned, self._since = planned, (time.monotonic(), self.made)
+        """Take a new plan, and restart the count."""
+        self.planned, self._begun, self._since = planned, None, None
 
-    def tell(self, updates: int) -> None:
-        """Record how many updates are made."""
-        self.made = updates
-        if self._since is None:
-            self._since = time.monotonic(), updates
+    def begin(self, updates: int) -> None:
+        """Record that an update begins after that many."""
+        now = time.monotonic(), updates
+        if self._since is None and self._begun is not None:
+            self._since = now
+        self._begun = now
 
     @property
     def _each(self) -> float | None:
         """Return the time of an update [s]; None before it is known."""
-        if self._since is None or self.made <= self._since[1]:
+        if self._begun is None or self._since is None or self._begun[1] <= self._since[1]:
             return None
-        return max(time.monotonic() - self._since[0], 1e-9) / (self.made - self._since[1])
+        return max(self._begun[0] - self._since[0], 1e-9) / (self._begun[1] - self._since[1])
 
     @property
     def rate(self) -> float | None:
@@ -104,13 +111,17 @@ class TrainingProgress:
         self._pace.restart(planned)
         self._bar.reset(self._task, total=planned, completed=self._pace.made, news="")
 
+    def begin(self, updates: int) -> None:
+        """Record that an update begins after that many."""
+        self._pace.begin(updates)
+
     def show(self, updates: int, metrics: Mapping[str, float]) -> None:
         """Show the number of updates made, and the metrics of the last one."""
         for name in ("goal_rate", "collision_rate"):
             if name in metrics and metrics.get("episodes", 1):
                 last = self._means.get(name, metrics[name])
                 self._means[name] = MEMORY * last + (1 - MEMORY) * metrics[name]
-        self._pace.tell(updates)
+        self._pace.made = updates
         planned, rate, left = self._pace.planned, self._pace.rate, self._pace.left
         news = (f"{rate / 1000:,.1f} k steps/s, " if rate else "") + self._rates()
         self._bar.update(self._task, completed=updates, total=planned, news=news)

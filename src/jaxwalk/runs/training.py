@@ -24,6 +24,7 @@ from jaxwalk.runs.folder import MetricsLog, NoLog, Run, RunError
 from jaxwalk.runs.kept_archives import archive_hashes, said_of_archives
 from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
+from jaxwalk.runs.peer_lost import losing_no_peer
 from jaxwalk.runs.planning import plan_by_time, replan, shortened, with_plan
 from jaxwalk.runs.progress import Display, Pace, TrainingProgress
 from jaxwalk.runs.session import OnUpdate, Routine, Session
@@ -36,8 +37,6 @@ from jaxwalk.writing import remove_unfinished
 
 CHECKPOINT_MINUTES = 2.0
 """Minutes between checkpoints."""
-CONNECTION = ("Gloo", "NCCL", "coordination service", "CoordinationService")
-"""Words of JAX's errors about the connection between processes."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +59,6 @@ class TrainingEnd:
 
 class UnwrittenError(RunError):
     """Training could not write into its folder, for example because the disk is full."""
-
-
-class PeerLostError(RunError):
-    """Another process of the training ended, or can't be reached any more."""
 
 
 def is_finished(run: Run, updates: int | None = None) -> bool:
@@ -137,15 +132,9 @@ def _alone(run: Run, street: Street) -> Iterator[None]:
         yield
 
 
-@contextmanager
-def _losing_no_peer() -> Iterator[None]:
-    """Raise PeerLostError for an error of the connection to another process. JAX raises many kinds."""
-    try:
-        yield
-    except (ValueError, RuntimeError) as error:
-        if not several() or not any(word in str(error) for word in CONNECTION):
-            raise
-        raise PeerLostError("another process of the training ended, or can't be reached any more; resume it") from error
+def _losing_no_peer() -> AbstractContextManager[None]:
+    """Return what raises PeerLostError for an error of the connection, if there are other processes."""
+    return losing_no_peer() if several() else nullcontext()
 
 
 def meet() -> None:

@@ -1,9 +1,9 @@
 """Infer a pedestrian's jaywalking tendency tau from watching it: Bayes' rule.
 
-The prior of tau is the world's: uniform in [0, 1], or that of each kind of people with its share. Every crossing is a
-jaywalk with probability min(1, multiplier x tau) (equation 1), independently of the others. The watcher knows prior and
-multiplier. Where everybody sees everybody it has seen all crossings, so no car could know more from these alone;
-elsewhere it has seen those that its car perceived.
+The prior of tau is the world's: uniform in [0, 1], or that of each kind of people with its share. Beside a jaywalk zone
+every crossing is a jaywalk with probability min(1, multiplier x tau) (equation 1), independently of the others. Where
+there is none, crossings tell nothing. The watcher knows prior and multiplier. Where everybody sees everybody it has
+seen all crossings, so no car could know more from these alone; elsewhere it has seen those that its car perceived.
 """
 
 from __future__ import annotations
@@ -83,11 +83,11 @@ def crossings_seen(
     """Return how many times each pedestrian has jaywalked and used a crosswalk so far: (jaywalks, crosswalks).
 
     A crossing counts from the first moment on the roadway: neither while it is only decided, nor on the way along the
-    kerb to where a jaywalk will begin. Nothing has to be remembered, because the scenario says how crossing i was
-    decided.
+    kerb to where a jaywalk will begin. At a side without a jaywalk zone it counts as neither, as nobody had a choice.
+    Nothing has to be remembered, because the scenario says how decision i was made.
     """
     entered = people.on_roadway | (people.to_kerb < -CROSSED)
-    intended = (people.crossing != NO_CROSSING) & ~entered
+    intended = (people.crossing != NO_CROSSING) & people.may_jaywalk & ~entered
     seen = people.decisions - intended
     number = jnp.arange(scenario.jaywalk_draw.shape[0]).reshape(-1, *(1,) * seen.ndim)
     jaywalk = scenario.jaywalks(world, scenario.jaywalk_draw)

@@ -27,6 +27,9 @@ SAME = 1e-3
 OFF = -1000.0
 """The place of somebody who isn't on the line of the zone: the way there leads over the landing."""
 
+NOWHERE = -1.0
+"""Where a jaywalk begins at a side without a zone."""
+
 
 class LinePiece(NamedTuple):
     """A piece of a zone's line (`jaxwalk.sim.map_tables.ZONE_COLUMNS`)."""

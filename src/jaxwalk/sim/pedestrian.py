@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Shaped
 from jaxwalk.platforms import few_launches
 from jaxwalk.sim.crossing_kind import CROSSWALK, JAYWALK, NO_CROSSING, LegKind
 from jaxwalk.sim.free_walk import pace_of_script, stand, walk_freely
-from jaxwalk.sim.jaywalk import Zone, into_gap, jaywalk_from, zone_of
+from jaxwalk.sim.jaywalk import NOWHERE, Zone, into_gap, jaywalk_from, zone_of
 from jaxwalk.sim.lookup import look_up, look_up_each
 from jaxwalk.sim.map_tables import Hop, unpack_hop
 from jaxwalk.sim.scenario import FAR_AWAY, Scenario
@@ -144,7 +144,8 @@ def next_leg(world: World, scenario: Scenario, leg: Leg) -> Leg:
         end_x=end_x, end_y=end_y, cos=dx / divisor, sin=dy / divisor, length=length,
         kind=jnp.where(begins, LegKind.ACROSS, walks), node=node, side=choice.side, begin=choice.begin,
         road_end=jnp.where(begins, way.leave, jnp.where(clear > 0, clear, -1)), kerb_past_end=to_kerb - length,
-        crossing=choice.crossing, decisions=leg.decisions + choice.decided, goal=goal, arrivals=arrivals,
+        crossing=choice.crossing, decisions=leg.decisions + (choice.decided & zone.exists), goal=goal,
+        arrivals=arrivals,
     )  # fmt: skip
 
 
@@ -177,6 +178,7 @@ def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
     decided = (offered >= 0) & (crossing == NO_CROSSING)
     side = jnp.where(decided, offered, leg.side)
     zone = zone_of(world, scenario, leg, side)
+    begin = into_gap(world, scenario, side, zone.choose(_take(scenario.zone_draw, leg.decisions)))
     jaywalk = decided & zone.exists & scenario.jaywalks(world, _take(scenario.jaywalk_draw, leg.decisions))
     return _Choice(
         done=done,
@@ -184,9 +186,7 @@ def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
         seeks=jaywalk | ((crossing == JAYWALK) & ~begins),
         crossing=jnp.where(decided, jnp.where(jaywalk, JAYWALK, CROSSWALK), crossing),
         side=side,
-        begin=jnp.where(
-            decided, into_gap(world, scenario, side, zone.choose(_take(scenario.zone_draw, leg.decisions))), leg.begin
-        ),
+        begin=jnp.where(decided, jnp.where(zone.exists, begin, NOWHERE), leg.begin),
         zone=zone,
     )
 

@@ -25,7 +25,7 @@ class Sighting(eqx.Module):
     crossing: Int[Array, "ped *batch"]
     """The `jaxwalk.sim.crossing_kind.CrossingKind` of the crossing that they are on; of nothing off the roadway."""
     decisions: Int[Array, "ped *batch"]
-    """How many crossings they had decided about: it tells one crossing from the next."""
+    """How many crossings they had decided about: it tells one crossing from the next. 0 where nobody may jaywalk."""
 
 
 class CrossingsSeen(eqx.Module):

@@ -65,7 +65,8 @@ def _look(
         x = x + rules.position_noise * ndtri(chance(scenario, step, TO_EAST))
         y = y + rules.position_noise * ndtri(chance(scenario, step, TO_NORTH))
     crossing = jnp.where(people.on_roadway, people.crossing, NO_CROSSING)
-    columns = (x, y, velocity_x, velocity_y, people.on_roadway, crossing, people.decisions)
+    decisions = jnp.where(people.may_jaywalk, people.decisions, 0)
+    columns = (x, y, velocity_x, velocity_y, people.on_roadway, crossing, decisions)
     return visible, Sighting(seen, *(jnp.where(seen, column, jnp.zeros_like(column)) for column in columns))
 
 
@@ -84,7 +85,7 @@ def _arrive(world: World, before: Perceived, visible: Bool[Array, "ped *batch"],
 
 def _counted(before: CrossingsSeen, now: Sighting) -> CrossingsSeen:
     """Return the crossings seen so far: each counts once, when the person is first seen on the roadway."""
-    crosses = now.seen & now.on_roadway & (now.crossing != NO_CROSSING) & (now.decisions != before.last)
+    crosses = now.seen & now.on_roadway & (now.crossing != NO_CROSSING) & (now.decisions > before.last)
     jaywalks = crosses & (now.crossing == JAYWALK)
     return CrossingsSeen(
         before.jaywalks + jaywalks,

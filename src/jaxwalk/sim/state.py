@@ -64,7 +64,7 @@ class Leg(eqx.Module):
     side: Int[Array, "ped *batch"]
     """The side of the crossing that was decided about last."""
     begin: Float[Array, "ped *batch"]
-    """Where in that side's zone a jaywalk begins, in pieces of the zone's line."""
+    """Where in that side's zone a jaywalk begins, in pieces of the zone's line; below 0 without a zone."""
     road_end: Float[Array, "ped *batch"]
     """Metres before its end at which a leg over a roadway leaves it; negative if it ends on the roadway."""
     kerb_past_end: Float[Array, "ped *batch"]
@@ -72,7 +72,7 @@ class Leg(eqx.Module):
     crossing: Int[Array, "ped *batch"]
     """The `jaxwalk.sim.crossing_kind.CrossingKind` decided for the next or current crossing."""
     decisions: Int[Array, "ped *batch"]
-    """Crossings decided about so far."""
+    """Crossings decided about so far; where there is no zone, nothing is decided."""
     goal: Int[Array, "ped *batch"]
     """The waypoint walked to."""
     arrivals: Int[Array, "ped *batch"]
@@ -118,6 +118,11 @@ class PedestrianState(eqx.Module):
     def crossing(self) -> Int[Array, "ped *batch"]:
         """What was decided about the next or current crossing."""
         return self.leg.crossing
+
+    @property
+    def may_jaywalk(self) -> Bool[Array, "ped *batch"]:
+        """Whether people may jaywalk at the next or current crossing: else using the crosswalk is no decision."""
+        return self.leg.begin >= 0
 
     @property
     def decisions(self) -> Int[Array, "ped *batch"]:
