@@ -65,9 +65,7 @@ def fits(line: np.ndarray, headings: tuple[float, float], roadway: BaseGeometry)
     return whole.difference(shapely.clip_by_rect(roadway, *whole.buffer(1.0).bounds)).length <= MOST_OFF
 
 
-def along(
-    line: np.ndarray, headings: tuple[float, float], inner: np.ndarray, straight: float = STRAIGHT
-) -> np.ndarray:
+def along(line: np.ndarray, headings: tuple[float, float], inner: np.ndarray, straight: float = STRAIGHT) -> np.ndarray:
     """Return the way (point, 2) between the ends of a line that follows another line inside a junction, ``inner``.
 
     It leaves and meets its lanes straight, for ``straight`` metres.
