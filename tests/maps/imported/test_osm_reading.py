@@ -149,6 +149,15 @@ def test_side_roads_that_almost_face_each_other_are_one_junction(read):
     assert ways_on(read(made)) == [3, 3, 3, 3]
 
 
+def test_a_turn_that_would_leave_the_roadway_follows_the_roads_within_the_junction(read):
+    """Side roads 12 m apart that lean to the west: the way straight from one to the other leaves the roadway."""
+    made = OsmFile().way((-100, 0), (0, 0), (12, 0), (100, 0), **ROAD, width="9")
+    for x, side, degrees in ((0, 1, 115), (12, -1, 100)):
+        radians = np.radians(degrees)
+        made.way((x, 0), (round(x + 80 * side * np.cos(radians), 2), round(80 * side * np.sin(radians), 2)), **ROAD)
+    assert ways_on(read(made)) == [3, 3, 3, 3]
+
+
 def test_no_car_drives_against_a_one_way_road_within_a_junction(read):
     """As before, but the 6 m may only be driven to the east: the road in the east leads nowhere but to the south.
 
