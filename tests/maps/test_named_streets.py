@@ -83,6 +83,19 @@ def test_documents_name_a_street_without_its_text():
             text_of(MapText(name, text_hash("another version's")))
 
 
+def test_a_document_with_an_edited_text_is_refused():
+    with pytest.raises(MapError, match=r"its text was edited \(the hash is not .*\): copy it again"):
+        text_of(MapText("town.json", text_hash("{}"), text="{ }"))
+
+
+def test_a_folder_stands_for_the_streets_in_it(tmp_path):
+    with pytest.raises(MapError, match=r"the folder has 0 streets \(\.json\); it must have 1 to 1,000"):
+        each_map([tmp_path])
+    for name in ("b.json", "a.json", "report.json", "a.report.json", "notes.txt"):
+        (tmp_path / name).write_text("{}", encoding="utf-8")
+    assert each_map([tmp_path, "paper"]) == (str(tmp_path / "a.json"), str(tmp_path / "b.json"), "paper")
+
+
 def test_a_run_folder_names_and_keeps_each_street(tmp_path):
     run = Run.create(tmp_path / "run", replace(RECIPES["fast"], maps=("paper", "test:2")))
     names = ("paper", "test-2000000000", "test-2000000001")

@@ -3,6 +3,7 @@
 import re
 import time
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from jaxwalk.maps.network import Area, Lane, LaneRoute, WalkGraph, along, corner
 from jaxwalk.maps.network_file import network_text, parse_network
 from jaxwalk.maps.network_routes import sampled_route
 from jaxwalk.maps.network_zones import ZoneLines
-from maps.networks import CENTRE, CROSSWALK, PIECES, arc, bend, ring, turned
+from maps.networks import CENTRE, CROSSWALK, FIRST, LAST, PIECES, arc, bend, island, ring, turned
 
 DISTANCES = {"goal_spacing": 20.0, "start_clearance": 10.0}
 
@@ -144,8 +145,25 @@ def areas(*more):
     return lambda network: replace(network, areas=(*network.areas, *more))
 
 
+def waypoints(count):
+    """Another number of waypoints."""
+    return lambda network: replace(network, walk=replace(network.walk, waypoints=count))
+
+
+def both(*changes):
+    """Several changes, one after the other."""
+    return lambda network: reduce(lambda made, change: change(made), changes, network)
+
+
 BOW_TIE = [[1, 1], [5, 5], [5, 1], [1, 5]]
 EACH = len(bend().walk.nodes) // 2
+MIDDLE = 2 * EACH
+BACK = Lane(arc(52, LAST, FIRST), 4, 8.33)
+ON_ONE_SIDE = both(
+    nodes(MIDDLE, arc(45, CROSSWALK + 0.02, CROSSWALK + 0.02)[0]),
+    edges((MIDDLE, 2)),
+    changed("crossings", 0, nodes=(1, MIDDLE, 2)),
+)
 WRONG = [
     (lambda n: replace(n, size=(0, 90)), "size: 0 x 90 m is no area"),
     (lambda n: replace(n, size=(90, 3000)), "size: 90 x 3000 m is too large; at most 2000 m long"),
@@ -178,7 +196,7 @@ WRONG = [
     (edges((0, 8)), "(0 to 8): leaves the sidewalks from"),
     (edges((0, 1)), "(0 to 1): joined 2 times"),
     (edges((2, 2)), "(2 to 2): joins two nodes in one place"),
-    (edges(without=[(2 * EACH, EACH + 1)]), "crossings[0].nodes: not joined one after the other"),
+    (edges(without=[(MIDDLE, EACH + 1)]), "crossings[0].nodes: not joined one after the other"),
     (edges(without=[(0, 1)]), "walk.nodes[0] at (2.4, 13.8): cut off from the others"),
     (changed("crossings", 0, nodes=(1, EACH + 1)), "crossings[0]: needs an area and at least three nodes"),
     (changed("crossings", 0, areas=(0,)), "crossings[0].areas: areas[0] is a roadway"),
@@ -189,6 +207,18 @@ WRONG = [
     (zone(sides=((1, 2, 3), (23, 24))), "crossings[0].zone.sides: 3 and 2 nodes; both need equally many"),
     (zone(sides=((2, 3), (24, 25))), "crossings[0].zone.sides: must begin at the landings 1 and 23"),
     (zone(sides=((1, 3), (23, 25))), "crossings[0].zone.sides: not joined one after the other"),
+    (nodes(5, arc(45, CROSSWALK + 0.16, CROSSWALK + 0.16)[0]), "crossings[0].zone.sides: pieces of 1.60 to 3.40 m"),
+    (waypoints(0), f"walk.waypoints: 0 of {MIDDLE + 1} nodes; there must be some"),
+    (waypoints(MIDDLE + 1), "crossings[0].nodes: only its first and last node may be waypoints (numbers below"),
+    (changed("lanes", 0, line=[[20, 40], [31, 40]]), "lanes[0].line: (31, 40) is outside the map"),
+    (nodes(0, (31, 1)), "walk.nodes: (31, 1) is outside the map; move it inside, or correct size"),
+    (lambda n: changed("lanes", 0, successors=(2,))(replace(n, lanes=(*n.lanes, BACK))), "lane 2 turns off sharply at"),
+    (lambda n: replace(n, crossings=n.crossings * 2), "walk.nodes[1]: 2 crossings use it; give each its own nodes"),
+    (edges((MIDDLE, 5)), f"walk.nodes[{MIDDLE}]: between the landings of a crossing, but joined to 5; remove"),
+    (nodes(MIDDLE, arc(50, 0.1, 0.1)[0]), "crossings[0].nodes: the way leaves its crosswalk and the sidewalks"),
+    (nodes(MIDDLE, arc(45.5, CROSSWALK, CROSSWALK)[0]), f"node {MIDDLE} is neither on the roadway nor on an island"),
+    (nodes(MIDDLE, arc(54.5, CROSSWALK, CROSSWALK)[0]), f"node {MIDDLE} is neither on the roadway nor on an island"),
+    (ON_ONE_SIDE, "crossings[0].nodes: crosses no roadway"),
 ]  # fmt: skip
 
 
@@ -198,6 +228,19 @@ def test_a_wrong_network_is_refused_in_a_moment(change, message):
     faults = network_faults(change(bend()), **DISTANCES)
     assert any(message in fault for fault in faults), faults
     assert time.process_time() - begun < 5
+
+
+def test_a_node_on_an_island_lies_in_its_middle():
+    """The island reaches from y = 10 m to 14 m: 12.04 m is near enough to its middle, 12.06 m isn't."""
+    assert network_faults(nodes(7, (30, 12.04))(island()), **DISTANCES) == []
+    (fault,) = network_faults(nodes(7, (30, 12.06))(island()), **DISTANCES)
+    assert fault == "crossings[0].nodes: node 7 isn't in the middle of its island; move it"
+
+
+def test_a_start_has_waypoints_far_enough_away():
+    faults = network_faults(bend(), goal_spacing=20.0, start_clearance=100.0)
+    said = "no waypoint is 100 m from the car's start; add one farther away"
+    assert faults == [f"routes[{n}]: {said}" for n in (0, 1)]
 
 
 def test_a_sharp_bend_is_refused():

@@ -36,6 +36,12 @@ def test_all_routes_between_many_places_are_too_many(small, write):
         load_map(write(small))
 
 
+def test_places_are_too_many_even_with_few_routes(small, write):
+    small["car"] |= {"places": [[5 + n / 10, 10] for n in range(201)], "routes": [[0, 1]]}
+    with pytest.raises(MapError, match=r"car.places: 201 are too many; a map has at most 200"):
+        load_map(write(small))
+
+
 def test_many_routes_on_a_large_map_do_not_fit(small, write):
     small["car"]["places"] = [[5 + n, 10] for n in range(32)]
     with pytest.raises(MapError, match=r"car.routes: 992 on a map of this size don't fit into memory; list fewer"):

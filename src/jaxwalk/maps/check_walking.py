@@ -113,7 +113,7 @@ def _island_faults(field: str, crossing: Crossing, network: Network, scene: Netw
         node = shapely.Point(points[n])
         before, after = (shapely.LineString([points[n], points[m]]) for m in (n - 1, n + 1))
         away = [node.distance(line.intersection(scene.roadway)) for line in (before, after)]
-        if max(away) > 0 and not scene.islands.covers(node):
+        if any(metres != 0 for metres in away) and not scene.islands.covers(node):  # NaN: no roadway on that side
             yield f"{field}.nodes: node {crossing.nodes[n]} is neither on the roadway nor on an island; move it"
         elif abs(away[0] - away[1]) > OFF_MIDDLE:
             yield f"{field}.nodes: node {crossing.nodes[n]} isn't in the middle of its island; move it"

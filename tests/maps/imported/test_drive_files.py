@@ -1,8 +1,10 @@
 """OpenDRIVE files before netconvert reads them. What it makes of them is tested in test_eclipse_sumo.py."""
 
+import os
 import sys
 from xml.etree.ElementTree import fromstring
 
+import numpy as np
 import pytest
 
 from jaxwalk.maps.imported import opendrive_source
@@ -11,6 +13,7 @@ from jaxwalk.maps.imported.opendrive_file import opendrive_file
 from jaxwalk.maps.imported.refusals import ImportRefusal
 from jaxwalk.maps.imported.region import Region
 from maps.imported.drive_files import LOCAL, ON_ROAD, crosswalk, drive_file
+from maps.imported.sumo_nets import road_net
 from maps.imported.written_maps import written_as
 
 
@@ -100,3 +103,54 @@ def test_what_netconvert_says_is_named(tmp_path, monkeypatch):
         program.chmod(0o700)
         with pytest.raises(ImportRefusal, match=message):
             read_source(path)
+
+
+def test_a_file_of_too_many_bytes_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("jaxwalk.maps.imported.opendrive_file.MOST_BYTES", 100)
+    with pytest.raises(ImportRefusal, match=r"road\.xodr: larger than 100 bytes; cut a part out"):
+        opendrive_file(written(tmp_path, WHOLE))
+
+
+@pytest.fixture
+def converted(tmp_path, monkeypatch):
+    """Reads a file of crosswalks by a netconvert on the path that writes a given network and given outlines."""
+    program = tmp_path / "netconvert"
+    copy = '--output-file) cp made.net.xml "$2";; --polygon-output) cp shapes.xml "$2";;'.replace(
+        "cp ", f"cp {tmp_path}/"
+    )
+    program.write_text(f'#!/bin/sh\nwhile [ $# -gt 0 ]; do case "$1" in {copy} esac; shift; done\n', encoding="utf-8")
+    program.chmod(0o700)
+    monkeypatch.setattr(opendrive_source, "find_spec", lambda _: None)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+
+    def read(net, *outlines):
+        path = written(tmp_path, drive_file(crosswalk(120) * len(outlines)))
+        numbers = opendrive_file(path).crosswalks
+        shapes = [f'<poly id="{n}" shape="{x}"/>' for n, x in zip(numbers, outlines, strict=True) if x]
+        written_as(tmp_path, net, "made.net.xml")
+        written_as(tmp_path, f"<additional>{''.join(shapes)}</additional>", "shapes.xml")
+        return read_source(path)
+
+    return read
+
+
+OUTLINE = "118,46.5 122,46.5 122,53.5,0.2 118,53.5"
+"""A rectangle over the road of 7 m, which runs along y = 50; a corner may have a height."""
+
+
+@pytest.mark.parametrize(
+    "lights, kind", [("priority", ("zebra", "mapped")), ("traffic_light", ("signals", "inferred"))]
+)
+def test_crosswalks_lie_where_netconvert_places_them(converted, lights, kind):
+    source = converted(road_net().replace('type="priority"', f'type="{lights}"'), OUTLINE)
+    (found,) = source.crossings
+    assert (found.name, found.kind, found.kind_origin, found.width) == ("crosswalk 9 of road 1", *kind, 4.0)
+    np.testing.assert_allclose(found.point, (120, 50))
+    np.testing.assert_allclose(np.abs(found.across), (0, 1))
+    assert source.attribution == "OpenDRIVE file road.xodr, which names no author" and source.left_out == ()
+
+
+def test_crosswalks_without_an_outline_are_counted(converted):
+    source = converted(road_net(), OUTLINE, "", "118,46.5 122,46.5")
+    assert [x.name for x in source.crossings] == ["crosswalk 9 of road 1"]
+    assert source.left_out == ("2 crosswalks that netconvert doesn't place",)

@@ -119,6 +119,20 @@ def test_lanelets_over_each_other_are_ways_through_a_junction(tmp_path):
     assert len(source.open_ends) == 3
 
 
+@pytest.mark.parametrize("subtype, is_roadway", [("", True), ("vegetation", False), ("parking", True)])
+def test_a_gap_between_lanelets_of_a_junction_is_roadway_unless_something_is_mapped_there(
+    tmp_path, subtype, is_roadway
+):
+    """In the corner where a lanelet leads away from the road to the right."""
+    made = fork()
+    if subtype:
+        outline = made.line((90, -40), (150, -40), (150, -2), (90, -2), (90, -40))
+        made.relation({"outer": [outline]}, type="multipolygon", subtype=subtype)
+    roadway = read_source(written(tmp_path, made)).roadway
+    assert roadway.contains(shapely.Point(118.5, -4.6)) == is_roadway
+    assert roadway.contains(shapely.Point(112, -4)), "the lanelet itself"
+
+
 def test_curbstones_speak_of_sidewalks_and_the_map_ends_where_nobody_has_surveyed(tmp_path):
     text = road_map().text().replace("walkway", "vegetation")
     source = read_source(written(tmp_path, text))

@@ -1,11 +1,12 @@
 """Tags of Lanelet2 maps: speed limits, who may use a lanelet, and in which direction."""
 
+import numpy as np
 import pytest
 
 from jaxwalk.maps.imported.importing import read_source
 from jaxwalk.maps.imported.lanelet_shapes import use_of
 from jaxwalk.maps.imported.refusals import ImportRefusal
-from maps.imported.lanelet_maps import road_map
+from maps.imported.lanelet_maps import HALF, LANE, MIDDLE, LaneletMap, road_map
 from maps.imported.written_maps import written_as
 
 
@@ -107,3 +108,90 @@ def test_participants_override_the_subtype(subtype, tags, use):
 def test_lanelets_in_both_directions(tmp_path, tags, lanes):
     source = read_source(written(tmp_path, road_map(**tags)))
     assert len(source.lanes) == lanes and {x["lanes"][1] for x in source.elements} == {lanes // 2 - 1}
+
+
+@pytest.mark.parametrize(
+    "stop, kind",
+    [(MIDDLE - HALF - 2, ("signals", "inferred")), (MIDDLE - 60, ("zebra", "mapped")), (None, ("zebra", "mapped"))],
+    ids=["just before it", "60 m before it", "at the lanelet's end"],
+)
+def test_a_crosswalk_at_the_stop_line_of_a_traffic_light_has_signals(tmp_path, stop, kind):
+    """The light is that of one of the road's lanelets, which stops cars at its line, or at its end without one."""
+    made = road_map()
+    line = [] if stop is None else [made.line((stop, -LANE), (stop, 0), kind="stop_line")]
+    light = made.line((stop or 0, -5), (stop or 0, -6), kind="traffic_light")
+    about = {"type": "regulatory_element", "subtype": "traffic_light"}
+    rule = made.relation({"refers": [light], "ref_line": line}, **about)
+    member = f'role="right"/><member type="relation" ref="{rule}" role="regulatory_element"/>'
+    (crossing,) = read_source(written(tmp_path, made.text().replace('role="right"/>', member, 1))).crossings
+    assert (crossing.kind, crossing.kind_origin) == kind
+
+
+@pytest.mark.parametrize(
+    "subtype, what", [("rail", "tracks"), ("bicycle_lane", "cycleways"), ("", "pavement or islands")]
+)
+def test_a_crosswalk_over_no_roadway_is_only_counted(tmp_path, subtype, what):
+    """30 m to the north of the road; over a lanelet of a subtype, or over nothing."""
+    made = road_map()
+    if subtype:
+        made.lanelet(*(made.line((0, y), (200, y)) for y in (33, 30)), subtype=subtype)
+    made.lanelet(*(made.line((x, 28), (x, 35)) for x in (100, 104)), subtype="crosswalk")
+    source = read_source(written(tmp_path, made))
+    assert len(source.crossings) == 1 and source.elsewhere == {what: 1}
+
+
+def test_a_lanelet_without_a_surface_is_left_out(tmp_path):
+    """Its left bound is its right one."""
+    made = road_map()
+    line = made.line((0, 20), (20, 20))
+    made.lanelet(line, line, subtype="road")
+    source = read_source(written(tmp_path, made))
+    assert len(source.lanes) == 2 and source.left_out == ("1 lanelet without a left or right bound in the file",)
+
+
+def test_a_point_that_is_named_twice_counts_once(tmp_path):
+    made = LaneletMap()
+    sides = [made.line((0, y), (0, y), (100, y), (100, y)) for y in (LANE, 0)]
+    made.lanelet(*sides, subtype="road")
+    (lane,) = read_source(written(tmp_path, made)).lanes
+    assert lane.length() == pytest.approx(100.0)
+
+
+def strip(made, *points):
+    """A lanelet along points from west to east, `LANE` wide."""
+    made.lanelet(*(made.line(*((x, y + aside) for x, y in points)) for aside in (LANE / 2, -LANE / 2)), subtype="road")
+
+
+@pytest.mark.parametrize("pieces, lanes, ways", [(6, 4 + 2, 2), (7, 2 + 1, 0)])
+def test_a_way_through_a_junction_leads_over_at_most_six_lanelets(tmp_path, pieces, lanes, ways):
+    """Two roads that cross: one over some lanelets of 3 m within the junction, the other one over a single lanelet.
+
+    Over seven, the first road has no way through: it ends and begins anew, and the other one is a single lane.
+    """
+    made = LaneletMap()
+    reach = 3 * pieces
+    strip(made, (-60, 0), (0, 0))
+    for n in range(pieces):
+        strip(made, (3 * n, 0), (3 * n + 3, 0))
+    strip(made, (reach, 0), (reach + 60, 0))
+    for y, end in ((-60, -2), (-2, 2), (2, 60)):
+        made.lanelet(*(made.line((x, y), (x, end)) for x in (0, reach)), subtype="road")
+    source = read_source(written(tmp_path, made))
+    assert (len(source.lanes), source.in_junction.sum()) == (lanes, ways)
+
+
+def test_a_turn_between_lanelets_without_room_is_named(tmp_path):
+    """From the end of a road a lanelet leads on, and over it another one turns back with a radius of 3 m."""
+    made = LaneletMap()
+    for ends in ((0, 100), (100, 120), (120, 200)):
+        strip(made, *((x, 0) for x in ends))
+    bends = []
+    for radius in (3 - LANE / 2, 3 + LANE / 2):
+        bend = [(100 + radius * np.cos(angle), 3 + radius * np.sin(angle)) for angle in np.linspace(-1.4, 1.4, 15)]
+        bends.append(made.line((100, 3 - radius), *bend, (100, 3 + radius)))
+    made.lanelet(*bends, subtype="road")
+    made.lanelet(*(made.line((100, y), (0, y)) for y in (6 - LANE / 2, 6 + LANE / 2)), subtype="road")
+    source = read_source(written(tmp_path, made))
+    (said,) = source.left_out
+    assert said.startswith("1 turn at junctions: too tight")
+    assert len(source.lanes) == 2 and not any(lane.successors for lane in source.lanes)

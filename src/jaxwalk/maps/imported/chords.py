@@ -155,7 +155,7 @@ class Chords:
         """Return where a line (2, 2) enters and leaves roadways (roadway, 2) [m], or why people can't cross there."""
         line = shapely.LineString(ends)
         parts = shapely.get_parts(line.intersection(self.ground.roadway)).tolist()
-        lines = [shapely.get_coordinates(part) for part in parts if part.geom_type == "LineString"]
+        lines = [shapely.get_coordinates(part) for part in parts if part.geom_type == "LineString" and part.length > 0]
         along = [sorted(float(np.hypot(*(point - ends[0]))) for point in (own[0], own[-1])) for own in lines]
         over = np.array(sorted(along)).reshape(-1, 2)
         if not len(over):

@@ -154,8 +154,6 @@ class CrossingPlaces:
             if half > crossing.width / 2:
                 continue
             areas = chord.areas(self.ground.roadway, half)
-            if any(area.is_empty for area in areas):
-                return "it only grazes a roadway"
             blocker = self._blocker(areas)
             if blocker is None:
                 islands = chord.islands(self.ground.roadway, half + 0.5)

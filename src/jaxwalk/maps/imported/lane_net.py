@@ -65,16 +65,15 @@ def fits(line: np.ndarray, headings: tuple[float, float], roadway: BaseGeometry)
     return whole.difference(shapely.clip_by_rect(roadway, *whole.buffer(1.0).bounds)).length <= MOST_OFF
 
 
-def along(
-    line: np.ndarray, headings: tuple[float, float], inner: np.ndarray, straight: float = STRAIGHT
-) -> np.ndarray | None:
+def along(line: np.ndarray, headings: tuple[float, float], inner: np.ndarray, straight: float = STRAIGHT) -> np.ndarray:
     """Return the way (point, 2) between the ends of a line that follows another line inside a junction, ``inner``.
 
-    It leaves and meets its lanes straight, for ``straight`` metres; None if it has no length.
+    It leaves and meets its lanes straight, for ``straight`` metres.
     """
     begin, end = line[0], line[-1]
     ahead, after = (np.array([np.cos(angle), np.sin(angle)]) for angle in headings)
     first, last = begin + straight * ahead, end - straight * after
     between = inner[((inner - first) @ ahead > 1) & ((last - inner) @ after > 1)]
     curve = rounded(np.concatenate([[begin, first], between, [last, end]]))
-    return None if curve is None else np.concatenate([curve.points[:-1], [end]])
+    assert curve is not None, "its first straight piece alone is long enough"
+    return np.concatenate([curve.points[:-1], [end]])

@@ -209,8 +209,6 @@ def _tries(
     """Yield lines (point, 2) between two ends (2, 2): first as mapped, then with fewer bends, then by our own rule."""
     for coarse, leg in ((0.0, STRAIGHT), (COARSE, STRAIGHT), (COARSE, LEAST_STRAIGHT)) if len(mapped) > 2 else ():
         inner = shapely.get_coordinates(shapely.simplify(shapely.LineString(mapped), coarse))
-        line = along(straight, headings, inner, leg)
-        if line is not None:
-            yield line
+        yield along(straight, headings, inner, leg)
     turning = float(np.angle(np.exp(1j * (headings[1] - headings[0]))))
     yield gentle_way((straight[0], straight[1]), (headings[0], turning), RADIUS, clear)

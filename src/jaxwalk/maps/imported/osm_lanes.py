@@ -160,7 +160,7 @@ def _through(
         headings = (heading(one[-2:]), heading(other[:2]))
         if inner_line is not None and len(inner_line) and not fits(line, headings, roadway):
             line = along(line, headings, inner_line)
-        if line is None or not fits(line, headings, roadway):
+        if not fits(line, headings, roadway):
             yield None
             continue
         connect(built, before[0].lanes[before[1]], line, after[0].lanes[after[1]])

@@ -61,8 +61,6 @@ def read_osm(path: Path, region: Region | None) -> OsmData:
     try:
         found.read(osmium, path, region)
     except (RuntimeError, ValueError, OSError, UnicodeError, osmium.InvalidLocationError) as error:
-        if isinstance(error, ImportRefusal):
-            raise
         reason = " ".join(str(error).split())[:200]
         raise ImportRefusal(f"{path}: can't be read as OpenStreetMap data ({reason}); download it again") from None
     if not any(is_road(way.tags) for way in found.ways):

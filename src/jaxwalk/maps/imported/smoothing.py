@@ -37,8 +37,7 @@ def rounded(line: np.ndarray) -> Curve | None:
     before, after = np.concatenate([[0.0], cuts]), np.concatenate([cuts, [0.0]])
     pieces: list[tuple[float, float]] = []
     for number, straight in enumerate((lengths - before - after).tolist()):
-        if straight > 1e-6:
-            pieces.append((straight, 0.0))
+        pieces.append((straight, 0.0))
         if number < len(turns) and abs(turns[number]) > 1e-6:
             radius = cuts[number] / half[number]
             pieces.append((radius * abs(turns[number]), float(np.sign(turns[number])) / radius))

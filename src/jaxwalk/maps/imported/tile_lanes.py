@@ -222,10 +222,7 @@ class RouteFinder:
         """Return the crossings that a route leads over, some metres after its start."""
         line = shapely.LineString(without_repeats(np.concatenate([self.lanes[n].line for n in route.lanes])))
         begin = route.start + BEFORE
-        end = route.start + self._length(route)
-        if end <= begin:
-            return set()
-        driven = shapely.ops.substring(line, begin, end)
+        driven = shapely.ops.substring(line, begin, route.start + self._length(route))
         return {n for n, area in enumerate(crosswalks) if driven.intersects(area)}
 
     def _past(self, crosswalk: BaseGeometry) -> LaneRoute | None:

@@ -165,8 +165,6 @@ class ZoneFinder:
         at, sign = where
         count = int(np.ceil(reach / PIECE))
         stations = at + sign * np.linspace(0, reach, count + 1)[1:]
-        if not 0.5 <= stations.min() <= stations.max() <= lane.length - 0.5:
-            return None
         before, after = (
             shapely.get_coordinates(shapely.line_interpolate_point(lane, stations + d)) for d in (-0.5, 0.5)
         )
