@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import platform
 import sys
 from types import SimpleNamespace
 
@@ -42,3 +43,9 @@ def test_one_that_is_lost_while_the_others_start_can_be_begun_again(joining, cap
 def test_a_jax_that_cannot_start_is_bad_input(joining, capfd):
     assert joining("Unable to initialize backend 'cup'") == BAD_INPUT
     assert "jaxwalk: JAX can't start (Unable to initialize backend 'cup')" in capfd.readouterr().err
+
+
+def test_a_machine_without_an_address_of_its_own_is_told_what_it_lacks(joining, capfd):
+    found = "[enforce fail at gloo/gloo/transport/tcp/device.cc:99] rv == 0. -2 vs 0 (or set JAX_PLATFORMS=cpu)"
+    assert joining(found) == BAD_INPUT
+    assert f"an address for this machine's name, {platform.node()}, such as in /etc/hosts" in capfd.readouterr().err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import platform
 import subprocess
 import sys
 import threading
@@ -17,6 +18,8 @@ from jaxwalk.provenance import commit, cores
 from jaxwalk.runs.folder import RunError, check_writable
 from jaxwalk.runs.peer_lost import losing_no_peer
 
+OWN_ADDRESS = "gloo/transport/tcp/device.cc"
+"""Where JAX looks up the address of the machine's own name, as an error of it says."""
 START = "import jax; jax.devices()"
 """A program that fails if JAX can't start."""
 READ_FLAGS = """
@@ -111,6 +114,8 @@ def _explained(set_here: set[str]) -> Iterator[None]:
         names = [name for name in os.environ if name.startswith(("JAX_", "XLA_")) and name not in set_here]
         names = [name for name in names if name.lower() in str(error).lower()] or names
         advice = f"correct or unset {', '.join(names)}" if names else "check its installation"
+        if OWN_ADDRESS in str(error):
+            advice = f"its processes need an address for this machine's name, {platform.node()}, such as in /etc/hosts"
         raise MachineError(f"JAX can't start ({error}); {advice}") from error
 
 
