@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+from jaxwalk.maps.imported.lane_net import fits
 from jaxwalk.maps.imported.mapped_lanes import MappedLane, MappedTurn, mapped_lane_net
 
 NOT_MAPPED = np.zeros((0, 2))
@@ -40,3 +41,9 @@ def test_a_way_leads_over_at_most_four_short_lanes(count, lanes):
     ends = [-60, *range(count + 1), count + 60]
     made = net([[(a, 0), (b, 0)] for a, b in pairwise(ends)], [(n, n + 1) for n in range(count + 1)])
     assert len(made.lanes) == lanes and made.no_turns == 0
+
+
+@pytest.mark.parametrize("gap, may", [(0, True), (5.9, True), (6.1, False)])
+def test_a_way_may_be_off_the_roadway_for_at_most_6_m(gap, may):
+    roadway = shapely.box(0, -3, 40, 3).difference(shapely.box(20, -3, 20 + gap, 3))
+    assert fits(np.array([(0.0, 0.0), (40.0, 0.0)]), (0.0, 0.0), roadway) == may
