@@ -27,7 +27,10 @@ SHAPED = [
 
 
 class Outermost(jaxtyping._import_hook.JaxtypingTransformer):
-    """Checks functions of modules and classes. One inside another would be given its checks anew at each call."""
+    """Checks functions of modules and classes. One inside another would be given its checks anew at each call.
+
+    jaxtyping has no option for it, so this replaces a class of its own (`tests/test_shape_checks.py`).
+    """
 
     def visit_FunctionDef(self, node):
         body, node.body = node.body, []
@@ -134,6 +137,14 @@ def strict_processes():
     with pytest.MonkeyPatch.context() as patch:
         cache = [f"ignore:Error {doing} persistent compilation:UserWarning" for doing in ("reading", "writing")]
         patch.setenv("PYTHONWARNINGS", ",".join(["error", *cache]))
+        yield
+
+
+@pytest.fixture(scope="module")
+def lenient_processes():
+    """Processes of other libraries may warn: Ray's do on Python 3.14."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("PYTHONWARNINGS", raising=False)
         yield
 
 

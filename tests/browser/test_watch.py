@@ -35,6 +35,7 @@ def training(tmp_path):
 
 def _make(watched, updates):
     watched._written = -math.inf  # as if nothing had been written for long
+    watched._pace.begin(updates - 1)
     watched._pace.made = updates
     watched.show(_line(updates))
 

@@ -17,6 +17,7 @@ from jaxwalk.experiments.on_ray import ALONE
 
 pytestmark = [
     pytest.mark.long,
+    pytest.mark.usefixtures("lenient_processes"),
     pytest.mark.skipif(importlib.util.find_spec("ray") is None, reason='needs pip install "jaxwalk[cluster]"'),
 ]
 EVALUATE = [sys.executable, "-m", "jaxwalk", "evaluate", "--driver", "constant-speed", "--episodes", "2048"]

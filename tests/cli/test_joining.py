@@ -36,7 +36,7 @@ def joining(monkeypatch):
 
 def test_one_that_is_lost_while_the_others_start_can_be_begun_again(joining, capfd):
     assert joining(f"Unable to initialize backend 'cpu': {CLOSED}") == LOST
-    said = "jaxwalk: another process of the training ended, or can't be reached any more; resume it\n"
+    said = "jaxwalk: another process of the training ended, or can't be reached any more; start all again\n"
     assert capfd.readouterr().err == said
 
 

@@ -214,7 +214,7 @@ def test_one_that_is_lost_before_they_meet_ends_it_with_one_message(words, first
     monkeypatch.setattr(training, "wait_for_all", refused)
     monkeypatch.setattr(entry, "train_in", None)
     assert main(["train", *words.split()]) == LOST
-    said = "jaxwalk: another process of the training ended, or can't be reached any more; resume it\n"
+    said = "jaxwalk: another process of the training ended, or can't be reached any more; start all again\n"
     assert capfd.readouterr().err == said
 
 

@@ -20,7 +20,7 @@ PARTS = ["1/3", "2/3", "3/3"]
 
 
 @pytest.fixture(scope="module")
-def scratch():
+def scratch(lenient_processes):
     """A Ray with two cores, and its folder for temporary files."""
     before = signal.getsignal(signal.SIGTERM)
     with connected(LOCAL, 2) as folder:

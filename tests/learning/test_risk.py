@@ -170,8 +170,9 @@ def test_what_pays_and_costs_is_done_as_often_as_the_limit_allows():
     is free, and in a fifth of the scenarios in which it costs 4: a reward of 0.5 + 0.5 x 0.2 = 0.6. There the
     multiplier makes up for the reward, 1 = lambda x 0.5 x 4.
     """
-    _, plain = play(TOLL, CONFIG, updates=60, last=20)
+    _, plain = play(TOLL, limited(CostLimit("nothing", limit=1.0)), updates=60, last=20)
     assert plain["reward/driver"] > 0.95
+    assert (plain["cost/driver/nothing"], plain["multiplier/driver/nothing"]) == (0, 0)
     learner, found = play(TOLL, AT_TIMES)
     assert found["cost/driver/fine"] == pytest.approx(0.4, abs=0.1)
     assert found["reward/driver"] == pytest.approx(0.6, abs=0.08)
@@ -226,7 +227,6 @@ def test_resumed_training_equals_uninterrupted_training(shards, tmp_path):
 def test_shared_out_environments_count_the_same_costs():
     _, one = play(HASTE, TAILED, updates=3, last=1)
     _, two = play(HASTE, dataclasses.replace(TAILED, shards=2), updates=3, last=1)
-    assert (one["cost/driver/nothing"], one["multiplier/driver/nothing"]) == (0, 0)
     for name in one:
         assert two[name] == pytest.approx(one[name], rel=1e-3, abs=1e-4), name
 

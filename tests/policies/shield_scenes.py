@@ -11,6 +11,8 @@ import numpy as np
 
 from jaxwalk import Street
 from jaxwalk.interfaces import Moment
+from jaxwalk.policies import RouteFollower
+from jaxwalk.policies.shielding import Shielded
 from jaxwalk.policies.shields.shield_scene import Around
 from jaxwalk.safety.bicycle import slip
 from jaxwalk.sim.events import to_rectangle
@@ -49,6 +51,40 @@ def _scenes(speed, people, steering):
 def judge(shield, action, scene):
     """What a shield says."""
     return shield.judge(action, scene)
+
+
+class Says:
+    """A driver that says what it is told."""
+
+    def __init__(self, action):
+        self.action, self.view = jnp.asarray(action), RouteFollower().view
+
+    def init(self, agents, batch):
+        return None
+
+    def act(self, key, memory, seen):
+        return self.action, memory
+
+
+class Found:
+    """A shield that says what another one has found."""
+
+    def __init__(self, verdict):
+        self.verdict, self.view = verdict, Around()
+
+    def judge(self, action, scene):
+        return self.verdict
+
+
+def decide(shield, action, scene):
+    """What a shielded driver does, its memory, and what is recorded."""
+    return Shielded(Says(action), shield).decide(jax.random.split(jax.random.key(0), BATCH), None, (None, scene))
+
+
+@eqx.filter_jit
+def decide_on(verdict, action, scene):
+    """The same, after this verdict: one program for all shields."""
+    return decide(Found(verdict), action, scene)
 
 
 def judge_one(shield, action, scene):

@@ -14,11 +14,10 @@ from jaxwalk.acting import part_of
 from jaxwalk.adapters.players import player
 from jaxwalk.policies import RouteFollower, shielded
 from jaxwalk.policies.shield_names import SHIELD_NAMES, unshielded, with_shield
-from jaxwalk.policies.shielding import SHIELDS, Shielded
+from jaxwalk.policies.shielding import SHIELDS
 from jaxwalk.policies.shields.cbf_shield import CbfShield, touching_radius
 from jaxwalk.policies.shields.predictive_shield import PredictiveShield
 from jaxwalk.policies.shields.rss_shield import RssShield, _meets, response_of
-from jaxwalk.policies.shields.shield_scene import Around
 from jaxwalk.runs.contestant_names import ContestantError, check_name, run_folders
 from jaxwalk.runs.contestants import contestant
 from jaxwalk.runs.policy_origins import policy_origin
@@ -26,44 +25,22 @@ from jaxwalk.safety.rss import PERSON, braking_way, forward_way
 from jaxwalk.sim.prediction import AWAY
 from jaxwalk.sim.sim_config import SimConfig
 from jaxwalk.testing import check_driver
-from policies.shield_scenes import BATCH, RULES, STREET, THROTTLE, alone, drive_past, judge, judge_one, scenes
+from policies.shield_scenes import (
+    BATCH,
+    RULES,
+    STREET,
+    THROTTLE,
+    alone,
+    decide,
+    decide_on,
+    drive_past,
+    judge,
+    judge_one,
+    scenes,
+)
 from pytrees import the_same
 
 KINDS = [pytest.param(make(), id=name) for name, make in SHIELDS.items()]
-
-
-class Says:
-    """A driver that says what it is told."""
-
-    def __init__(self, action):
-        self.action, self.view = jnp.asarray(action), RouteFollower().view
-
-    def init(self, agents, batch):
-        return None
-
-    def act(self, key, memory, seen):
-        return self.action, memory
-
-
-class Found:
-    """A shield that says what another one has found."""
-
-    def __init__(self, verdict):
-        self.verdict, self.view = verdict, Around()
-
-    def judge(self, action, scene):
-        return self.verdict
-
-
-def decide(shield, action, scene):
-    """What a shielded driver does, its memory, and what is recorded."""
-    return Shielded(Says(action), shield).decide(jax.random.split(jax.random.key(0), BATCH), None, (None, scene))
-
-
-@eqx.filter_jit
-def decide_on(verdict, action, scene):
-    """The same, after this verdict: one program for all shields."""
-    return decide(Found(verdict), action, scene)
 
 
 def crowds(seed):

@@ -45,7 +45,7 @@ def drive(street, scenarios, steps=STEPS):
 
 @eqx.filter_jit
 def play_on(street, scenarios):
-    """The same state in which nobody looked on the way, so also where nobody is hidden."""
+    """The state after the same steps, without looking: it also works where nobody is hidden."""
     actions = {"driver": jnp.stack([jnp.full(BATCH, 0.2), jnp.zeros(BATCH)])}
     actions["pedestrian"] = jnp.ones((12, BATCH), int)
     return jax.lax.scan(

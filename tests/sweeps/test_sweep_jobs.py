@@ -116,12 +116,12 @@ def test_jobs_of_submitits_local_executor_complete_a_sweep(place, monkeypatch):
 
 @pytest.mark.long
 @pytest.mark.filterwarnings("default")  # those of Ray are its own
+@pytest.mark.usefixtures("lenient_processes")
 def test_tasks_on_two_nodes_of_ray_complete_a_sweep(place, monkeypatch):
     """Ray's test cluster: two nodes of one core each on the loopback address, and a task on each."""
     pytest.importorskip("ray")
     from ray.cluster_utils import Cluster
 
-    monkeypatch.delenv("PYTHONWARNINGS", raising=False)
     cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
     try:
         cluster.add_node(num_cpus=1)

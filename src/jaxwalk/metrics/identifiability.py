@@ -43,7 +43,10 @@ class Identifiability:
 
 
 def crossings_of_people(table: Crossings, *, episodes: int, people: int) -> Int[np.ndarray, "person"]:
-    """Count how often each person was seen to enter a roadway; the people of one episode are next to each other."""
+    """Count how often each person was seen to enter a roadway; the people of one episode are next to each other.
+
+    Crossings without a zone, where nobody has a choice, count too: they tell nothing about tau.
+    """
     person = table.episode * people + table.ped
     return np.bincount(person[table.entry_seen], minlength=episodes * people)
 

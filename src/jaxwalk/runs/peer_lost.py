@@ -23,4 +23,6 @@ def losing_no_peer() -> Iterator[None]:
     except (ValueError, RuntimeError) as error:
         if not any(word in str(error) for word in CONNECTION):
             raise
-        raise PeerLostError("another process of the training ended, or can't be reached any more; resume it") from error
+        raise PeerLostError(
+            "another process of the training ended, or can't be reached any more; start all again"
+        ) from error

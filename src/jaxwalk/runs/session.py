@@ -89,7 +89,6 @@ class Session:
 
     def update(self, learner: Learner, made: int) -> tuple[Learner, Any]:
         """Start the update after that many; return the next learner and its metrics, which may still be computing."""
-        self.progress.begin(made)
         return update_in_turns(self.turns, self._config, learner, made)
 
     def record(self, metrics: Any, updates: int, before: Learner) -> None:

@@ -253,6 +253,7 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
     stops = any(ask(lambda: [session.stop.requested])())
     while done < end(planned) and not stops and (several() or not session.stop.requested):  # alone, asked once more
         before, wished = learner, ask(wishes)
+        session.progress.begin(done)
         learner, metrics = session.update(before, done)
         done += 1
         if waiting:

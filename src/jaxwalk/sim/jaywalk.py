@@ -26,9 +26,8 @@ SAME = 1e-3
 """Places that differ by less are equal, in pieces of a zone's line."""
 OFF = -1000.0
 """The place of somebody who isn't on the line of the zone: the way there leads over the landing."""
-
 NOWHERE = -1.0
-"""Where a jaywalk begins at a side without a zone."""
+"""Stands for the place where a jaywalk begins where there is no zone."""
 
 
 class LinePiece(NamedTuple):

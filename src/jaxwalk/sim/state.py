@@ -72,7 +72,7 @@ class Leg(eqx.Module):
     crossing: Int[Array, "ped *batch"]
     """The `jaxwalk.sim.crossing_kind.CrossingKind` decided for the next or current crossing."""
     decisions: Int[Array, "ped *batch"]
-    """Crossings decided about so far; where there is no zone, nothing is decided."""
+    """Crossings decided about so far, but for those without a zone, where nobody has a choice."""
     goal: Int[Array, "ped *batch"]
     """The waypoint walked to."""
     arrivals: Int[Array, "ped *batch"]
@@ -121,7 +121,7 @@ class PedestrianState(eqx.Module):
 
     @property
     def may_jaywalk(self) -> Bool[Array, "ped *batch"]:
-        """Whether people may jaywalk at the next or current crossing: else using the crosswalk is no decision."""
+        """Whether people may jaywalk at the crossing that was decided about last: else to use it was no choice."""
         return self.leg.begin >= 0
 
     @property
