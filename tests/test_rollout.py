@@ -182,6 +182,12 @@ def test_every_step_of_every_environment_has_its_own_chance(whole):
     np.testing.assert_array_equal(steps.outcome.rewards["driver"]["action"], drawn)
 
 
+@pytest.mark.parametrize("seed", [0, 7, 2**31, 2**32 - 1, -1])
+def test_a_seed_has_the_key_that_jax_gives_it(seed):
+    plainly = jax.random.fold_in(jax.random.key(seed), EVALUATION)
+    assert np.array_equal(*map(jax.random.key_data, (seed_key(seed, EVALUATION), plainly)))
+
+
 def test_seeds_domains_and_indices_have_keys_of_their_own():
     data = [
         jax.random.key_data(environment_keys(seed_key(seed, domain), 0, 50))

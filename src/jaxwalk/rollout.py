@@ -14,6 +14,7 @@ from typing import Any, Protocol, runtime_checkable
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Int, Key
 
 from jaxwalk.acting import SCENARIO_KEYS, step_key
@@ -75,6 +76,12 @@ class Step(eqx.Module):
 
 def seed_key(seed: int, domain: int) -> Key[Array, ""]:
     """Return the key of a seed for TRAINING or EVALUATION."""
+    return _seed_key(np.int64(seed).astype(np.uint32), np.uint32(domain))
+
+
+@jax.jit
+def _seed_key(seed: Array, domain: Array) -> Key[Array, ""]:
+    """Return the key. As a program of its own: each operation by itself would be one, and every run begins here."""
     return jax.random.fold_in(jax.random.key(seed), domain)
 
 

@@ -28,6 +28,16 @@ class Stuck:
 """
 
 
+GARBAGE = """
+import atexit, gc
+from jaxwalk.cli import main
+
+atexit.register(lambda: print("frozen:", gc.get_freeze_count() > 0))  # called last, as it was registered first
+main(["bench", "--help"])
+print("new objects:", gc.get_threshold()[0])
+"""
+
+
 def shell(line, **environment):
     """What a shell makes of a line in which J stands for jaxwalk."""
     line = line.replace("J ", " ".join(JAXWALK) + " ")
@@ -173,3 +183,8 @@ def test_a_signal_ends_a_command_in_time(driver, sent, code, seconds, place):
     assert (process.returncode, out, err) == (code, "", "jaxwalk: interrupted\n")
     assert time.monotonic() - begun < 3 * seconds  # on a busy machine
     assert not (place / "kept").exists()
+
+
+def test_garbage_is_seldom_looked_for_and_not_at_the_end():
+    done = subprocess.run([sys.executable, "-c", GARBAGE], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("new objects: 1000000\nfrozen: True\n")

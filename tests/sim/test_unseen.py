@@ -71,7 +71,8 @@ def test_critics_see_what_is_hidden_and_actors_do_not(hiding, scenarios, played)
     """Under names of their own, which the critics read; the reward goes by the same truth."""
     config, (state, _) = whole(replace(FAST.train, environments=BATCH)), played
     views = compiled(partial(gather_views, hiding, config))(scenarios, state)
-    critics = eqx.filter_eval_shape(make_critics, hiding, config.config, views, jax.random.key(0))  # we ask for names
+    shapes = jax.eval_shape(lambda x: x, views)
+    critics = eqx.filter_eval_shape(partial(make_critics, hiding, config.config, shapes), jax.random.key(0))  # names
     driver, kerb = (critics[role].reads for role in ("driver", "pedestrian"))
     assert (len(driver), driver[1], len(kerb)) == (2, "global", 1)
     own = config.columns["driver"].own

@@ -18,7 +18,6 @@ from jaxwalk.recipes import RECIPES, load_experiment
 from jaxwalk.runs.contestant_names import check_name, run_folders
 from jaxwalk.runs.folder import Run, check_new
 from jaxwalk.sim.sim_config import SimConfig
-from jaxwalk.sweeps.study_file import load_sweep
 
 PLAN = "plan.json"
 """File of a folder of `jaxwalk reproduce`, which `jaxwalk report` takes as well."""
@@ -40,6 +39,8 @@ def check_names(options: Any) -> None:
     elif isinstance(options, Train) and options.run_folder:
         check_new(options.run_folder)
     if isinstance(options, Sweep) and options.study:
+        from jaxwalk.sweeps.study_file import load_sweep  # only here: every command begins with this module
+
         load_sweep(options.study)
     if hasattr(options, "people"):
         place(options)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import reduce
+from functools import partial, reduce
 
 import equinox as eqx
 import jax
@@ -15,7 +15,7 @@ from jaxwalk.learning.actor import CHOSEN_PART
 from jaxwalk.learning.advantages import Transitions, generalised_advantage
 from jaxwalk.learning.casting import Shard, width
 from jaxwalk.learning.config import GLOBAL, SHARED, TrainConfig
-from jaxwalk.learning.experience import Views, critic_reads
+from jaxwalk.learning.experience import Views, ViewShapes, critic_reads
 from jaxwalk.learning.fit import map_chunks, plan_chunks, take_rows
 from jaxwalk.learning.monitor import by_agent
 from jaxwalk.learning.networks import MLP, make_mlp
@@ -77,7 +77,9 @@ def critic_input(
     return jnp.concatenate([view(name) for name in names], axis=0)
 
 
-def make_critics(environment: Environment, config: TrainConfig, views: Views, key: Key[Array, ""]) -> dict[str, Critic]:
+def make_critics(
+    environment: Environment, config: TrainConfig, views: ViewShapes, key: Key[Array, ""]
+) -> dict[str, Critic]:
     """Return untrained critics by name: of the rewards, then of the costs that have limits."""
     shared = config.credit == "shared"
     of_rewards = {role: (role, None) for role in ((SHARED,) if shared else config.learning_roles)}
@@ -87,7 +89,7 @@ def make_critics(environment: Environment, config: TrainConfig, views: Views, ke
         reads = (GLOBAL,) if shared else critic_reads(config.roles[role].critic_observes, views[role])
         agents = () if shared else environment.roles[role].agents
         hidden = config.shared_critic_hidden if shared else config.roles[role].critic_hidden
-        size = critic_input(views[role], reads, agents).shape[0]
+        size = jax.eval_shape(partial(critic_input, names=reads, agents=agents), views[role]).shape[0]
         critics[name] = Critic(make_mlp(k, (size, *hidden, 1), final_scale=1.0), role, reads, agents, cost)
     return critics
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import equinox as eqx
+import jax
 from jaxtyping import Array, Bool, Float, Key
 
 from jaxwalk.acting import Cast, act, part_of
@@ -17,6 +18,8 @@ from jaxwalk.rollout import Act
 
 Views = dict[str, dict[str, Float[Array, "_ ..."]]]
 """Views of a state, by observer (a learning role, or the shared critic) and the view's name."""
+ViewShapes = dict[str, dict[str, jax.ShapeDtypeStruct]]
+"""The shapes of `Views`."""
 
 
 class Record(eqx.Module):

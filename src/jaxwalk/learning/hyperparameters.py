@@ -6,9 +6,11 @@ Trials of a sweep, members of a population and continued trainings that differ i
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import equinox as eqx
-import jax.numpy as jnp
+import jax
+import numpy as np
 from jaxtyping import Array, Float
 
 from jaxwalk.learning.config import TrainConfig
@@ -39,9 +41,9 @@ class Hyperparameters(eqx.Module):
 
 def hyperparameters(config: TrainConfig) -> Hyperparameters:
     """Return the numbers of a configuration as arrays."""
-    numbers = {name: jnp.asarray(getattr(config, name), jnp.float32) for name in NAMES}
-    entropy = {role: jnp.asarray(each.entropy, jnp.float32) for role, each in config.roles.items()}
-    return Hyperparameters(**numbers, entropy=entropy)
+    numbers: dict[str, Any] = {name: np.float32(getattr(config, name)) for name in NAMES}
+    numbers["entropy"] = {role: np.float32(each.entropy) for role, each in config.roles.items()}
+    return Hyperparameters(**jax.device_put(numbers))
 
 
 def without_hyperparameters(config: TrainConfig) -> TrainConfig:

@@ -17,6 +17,7 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 import optax
 from jax.sharding import Mesh, PartitionSpec
 from jaxtyping import Array, Float, Int, Key
@@ -89,7 +90,7 @@ def init(
     check_costs(environment, config)
     mesh = mesh_of(config.shards)
     learner = _untrained(environment, without_hyperparameters(config), key, others)
-    learner = replace(learner, planned=jnp.asarray(config.updates, jnp.int32))
+    learner = replace(learner, planned=jax.device_put(np.int32(config.updates)))
     return place(learner, _partition_specs(learner), mesh)
 
 
@@ -101,7 +102,8 @@ def _untrained(
     stream_key, actor_key, critic_key, shuffle_key = jax.random.split(key, 4)
     stream = waiting(environment, environment_keys(stream_key, 0, config.environments))
     everything, adam = whole(config), optimiser(hyperparameters(config))
-    views = gather_views(environment, everything, stream.scenario, stream.state)
+    see = partial(gather_views, environment, everything)
+    views = jax.eval_shape(see, stream.scenario, stream.state)
     actors = {}
     for role, k in zip(config.learning_roles, jax.random.split(actor_key, len(config.learning_roles)), strict=True):
         size = views[role][config.roles[role].observes].shape[0]

@@ -29,7 +29,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from jaxwalk.recipes import Experiment
 from jaxwalk.runs.board import Board
-from jaxwalk.runs.kept_archives import keep_archives, kept_archives
+from jaxwalk.runs.kept_archives import archive_contents, keep_archives, kept_archives
 from jaxwalk.runs.kept_maps import keep_maps, kept_maps, to_stderr
 from jaxwalk.runs.lock import LOCK, held
 from jaxwalk.writing import is_unfinished, naming, write_whole
@@ -103,12 +103,11 @@ class Run:
         ``maps`` and ``archives`` are those of the experiment, if they are read already.
         """
         from jaxwalk.maps import each_map, read_map
-        from jaxwalk.scenarios.archive_file import archive_bytes
 
         check_new(Path(path))
         experiment = replace(experiment, maps=each_map(experiment.maps))
         maps = [read_map(name) for name in experiment.maps] if maps is None else maps
-        archives = [archive_bytes(name) for name in experiment.archives] if archives is None else archives
+        archives = [archive_contents(name) for name in experiment.archives] if archives is None else archives
         run = cls(path, experiment)
         with held(run.path):
             check_new(run.path)  # check again: another process may have been quicker

@@ -29,6 +29,13 @@ class KeptArchiveError(ValueError):
     """An archive can't be mixed into a training. The message names it and says what to do, in one line."""
 
 
+def archive_contents(archive: str | Path) -> bytes:
+    """Return the bytes of an archive. Raise ArchiveError if there is none."""
+    from jaxwalk.scenarios.archive_file import archive_bytes  # takes a while, and few trainings have archives
+
+    return archive_bytes(archive)
+
+
 def keep_archives(folder: Path, contents: Sequence[bytes]) -> None:
     """Write the files of archives into a run folder."""
     for number, content in enumerate(contents):
@@ -59,7 +66,6 @@ def with_archives(street: Street, experiment: Experiment, paths: Sequence[str | 
             training doesn't have, or people are absent in it.
     """
     import jax
-    import jax.numpy as jnp
 
     from jaxwalk.scenarios.archive_file import read_archive
     from jaxwalk.sim.kept_points import KeptPoints
@@ -72,8 +78,8 @@ def with_archives(street: Street, experiment: Experiment, paths: Sequence[str | 
         if any(np.array_equal(archived.points, other) for other in same_crowd):
             raise KeptArchiveError(f"{path}: its scenarios are those of another archive; name it once")
         same_crowd.append(archived.points)
-    share = jnp.float32(experiment.archive_share)
-    kept = {people: KeptPoints(jax.device_put(np.concatenate(of)), share) for people, of in points.items()}
+    share = np.float32(experiment.archive_share)
+    kept = {people: KeptPoints(*jax.device_put((np.concatenate(of), share))) for people, of in points.items()}
     return replace(street, kept=kept)
 
 

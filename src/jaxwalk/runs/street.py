@@ -11,14 +11,13 @@ from jaxwalk.interfaces import Policy, Roles
 from jaxwalk.learning.config import GLOBAL, WHOLE_MINIBATCH, TrainConfig
 from jaxwalk.maps import MapError, MapText
 from jaxwalk.peers import several
-from jaxwalk.policies.drivers import Careless, RouteFollower
-from jaxwalk.policies.pedestrians import AlwaysGo
 from jaxwalk.recipes import Experiment, with_training
 from jaxwalk.runs.kept_archives import with_archives
 from jaxwalk.shards import everywhere, mesh_of
 from jaxwalk.sim.cost import DRIVER_COSTS, PAID_ONCE
 from jaxwalk.sim.environment import Street
 from jaxwalk.sim.observation import OBSERVATIONS
+from jaxwalk.sim.sim_config import SimConfig
 
 LEAST_SHARE = 64
 """Smallest number of environments for each core: fewer don't keep it busy."""
@@ -49,7 +48,8 @@ def make_street(
         raise
     except ValueError as error:
         raise WorldError(str(error)) from error
-    return with_archives(street, experiment, experiment.archives if archives is None else archives)
+    mixed_in = experiment.archives if archives is None else archives
+    return with_archives(street, experiment, mixed_in) if mixed_in else street  # importing archives takes a while
 
 
 def crowded(street: Street, experiment: Experiment) -> tuple[Street, ...]:
@@ -128,9 +128,15 @@ def shared_out(experiment: Experiment) -> Experiment:
 
 def fixed_policies(experiment: Experiment) -> Roles[Policy | None]:
     """Return the policies of the roles that aren't learned."""
-    train, sim = experiment.train, experiment.sim
-    follower = RouteFollower(wheelbase=sim.wheelbase, max_steering=sim.max_steering)
-    return {
-        "driver": Careless(follower, fastest=sim.max_speed) if train.roles["driver"].fixed else None,
-        "pedestrian": AlwaysGo() if train.roles["pedestrian"].fixed else None,
-    }
+    roles = experiment.train.roles
+    return {role: _rule(role, experiment.sim) if choice.fixed else None for role, choice in roles.items()}
+
+
+def _rule(role: str, sim: SimConfig) -> Policy:
+    """Return the policy of a role that isn't learned."""
+    from jaxwalk.policies.drivers import Careless, RouteFollower  # takes a while: all rules come with it
+    from jaxwalk.policies.pedestrians import AlwaysGo
+
+    if role == "pedestrian":
+        return AlwaysGo()
+    return Careless(RouteFollower(wheelbase=sim.wheelbase, max_steering=sim.max_steering), fastest=sim.max_speed)
