@@ -131,6 +131,7 @@ def compiled(monkeypatch):
         return {"device": "NVIDIA H100", "provenance": provenance, "programs": [dict(ROW)]}
 
     monkeypatch.setattr(gpu_plan, "check_compiler", lambda: None)
+    monkeypatch.setattr("jaxwalk.cli.commands.try_jax", lambda set_here: None)
     monkeypatch.setattr(gpu_plan, "measure_apart", measured)
     return asked
 
@@ -157,6 +158,7 @@ def test_the_tables_say_that_nothing_was_measured(compiled, capsys):
 def machine(monkeypatch):
     """A machine with a GPU, on which one program was measured; a test may take the GPU out."""
     seen = {"platform": "gpu"}
+    monkeypatch.setattr("jaxwalk.cli.commands.try_jax", lambda set_here: None)
 
     def measured(part, settings, environment=None):
         if part == "machine":

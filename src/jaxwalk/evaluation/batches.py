@@ -49,7 +49,7 @@ def evaluate(
         street: the world.
         policies: the policy of each role.
         source: the scenarios.
-        batch: episodes in a batch (default: `episodes_at_once`), of which `AT_ONCE` are in progress at a time; memory
+        batch: episodes in a batch (default: `episodes_at_once`). `AT_ONCE` batches are in progress at a time. Memory
             grows with it, about 0.4 MB per episode of 12 people.
         progress: called after every batch with the number of episodes played so far, and the total.
 

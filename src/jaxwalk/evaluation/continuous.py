@@ -25,7 +25,7 @@ from jaxwalk.sim.scenario import Scenario
 from jaxwalk.sim.trajectory import Trajectory, part_of
 
 NOBODY = -1
-"""In a column: no episode is played."""
+"""In place of an episode's number: nobody plays in this place of the batch."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class _Started:
         return recording(street, self.batch.scenarios, self.batch.numbers, self.endings, columns)
 
     def _whole(self, name: str) -> Shaped[np.ndarray, "frame ..."]:
-        """Return all frames of a column; after its end, an episode repeats its last one."""
+        """Return all frames of a recorded quantity; after its end, an episode repeats its last one."""
         first = self.first[name]
         whole = np.empty((self.endings.length.max() + 1, *first.shape), first.dtype)
         whole[0] = first

@@ -91,8 +91,8 @@ def play(
         scenarios: a batch, arrays ``(..., episode)``.
         keys: one key for each episode; a policy's draws depend only on the key and the step.
         numbers: numbers of the scenarios, for the trajectory's ``scenario`` (default: 0, 1, ...).
-        until: the last step of each episode, unless it ends earlier; such an episode has no ending (default: the
-            horizon).
+        until: the step at which each episode is cut off, unless it has ended before; one that is cut off has no ending
+            (default: the horizon).
 
     Returns:
         Frames up to the longest episode's end. After its own end, an episode repeats its last frame.

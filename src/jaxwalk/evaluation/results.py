@@ -148,7 +148,7 @@ class Results:
     paired_delays: tuple[PairedDelay, ...] = ()
     """The same of delays; in studies only."""
     street: StreetOrigin | None = None
-    """Where it was; None in documents of older versions, as for all that follow."""
+    """Where it was; None in documents of older versions, and what follows is None or empty there."""
     drivers: tuple[PolicyOrigin, ...] = ()
     populations: tuple[PolicyOrigin, ...] = ()
     options: EvaluationOptions | None = None
@@ -163,7 +163,7 @@ class Results:
         raise KeyError(f"no cell for {driver} among {pedestrians}")
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the document. Only ``made`` and ``driver_ms_per_step`` depend on where or when it was made.
+        """Return the document. But for rounding, only ``made`` and ``driver_ms_per_step`` depend on where or when.
 
         Empty parts are left out, and so is each cell's training seed if there are no numbers over seeds.
         """

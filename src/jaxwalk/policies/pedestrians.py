@@ -1,7 +1,8 @@
 """Rule-based pedestrians. Each rule is a `jaxwalk.interfaces.Policy`.
 
 It decides when people cross: whether somebody at the kerb goes or waits. How they cross, on the crosswalk or as a
-jaywalk, is drawn by the simulator (`jaxwalk.sim.pedestrian`), and whoever has nothing to decide must go on.
+jaywalk, is drawn by the simulator (`jaxwalk.sim.pedestrian`). Who isn't at the kerb goes on, but for rules that
+judge the car on the roadway too, such as `GivesWay`.
 """
 
 from __future__ import annotations

@@ -7,9 +7,10 @@
     events.out.*        the same for TensorBoard
     checkpoints/        to resume from
     policy.safetensors  the trained actors, with where they come from
+    watch.html, .js     the progress page, if it was asked for (`jaxwalk.runs.watch`)
     .lock               held by the process that trains
 
-Files are written under another name and renamed when whole.
+Files are written under another name and renamed when whole; lines are added to ``metrics.jsonl`` and ``events.out.*``.
 """
 
 from __future__ import annotations

@@ -28,7 +28,9 @@ from jaxwalk.runs.watchdog import Watchdog
 from jaxwalk.sim.environment import Street
 
 OnUpdate = Callable[[Mapping[str, int | float]], bool | None]
-"""Is called after each update with its line of ``metrics.jsonl``; True ends the training."""
+"""Is called after each update with its line of ``metrics.jsonl``; True ends the training.
+
+By then the next update may have begun: it is made and kept."""
 
 
 class CallbackError(TypeError):

@@ -53,7 +53,7 @@ def make_street(
 
 
 def crowded(street: Street, experiment: Experiment) -> tuple[Street, ...]:
-    """Return the street with each number of people that updates take turns with; alone if there is only one."""
+    """Return the street with each number of people that updates take turns with; without ``crowds``, itself."""
     return tuple(map(street.with_people, experiment.crowds)) or (street,)
 
 

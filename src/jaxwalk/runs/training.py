@@ -133,7 +133,7 @@ def _alone(run: Run, street: Street) -> Iterator[None]:
 
 
 def _losing_no_peer() -> AbstractContextManager[None]:
-    """Return what raises PeerLostError for an error of the connection, if there are other processes."""
+    """Return a context in which an error of the connection is raised as PeerLostError, if there are other processes."""
     return losing_no_peer() if several() else nullcontext()
 
 

@@ -1,1 +1,1 @@
-"""One episode's physics and rules: scenario in, states and events out. Start at `environment.py`."""
+"""The street: scenarios, how everybody moves, what the car perceives, views and rewards. Start at `environment.py`."""

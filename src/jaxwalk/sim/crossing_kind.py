@@ -44,7 +44,7 @@ class LegKind(Kind):
     TO_ZONE = 2
     """The way to the point where a jaywalk begins."""
     ACROSS = 3
-    """The jaywalk: straight across the roadway."""
+    """The jaywalk: across the roadway, in one line."""
 
 
 NO_CROSSING, CROSSWALK, JAYWALK = CrossingKind

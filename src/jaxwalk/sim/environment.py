@@ -79,7 +79,7 @@ class Street(eqx.Module):
 
     @property
     def roles(self) -> Roles[RoleSpec]:
-        """One car with acceleration and steering; people who wait (0) or go (1)."""
+        """One car with acceleration and steering; people who, at every step and anywhere, stand (0) or go (1)."""
         return {"driver": RoleSpec((), Box(2)), "pedestrian": RoleSpec((self.world.rules.pedestrians,), Discrete(2))}
 
     def view(self, role: str, name: str) -> View:
@@ -105,7 +105,7 @@ class Street(eqx.Module):
 
     @eqx.filter_jit
     def reset(self, scenario: Scenario) -> State:
-        """Return car and people at their starts, standing."""
+        """Return car and people at their starts; nobody has moved yet."""
         zero = jnp.zeros_like(scenario.map)
         car, people = vehicle.place(self.world, scenario), pedestrian.place(self.world, scenario)
         knows = first_perceived(self.world, scenario, car, people) if self.world.rules.perception else None

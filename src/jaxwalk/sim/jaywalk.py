@@ -81,7 +81,7 @@ class Zone(NamedTuple):
     clear: Float[Array, "ped *batch"]
     """From the landing along the crossing to the roadway [m]."""
     piece: Float[Array, "ped *batch"]
-    """Length of a piece, half-way between the two sides [m]."""
+    """Length of a piece, measured half-way between this side's line and the opposite side's [m]."""
     line: Callable[[Array], LinePiece]
     """Gives the piece that holds a place."""
 

@@ -18,7 +18,7 @@ from jaxwalk.sim.state import PedestrianState, State, VehicleState
 from jaxwalk.sim.world import Rules, World
 
 DEPTH = 1e-3
-"""An episode ends when car and body overlap by this [m], so that rounding doesn't undo the contact."""
+"""With substeps, an episode ends when car and body overlap by this [m], so that rounding doesn't undo the contact."""
 
 
 class Moved(eqx.Module):
@@ -84,7 +84,7 @@ def _at_contact(rules: Rules, before: Moved, after: Moved) -> Moved:
 
 
 def _between(before: Moved, after: Moved, share: Float[Array, "*batch"]) -> Moved:
-    """Return where everybody is after this share of the way from one moment to another."""
+    """Return where everybody is after this share of a step. Who has begun another leg is where the step ends."""
 
     def mixed(old: Array, new: Array) -> Array:
         return old + share * (new - old)

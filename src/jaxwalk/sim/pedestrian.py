@@ -168,8 +168,8 @@ class _Choice(NamedTuple):
 def _choose(world: World, scenario: Scenario, leg: Leg, hop: Hop) -> _Choice:
     """Decide about crossings (equation 1).
 
-    That is done when a pedestrian begins the last edge before a crossing, or the line of its zone toward it; or at the
-    crossing's landing, if it turns there.
+    People decide when they begin the last edge before a crossing; along a crossing's zone, when they begin to follow
+    its line towards the crossing; and at the landing, if only there they turn to the crossing.
     """
     begins, landed = leg.kind == LegKind.TO_ZONE, leg.kind == LegKind.ACROSS
     done = landed | ((leg.kind == LegKind.CROSSWALK) & ~hop.from_midpoint)

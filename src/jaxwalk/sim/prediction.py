@@ -1,4 +1,4 @@
-"""What the car sees of people, and how close it would come to them if it braked, held its speed or accelerated."""
+"""Where people are for the car now, and how close it would come to them if it braked, held its speed or accelerated."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from jaxwalk.sim.world import World
 T = TypeVar("T")
 
 NEIGHBOURS = 6
-"""The car sees this many people, the nearest ones."""
+"""A view shows this many people, the nearest ones. How close the car would come counts everybody that it perceives."""
 DISTANCE = 60.0
 """Distances in views are divided by this [m]; a neighbour that isn't there stands this far ahead."""
 AWAY = 1e4
@@ -189,7 +189,7 @@ def nearest_people(motion: Motion) -> Motion:
 
 
 def nearest_and(motion: Motion, of_all: Float[Array, "ped *batch"]) -> tuple[Motion, Float[Array, "neighbour *batch"]]:
-    """Return the nearest people as `nearest_people` does, where who stands `AWAY` isn't there, and their values."""
+    """Return the nearest people as `nearest_people` does, but nobody who is `AWAY`, and their part of ``of_all``."""
     absent = nobody(motion.ahead.shape[1:])
     nearest, values = of_nearest(motion, (motion, of_all), (absent, jnp.zeros_like(absent.ahead)))
     return _present(nearest), values

@@ -1,4 +1,7 @@
-"""A scenario holds all random choices of an episode. It is a function of uniform numbers: a point of the unit cube."""
+"""A scenario holds all random choices of the simulator in an episode (policies draw from keys of their own).
+
+One that is drawn is a function of uniform numbers: a point of the unit cube. Scripts have scenarios too.
+"""
 
 from __future__ import annotations
 
@@ -145,11 +148,11 @@ def uniforms(key: Key[Array, ""], count: int) -> Float[Array, " count"]:
 def from_uniforms(world: World, numbers: Float[Array, " count"], like: Scenario | None = None) -> Scenario:
     """Return the scenario at a point of the unit cube: `dimensions` numbers in [0, 1).
 
-    The first two choose map and route. Then come the rows of a table with one column for each pedestrian: start,
-    goals, traits, then one row of jaywalk draws and one of zone draws for each crossing, in the order of `Scenario`.
-    With ``pace_correlation``, the second trait depends on the first one too. Then come those of parking slots, if
-    anybody parks: a vehicle is in a slot if its number is below ``parked``. Then come those of earlier decisions. The
-    last ones are of groups, if there are any: who follows somebody has its numbers, but for the last two traits.
+    The first two choose map and route. Then come the rows of a table with one column for each pedestrian: start, goals,
+    traits, one row of jaywalk draws for each crossing, one of zone draws for each. With ``pace_correlation``, the
+    second trait depends on the first one too. Then come those of parking slots, if anybody parks: a vehicle is in a
+    slot if its number is below ``parked``. Then come those of earlier decisions. The last ones are of groups, if there
+    are any: who follows somebody has that one's numbers, but its own last two traits and earlier decisions.
 
     Args:
         world: gives the tables to choose from.

@@ -83,7 +83,7 @@ class SimConfig:
     """P(jaywalk | decision) = jaywalking tendency x this (equation 1)."""
     kinds: tuple[PersonKind, ...] = ()
     """Kinds of people in shares that are 1 together, by the first trait: the first kind has the lowest ones. Empty:
-    everybody's jaywalking tendency is that trait, and everybody walks at one speed."""
+    everybody's jaywalking tendency is that trait, and its pace follows from the second one alone."""
     pace_correlation: float = 0.0
     """How far people's pace tells of their jaywalking tendency: the correlation r of the normal scores of the first two
     traits, in [-1, 1] (a Gaussian copula; Nelsen 2006). Both stay uniform. Their rank correlation (Spearman's, and so

@@ -33,8 +33,8 @@ CROSSINGS = (1.25, 2.5, 5.0, 10.0, 20.0)
 class Rules(eqx.Module):
     """The numbers of a `SimConfig`, which documents them and their units.
 
-    Another value of an array needs no new compilation, unless ``fastest_walk`` or ``goal_spacing`` changes the length
-    of a scenario's tables, or ``parked`` becomes 0 or stops being 0.
+    Another value of an array needs no new compilation, unless it changes the size of a table (``fastest_walk``,
+    ``goal_spacing``, ``start_clearance`` and ``sight`` can), or ``parked`` becomes 0 or stops being 0.
     """
 
     dt: float = eqx.field(static=True)
