@@ -78,13 +78,15 @@ def pytest_configure(config):
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 
 
-ROOMS = ("cli", "learning", "evaluation", "browser", "runs", "sim", "adapters", "policies", "metrics", "experiments")
-"""Folders of tests that take long, the longest first; workers begin with them."""
+LARGE = ("test_house.py", "testing", "experiments")
+"""What needs most memory at once: workers begin with it, while they are small."""
+LONG = ("cli", "learning", "evaluation", "browser", "runs", "sim", "adapters", "policies", "metrics")
+"""Folders of tests that take long, the longest first; they come next."""
 
 
 def pytest_collection_modifyitems(config, items):
-    """Long rooms first, so that no worker waits for another one in the end; only the part that is asked for."""
-    rank = {room: number for number, room in enumerate(ROOMS)}
+    """Long rooms early, so that no worker waits for another one in the end; only the part that is asked for."""
+    rank = {room: number for number, room in enumerate((*LARGE, *LONG))}
     items.sort(key=lambda item: rank.get(_room(item.nodeid), len(rank)))
     if config.getoption("part"):
         part, parts = map(int, config.getoption("part").split("/"))
