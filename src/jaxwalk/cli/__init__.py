@@ -88,7 +88,7 @@ def _command(arguments: list[str]) -> int:
 def _seldom_collect_garbage() -> None:
     """Let Python look for garbage seldom, and not at the process's end.
 
-    What imports and tracing make stays. To revisit it took 0.3 s until a first update, and 0.5 s at the end.
+    What imports and tracing make stays. To revisit it took 0.2 s until a first update, and 0.5 s at the end.
     """
     gc.set_threshold(GARBAGE)
     atexit.register(gc.freeze)

@@ -92,7 +92,7 @@ def _people(
     end_x, end_y, end = (_point(column, number + 1) for column in (script.path_x, script.path_y, script.path_along))
     divisor = jnp.maximum(end - begin, SHORTEST)
     none = jnp.zeros_like(scenario.start)
-    # A script has no crosswalks and no decisions of the graph: wherever its people are on a roadway, they jaywalk.
+    # Scripted people follow no graph: wherever they are on a roadway, even on a crosswalk, they count as jaywalking.
     leg = Leg(
         end_x=end_x, end_y=end_y, cos=(end_x - x) / divisor, sin=(end_y - y) / divisor, length=end - begin,
         kind=none + LegKind.SIDEWALK, node=none, side=none, begin=jnp.zeros_like(along),

@@ -91,7 +91,7 @@ class PedestrianState(eqx.Module):
     remaining: Float[Array, "ped *batch"]
     """Metres left of the leg."""
     going: Bool[Array, "ped *batch"]
-    """Whether it walked in the last step; True at the start."""
+    """Whether it walked in the last step; at the start, True but for scripted people who wait."""
     on_roadway: Bool[Array, "ped *batch"]
     """Whether it is between the kerbs."""
     on_crosswalk: Bool[Array, "ped *batch"]
