@@ -141,29 +141,47 @@ ARENAS, _M_ARENA_MAX = 2, -8
 
 
 class Relief:
-    """Keeps a process small: gives freed memory back, and forgets compiled programs when they take too much."""
+    """Keeps a process small: gives freed memory back, and forgets compiled programs when they take too much.
 
-    TRIM, FORGET, GROWTH = 75, 1000, 250
-    """In MB: growth after which freed memory is given back; size above which programs are forgotten, if the process has
-    grown by that much since it last forgot them (fixtures stay, and what they need isn't worth compiling again)."""
+    Rather at the end of a file than within it: the next file needs fewer of the programs, and fixtures are gone.
+    """
+
+    TRIM = 75
+    """Growth after which freed memory is given back, in MB."""
+    FILE_ENDS, WITHIN_FILE = (900, 120), (1050, 250)
+    """Size above which programs are forgotten, in MB, if the process has grown by that much since it last forgot them
+    (what stays then are libraries and fixtures)."""
 
     def __init__(self) -> None:
-        self.trimmed, self.forgot = memory(), 0.0
+        self.trimmed, self.forgot, self.file_ended = memory(), 0.0, 0.0
         name = ctypes.util.find_library("c") if sys.platform == "linux" else None
         library = ctypes.CDLL(name) if name else None
         self.trim = getattr(library, "malloc_trim", None)
         if library is not None and hasattr(library, "mallopt"):
             library.mallopt(_M_ARENA_MAX, ARENAS)
+        jax.monitoring.register_event_duration_secs_listener(self._took)
 
-    @pytest.hookimpl(trylast=True)
-    def pytest_runtest_logfinish(self) -> None:
-        if memory() > self.trimmed + self.TRIM:
-            self._give_back()
-        if self.trimmed > max(self.FORGET, self.forgot + self.GROWTH):
+    def _took(self, event: str, seconds: float, **_: str | int) -> None:
+        if _DURATIONS.get(event) == "compile":
+            self._shrink()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None):
+        done = yield
+        self._shrink()
+        if nextitem is None or nextitem.path != item.path:
+            if self._grew(self.file_ended, *self.FILE_ENDS):
+                self._forget()
+                self.file_ended = self.forgot
+        elif self._grew(self.forgot, *self.WITHIN_FILE):
             self._forget()
+        return done
 
     def pytest_collection_finish(self) -> None:
         _settle()
+
+    def _grew(self, last: float, size: float, growth: float) -> bool:
+        return self.trimmed > max(size, last + growth)
 
     def _forget(self) -> None:
         FORGOTTEN.append(memory())
@@ -171,6 +189,10 @@ class Relief:
         _settle()
         self._give_back()
         self.forgot = self.trimmed
+
+    def _shrink(self) -> None:
+        if memory() > self.trimmed + self.TRIM:
+            self._give_back()
 
     def _give_back(self) -> None:
         if self.trim is not None:
@@ -191,7 +213,7 @@ FORGOTTEN: list[float] = []
 def peak_memory() -> float:
     """Return the largest size that this process ever had, in MB."""
     size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return size / (1e6 if sys.platform == "darwin" else 1e3)
+    return size * (1 if sys.platform == "darwin" else 1024) / 1e6
 
 
 def memory() -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 
 from website.repository import ROOT
@@ -68,7 +68,7 @@ class PublicName:
         return f"{self.home}.{self.name}"
 
 
-@cache
+@lru_cache(maxsize=32)  # all trees together take 100 MB
 def tree_of(module: str) -> ast.Module:
     """Return the syntax tree of a module."""
     return ast.parse(file_of(module).read_text(encoding="utf-8"))
