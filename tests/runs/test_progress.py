@@ -24,13 +24,15 @@ def test_a_new_plan_counts_from_there(monkeypatch):
         clock[0] = float(second)
         shown.begin(second)
         shown.show(second, {})
+    shown.restart(40)
     shown.restart(50)
     for second, updates in ((40, 44), (42, 45), (50, 49)):
         clock[0] = float(second)
         shown.begin(updates)
     shown.show(50, {})
     rates = [float(rate) for rate in re.findall(r"([\d.]+) k steps/s", out.getvalue())]
-    assert "50 updates planned, not 100, to end in time" in out.getvalue()
+    assert "40 updates planned, not 100, to end in time" in out.getvalue()
+    assert "50 updates planned, not 40, as there is time for them" in out.getvalue()
     assert rates == [1.0, 0.5]
 
 

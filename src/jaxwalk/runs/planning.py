@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
+from collections import deque
 from dataclasses import replace
 
 import equinox as eqx
@@ -16,8 +18,9 @@ from jaxwalk.runs.session import Session
 TRIAL_SECONDS, TRIAL_CYCLES = 3.0, 4
 """The rate is measured over at least this many seconds and cycles; their updates are then discarded. A cycle is one
 update, or one with each number of people."""
-OVERRUN = 1.1
-"""A plan that turns out to take more than this many times its minutes is shortened."""
+OVERRUN, WINDOW = 1.1, 0.2
+"""A plan is shortened if it would take more than this many times the time that is left, and lengthened again if that
+would fit, by the pace of the newest updates: this share of the first plan."""
 
 
 def with_plan(learner: Learner, updates: int) -> Learner:
@@ -40,7 +43,7 @@ def plan_by_time(session: Session, learner: Learner, limit: float) -> Learner:
 
     The rate is measured on updates that are discarded, so the run equals one for which that number of updates was
     asked, on any machine. The quickest cycle counts, since other work may slow some down: a plan that is too long is
-    shortened later, one that is too short would stay. Of several processes, the first one measures for all.
+    shortened later, one that is too short stays (`UpdatePlan`). Of several processes, the first one measures for all.
     """
     trial = _cycle(session, learner)  # compiles here
     times: list[float] = []
@@ -67,16 +70,29 @@ def _cycle(session: Session, learner: Learner) -> Learner:
     return learner
 
 
-def shortened(planned: int, made: int, *, each: float, left: float) -> int | None:
-    """Return a smaller number of updates if the planned one would overrun its time; None if it would not.
+class UpdatePlan:
+    """The number of updates that a session plans to have made: fewer while the machine is too slow for its time."""
 
-    Args:
-        planned: updates planned for this session.
-        made: those already made by it.
-        each: time of an update so far [s].
-        left: time that is left [s].
-    """
-    overruns = (planned - made) * each > OVERRUN * max(left, 0.0) + each
-    if made < 0.2 * planned or made >= planned or not overruns:
-        return None
-    return made + max(1, int(left / each))
+    def __init__(self, made: int, planned: int) -> None:
+        """Begin after ``made`` updates; ``planned`` is the most that it will ever be."""
+        self.updates = self._most = planned
+        window = max(1, math.ceil(WINDOW * (planned - made)))
+        self._newest = deque([(made, time.monotonic())], maxlen=window + 1)
+        """Numbers of updates made, and when that was so [s]."""
+
+    def follow(self, made: int, left: float) -> int:
+        """Return the number planned from now on. Call it once for each update; ``left`` is the time that is left [s].
+
+        It is what fits, if the number planned would overrun its time, or if more would fit after it was shortened.
+        """
+        self._newest.append((made, time.monotonic()))
+        (before, then), (_, now) = self._newest[0], self._newest[-1]
+        if len(self._newest) < (self._newest.maxlen or 0) or not before < made < self.updates:
+            return self.updates
+        each = max(now - then, 1e-9) / (made - before)
+        needed = (self.updates - made) * each
+        too_long = needed > OVERRUN * max(left, 0.0) + each
+        too_short = self.updates < self._most and OVERRUN * needed + each < left
+        if too_long or too_short:
+            self.updates = min(self._most, made + max(1, int(left / each)))
+        return self.updates

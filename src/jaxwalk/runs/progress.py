@@ -104,10 +104,11 @@ class TrainingProgress:
             self._bar.stop()
 
     def restart(self, planned: int) -> None:
-        """Take a new plan, and restart the count of time and updates. Say so if the plan is shortened on the way."""
+        """Take a new plan, and restart the count of time and updates. Say so if the plan changes on the way."""
         before, made = self._pace.planned, self._pace.made
-        if made and planned < before:
-            self._display.say(f"{self._display.name}: {planned:,} updates planned, not {before:,}, to end in time")
+        if made and planned != before:
+            why = "to end in time" if planned < before else "as there is time for them"
+            self._display.say(f"{self._display.name}: {planned:,} updates planned, not {before:,}, {why}")
         self._pace.restart(planned)
         self._bar.reset(self._task, total=planned, completed=self._pace.made, news="")
 

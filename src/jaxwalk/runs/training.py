@@ -25,7 +25,7 @@ from jaxwalk.runs.kept_archives import archive_hashes, said_of_archives
 from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
 from jaxwalk.runs.peer_lost import losing_no_peer
-from jaxwalk.runs.planning import plan_by_time, replan, shortened, with_plan
+from jaxwalk.runs.planning import UpdatePlan, plan_by_time, replan, with_plan
 from jaxwalk.runs.progress import Display, Pace, TrainingProgress
 from jaxwalk.runs.session import OnUpdate, Routine, Session
 from jaxwalk.runs.stop import Stop
@@ -240,15 +240,14 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
     """Make update after update; fetch the metrics of each one while the next one runs."""
     waiting: tuple[Any, int, Learner] | None = None
     done = int(learner.updates)
-    begun, first, planned, end = time.monotonic(), done, int(learner.planned), session.routine.end
+    planned, end = int(learner.planned), session.routine.end
+    plan = UpdatePlan(done, planned)
 
     def wishes() -> tuple[int, int, int]:
         if not is_first():
             return session.stop.requested, False, 0
-        each = (time.monotonic() - begun) / max(done - first, 1)
-        shorter = shortened(planned - first, done - first, each=each, left=limit - session.seconds)
         due = time.monotonic() - session.saved > session.routine.checkpoint_seconds
-        return session.stop.requested, due, planned if shorter is None else first + shorter
+        return session.stop.requested, due, plan.follow(done, limit - session.seconds)
 
     stops = any(ask(lambda: [session.stop.requested])())
     while done < end(planned) and not stops and (several() or not session.stop.requested):  # alone, asked once more
@@ -264,7 +263,7 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
             session.record(*waiting)
             waiting = None
             session.save(learner)
-        if fitting < planned:
+        if fitting != planned:
             planned = fitting
             learner = replan(session, learner, planned)
     if waiting:
