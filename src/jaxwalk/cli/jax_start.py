@@ -16,7 +16,7 @@ from pathlib import Path
 from jaxwalk.cli.group import Group, join, take_cores
 from jaxwalk.provenance import commit, cores
 from jaxwalk.runs.folder import RunError, check_writable
-from jaxwalk.runs.peer_lost import losing_no_peer
+from jaxwalk.runs.peer_lost import explaining_lost_peers
 
 OWN_ADDRESS = "gloo/transport/tcp/device.cc"
 """Where JAX looks up the address of the machine's own name, as an error of it says."""
@@ -78,7 +78,7 @@ def start_jax(set_here: set[str], group: Group | None = None) -> None:
     if group is not None:
         os.environ[DEVICES] = str(group.devices)
     threading.Thread(target=commit, daemon=True).start()  # the one that results will name; git answers meanwhile
-    with losing_no_peer() if group is not None else nullcontext(), _explained(set_here):
+    with explaining_lost_peers() if group is not None else nullcontext(), _explained(set_here):
         with _flags_are_read():
             import jax
         if group is not None:

@@ -16,7 +16,7 @@ class PeerLostError(RunError):
 
 
 @contextmanager
-def losing_no_peer() -> Iterator[None]:
+def explaining_lost_peers() -> Iterator[None]:
     """Raise PeerLostError for an error of the connection to another process. JAX raises many kinds."""
     try:
         yield

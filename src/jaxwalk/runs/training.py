@@ -24,7 +24,7 @@ from jaxwalk.runs.folder import MetricsLog, NoLog, Run, RunError
 from jaxwalk.runs.kept_archives import archive_hashes, said_of_archives
 from jaxwalk.runs.kept_maps import MAPS, keep_maps
 from jaxwalk.runs.lock import held
-from jaxwalk.runs.peer_lost import losing_no_peer
+from jaxwalk.runs.peer_lost import explaining_lost_peers
 from jaxwalk.runs.planning import UpdatePlan, plan_by_time, replan, with_plan
 from jaxwalk.runs.progress import Display, Pace, TrainingProgress
 from jaxwalk.runs.session import OnUpdate, Routine, Session
@@ -105,9 +105,9 @@ def train_in(
     shown = display or Display()
     street = street or make_street(run.experiment, run.maps(shown.say), run.archives)
     if not is_first():
-        with _losing_no_peer():
+        with _explaining_lost_peers():
             return _train(run, street, resume, Display(Console(quiet=True)), Routine(60 * checkpoint_minutes))
-    with _alone(run, street), _losing_no_peer():
+    with _alone(run, street), _explaining_lost_peers():
         return _train(run, street, resume, shown, Routine(60 * checkpoint_minutes, on_update))
 
 
@@ -132,14 +132,14 @@ def _alone(run: Run, street: Street) -> Iterator[None]:
         yield
 
 
-def _losing_no_peer() -> AbstractContextManager[None]:
+def _explaining_lost_peers() -> AbstractContextManager[None]:
     """Return a context in which an error of the connection is raised as PeerLostError, if there are other processes."""
-    return losing_no_peer() if several() else nullcontext()
+    return explaining_lost_peers() if several() else nullcontext()
 
 
 def meet() -> None:
     """Wait until every process of the training is here. Raises PeerLostError if one can't be reached."""
-    with _losing_no_peer():
+    with _explaining_lost_peers():
         wait_for_all()
 
 
